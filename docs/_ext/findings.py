@@ -16,6 +16,7 @@ PARTS = {
     "fill": "Filling",
     "kinematics": "Joint angles",
     "sensitivity": "Error budget",
+    "plan": "Plan of cameras",
 }
 """Heading of each stage."""
 

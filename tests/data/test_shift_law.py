@@ -37,7 +37,8 @@ NO_POSITIONS = {
         calibrate.rows_of_points calibrate.straightness calibrate.thinned calibrate.unknown_optics
         calibrate.wand_points detect.combined_masks detect.detect detect.detect_frames detect.detect_nearest
         detect.detect_scanning detect.learn_masks detect.propose digitise.clicked digitise.identified
-        digitise.find_markers digitise.nearest_free io.open_images io.read_da io.read_da_set io.read_detections_csv
+        digitise.find_markers digitise.nearest_free digitise.threshold_of io.open_images io.read_da io.read_da_set
+        io.read_detections_csv
         io.read_rf io.write_da io.write_detections_csv io.write_rf""",
     "cameras found from images alone, in a world of their own": """
         calibrate.calibrate_points calibrate.calibrate_sticks calibrate.calibrate_wand calibrate.start""",
@@ -48,7 +49,7 @@ NO_POSITIONS = {
         data.images_of data.matches_of digitise.identified_matches digitise.identified_tracks geometry.check_cameras
         signal.assign signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
-        fill.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
+        signal.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
         gait.five_point gait.five_point_slope gait.gait_curves
         geometry.polar_rotations io.read_angles io.write_angles kinematics.cycles
         data.outside kinematics.inverse_cosines kinematics.principal kinematics.resampled kinematics.spans_of
@@ -63,7 +64,8 @@ NO_POSITIONS = {
         io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da
-        engine.answered engine.beside_key engine.identifies engine.propose_session engine.recorded_beside
+        engine.answered engine.beside_key engine.earlier_calibrations engine.last_calibration engine.with_facts
+        engine.identifies engine.propose_session engine.recorded_beside
         engine.session_text engine.with_role
         engine.write_first_session engine.method_of engine.methods_text engine.check_camera_names
         engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself

@@ -179,20 +179,63 @@ def test_the_reference_marker_is_confirmed_where_that_is_wanted():
     }
 
 
-def test_a_refused_reference_marker_is_pointed_at():
-    paths, shift = shifted(straight(4))
-    m, images = method(3, reference="m3", confirm_reference=True), film(paths)
-    state = begin(4, images, method=m)
+def third_frame(paths, m, images):
+    """The state after two frames were digitised by hand."""
+    state = begin(paths.shape[1], images, method=m)
     for f in range(2):
         for place in paths[:, f]:
             state = advance(state, Point(*np.rint(place)), images, method=m)
         state = advance(state, Accept(), images, method=m)
+    return state
+
+
+def test_a_refused_reference_marker_is_pointed_at_and_asked_about_again():
+    paths, shift = shifted(straight(4))
+    m, images = method(3, reference="m3", confirm_reference=True), film(paths)
+    state = third_frame(paths, m, images)
     assert state.phase is DigitisingPhase.REFERENCE
     state = advance(state, No(), images, method=m)
     assert (state.phase, state.marker) == (DigitisingPhase.POINT, 2)
+    for wrong in paths[:2, 2]:  # pointed at another marker, which the next question shows
+        state = advance(state, Point(*np.rint(wrong)), images, method=m)
+        assert (state.phase, question_of(state, method=m).name) == (DigitisingPhase.REFERENCE, "m3")
+        np.testing.assert_allclose(question_of(state, method=m).uv, wrong, atol=0.02)
+        state = advance(state, No(), images, method=m)
+        assert (state.phase, state.marker) == (DigitisingPhase.POINT, 2)
     state = advance(state, Point(*np.rint(paths[2, 2])), images, method=m)
+    assert state.phase is DigitisingPhase.REFERENCE and (state.draft.found[:2] == MarkerStatus.OPEN).all()
+    state = advance(state, Yes(), images, method=m)
     assert state.phase is DigitisingPhase.REVIEW
     np.testing.assert_allclose(state.draft.shift, shift[2], atol=0.02)
+
+
+def test_a_reference_marker_that_is_not_present_is_not_asked_about_again():
+    paths, shift = shifted(straight(4))
+    m, images = method(3, reference="m3", confirm_reference=True), film(paths)
+    state = third_frame(paths, m, images)
+    state = advance(advance(state, No(), images, method=m), Absent(), images, method=m)
+    assert state.phase is DigitisingPhase.REVIEW
+    np.testing.assert_allclose(state.draft.shift, shift[1], atol=0.02)
+
+
+def test_what_is_said_after_the_last_frame_is_gone_through_again():
+    """A frame is looked at again when all are saved; the same answers lead there by themselves."""
+    paths, m, said = straight(3), method(2), []
+    saying = [Revisit(1), Verify(), No(), Point(50.0, 51.0), Yes(), Accept(), Undo(), Accept()]
+
+    def operator(question, state):
+        return Shown(paths)(question, state) if None in state.saved else saying.pop(0)
+
+    state = drive(
+        operator, film(paths), n_frames=3, method=m, reopened=lambda question: bool(saying),
+        on_answer=lambda question, answer: said.append(given(question, answer)),
+    )  # fmt: skip
+    np.testing.assert_array_equal(state.saved[1].uv[0], [50.0, 51.0])
+    replay = Replay(said)
+    again = drive(replay, film(paths), n_frames=3, method=m, reopened=replay.goes_on)
+    assert replay.unused == 0
+    for one, other in zip(state.saved, again.saved, strict=True):
+        assert same(one, other)
 
 
 # ---- Saving, going back ----

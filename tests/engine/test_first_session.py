@@ -1,5 +1,6 @@
 """`kinemark init`: a folder's recordings propose its first session.toml."""
 
+import io
 import shutil
 import subprocess
 import sys
@@ -216,3 +217,18 @@ def test_a_bts_file_is_trial_and_calibration(tmp_path):
     assert settings.calibration.way == "file"
     assert len(settings.cameras.names) == 7
     assert settings.rate_hz == 250
+
+
+def test_at_a_terminal_roles_are_confirmed_and_questions_asked(waved, monkeypatch, capsys):
+    """What is typed goes into the file; what is no answer is asked again."""
+    from kinemark.apps.commands.new_session import init
+
+    typed = io.StringIO("9 wand\n2 king\n2 static\n\nmany\n500\n\n")
+    typed.isatty = lambda: True
+    monkeypatch.setattr("sys.stdin", typed)
+    found = [one.path for one in propose_session(waved).recordings]
+    init(waved)
+    said = capsys.readouterr().out
+    assert "from 1 to 3" in said and "'king' is no role" in said and "is not made of numbers" in said
+    text = (waved / "session.toml").read_text("utf-8")
+    assert "static" in text and "lengths_mm = [500]" in text and "# ? l_frame" in text, found

@@ -11,12 +11,15 @@ from kinemark.engine.trial_angles import AngleSettings, trial_angles
 from kinemark.fill import Linear, fill
 from kinemark.findings.calibration_quality import calibration_figures
 from kinemark.findings.gaps import filling_figures
+from kinemark.findings.plan_figures import plan_figures
 from kinemark.findings.sensitivity_figures import sensitivity_figures
 from kinemark.io.model_toml import load_model
+from kinemark.planning import Planning, Room, Sensor, plan_cameras
 from kinemark.report.angles_page import angles_page
 from kinemark.report.calibration_page import calibration_page
 from kinemark.report.filling_page import filling_page
 from kinemark.report.page import page as report_page
+from kinemark.report.plan_page import plan_page
 from kinemark.report.sensitivity_page import sensitivity_page
 from kinemark.sensitivity import rank
 from kinemark.synth import arm
@@ -87,7 +90,23 @@ def sensitivity(name):
     return sensitivity_page(figures=figures, ranking=ranking, rig=rig)
 
 
-PAGES = {"report": report, "calibration": calibration, "gaps": gaps, "angles": angles, "sensitivity": sensitivity}
+def plan(name):
+    """The page of a plan, whose cameras have such names."""
+    room = Room(np.array([[0.0, 0.0, 0.0], [1500.0, 1000.0, 1500.0]]), (2000.0, 2000.0), (1800.0, 1800.0))
+    found = plan_cameras(room, Sensor(), Planning(cameras=3))
+    cameras = tuple(replace(camera, name=f"{name}{c}") for c, camera in enumerate(found.rig))
+    found = found._replace(rig=Rig(cameras, name, found.rig.volume))
+    return plan_page(figures=plan_figures(found), plan=found)
+
+
+PAGES = {
+    "report": report,
+    "calibration": calibration,
+    "gaps": gaps,
+    "angles": angles,
+    "sensitivity": sensitivity,
+    "plan": plan,
+}
 """Every page that Kinemark writes: a function of the name that everything in it has."""
 
 

@@ -8,7 +8,7 @@ from pathlib import Path as Folder
 import numpy as np
 
 import kinemark
-from kinemark import geometry, synth
+from kinemark import geometry, planning, synth
 from kinemark.data import Trial
 from kinemark.engine.calibration import calibrate, rig_of_dlt
 from kinemark.fill import Linear
@@ -147,6 +147,18 @@ def _(by):
     images = list(synth.film(camera, few))
     alone = synth.render(camera, subject.xyz[:, 0], subject.radius_mm, capsules=subject.capsules)
     return Answer(rest=(images, alone, list(synth.interlace(images))))
+
+
+@law(planning.plan_cameras, planning.predict, planning.walks, mm=1e-6, share=1e-5)
+def _(by):
+    """One height and distance, so that few candidates are judged."""
+    room = planning.Room(VOLUME + by, (2000.0, 2000.0), (2000.0, 2000.0))
+    plan = planning.plan_cameras(room, planning.Sensor(), planning.Planning(cameras=3))
+    bodies = planning.walks(room, diameter_mm=14.0)
+    sizes = {"diameter_mm": 14.0, "least_px": 2.5, "centroid_sd": 0.1}
+    again = planning.predict(plan.rig, room, bodies, **sizes)
+    rest = (plan.prediction.body, again.volume.sd, again.body, [camera.R for camera in plan.rig])
+    return Answer((plan.rig.centres, plan.following.centre, bodies[0].xyz, bodies[1].xyz), rest)
 
 
 @law(synth.ring, synth.look_at, synth.place_camera, mm=1e-6)

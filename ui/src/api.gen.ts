@@ -64,6 +64,246 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/recordings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Folders
+         * @description Folders that hold recordings and no session.
+         */
+        get: operations["get_folders_api_recordings_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings/{folder}/proposal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Proposal
+         * @description What a folder's recordings propose, with what was said; nothing is written.
+         */
+        post: operations["post_proposal_api_recordings__folder__proposal_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings/{folder}/session": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Session
+         * @description Write the first session.toml, never over one that is there.
+         */
+        post: operations["post_session_api_recordings__folder__session_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/calibrate": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Calibrate
+         * @description Calibrate the cameras.
+         */
+        post: operations["post_calibrate_api_sessions__session__calibrate_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/calibration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Page
+         * @description The page of the last calibration, with all that it draws with.
+         */
+        get: operations["get_page_api_sessions__session__calibration_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/cameras": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Cameras
+         * @description How the cameras are calibrated, and how good that is.
+         */
+        get: operations["get_cameras_api_sessions__session__cameras_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/control": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Control
+         * @description Control balls, and what was said of them.
+         */
+        get: operations["get_control_api_sessions__session__control_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/control/{camera}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Ball
+         * @description Say where a camera sees a ball.
+         */
+        post: operations["post_ball_api_sessions__session__control__camera__post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/control/{camera}/image": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Control Image
+         * @description A camera's image of the control balls.
+         */
+        get: operations["get_control_image_api_sessions__session__control__camera__image_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/control/{camera}/white": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get White Pixels
+         * @description What can be pointed at in it by a threshold.
+         */
+        get: operations["get_white_pixels_api_sessions__session__control__camera__white_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/numbers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Numbers
+         * @description State numbers of the calibration anew, in session.toml.
+         */
+        post: operations["post_numbers_api_sessions__session__numbers_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/threshold": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Threshold
+         * @description Say which pixels are white, in session.toml.
+         */
+        post: operations["post_threshold_api_sessions__session__threshold_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}": {
         parameters: {
             query?: never;
@@ -104,6 +344,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/angles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Angles
+         * @description The angles of a trial, taken as is said; nothing is written.
+         */
+        post: operations["post_angles_api_trials__trial__angles_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/angles/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Euler
+         * @description Write the three Euler files, never over what was given.
+         */
+        post: operations["post_euler_api_trials__trial__angles_export_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/angles/spike": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Spike
+         * @description The frame, marker and image that made an angle leap.
+         */
+        post: operations["post_spike_api_trials__trial__angles_spike_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}/cameras/{camera}/{frame}": {
         parameters: {
             query?: never;
@@ -118,6 +418,86 @@ export interface paths {
         get: operations["get_crop_api_trials__trial__cameras__camera___frame__get"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Detection
+         * @description How markers are detected, as the session says it.
+         */
+        get: operations["get_detection_api_trials__trial__detect_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Apply
+         * @description Write what was tried into the session, whose trials are stale then.
+         */
+        post: operations["post_apply_api_trials__trial__detect_apply_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect/frame": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Frame
+         * @description What would be found in a frame; nothing is written.
+         */
+        post: operations["post_frame_api_trials__trial__detect_frame_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect/why": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Why
+         * @description Why there is a marker or none at a place; nothing is written.
+         */
+        post: operations["post_why_api_trials__trial__detect_why_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -159,6 +539,94 @@ export interface paths {
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Digitising
+         * @description Where the operator is.
+         */
+        get: operations["get_digitising_api_trials__trial__digitise_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Answer
+         * @description Answer the question that is asked; 409 where somebody else has.
+         */
+        post: operations["post_answer_api_trials__trial__digitise_answers_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise/frames/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Saved
+         * @description What is saved of a frame of the camera whose turn it is.
+         */
+        get: operations["get_saved_api_trials__trial__digitise_frames__frame__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise/setup": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Setup
+         * @description What may be chosen before the first answer.
+         */
+        get: operations["get_setup_api_trials__trial__digitise_setup_get"];
+        put?: never;
+        /**
+         * Post Setup
+         * @description Name the markers, as long as nothing was answered; written into the session.
+         */
+        post: operations["post_setup_api_trials__trial__digitise_setup_post"];
+        /**
+         * Delete Setup
+         * @description Nobody digitises the trial, as long as nothing was answered.
+         */
+        delete: operations["delete_setup_api_trials__trial__digitise_setup_delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -316,6 +784,26 @@ export interface paths {
          * @description Samples as `PathsHeader` says; all trajectories where none is named.
          */
         get: operations["get_paths_api_trials__trial__paths_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/pictures/{camera}/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Picture
+         * @description The whole image of a camera in a frame, as it was recorded; deeper ones as 8 bits.
+         */
+        get: operations["get_picture_api_trials__trial__pictures__camera___frame__get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -496,6 +984,248 @@ export interface components {
             problem: string;
         };
         /**
+         * AngleChoice
+         * @description How angles are taken; what is null is as the session says, or as fits.
+         */
+        AngleChoice: {
+            /** Cutoff Hz */
+            cutoff_hz?: number | null;
+            /** Cycle Event */
+            cycle_event?: string | null;
+            /** Cycle Side */
+            cycle_side?: string | null;
+            /** Inverse Cosines */
+            inverse_cosines?: boolean | null;
+            /** Model */
+            model?: string | null;
+            /** Side */
+            side?: ("right" | "left") | null;
+            /** Smoothing */
+            smoothing?: ("none" | "butterworth" | "woltring") | null;
+        };
+        /**
+         * AngleCurve
+         * @description One angle of a joint, deg, frame by frame: value and standard deviation; `normal` is the range of its joint.
+         */
+        AngleCurve: {
+            cycles: components["schemas"]["CycleCurve"] | null;
+            /** Deg */
+            deg: string;
+            /** Name */
+            name: string;
+            /** Negative */
+            negative: string;
+            /** Normal */
+            normal: [
+                number,
+                number
+            ] | null;
+            /** Positive */
+            positive: string;
+            /** Sd */
+            sd: string;
+            /** Turn */
+            turn: number;
+        };
+        /**
+         * AnglesShown
+         * @description The joint angles of a trial; `words` say why there are none, where there are none.
+         */
+        AnglesShown: {
+            chosen: components["schemas"]["AngleChoice"];
+            /**
+             * Euler
+             * @default false
+             */
+            euler: boolean;
+            /** Events */
+            events?: components["schemas"]["EventKind"][];
+            /** Findings */
+            findings?: components["schemas"]["FindingRow"][];
+            /** First Frame */
+            first_frame: number;
+            /** Head */
+            head: string;
+            /**
+             * Headline
+             * @default
+             */
+            headline: string;
+            /** Joints */
+            joints?: components["schemas"]["JointShown"][];
+            /** Limb */
+            limb?: components["schemas"]["LimbPoint"][];
+            /** Links */
+            links?: [
+                number,
+                number
+            ][];
+            /** Models */
+            models: components["schemas"]["ModelRow"][];
+            /** N Frames */
+            n_frames: number;
+            /** Rate */
+            rate: number;
+            /** Sentences */
+            sentences?: string[];
+            /** Tables */
+            tables?: components["schemas"]["TableRows"][];
+            /** Words */
+            words: string;
+        };
+        /**
+         * AnswerBody
+         * @description An answer, of whoever sees so many answers kept of this camera.
+         */
+        AnswerBody: {
+            /** Camera */
+            camera: string;
+            /** Kept */
+            kept: number;
+            /** Said */
+            said: components["schemas"]["PointSaid"] | components["schemas"]["FrameSaid"] | components["schemas"]["PlainSaid"];
+        };
+        /**
+         * Asked
+         * @description What no file tells. Numbers from `least` to `most`, or one of `choices`; `wrong` says why an answer is none.
+         */
+        Asked: {
+            /** Answer */
+            answer: string;
+            /** Choices */
+            choices: string[];
+            /** Key */
+            key: string;
+            /** Least */
+            least: number;
+            /** Most */
+            most: number;
+            /** Optional */
+            optional: boolean;
+            /** Words */
+            words: string;
+            /** Wrong */
+            wrong: string;
+        };
+        /**
+         * BallBody
+         * @description What is said of a ball, or of the reference marker: a click, `seen` false, a file, or that it is taken back.
+         */
+        BallBody: {
+            /** File */
+            file?: string | null;
+            /**
+             * Forget
+             * @default false
+             */
+            forget: boolean;
+            /** Inverted */
+            inverted?: boolean | null;
+            /** Point */
+            point: string;
+            /**
+             * Seen
+             * @default true
+             */
+            seen: boolean;
+            /** Threshold */
+            threshold?: number | null;
+            /** U */
+            u?: number | null;
+            /** V */
+            v?: number | null;
+        };
+        /**
+         * BallPlace
+         * @description Where an operator said that a camera sees a ball, px; `seen` is null where it was not asked yet.
+         */
+        BallPlace: {
+            /** Point */
+            point: string;
+            /** Seen */
+            seen?: boolean | null;
+            /** U */
+            u?: number | null;
+            /** V */
+            v?: number | null;
+        };
+        /**
+         * CalibrationShown
+         * @description A calibration with its judgement; `made` is local time; `current` whether a run would take it as it is.
+         */
+        CalibrationShown: {
+            /** Cameras */
+            cameras: components["schemas"]["CameraRow"][];
+            /** Current */
+            current: boolean;
+            /** Findings */
+            findings: components["schemas"]["FindingRow"][];
+            /**
+             * Grade
+             * @enum {string}
+             */
+            grade: "green" | "amber" | "red";
+            /** Headline */
+            headline: string;
+            /** Made */
+            made: string;
+            map: components["schemas"]["ErrorMap"];
+            /** Residual Px */
+            residual_px: {
+                [key: string]: number | null;
+            };
+            /** Sentences */
+            sentences: string[];
+            /** Tables */
+            tables: components["schemas"]["TableRows"][];
+            /** Tiles */
+            tiles: components["schemas"]["TileRow"][];
+            /** Volume */
+            volume: [
+                [
+                    number,
+                    number,
+                    number
+                ],
+                [
+                    number,
+                    number,
+                    number
+                ]
+            ];
+            /** Way */
+            way: string;
+        };
+        /**
+         * CameraFound
+         * @description What is found in a camera's image; `limits` as they were used, `refused` why nothing could be.
+         *
+         *     `histogram` counts pixels by 256 grey levels; threshold in these.
+         */
+        CameraFound: {
+            /** Ground */
+            ground: boolean;
+            /** Histogram */
+            histogram: number[];
+            /** Inverted */
+            inverted: boolean;
+            /** Limits */
+            limits: {
+                [key: string]: number;
+            };
+            /** Marks */
+            marks: components["schemas"]["Mark"][];
+            /** Name */
+            name: string;
+            /**
+             * Refused
+             * @default
+             */
+            refused: string;
+            /** Threshold */
+            threshold: number | null;
+        };
+        /**
          * CameraRow
          * @description A camera: x_cam = R X + t; K and distortion (k1 k2 p1 p2 k3) lead to px; (0, 0) is the first pixel's centre.
          */
@@ -619,6 +1349,201 @@ export interface components {
             v: number;
         };
         /**
+         * Control
+         * @description Control points in the images; `file` is where answers are kept, `reference_files` where marks may be read.
+         */
+        Control: {
+            /** Cameras */
+            cameras: components["schemas"]["ControlCamera"][];
+            /** File */
+            file: string;
+            /** Points */
+            points: components["schemas"]["ControlPoint"][];
+            /** Reference */
+            reference: string;
+            /** Reference Files */
+            reference_files: string[];
+        };
+        /**
+         * ControlCamera
+         * @description The image of a camera, how its white pixels are found, and what was said of the balls in it, in their order.
+         */
+        ControlCamera: {
+            /** Balls */
+            balls: components["schemas"]["BallPlace"][];
+            /** Height */
+            height: number;
+            /** Inverted */
+            inverted: boolean;
+            /** Name */
+            name: string;
+            reference: components["schemas"]["BallPlace"];
+            /** Threshold */
+            threshold: number | null;
+            /** Width */
+            width: number;
+        };
+        /**
+         * ControlPoint
+         * @description A control point at its measured place, mm.
+         */
+        ControlPoint: {
+            /** Name */
+            name: string;
+            /** Xyz */
+            xyz: [
+                number,
+                number,
+                number
+            ];
+        };
+        /**
+         * CycleCurve
+         * @description An angle over cycles of 0 to 100 % in 101 points, deg: mean, standard deviation, and each cycle [n, 101].
+         */
+        CycleCurve: {
+            /** Each */
+            each: string;
+            /** Mean */
+            mean: string;
+            /** N */
+            n: number;
+            /** Spread */
+            spread: string;
+        };
+        /**
+         * DetectCamera
+         * @description A camera: its images, what `[detect.cameras.NAME]` says, masks; `tall` where lines are of a field.
+         */
+        DetectCamera: {
+            /** Height */
+            height: number;
+            /** Masks */
+            masks: [
+                number,
+                number
+            ][][];
+            /** Name */
+            name: string;
+            /** Own */
+            own: {
+                [key: string]: number | boolean | null;
+            };
+            /** Tall */
+            tall: boolean;
+            /** Width */
+            width: number;
+        };
+        /**
+         * DetectDraft
+         * @description What is tried: parameters for all cameras, for single ones, and masks; null leaves a parameter open.
+         */
+        DetectDraft: {
+            /**
+             * Cameras
+             * @default {}
+             */
+            cameras: {
+                [key: string]: {
+                    [key: string]: number | boolean | null;
+                };
+            };
+            /**
+             * Every
+             * @default {}
+             */
+            every: {
+                [key: string]: number | boolean | null;
+            };
+            /**
+             * Masks
+             * @default {}
+             */
+            masks: {
+                [key: string]: [
+                    number,
+                    number
+                ][][];
+            };
+        };
+        /**
+         * DetectFrame
+         * @description What is found in a frame, in every camera.
+         */
+        DetectFrame: {
+            /** Cameras */
+            cameras: components["schemas"]["CameraFound"][];
+            /** Frame */
+            frame: number;
+        };
+        /**
+         * DetectFrameBody
+         * @description A frame, and what is tried in it.
+         */
+        DetectFrameBody: {
+            /**
+             * @default {
+             *       "cameras": {},
+             *       "every": {},
+             *       "masks": {}
+             *     }
+             */
+            draft: components["schemas"]["DetectDraft"];
+            /** Frame */
+            frame: number;
+        };
+        /**
+         * DetectParameter
+         * @description A parameter of `[detect]`: what kind it is, its range, its meaning, and what the session says.
+         */
+        DetectParameter: {
+            /** Flag */
+            flag: boolean;
+            /** High */
+            high: number | null;
+            /** Low */
+            low: number | null;
+            /** Meaning */
+            meaning: string;
+            /** Name */
+            name: string;
+            /** Stated */
+            stated: number | boolean | null;
+            /** Unit */
+            unit: string;
+            /** Whole */
+            whole: boolean;
+        };
+        /**
+         * Detection
+         * @description How markers are detected in a trial; `words` say what there is to know before it is changed.
+         *
+         *     `learned`: what is left open is learned from each camera's recording, else it is the usual value.
+         */
+        Detection: {
+            /** Cameras */
+            cameras: components["schemas"]["DetectCamera"][];
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+            /** Learned */
+            learned: boolean;
+            /** Method */
+            method: string;
+            /** Parameters */
+            parameters: components["schemas"]["DetectParameter"][];
+            /** Session */
+            session: string;
+            /** Trial */
+            trial: string;
+            /**
+             * Words
+             * @default
+             */
+            words: string;
+        };
+        /**
          * DetectionsHeader
          * @description What the body of `/detections` holds: in header `X-Kinemark-Detections`.
          *
@@ -652,6 +1577,87 @@ export interface components {
             samples: components["schemas"]["SampleChange"][];
         };
         /**
+         * DigitiseQuestion
+         * @description What is asked: `at` is where the marker is or is expected, `search` the side of the square that was searched, px.
+         *
+         *     `lines` are where the other cameras see it; `spots` what can be pointed at, nearest to `at` first.
+         */
+        DigitiseQuestion: {
+            /** Ambiguous */
+            ambiguous: boolean;
+            /** At */
+            at: [
+                number,
+                number
+            ] | null;
+            /** Frame */
+            frame: number;
+            /** Lines */
+            lines: components["schemas"]["EpipolarLine"][];
+            /** Marker */
+            marker: string;
+            /**
+             * Phase
+             * @enum {string}
+             */
+            phase: "point" | "reference" | "review" | "verify" | "correct" | "done";
+            said: components["schemas"]["PlaceSaid"] | null;
+            /** Search */
+            search: number;
+            /** Spots */
+            spots: [
+                number,
+                number
+            ][];
+            /** Words */
+            words: string;
+        };
+        /**
+         * DigitisedCamera
+         * @description How far a camera is digitised.
+         */
+        DigitisedCamera: {
+            /** Height */
+            height: number;
+            /** Name */
+            name: string;
+            /** Saved */
+            saved: number;
+            /** Tall */
+            tall: boolean;
+            /** Width */
+            width: number;
+        };
+        /**
+         * DigitisingNow
+         * @description Where an operator is: `kept` counts the answers of this camera, and must be said with the next one.
+         */
+        DigitisingNow: {
+            /** Camera */
+            camera: string;
+            /** Cameras */
+            cameras: components["schemas"]["DigitisedCamera"][];
+            /** Can Undo */
+            can_undo: boolean;
+            /** Draft */
+            draft: components["schemas"]["PlacedMarker"][];
+            /** Finished */
+            finished: boolean;
+            /** Frames */
+            frames: number;
+            /** Kept */
+            kept: number;
+            /** Markers */
+            markers: string[];
+            question: components["schemas"]["DigitiseQuestion"];
+            /** Reference */
+            reference: string | null;
+            /** Session */
+            session: string;
+            /** Trial */
+            trial: string;
+        };
+        /**
          * Dropped
          * @description A file that was kept: its id, and what was odd in it.
          */
@@ -663,6 +1669,17 @@ export interface components {
              * @default []
              */
             words: string[];
+        };
+        /**
+         * Earlier
+         * @description A former calibration, and how the cameras of now differ from it.
+         */
+        Earlier: {
+            /** Made */
+            made: string;
+            table: components["schemas"]["TableRows"];
+            /** World Moved Mm */
+            world_moved_mm: number | null;
         };
         /**
          * EpipolarLine
@@ -695,6 +1712,39 @@ export interface components {
             marker: string;
         };
         /**
+         * ErrorMap
+         * @description Standard deviation per axis, mm, over the places of the volume, x slowest, z fastest; null where too few see it.
+         *
+         *     `lost` are the same without each camera in the level where coordinate `axis` is `level_mm`, of the other two axes,
+         *     the first of them slowest.
+         */
+        ErrorMap: {
+            /** Axis */
+            axis: number;
+            /** Level Mm */
+            level_mm: number;
+            /** Lost */
+            lost: {
+                [key: string]: (number | null)[];
+            };
+            /** Sd Mm */
+            sd_mm: (number | null)[];
+            /** X */
+            x: number[];
+            /** Y */
+            y: number[];
+            /** Z */
+            z: number[];
+        };
+        /**
+         * EulerFiles
+         * @description The names of the files that were written.
+         */
+        EulerFiles: {
+            /** Names */
+            names: string[];
+        };
+        /**
          * EventAct
          * @description An event, s from frame 1 of the recording.
          */
@@ -710,6 +1760,18 @@ export interface components {
             side: string;
             /** Time S */
             time_s: number;
+        };
+        /**
+         * EventKind
+         * @description Events from one of which to the next a cycle may go.
+         */
+        EventKind: {
+            /** Label */
+            label: string;
+            /** Side */
+            side: string;
+            /** Times */
+            times: number;
         };
         /**
          * EventRow
@@ -777,6 +1839,23 @@ export interface components {
             words: string;
         };
         /**
+         * FindingRow
+         * @description What was found, how grave it is, and what to do about it.
+         */
+        FindingRow: {
+            /** Advice */
+            advice: string;
+            /** Cameras */
+            cameras: string[];
+            /**
+             * Severity
+             * @enum {string}
+             */
+            severity: "info" | "amber" | "red" | "green";
+            /** Words */
+            words: string;
+        };
+        /**
          * FinishAct
          * @description What is unnamed is dropped and the rest is trimmed to common frames: those given, or those of all markers.
          */
@@ -790,6 +1869,19 @@ export interface components {
             kind: "finish";
             /** Last */
             last?: number | null;
+        };
+        /**
+         * FrameSaid
+         * @description Look again at a saved frame.
+         */
+        FrameSaid: {
+            /** Frame */
+            frame: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "frame";
         };
         /**
          * GapAct
@@ -986,7 +2078,7 @@ export interface components {
         };
         /**
          * Job
-         * @description A run of a trial; progress is of the stage, from 0 to 1.
+         * @description A run of a trial, or the calibration of a session, whose id `trial` then is; progress is of the stage, 0 to 1.
          */
         Job: {
             /** Id */
@@ -1039,6 +2131,25 @@ export interface components {
             speed_mm_s: number;
         };
         /**
+         * JointShown
+         * @description A joint with its angles; `locked` are frames in gimbal lock, first and last.
+         */
+        JointShown: {
+            /** About */
+            about: string;
+            /** Curves */
+            curves: components["schemas"]["AngleCurve"][];
+            /** Index */
+            index: number;
+            /** Locked */
+            locked: [
+                number,
+                number
+            ][];
+            /** Name */
+            name: string;
+        };
+        /**
          * Labels
          * @description Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
          */
@@ -1069,6 +2180,16 @@ export interface components {
             at: string;
             /** By */
             by: string;
+        };
+        /**
+         * LimbPoint
+         * @description A point of the limb, xyz [frames, 3] mm.
+         */
+        LimbPoint: {
+            /** Name */
+            name: string;
+            /** Xyz */
+            xyz: string;
         };
         /**
          * Link
@@ -1109,6 +2230,37 @@ export interface components {
         Live: {
             /** Said */
             said: components["schemas"]["Job"] | components["schemas"]["TrialMoved"];
+        };
+        /**
+         * MadeSession
+         * @description The session that was made, and its trials.
+         */
+        MadeSession: {
+            /** Session */
+            session: string;
+            /** Trials */
+            trials: string[];
+        };
+        /**
+         * Mark
+         * @description A detection: centre and rectangle, px; why it is none; `merged` where markers lie on each other.
+         */
+        Mark: {
+            /** Height */
+            height: number;
+            /** Merged */
+            merged: boolean;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "marker" | "too small" | "too large" | "not round" | "at edge" | "masked";
+            /** U */
+            u: number;
+            /** V */
+            v: number;
+            /** Width */
+            width: number;
         };
         /**
          * MarkerSetRow
@@ -1159,6 +2311,18 @@ export interface components {
             method: string;
         };
         /**
+         * ModelRow
+         * @description A model, and whether the trial has its markers; `wants` are those that it lacks.
+         */
+        ModelRow: {
+            /** Fits */
+            fits: boolean;
+            /** Name */
+            name: string;
+            /** Wants */
+            wants: string[];
+        };
+        /**
          * Mosaic
          * @description The layout of the mosaics of a trial.
          */
@@ -1169,6 +2333,38 @@ export interface components {
             tiles: components["schemas"]["Tile"][];
             /** Width */
             width: number;
+        };
+        /**
+         * NewFolder
+         * @description A folder that holds recordings and no session; `folder` is its place below the roots, to be read.
+         */
+        NewFolder: {
+            /** Folder */
+            folder: string;
+            /** Id */
+            id: string;
+            /** Title */
+            title: string;
+            /** Words */
+            words: string;
+        };
+        /**
+         * NewFolders
+         * @description All of them.
+         */
+        NewFolders: {
+            /** Folders */
+            folders: components["schemas"]["NewFolder"][];
+        };
+        /**
+         * NumbersBody
+         * @description Numbers that are stated anew, by their keys; an empty list takes optional ones away.
+         */
+        NumbersBody: {
+            /** Numbers */
+            numbers: {
+                [key: string]: number[];
+            };
         };
         /**
          * Outcome
@@ -1241,6 +2437,77 @@ export interface components {
             sd: string;
             /** Xyz */
             xyz: string;
+        };
+        /**
+         * PlaceSaid
+         * @description What other cameras say of a missing marker; the place is null where it is only known to be hidden.
+         */
+        PlaceSaid: {
+            /** At */
+            at: [
+                number,
+                number
+            ] | null;
+            /** Seen */
+            seen: boolean;
+        };
+        /**
+         * PlaceWhy
+         * @description Why there is a marker or none; the parameter that decided, and with which value it would be one.
+         */
+        PlaceWhy: {
+            /**
+             * Parameter
+             * @default
+             */
+            parameter: string;
+            /** Value */
+            value?: number | null;
+            /** Words */
+            words: string;
+        };
+        /**
+         * PlacedMarker
+         * @description A marker of the frame, before it is saved; u and v are null where it is not present, or not known yet.
+         */
+        PlacedMarker: {
+            /**
+             * How
+             * @enum {string}
+             */
+            how: "open" | "not present" | "automatic" | "pointed" | "placed" | "proposed" | "ambiguous";
+            /** Name */
+            name: string;
+            /** U */
+            u: number | null;
+            /** V */
+            v: number | null;
+        };
+        /**
+         * PlainSaid
+         * @description All other answers.
+         */
+        PlainSaid: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "absent" | "hand" | "no" | "save" | "undo" | "verify" | "yes";
+        };
+        /**
+         * PointSaid
+         * @description A pixel of the marker; where a place is corrected, the very place.
+         */
+        PointSaid: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "point";
+            /** U */
+            u: number;
+            /** V */
+            v: number;
         };
         /**
          * Preview
@@ -1352,6 +2619,52 @@ export interface components {
             track: string;
         };
         /**
+         * ProposedSession
+         * @description What a folder's recordings propose, with what the person said of them.
+         *
+         *     `way` is the recording that calibrates, by its id; `text` the session.toml that would be written; `lacking` why it
+         *     cannot be yet, empty where it can.
+         */
+        ProposedSession: {
+            /** Cameras */
+            cameras: string[];
+            /** Cameras Why */
+            cameras_why: string;
+            /** Date */
+            date: string;
+            /**
+             * Fields
+             * @enum {string}
+             */
+            fields: "whole" | "top" | "bottom";
+            /** Fields Why */
+            fields_why: string;
+            /** Folder */
+            folder: string;
+            /** Id */
+            id: string;
+            /** Lacking */
+            lacking: string;
+            /** Name */
+            name: string;
+            /** Notes */
+            notes: string[];
+            /** Questions */
+            questions: components["schemas"]["Asked"][];
+            /** Rate */
+            rate: number | null;
+            /** Rate Why */
+            rate_why: string;
+            /** Recordings */
+            recordings: components["schemas"]["RecordingRow"][];
+            /** Roles */
+            roles: components["schemas"]["RoleRow"][];
+            /** Text */
+            text: string;
+            /** Way */
+            way: string;
+        };
+        /**
          * PutAct
          * @description A marker is here: a place, mm, or clicks in two images or more. `sd` mm per axis.
          */
@@ -1378,6 +2691,36 @@ export interface components {
                 number,
                 number
             ] | null;
+        };
+        /**
+         * RecordingRow
+         * @description A recording that was found; `file` is its place in the folder, to be read; `why` says why it has its role.
+         */
+        RecordingRow: {
+            /** Cameras */
+            cameras: string[];
+            /** Content */
+            content: string;
+            /** File */
+            file: string;
+            /** Frames */
+            frames: number | null;
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Rate */
+            rate: number | null;
+            role: components["schemas"]["Role"];
+            /** Size */
+            size: [
+                number,
+                number
+            ] | null;
+            /** Unequal */
+            unequal: boolean;
+            /** Why */
+            why: string;
         };
         /**
          * RedoAct
@@ -1416,6 +2759,21 @@ export interface components {
             right: boolean;
         };
         /**
+         * Role
+         * @description What a recording is for.
+         * @enum {string}
+         */
+        Role: "trial" | "static" | "wand" | "l_frame" | "control_frame" | "control_points" | "single_marker" | "linearisation" | "empty" | "calibration" | "file" | "unused";
+        /**
+         * RoleRow
+         * @description What a recording may be for.
+         */
+        RoleRow: {
+            key: components["schemas"]["Role"];
+            /** Words */
+            words: string;
+        };
+        /**
          * RunBody
          * @description How far to run a trial.
          */
@@ -1425,6 +2783,32 @@ export interface components {
              * @default write
              */
             to: string;
+        };
+        /**
+         * SaidOfRecordings
+         * @description What the person says instead of the proposal: recordings by their ids, answers by the keys of questions.
+         */
+        SaidOfRecordings: {
+            /** Answers */
+            answers?: {
+                [key: string]: string;
+            };
+            /** Date */
+            date?: string | null;
+            /** Fields */
+            fields?: ("whole" | "top" | "bottom") | null;
+            /** Name */
+            name?: string | null;
+            /** Names */
+            names?: {
+                [key: string]: string;
+            };
+            /** Rate */
+            rate?: number | null;
+            /** Roles */
+            roles?: {
+                [key: string]: components["schemas"]["Role"];
+            };
         };
         /**
          * SampleChange
@@ -1448,6 +2832,31 @@ export interface components {
             what: "added" | "erased" | "moved";
         };
         /**
+         * SessionCameras
+         * @description A session's cameras: how they are calibrated, by which numbers, and what came of it.
+         */
+        SessionCameras: {
+            calibration: components["schemas"]["CalibrationShown"] | null;
+            /** Control */
+            control: boolean;
+            /** Earlier */
+            earlier: components["schemas"]["Earlier"][];
+            /** Id */
+            id: string;
+            /** Names */
+            names: string[];
+            /** Numbers */
+            numbers: components["schemas"]["StatedNumbers"][];
+            /** Title */
+            title: string;
+            /** Trials */
+            trials: string[];
+            /** Way */
+            way: string;
+            /** Way Words */
+            way_words: string;
+        };
+        /**
          * SessionCard
          * @description A session on Home; `words` where it cannot be read.
          */
@@ -1465,6 +2874,37 @@ export interface components {
              * @default
              */
             words: string;
+        };
+        /**
+         * SetupBody
+         * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
+         *
+         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
+         */
+        SetupBody: {
+            /**
+             * Confirm Reference
+             * @default true
+             */
+            confirm_reference: boolean;
+            /**
+             * History
+             * @default 2
+             */
+            history: number;
+            /** Last Frame */
+            last_frame?: number | null;
+            /** Markers */
+            markers: string[];
+            /** Reference */
+            reference?: string | null;
+            /** Reference Files */
+            reference_files?: string | null;
+            /**
+             * Take Proposals
+             * @default false
+             */
+            take_proposals: boolean;
         };
         /**
          * SeveralAct
@@ -1525,6 +2965,114 @@ export interface components {
             marker: string;
         };
         /**
+         * Spike
+         * @description What made an angle leap: the frame, the marker, and the camera whose image is farthest off, in words too.
+         */
+        Spike: {
+            /** Camera */
+            camera: string | null;
+            /** Change Deg */
+            change_deg: number;
+            /** Frame */
+            frame: number;
+            /** Marker */
+            marker: string;
+            /** Residual Px */
+            residual_px: number | null;
+            /** Words */
+            words: string;
+        };
+        /**
+         * SpikeBody
+         * @description A click on a curve: the angle, and the frame.
+         */
+        SpikeBody: {
+            /** Cutoff Hz */
+            cutoff_hz?: number | null;
+            /** Cycle Event */
+            cycle_event?: string | null;
+            /** Cycle Side */
+            cycle_side?: string | null;
+            /** Frame */
+            frame: number;
+            /** Inverse Cosines */
+            inverse_cosines?: boolean | null;
+            /** Joint */
+            joint: number;
+            /** Model */
+            model?: string | null;
+            /** Side */
+            side?: ("right" | "left") | null;
+            /** Smoothing */
+            smoothing?: ("none" | "butterworth" | "woltring") | null;
+            /** Turn */
+            turn: number;
+        };
+        /**
+         * StartUp
+         * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+         *
+         *     `operated`: whether the trial is one that an operator digitises.
+         */
+        StartUp: {
+            /** Frames */
+            frames: number;
+            now: components["schemas"]["SetupBody"];
+            /** Operated */
+            operated: boolean;
+            /** Reference Files */
+            reference_files: string[];
+        };
+        /**
+         * StatedNumbers
+         * @description Numbers of `[calibration]` that a person measured; none where nothing is stated.
+         */
+        StatedNumbers: {
+            /** Key */
+            key: string;
+            /** Least */
+            least: number;
+            /** Most */
+            most: number;
+            /** Optional */
+            optional: boolean;
+            /** Values */
+            values: number[];
+            /** Words */
+            words: string;
+        };
+        /**
+         * TableRows
+         * @description A table of words; `marked` tells which rows want a look.
+         */
+        TableRows: {
+            /** About */
+            about: string;
+            /** Head */
+            head: string[];
+            /** Marked */
+            marked: boolean[];
+            /** Rows */
+            rows: string[][];
+            /** Title */
+            title: string;
+        };
+        /**
+         * ThresholdBody
+         * @description The threshold that detection shall have from now on: of one camera, or of all where none is named.
+         */
+        ThresholdBody: {
+            /** Camera */
+            camera?: string | null;
+            /**
+             * Inverted
+             * @default false
+             */
+            inverted: boolean;
+            /** Threshold */
+            threshold?: number | null;
+        };
+        /**
          * Tile
          * @description Where a camera's image is in the mosaic, px; image px u is at x + (u + ½) · width / camera width.
          */
@@ -1539,6 +3087,18 @@ export interface components {
             x: number;
             /** Y */
             y: number;
+        };
+        /**
+         * TileRow
+         * @description A key figure, what it is, and what else there is to say.
+         */
+        TileRow: {
+            /** More */
+            more: string;
+            /** Name */
+            name: string;
+            /** Value */
+            value: string;
         };
         /**
          * TrackRow
@@ -1606,7 +3166,7 @@ export interface components {
          * @description All of a trial but its samples.
          *
          *     `trim` and `named_only` say what is left in the end; `undo` and `redo` the entries that these would take back;
-         *     `why_asked` that every act wants a reason; `session` is null for a file.
+         *     `why_asked` that every act wants a reason; `session` and its id are null for a file.
          */
         TrialHeader: {
             /** By */
@@ -1644,6 +3204,8 @@ export interface components {
             redo: number | null;
             /** Session */
             session: string | null;
+            /** Session Id */
+            session_id: string | null;
             /**
              * Stale
              * @default
@@ -1716,6 +3278,43 @@ export interface components {
             kind: "undo";
             /** Of */
             of?: number | null;
+        };
+        /**
+         * WhitePixels
+         * @description The threshold of an image, a grey level of 8 bits, and the centroids that can be pointed at then, px.
+         */
+        WhitePixels: {
+            /** Centroids */
+            centroids: [
+                number,
+                number
+            ][];
+            /** Inverted */
+            inverted: boolean;
+            /** Threshold */
+            threshold: number | null;
+        };
+        /**
+         * WhyBody
+         * @description A place in an image, and what is tried.
+         */
+        WhyBody: {
+            /** Camera */
+            camera: string;
+            /**
+             * @default {
+             *       "cameras": {},
+             *       "every": {},
+             *       "masks": {}
+             *     }
+             */
+            draft: components["schemas"]["DetectDraft"];
+            /** Frame */
+            frame: number;
+            /** U */
+            u: number;
+            /** V */
+            v: number;
         };
     };
     responses: never;
@@ -1819,6 +3418,402 @@ export interface operations {
             };
         };
     };
+    get_folders_api_recordings_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewFolders"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_proposal_api_recordings__folder__proposal_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                folder: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SaidOfRecordings"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposedSession"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_session_api_recordings__folder__session_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                folder: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SaidOfRecordings"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MadeSession"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_calibrate_api_sessions__session__calibrate_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_page_api_sessions__session__calibration_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_cameras_api_sessions__session__cameras_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionCameras"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_control_api_sessions__session__control_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Control"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_ball_api_sessions__session__control__camera__post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                camera: string;
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BallBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Control"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_control_image_api_sessions__session__control__camera__image_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                camera: string;
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_white_pixels_api_sessions__session__control__camera__white_get: {
+        parameters: {
+            query?: {
+                threshold?: number | null;
+                inverted?: boolean | null;
+            };
+            header?: never;
+            path: {
+                camera: string;
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WhitePixels"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_numbers_api_sessions__session__numbers_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NumbersBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionCameras"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_threshold_api_sessions__session__threshold_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ThresholdBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Control"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
     get_header_api_trials__trial__get: {
         parameters: {
             query?: never;
@@ -1885,6 +3880,111 @@ export interface operations {
             };
         };
     };
+    post_angles_api_trials__trial__angles_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AngleChoice"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AnglesShown"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_euler_api_trials__trial__angles_export_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AngleChoice"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EulerFiles"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_spike_api_trials__trial__angles_spike_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SpikeBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Spike"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
     get_crop_api_trials__trial__cameras__camera___frame__get: {
         parameters: {
             query: {
@@ -1910,6 +4010,142 @@ export interface operations {
                 };
                 content: {
                     "image/png": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_detection_api_trials__trial__detect_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Detection"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_apply_api_trials__trial__detect_apply_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DetectDraft"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Detection"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_frame_api_trials__trial__detect_frame_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DetectFrameBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DetectFrame"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_why_api_trials__trial__detect_why_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["WhyBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PlaceWhy"];
                 };
             };
             /** @description Unprocessable Entity */
@@ -1979,6 +4215,199 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Difference"];
                 };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_digitising_api_trials__trial__digitise_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_answer_api_trials__trial__digitise_answers_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AnswerBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_saved_api_trials__trial__digitise_frames__frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PlacedMarker"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_setup_api_trials__trial__digitise_setup_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartUp"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_setup_api_trials__trial__digitise_setup_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetupBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    delete_setup_api_trials__trial__digitise_setup_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Unprocessable Entity */
             422: {
@@ -2241,6 +4670,39 @@ export interface operations {
                 };
                 content: {
                     "application/octet-stream": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_picture_api_trials__trial__pictures__camera___frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                camera: string;
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
                 };
             };
             /** @description Unprocessable Entity */

@@ -33,6 +33,7 @@ FindingStage = Literal[
     "kinematics",
     "sensitivity",
     "gait",
+    "plan",
 ]
 """Where it arises; "record" is the recording itself, before any computing."""
 

@@ -127,7 +127,7 @@ def _detect_camera(
     Raises:
         KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
     """
-    method, ground = _for_camera(method, source)
+    method, ground = for_camera(method, source)
     camera = _Camera(source, name, mask, ground)
     first, size = 0, None
     ready = None
@@ -196,7 +196,7 @@ class _Camera:
         self.parts.append(blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(offset)), offset], -1)))
 
 
-def _for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | None]:
+def for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | None]:
     """The method with what it leaves to the camera: threshold, sizes, form of markers in fields; and the ground."""
     if not isinstance(method, Centroids):
         return method, None

@@ -21,7 +21,7 @@ from ..data.answers import (
 )
 from .drive import DigitisedImages, DigitisingStopped, Operator, drive, result
 from .identified_markers import Identified, called, identified, identified_matches, identified_tracks
-from .image_markers import ImageMarkers, clicked, find_markers, nearest_free
+from .image_markers import ImageMarkers, clicked, find_markers, nearest_free, threshold_of
 from .machine import advance, begin, question_of
 from .other_views import OtherViews, propose
 from .question_text import words
@@ -82,5 +82,6 @@ __all__ = [
     "propose",
     "question_of",
     "result",
+    "threshold_of",
     "words",
 ]

@@ -58,6 +58,7 @@ def drive(
     proposer: Proposer | None = None,
     refuse: Callable[[Exception], None] | None = None,
     on_answer: Callable[[Question, Answer], None] | None = None,
+    reopened: Callable[[Question], bool] | None = None,
 ) -> DigitisingState:
     """The state in which all frames are saved, or in which the operator stopped.
 
@@ -71,14 +72,18 @@ def drive(
         refuse: called with why an answer cannot be used, before the question is put again; without it the error is
             raised.
         on_answer: called with every question and the answer that was used.
+        reopened: whether something was said after the last frame was saved, as a frame looked at again; then the
+            operator is asked on.
 
     Raises:
         ValueError: as `begin`.
         KinemarkError: an answer is none to the question, or points at nothing.
     """
     state = begin(n_frames, images, method=method, constant=constant, proposer=proposer)
-    while state.phase is not DigitisingPhase.DONE:
+    while True:
         question = question_of(state, method=method)
+        if state.phase is DigitisingPhase.DONE and not (reopened and reopened(question)):
+            break
         try:
             answer = operator(question, state)
         except DigitisingStopped:

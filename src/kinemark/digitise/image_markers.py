@@ -79,6 +79,13 @@ def find_markers(
     return ImageMarkers(_owners(white, blobs), blobs.uv + np.array([0.0, v_offset]), usable)
 
 
+def threshold_of(image: NDArray[np.uint8 | np.uint16], method: Centroids | None = None) -> float | None:
+    """The grey level of 8 bits beyond which pixels of an image (H, W) are white; None where it has no marker."""
+    method = replace(method or Centroids(), aspect=(method or Centroids()).aspect or 1.0)
+    ready = levelled(method, image[None])
+    return None if ready is None else float(ready.limits.threshold)
+
+
 def _white(image: NDArray[np.uint8 | np.uint16], method: Centroids) -> NDArray[np.bool_]:
     """(H, W) which pixels are white."""
     level = method.limits.threshold * grey_scale(image.dtype)

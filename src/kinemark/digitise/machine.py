@@ -8,7 +8,8 @@ machine does so by itself, frame by frame.
 
        s = r − r₀                                                        (1)
 
-   and places without the shift are c = u − s (2). Where it is not present, s is that of the frame before.
+   and places without the shift are c = u − s (2). Where it is not present, s is that of the frame before. Where that is
+   wanted, the operator is asked whether what was found is the marker, and again of what they then point at.
 2. **The others** are expected on a straight line through their latest two places, and looked for there (`search`).
 3. **What was not found is asked for**, in the order of the markers. "Not present" is an answer.
 4. **The operator looks at the frame** and accepts it, or goes through it marker by marker; a wrong place is put where
@@ -136,7 +137,10 @@ def _(answer: Point, state: DigitisingState, images: ImageSource, method: SemiAu
         return _verified(_put(state, where, MarkerStatus.PLACED, "corrected"), method)
     _only(state, answer, DigitisingPhase.POINT)
     image_markers = images(state.frame)
-    return _put(state, image_markers.uv[clicked(image_markers, where)], MarkerStatus.POINTED, _reason(state, method))
+    at = image_markers.uv[clicked(image_markers, where)]
+    pointed = _put(state, at, MarkerStatus.POINTED, _reason(state, method))
+    again = method.confirm_reference and state.marker == method.fixed and not state.searched
+    return replace(pointed, phase=DigitisingPhase.REFERENCE) if again else pointed
 
 
 @_answered.register

@@ -37,6 +37,10 @@ class Replay:
         """Answers that no question was put for."""
         return sum(map(len, self._left.values()))
 
+    def goes_on(self, question: Question) -> bool:
+        """Whether an answer to this question is left, as it is where a frame was looked at again after the last."""
+        return bool(self._left.get((question.frame, question.name)))
+
     def __call__(self, question: Question, state: DigitisingState) -> Answer:
         """The answer to a question.
 

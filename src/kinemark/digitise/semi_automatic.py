@@ -33,7 +33,9 @@ class SemiAutomatic(Method):
         "in UM²AS: it must be seen in both",
     )  # fmt: skip
     confirm_reference: bool = parameter(
-        False, meaning="ask in every frame whether what was found is the reference marker, as UM²AS does"
+        False,
+        meaning="ask in every frame whether what was found is the reference marker, and again of what is then pointed "
+        "at, as UM²AS does",
     )
     take_proposals: bool = parameter(
         False, meaning="where other cameras propose the missing answer, take it and do not ask"

@@ -129,9 +129,10 @@ def digitise_camera(
             n_frames=reel.n_frames,
             method=method,
             constant=constant,
-            proposer=_proposer(views, method),
+            proposer=proposer_of(views, method),
             refuse=refuse,
             on_answer=on_answer,
+            reopened=replay.goes_on,
         )
     except KinemarkError as error:
         raise KinemarkError(f"{answers or 'Digitising'}: {error}") from error
@@ -163,7 +164,7 @@ def _answering(
     return Replay(before, otherwise=ask if operator else None, save_all=save_all), on_answer
 
 
-def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
+def proposer_of(views: OtherViews | None, method: SemiAutomatic) -> Any:
     """What asks the other cameras, if there are any."""
     if views is None:
         return None
@@ -181,7 +182,10 @@ def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
 
 
 class Digitising(NamedTuple):
-    """A trial to digitise: images and answers of its cameras, how, where the reference marker was (C, 2) px, masks."""
+    """A trial to digitise: images and answers of its cameras, how, where the reference marker was (C, 2) px, masks.
+
+    `last` is the last frame, counted from 1; all where None.
+    """
 
     images: Mapping[str, ImageSource]
     answers: Mapping[str, Path]
@@ -190,6 +194,7 @@ class Digitising(NamedTuple):
     detect: Centroids
     constants: Floats | None = None
     masks: Masks | None = None
+    last: int | None = None
 
     def mask(self, camera: str) -> NDArray[np.bool_] | None:
         """(H, W) of a camera, where it has one."""
@@ -216,7 +221,7 @@ def digitise_trial(
     Raises:
         KinemarkError: answers are missing, or cameras have different numbers of frames.
     """
-    reels = _reels(task)
+    reels = reels_of(task)
     n = next(iter(reels.values())).n_frames
     uv = np.full((len(task.rig), len(task.method.markers), n, 2), np.nan)
     figures: dict[str, Any] = {}
@@ -242,10 +247,11 @@ def digitise_trial(
     return uv, {"questions": sum(f["questions"] for f in figures.values()), "cameras": figures}
 
 
-def _reels(task: Digitising) -> dict[str, DigitisedFrames]:
+def reels_of(task: Digitising) -> dict[str, DigitisedFrames]:
     """The frames of all cameras, as many of each."""
     reels = {
-        name: DigitisedFrames(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()
+        name: DigitisedFrames(source, method=task.detect, last=task.last, mask=task.mask(name))
+        for name, source in task.images.items()
     }
     if len({reel.n_frames for reel in reels.values()}) != 1:
         found = ", ".join(f"{name} {reel.n_frames}" for name, reel in reels.items())

@@ -22,11 +22,11 @@ from .sources import Frames
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A stage of a trial that shall be done.
+    """A stage of a trial that shall be done, or the calibration alone.
 
     Attributes:
         session: the folder of the session, or its file.
-        trial: its name.
+        trial: its name; empty for the calibration alone.
         to: the stage to run to.
         overrides: methods and parameters instead of the file's, as "track.method=kiss_tracking".
         frames: first and last frame of a preview, counted from 1; None for what session.toml says.
@@ -42,17 +42,26 @@ class Job:
     results: Path | None = None
     threads: int | None = None
 
-    def run(self, *, progress: Progress = silent, cancel: Cancel | None = None) -> OpenTrial:
-        """Do it here.
+    def run(self, *, progress: Progress = silent, cancel: Cancel | None = None) -> OpenTrial | None:
+        """Do it here; None for the calibration alone.
 
         Raises:
             KinemarkError: the session or the trial cannot be used.
             Cancelled: `cancel` was set.
         """
-        trial = Session.open(self.session, overrides=self.overrides, results=self.results).trial(self.trial)
+        session = Session.open(self.session, overrides=self.overrides, results=self.results)
+        if not self.trial:
+            session.calibrate(progress=progress, cancel=cancel, threads=self.threads)
+            return None
+        trial = session.trial(self.trial)
         if self.frames is not None:
             trial = trial.preview(*self.frames)
         return trial.run(self.to, progress=progress, cancel=cancel, threads=self.threads)
+
+    @property
+    def words(self) -> str:
+        """What it does, in words."""
+        return f"trial {self.trial!r}" if self.trial else "the calibration"
 
     def start(self) -> RunningJob:
         """Do it in a process of its own."""
@@ -91,10 +100,8 @@ class RunningJob:
             except (EOFError, OSError):
                 self.process.join()
                 if self.process.exitcode and self.process.exitcode < 0:
-                    raise Cancelled(f"trial {self.job.trial!r} was stopped; what was finished is kept") from None
-                raise KinemarkError(
-                    f"The process of trial {self.job.trial!r} ended without a word. Run it again."
-                ) from None
+                    raise Cancelled(f"{self.job.words} was stopped; what was finished is kept") from None
+                raise KinemarkError(f"The process of {self.job.words} ended without a word. Run it again.") from None
             if isinstance(said, Exception):
                 self.process.join()
                 raise said

@@ -29,6 +29,8 @@ from ..track.simultaneous import (
     track_simultaneously,
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
+from ..track.swamidas import Swamidas
+from .fill_files import angle_model
 from .graph import Records, Stage
 from .sources import OperatorIdentities
 from .trial_inputs import TrialInputs
@@ -105,8 +107,20 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
 
 def from_points(inputs: TrialInputs, records: Records) -> Tracked:
     """Tracks of points that were matched before."""
-    tracks = track(records["reconstruct"], method=inputs.settings.track)
+    method = with_angle_model(inputs.settings.track, inputs.source.of.root)
+    tracks = track(records["reconstruct"], method=method)
     return Tracked(tracks, diagnostics=tuple(diagnose_tracks(records["detect"], inputs.rig, tracks)))
+
+
+def with_angle_model(method: Any, root: Path) -> Any:
+    """The method with the angle model that it names, read from a file in or beside the session's folder.
+
+    Raises:
+        KinemarkError: the file is absent or damaged, or there is no cycle in the trial that it holds.
+    """
+    if not isinstance(method, Swamidas) or method.model is not None or method.angle_model in (None, "own"):
+        return method
+    return replace(method, model=angle_model(root / method.angle_model))
 
 
 def _save_tracked(path: Path, record: Tracked) -> None:

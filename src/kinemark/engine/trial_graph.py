@@ -56,7 +56,16 @@ from .naming.naming import with_names
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
 from .swapped_cameras import swapped_cameras
-from .tracking_stage import DECISIONS, Tracked, Tracking, as_operated, from_detections, from_points, reader
+from .tracking_stage import (
+    DECISIONS,
+    Tracked,
+    Tracking,
+    as_operated,
+    from_detections,
+    from_points,
+    reader,
+    with_angle_model,
+)
 from .trial_inputs import TrialInputs, edits_of, filled_of, measured_of, tracks_of, with_placed
 
 GAPS, REPORT, QUALITY = "gaps.html", "report.html", "quality.json"
@@ -81,7 +90,8 @@ def trial_graph(
         stages.append(Stage("match", ("detect",), ("matches.h5",), _match, save, matched, s.match, (rig,)))
         places = ("detect", "match")
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
-        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), s.track, ()))
+        method = with_angle_model(s.track, source.of.root)
+        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, ()))
     needs: tuple[str, ...] = ("detect", "track")
     if s.label is not None:
         claims = () if identifies(source) else claims_of(source.of.root, name)

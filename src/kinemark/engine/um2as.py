@@ -200,6 +200,25 @@ def angles_files(tdc: Path | str, outputs: Sequence[Path | str] = (), *, signed:
     return angles
 
 
+def euler_files(angles: Angles, stem: Path | str) -> list[Path]:
+    """Write the angles of shoulder, elbow and wrist to `.shd`, `.elb` and `.wst` beside each other.
+
+    Args:
+        angles: of `limb_angles`, or of any model with these joints.
+        stem: path of the files without their endings.
+
+    Raises:
+        KinemarkError: one of the joints is not there, or a file cannot be written.
+    """
+    if absent := [name for name in ENDINGS if name not in angles.joints]:
+        have = ", ".join(angles.joints)
+        raise KinemarkError(f"Euler files are of shoulder, elbow and wrist; {', '.join(absent)} is not among {have}.")
+    written = {name: Path(f"{stem}{ending}") for name, ending in ENDINGS.items()}
+    for name, path in written.items():
+        write_angles(path, angles.deg[angles.joints.index(name)])
+    return [*written.values()]
+
+
 def table(file: Path | str, *, markers: int | None = None) -> tuple[str, list[tuple[float | int, ...]]]:
     """Any of the files as a heading and rows to show, lengths in the file's cm; rows of a motion begin with the frame.
 

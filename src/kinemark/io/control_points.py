@@ -1,7 +1,7 @@
 """Control points: where they are in the world, and where an operator pointed at them in the images.
 
 The CSV file has the columns `name, x_mm, y_mm, z_mm` and, for every camera, `{camera}_u_px, {camera}_v_px`; cells are
-empty where a camera does not see the point.
+empty, or `nan`, where a camera does not see the point.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from .files import replacing
 from .number_text import read_text
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre; chosen
@@ -72,3 +73,84 @@ def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen
             nearest = rows.start + int(distance.argmin())
             exact[c, n], cov[c, n] = seen.uv[nearest], seen.cov[nearest]
     return DigitisedControlPoints(xyz, exact, cov)
+
+
+class PointedPoints(NamedTuple):
+    """What an operator said of control points until now.
+
+    names (N); xyz (N, 3) mm; cameras (C); uv (C, N, 2) px, NaN where not; asked (C, N) whether it was said where the
+    camera sees the point, or that it does not.
+    """
+
+    names: tuple[str, ...]
+    xyz: NDArray[np.float64]
+    cameras: tuple[str, ...]
+    uv: NDArray[np.float64]
+    asked: NDArray[np.bool_]
+
+    @classmethod
+    def unseen(cls, names: Sequence[str], xyz: NDArray[np.float64], cameras: Sequence[str] = ()) -> PointedPoints:
+        """Points that nobody pointed at yet."""
+        shape = len(cameras), len(names)
+        return cls(tuple(names), xyz, tuple(cameras), np.full((*shape, 2), np.nan), np.zeros(shape, np.bool_))
+
+    def said(self, camera: str, name: str, uv: tuple[float, float] | None, *, asked: bool = True) -> PointedPoints:
+        """The same with one answer: a place, or None for not seen; `asked` False takes an answer back.
+
+        Raises:
+            KinemarkError: there is no such camera or point.
+        """
+        if camera not in self.cameras or name not in self.names:
+            raise KinemarkError(f"There is no control point {name!r} in a camera {camera!r}. Look at the list again.")
+        c, n = self.cameras.index(camera), self.names.index(name)
+        places, told = self.uv.copy(), self.asked.copy()
+        places[c, n], told[c, n] = np.nan if uv is None else uv, asked
+        return self._replace(uv=places, asked=told)
+
+
+UNSEEN = "nan"
+"""In a cell: the operator said that the camera does not see the point; an empty one was not asked yet."""
+
+
+def read_pointed(path: Path, cameras: Sequence[str]) -> PointedPoints:
+    """Control points of a CSV file that an operator is still pointing at: columns of cameras may be missing.
+
+    Raises:
+        KinemarkError: names or places are missing, a name comes twice, or a cell is no number.
+    """
+    try:
+        rows = list(csv.DictReader(read_text(path).splitlines()))
+    except csv.Error as error:
+        raise KinemarkError(f"{path} is no CSV file: {error}. Save it again.") from error
+    wanted = [f"{c}_{axis}_px" for c in cameras for axis in "uv"]
+    try:
+        xyz = np.array([[float(row[f"{axis}_mm"]) for axis in "xyz"] for row in rows]).reshape(-1, 3)
+        cells = np.array([[float(row.get(name) or "nan") for name in wanted] for row in rows])
+    except (KeyError, TypeError, ValueError) as error:
+        raise KinemarkError(f"{path} wants name, x_mm, y_mm and z_mm in numbers in each line: {error}.") from error
+    names = tuple((row.get("name") or str(n + 1)).strip() for n, row in enumerate(rows))
+    if not rows or len({*names}) < len(names) or not np.isfinite(xyz).all():
+        raise KinemarkError(f"{path} wants control points with different names and places. Correct it.")
+    uv = cells.reshape(len(rows), len(cameras), 2).transpose(1, 0, 2)
+    told = np.array([[bool((row.get(f"{c}_u_px") or "").strip()) for row in rows] for c in cameras], np.bool_)
+    return PointedPoints(names, xyz, tuple(cameras), uv, told.reshape(len(cameras), len(rows)))
+
+
+def write_pointed(path: Path, points: PointedPoints) -> None:
+    """Write control points as `read_control_points` and `read_pointed` read them, whole or not at all.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    heading = ["name", "x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in points.cameras for axis in "uv")]
+    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(heading)
+        for n, name in enumerate(points.names):
+            cells = [_cell(x, asked) for c, asked in enumerate(points.asked[:, n]) for x in points.uv[c, n]]
+            writer.writerow([name, *(f"{x:.10g}" for x in points.xyz[n]), *cells])
+
+
+def _cell(value: float, asked: bool) -> str:
+    """A pixel, to a ten-thousandth."""
+    return f"{value:.4f}" if np.isfinite(value) else UNSEEN if asked else ""

@@ -100,12 +100,17 @@ def chosen(trajectories: Trajectories, model: Model, template: Template | None =
     Raises:
         KinemarkError: one is not there, or a name fits several.
     """
+    return picked(trajectories, wanted_markers(model, template), model)
+
+
+def wanted_markers(model: Model, template: Template | None = None) -> tuple[str, ...]:
+    """The markers that a model stands on, by its own names; see `chosen`."""
     wanted = list(model.markers)
     if template is not None:
         carried = template.points
         bodies = [body for body in template.clusters if carried & set(body.points)]
         wanted = [m for m in wanted if m not in carried] + [m for body in bodies for m in body.markers]
-    return picked(trajectories, tuple(dict.fromkeys(wanted)), model)
+    return tuple(dict.fromkeys(wanted))
 
 
 def picked(trajectories: Trajectories, names: tuple[str, ...], model: Model) -> Trajectories:
@@ -114,6 +119,13 @@ def picked(trajectories: Trajectories, names: tuple[str, ...], model: Model) -> 
     Raises:
         KinemarkError: one is not there, or a name fits several.
     """
+    found = places_of(trajectories, names, model)
+    paths = [replace(trajectories.paths[i], name=name) for name, i in found.items()]
+    return replace(trajectories, paths=tuple(paths))
+
+
+def places_of(trajectories: Trajectories, names: tuple[str, ...], model: Model) -> dict[str, int]:
+    """Index of each of these markers of a model among those of a trial; raises as `picked` does."""
     found = {name: _find(trajectories.names, (name, *model.aliases.get(name, ()))) for name in names}
     if absent := [name for name, place in found.items() if place is None]:
         need = " A static trial gives them." if set(absent) <= model.carried else ""
@@ -122,8 +134,7 @@ def picked(trajectories: Trajectories, names: tuple[str, ...], model: Model) -> 
             f"{', '.join(trajectories.names[:60]) or 'none'}.{need} Name them so, or say in a TOML file with "
             f'base = "{model.name}" and [aliases] what they are called here, and give it as the model.'
         )
-    paths = [replace(trajectories.paths[i], name=name) for name, i in found.items() if i is not None]
-    return replace(trajectories, paths=tuple(paths))
+    return {name: i for name, i in found.items() if i is not None}
 
 
 def _find(names: tuple[str, ...], wanted: tuple[str, ...]) -> int | None:

@@ -11,6 +11,7 @@ import numpy as np
 from ..data import KinemarkError, Tracks, Trajectories, make_finding
 from ..data.finding import Finding
 from ..data.track_trajectories import trajectories_of
+from ..numerics.blas_threads import one_blas_thread
 from .held import LEAST
 from .labels import Labels, State
 from .stage import LABEL
@@ -18,6 +19,7 @@ from .stated import with_stated
 from .template import Template
 
 
+@one_blas_thread()
 def label(
     tracks: Tracks | Trajectories,
     template: Template,

@@ -52,8 +52,8 @@ def slices_figure(figures: dict[str, Any], up: int) -> go.Figure:
     return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": low, "cmax": high, "colorbar": bar})
 
 
-def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure:
-    """Cameras, the volume with σ at places in it, and the points (N, 3) mm that the calibration was made from."""
+def space_figure(figures: dict[str, Any], rig: Rig, points: Floats, *, called: str = "calibration points") -> go.Figure:
+    """Cameras, the volume with σ at places in it, and points (N, 3) mm: those that the calibration was made from."""
     sd, axes = _volume(figures["map"], "sd_mm")
     corners = np.array(figures["volume"]["corners_mm"])
     extent, up = extent_of(rig.centres, corners, points[np.isfinite(points).all(1)]), upwards(rig)
@@ -66,7 +66,7 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure
     _cloud(fig, sd, axes)
     x, y, z = short(points[np.isfinite(points).all(1)].T)
     style = {"size": 3, "color": HUES[1]}
-    fig.add_scatter3d(x=x, y=y, z=z, mode="markers", name="calibration points", marker=style, hoverinfo="skip")
+    fig.add_scatter3d(x=x, y=y, z=z, mode="markers", name=called, marker=style, hoverinfo="skip")
     return stand_upright(fig, up, corners, called="volume")
 
 

@@ -110,10 +110,22 @@ def update_position(state: KalmanState, xyz: Floats, variance: Floats, process_s
         variance: (n) mm², of each coordinate.
         process_sd: as in `initial_state`.
     """
+    found = correct(state, xyz, variance)
+    return found.x[:, 0], predict(found, process_sd)
+
+
+def correct(state: KalmanState, xyz: Floats, variance: Floats) -> KalmanState:
+    """The state in the same frame once positions (n, 3) mm of variances (n) mm² count as measured."""
     K = state.P[:, :, 0] / (state.P[:, 0, 0] + variance)[:, None]
     x = state.x + K[:, :, None] * (xyz - state.x[:, 0])[:, None]
-    P = state.P - K[:, :, None] * state.P[:, None, 0]
-    return x[:, 0], predict(KalmanState(x, P), process_sd)
+    return KalmanState(x, state.P - K[:, :, None] * state.P[:, None, 0])
+
+
+def correct_with_differences(state: KalmanState, past: Floats, sd: float) -> KalmanState:
+    """The same with velocity and acceleration by (3) of positions `past` (n, 3, 3) mm, the newest first, of σ `sd`
+    mm."""
+    G = state.P @ np.linalg.inv(state.P + sd**2 * np.diag(DIFFERENCES_COV.diagonal()))  # (5)
+    return KalmanState(state.x + G @ (D @ past - state.x), _symmetric(state.P - G @ state.P))
 
 
 def _process(process_sd: float) -> Floats:

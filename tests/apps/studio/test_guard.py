@@ -43,7 +43,7 @@ def every_route(routes):
             yield from every_route(inner)
         elif isinstance(route, APIRoute):
             for method in sorted(route.methods):
-                yield method, re.sub(r"{(\w+)}", lambda m: VALUES[m[1]], route.path)
+                yield method, re.sub(r"{(\w+)}", lambda m: VALUES.get(m[1], VALUES["trial"]), route.path)
         elif isinstance(route, APIWebSocketRoute):
             yield "WEBSOCKET", route.path
         else:

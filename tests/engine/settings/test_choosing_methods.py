@@ -54,8 +54,10 @@ def test_the_list_of_methods_says_what_the_dataclasses_say():
     for stage, figures in methods_figures().items():
         for name, told in figures["methods"].items():
             method = STAGES[stage].make(name, **({"markers": ("A",)} if stage == "digitise" else {}))
-            records = {"static", "model", "limbs", "learned", "hyper"}  # of filling: no text says these
-            plain = [field.name for field in fields(method) if stage != "fill" or field.name not in records]
+            records = {"static", "model", "limbs", "learned", "hyper"}  # of filling and tracking: no text says these
+            plain = [
+                field.name for field in fields(method) if stage not in ("fill", "track") or field.name not in records
+            ]
             defaults = {name: p["default"] for name, p in told["parameters"].items() if not p.get("required")}
             assert list(told["parameters"]) == plain
             assert defaults == {name: getattr(method, name) for name in plain if name in defaults}

@@ -3,7 +3,7 @@ import { decodeDetections, type Detected } from "../model/detections";
 import { decodePaths, type PathSet } from "../model/paths";
 import type {
   Act, ActDone, DetectionsHeader, Difference, GapCandidates, Gaps, History, Home, Labels, PathsHeader, Preview, Problems,
-  TrialHeader,
+  TrialHeader, AnswerBody, DetectDraft, DetectFrame, Detection, DigitisingNow, PlacedMarker, PlaceWhy, SetupBody, StartUp, WhyBody,
 } from "./types";
 
 /** The server refused: its words are for the person. `head` where the journal has gone on since. */
@@ -36,8 +36,8 @@ export function wordsOf(said: unknown): { words: string | null; head: string | n
   return detail ? wordsOf(detail) : { words: null, head: null };
 }
 
-const json = async <T>(path: string, init?: RequestInit): Promise<T> => (await (await asked(path, init)).json()) as T;
-const body = (value: unknown, method = "POST"): RequestInit => ({
+export const json = async <T>(path: string, init?: RequestInit): Promise<T> => (await (await asked(path, init)).json()) as T;
+export const body = (value: unknown, method = "POST"): RequestInit => ({
   method,
   headers: { "Content-Type": "application/json" },
   body: JSON.stringify(value),
@@ -82,3 +82,15 @@ export const reportAddress = (id: string): string => `/api${of(id)}/report`;
 export const mosaicAddress = (id: string, frame: number): string => `/api${of(id)}/mosaic/${frame}`;
 export const cropAddress = (id: string, camera: string, frame: number, box: readonly number[]): string =>
   `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${box[0]}&y=${box[1]}&w=${box[2]}&h=${box[3]}`;
+
+export const detection = (id: string): Promise<Detection> => json(`${of(id)}/detect`);
+export const detectFrame = (id: string, frame: number, draft: DetectDraft): Promise<DetectFrame> => json(`${of(id)}/detect/frame`, body({ frame, draft }));
+export const detectWhy = (id: string, what: WhyBody): Promise<PlaceWhy> => json(`${of(id)}/detect/why`, body(what));
+export const detectApply = (id: string, draft: DetectDraft): Promise<Detection> => json(`${of(id)}/detect/apply`, body(draft));
+export const digitising = (id: string): Promise<DigitisingNow> => json(`${of(id)}/digitise`);
+export const answer = (id: string, what: AnswerBody): Promise<DigitisingNow> => json(`${of(id)}/digitise/answers`, body(what));
+export const savedFrame = (id: string, frame: number): Promise<PlacedMarker[]> => json(`${of(id)}/digitise/frames/${frame}`);
+export const pictureAddress = (id: string, camera: string, frame: number): string => `/api${of(id)}/pictures/${part(camera)}/${frame}`;
+export const setUpDigitising = (id: string, what: SetupBody): Promise<DigitisingNow> => json(`${of(id)}/digitise/setup`, body(what));
+export const startUp = (id: string): Promise<StartUp> => json(`${of(id)}/digitise/setup`);
+export const leaveDigitising = async (id: string): Promise<void> => void (await asked(`${of(id)}/digitise/setup`, { method: "DELETE" }));

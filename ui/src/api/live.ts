@@ -1,6 +1,7 @@
 /** What the server says by itself: how runs go on, and that a journal has gone on elsewhere. */
 import { refetch, goTo, say } from "../state/load";
 import { get, set } from "../state/store";
+import { fetchCameras, now } from "../state/sessions";
 import * as api from "./client";
 import type { Job, Live } from "./types";
 
@@ -36,6 +37,7 @@ function job(said: Job): void {
   set((s) => ({ jobs: { ...s.jobs, [said.trial]: said } }));
   if (said.state === "running") return;
   if (said.state === "failed") say("refused", said.words);
+  if (said.trial === now().session) void fetchCameras();
   if (get().screen === "home") void api.home().then((home) => set({ home }));
   else if (said.trial === get().id && said.state === "done") set({ header: null }), goTo(get().screen);
 }

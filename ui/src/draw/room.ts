@@ -12,7 +12,7 @@ function segments(points: number[], colour: string): LineSegments {
 }
 
 /** The pyramid of a camera: from its centre to the corners of its image. */
-function pyramid(camera: CameraRow): number[] {
+export function pyramid(camera: CameraRow): number[] {
   const c = new Vector3(...camera.centre), back = new Matrix3().set(...camera.R[0], ...camera.R[1], ...camera.R[2]).transpose();
   const corner = (u: number, v: number): Vector3 =>
     new Vector3((u - camera.K[0][2]) / camera.K[0][0], (v - camera.K[1][2]) / camera.K[1][1], 1).multiplyScalar(CAMERA_MM).applyMatrix3(back).add(c);
@@ -21,14 +21,14 @@ function pyramid(camera: CameraRow): number[] {
   return corners.flatMap((a, i) => [...c.toArray(), ...a.toArray(), ...a.toArray(), ...corners[(i + 1) % 4]!.toArray()]);
 }
 
-function box([low, high]: readonly [readonly number[], readonly number[]]): number[] {
+export function box([low, high]: readonly [readonly number[], readonly number[]]): number[] {
   const at = (i: number): number[] => [0, 1, 2].map((k) => (i >> k) & 1 ? high[k]! : low[k]!);
   const edges = [0, 1, 2].flatMap((k) => [0, 1, 2, 3, 4, 5, 6, 7].filter((i) => !((i >> k) & 1)).map((i) => [i, i | (1 << k)] as const));
   return edges.flatMap(([a, b]) => [...at(a), ...at(b)]);
 }
 
 /** Lines of the floor under a box of places. */
-function floor(low: readonly number[], high: readonly number[], z: number): number[] {
+export function floor(low: readonly number[], high: readonly number[], z: number): number[] {
   const from = (k: number): number => Math.floor(low[k]! / FLOOR_MM - 1) * FLOOR_MM;
   const to = (k: number): number => Math.min(Math.ceil(high[k]! / FLOOR_MM + 1) * FLOOR_MM, from(k) + 100 * FLOOR_MM);
   const lines: number[] = [];

@@ -2,14 +2,16 @@
  * The one table of commands: their keys, their words, when they can be done and what they would do now. Keys, help,
  * palette, foot and tests all read it.
  */
+import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
+import { SESSION_COMMANDS } from "./sessionCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
 import { goTo } from "../state/load";
-import { currentProblem, get, keep, playhead, set, type Screen, type State } from "../state/store";
+import { currentProblem, get, keep, playhead, SCREENS, set, type Screen, type State } from "../state/store";
 
-export type Group = "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
+export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
 export interface Command {
   id: string;
@@ -29,6 +31,7 @@ export interface Command {
 }
 
 const EDITOR: readonly Screen[] = ["tracks", "gaps"];
+const PLAYED: readonly Screen[] = [...EDITOR, "angles"];
 const hasTrial = (s: State): boolean => s.header !== null;
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
 const selected = (s: State): boolean => s.selected.length > 0;
@@ -99,14 +102,14 @@ export const COMMANDS: readonly Command[] = [
   { id: "event", keys: ["K"], title: "Add an event here", group: "Gaps and places", screens: EDITOR, run: () => set({ dialog: "event" }) },
   // Time
   { id: "play", keys: ["Space"], title: "Play or pause", group: "Time", screens: EDITOR, run: () => playhead.toggle() },
-  { id: "forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: EDITOR, run: () => playhead.step(1) },
-  { id: "back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: EDITOR, run: () => playhead.step(-1) },
-  { id: "forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: EDITOR, run: () => playhead.step(10) },
-  { id: "back-10", keys: ["Shift+ArrowLeft"], title: "10 frames back", group: "Time", screens: EDITOR, run: () => playhead.step(-10) },
-  { id: "event-next", keys: ["Ctrl+ArrowRight"], title: "Next event", group: "Time", screens: EDITOR, run: jumpTo(() => event(1)) },
-  { id: "event-back", keys: ["Ctrl+ArrowLeft"], title: "Event before", group: "Time", screens: EDITOR, run: jumpTo(() => event(-1)) },
-  { id: "start", keys: ["Home"], title: "First frame", group: "Time", screens: EDITOR, run: jumpTo((s) => s.header?.first_frame) },
-  { id: "end", keys: ["End"], title: "Last frame", group: "Time", screens: EDITOR, run: jumpTo(() => playhead.last) },
+  { id: "forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: PLAYED, run: () => playhead.step(1) },
+  { id: "back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: PLAYED, run: () => playhead.step(-1) },
+  { id: "forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: PLAYED, run: () => playhead.step(10) },
+  { id: "back-10", keys: ["Shift+ArrowLeft"], title: "10 frames back", group: "Time", screens: PLAYED, run: () => playhead.step(-10) },
+  { id: "event-next", keys: ["Ctrl+ArrowRight"], title: "Next event", group: "Time", screens: PLAYED, run: jumpTo(() => event(1)) },
+  { id: "event-back", keys: ["Ctrl+ArrowLeft"], title: "Event before", group: "Time", screens: PLAYED, run: jumpTo(() => event(-1)) },
+  { id: "start", keys: ["Home"], title: "First frame", group: "Time", screens: PLAYED, run: jumpTo((s) => s.header?.first_frame) },
+  { id: "end", keys: ["End"], title: "Last frame", group: "Time", screens: PLAYED, run: jumpTo(() => playhead.last) },
   { id: "marker-next", keys: ["."], title: "Next marker", group: "Time", screens: EDITOR, run: () => nextMarker(1) },
   { id: "marker-back", keys: [","], title: "Marker before", group: "Time", screens: EDITOR, run: () => nextMarker(-1) },
   // View
@@ -127,6 +130,12 @@ export const COMMANDS: readonly Command[] = [
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
   { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, run: () => set({ dialog: "sign" }) },
   // Go to
+  ...SESSION_COMMANDS,
+  ...DETECT_COMMANDS,
+  ...DIGITISE_COMMANDS,
+  { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: (s) => s.id !== null, run: go("detect") },
+  { id: "digitise", keys: ["Alt+Shift+G"], title: "Digitise & verify", group: "Go to", when: (s) => s.id !== null, run: go("digitise") },
+  { id: "angles", keys: ["Shift+A"], title: "Angles", group: "Go to", when: hasTrial, run: go("angles") },
   { id: "home", keys: ["Alt+Shift+H"], title: "Home", group: "Go to", run: go("home") },
   { id: "tracks", keys: ["Shift+T"], title: "Tracks", group: "Go to", when: hasTrial, run: go("tracks") },
   { id: "labels", keys: ["Shift+L"], title: "Labels", group: "Go to", when: hasTrial, run: go("labels") },
@@ -159,6 +168,7 @@ function nextGap(by: 1 | -1): void {
 /** Escape: what is open closes, then marks, then the selection, then the screen. */
 function up(): void {
   const s = get();
+  if (imageUp()) return;
   if (s.clicks) return set({ clicks: null });
   if (s.first !== null || s.last !== null) return set({ first: null, last: null });
   if (s.problem || s.gap) {
@@ -166,7 +176,7 @@ function up(): void {
     return set({ problem: null, instead: null, window: null, gap: null, candidates: null });
   }
   if (s.selected.length) return set({ selected: [] });
-  goTo(s.screen === "tracks" || !s.id ? "home" : "tracks");
+  goTo(s.screen === "tracks" || !s.header ? "home" : "tracks");
 }
 
 export const byId = (id: string): Command => COMMANDS.find((c) => c.id === id)!;
@@ -185,7 +195,7 @@ export function clashes(all: readonly Command[] = COMMANDS): string[] {
   const seen = new Map<string, string>(), found: string[] = [];
   for (const c of all)
     for (const key of c.keys)
-      for (const screen of c.screens ?? ["home", "tracks", "labels", "gaps", "report", "history"]) {
+      for (const screen of c.screens ?? SCREENS) {
         const at = `${screen} ${key}`, other = seen.get(at);
         if (other) found.push(`${at}: ${other} and ${c.id}`);
         seen.set(at, c.id);

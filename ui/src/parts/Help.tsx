@@ -4,7 +4,7 @@ import { keep, set, useStore } from "../state/store";
 import { Modal } from "./Modal";
 import styles from "./Modal.module.css";
 
-const GROUPS: readonly Group[] = ["Problems", "Names", "Gaps and places", "Time", "View", "Trial", "Go to"];
+const GROUPS: readonly Group[] = ["Cameras", "Detection", "Digitising", "Problems", "Names", "Gaps and places", "Time", "View", "Trial", "Go to"];
 const keys = (all: readonly string[]): string[] => all.map((key) => shownKey(key));
 
 export function Help(): React.JSX.Element {

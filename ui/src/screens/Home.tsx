@@ -1,10 +1,12 @@
-import { CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, PenLine, Play, RotateCw, Square } from "lucide-react";
+import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, PenLine, Play, RotateCw, Square } from "lucide-react";
 import { useState } from "react";
 import * as api from "../api/client";
 import type { TrialCard } from "../api/types";
 import { count, when } from "../model/format";
 import { goTo, say, tried } from "../state/load";
+import { cameraAddress } from "../state/sessions";
 import { set, useStore } from "../state/store";
+import { NewButton } from "./NewSession";
 import styles from "./Home.module.css";
 
 const STATES: Record<TrialCard["state"], { icon: typeof Play; tone: string }> = {
@@ -28,15 +30,15 @@ export function Home(): React.JSX.Element {
   return (
     <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
       <div className={styles.page}>
-        <div className={styles.top}><h1>Sessions</h1>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
+        <div className={styles.top}><h1>Sessions</h1><NewButton />{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
-            <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><RunAll trials={session.trials} /></header>
+            <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>
             {session.words ? <p className={styles.wrong}>{session.words}</p> : <Trials trials={session.trials} />}
           </section>
         ))}
         {home && home.files.length > 0 && <section className={styles.card} aria-label="Files"><header><h2>Files</h2><span className="soft">trajectories of any system, looked at and mended the same way</span></header><Trials trials={home.files} file /></section>}
-        {home && !home.sessions.length && !home.files.length && <p className={styles.none}>There is no session here yet. <code>kinemark init FOLDER</code> makes one from recordings; or drop a file below.</p>}
+        {home && !home.sessions.length && !home.files.length && <p className={styles.none}>There is no session here yet. <b>New session …</b> makes one from recordings; or drop a file below.</p>}
         <label className={`${styles.drop} ${over ? styles.over : ""}`}>
           <FileUp size={22} aria-hidden /><span><b>Drop a file to look at it</b>: C3D, TDF or TRC of any system. Its swaps, spikes and gaps are listed; the file itself is never changed.</span>
           <input type="file" className="hidden-words" accept=".c3d,.tdf,.trc" onChange={(e) => e.target.files && void dropped(e.target.files)} />

@@ -2,10 +2,15 @@
 import * as api from "../api/client";
 import type { Gaps, TrialHeader } from "../api/types";
 import { mergePaths } from "../model/paths";
+import { loadDetect } from "./detect";
+import { loadDigitise } from "./digitise";
+import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
 const VIEW = "filled";
+/** Screens that show images, of trials that were not run yet too. */
+const BEFORE_RUN: readonly Screen[] = ["detect", "digitise"];
 /** ms after which what was still being computed is asked for again; chosen. */
 const AGAIN_MS = 400;
 /** Frames of detections that are fetched at a time, so many before the one that is looked at; chosen: 60 markers in 8
@@ -28,15 +33,17 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
 export const say = (kind: "done" | "refused" | "news", words: string): void => set({ note: { kind, words, at: Date.now() } });
 
 export function goTo(screen: Screen, id: string | null = get().id): void {
-  const target = screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
+  if (screen === "cameras" && sessionOf()) return void (location.hash = cameraAddress(sessionOf()!));
+  const target = screen === "new" ? "#/new" : screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
   if (location.hash === target) void arrive();
   else location.hash = target;
 }
 
 /** Show what the address says. */
 export async function arrive(): Promise<void> {
-  const [, , id, name] = location.hash.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
+  const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
   set({ dialog: null, note: null });
+  if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {
     set({ screen: "home" });
     const home = await tried(api.home);
@@ -44,12 +51,19 @@ export async function arrive(): Promise<void> {
     return;
   }
   const trial = decodeURIComponent(id);
-  if (get().id !== trial || !get().header) {
+  if (get().id !== trial || (!get().header && !BEFORE_RUN.includes(screen))) {
     set({ ...OF_TRIAL, id: trial, screen });
-    await openTrial(trial);
+    if (!BEFORE_RUN.includes(screen)) await openTrial(trial);
+    if (location.hash !== here) return; // somebody went on while it was opened
   }
   set({ screen });
   await fresh();
+}
+
+/** Run the trial that is looked at; how it goes on is told by itself. */
+export async function runTrial(): Promise<void> {
+  const { id } = get();
+  if (id && (await tried(() => api.run(id)))) say("news", "The trial is being run.");
 }
 
 async function openTrial(id: string): Promise<void> {
@@ -65,7 +79,10 @@ async function openTrial(id: string): Promise<void> {
 export async function fresh(): Promise<void> {
   const { id, screen } = get();
   if (!id) return;
-  if (screen === "gaps") {
+  if (screen === "angles") return fetchAngles();
+  if (screen === "detect") await loadDetect(id);
+  else if (screen === "digitise") await loadDigitise(id);
+  else if (screen === "gaps") {
     const gaps = await tried(() => api.gaps(id));
     if (gaps && get().id === id) takeGaps(gaps, id);
   } else if (screen === "labels") {

@@ -4,9 +4,11 @@ import type { Click } from "../draw/Cameras";
 import type { Detected } from "../model/detections";
 import type { Path, PathSet } from "../model/paths";
 import { Playhead } from "../model/playhead";
+import type { Tried } from "./detect";
+import type { Digitised } from "./digitise";
 import type { GapCandidates, GapRow, Gaps, History, Home, Job, Join, Labels, Problem, Problems, TrialHeader } from "../api/types";
 
-export const SCREENS = ["home", "tracks", "labels", "gaps", "report", "history"] as const;
+export const SCREENS = ["home", "new", "cameras", "detect", "digitise", "tracks", "labels", "gaps", "angles", "report", "history"] as const;
 export type Screen = (typeof SCREENS)[number];
 export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
 export type Theme = "auto" | "light" | "dark";
@@ -27,6 +29,8 @@ export interface State {
   gaps: Gaps | null;
   labels: Labels | null;
   history: History | null;
+  detect: Tried | null;
+  digitise: Digitised | null;
   jobs: Readonly<Record<string, Job>>;
   connected: boolean;
   busy: number;
@@ -83,7 +87,7 @@ export function keep(key: string, value: string): void {
 export const OF_TRIAL = {
   header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, later: [],
   instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
-  alone: false, window: null,
+  alone: false, window: null, detect: null, digitise: null,
 } satisfies Partial<State>;
 
 export const useStore = create<State>()(() => ({

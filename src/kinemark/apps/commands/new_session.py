@@ -48,7 +48,7 @@ def init(
     for text in answer or ():
         proposal = _changed(text, proposal, answered)
     if not (yes or json) and sys.stdin.isatty():
-        proposal = asked(proposal)
+        proposal = asked(confirmed(proposal))
     if dry_run:
         print_result(session_text(proposal).rstrip("\n"))
         return
@@ -58,6 +58,30 @@ def init(
         print_result({"written": str(path), "open": left, **proposal.figures()})
     else:
         print_result(_written(proposal, path))
+
+
+def confirmed(proposal: SessionProposal) -> SessionProposal:
+    """The same with the roles that a person at the terminal corrects; an empty line takes them as they are."""
+    from ...engine.first_session import Role
+    from ...report.words.first_session import reason_text
+
+    while True:
+        rows = [
+            f"{k:3d}  {one.role:14s} {one.path}  ({reason_text(one.why)})"
+            for k, one in enumerate(proposal.recordings, 1)
+        ]
+        print_result("\n".join(rows))
+        print_result(f"Is one of them something else? As: 2 wand; there are {', '.join(Role)}  (Enter: all is right)")
+        words = sys.stdin.readline().split()
+        if not words:
+            return proposal
+        try:
+            place = int(words[0]) - 1 if words[0].isdecimal() else -1
+            if not (0 <= place < len(rows) and len(words) == 2):
+                raise ValueError(f"wanted are a number from 1 to {len(rows)} and a role")
+            proposal = _with_role(proposal, proposal.recordings[place].path, words[1])
+        except ValueError as error:
+            print_result(f"  {error}")
 
 
 def asked(proposal: SessionProposal) -> SessionProposal:

@@ -12,13 +12,31 @@ from starlette.exceptions import HTTPException
 
 from ...data import KinemarkError
 from ...engine.journal import StaleJournal
+from ...engine.open_detection import OpenDetection
+from ...engine.open_digitising import OpenDigitising
 from ...version import __version__
-from . import export_routes, home_routes, image_routes, live, page_routes, trial_routes
+from . import (
+    angle_routes,
+    camera_routes,
+    detect_routes,
+    digitise_routes,
+    export_routes,
+    home_routes,
+    image_routes,
+    live,
+    new_session_routes,
+    page_routes,
+    trial_routes,
+)
 from .desk import Desk, NotRun
+from .digitise import AnsweredMeanwhile
+from .kept import Kept
 from .limits import Limits
 from .messages import Refusal
 from .shelf import NotThere
 
+STATUS: dict[type[Exception], int] = {NotThere: 404, NotRun: 424, AnsweredMeanwhile: 409}
+"""Of HTTP, for errors of the user's that are not 422; by definition."""
 MOST_WORDS = 20
 """Mistakes of a message that are named; chosen."""
 
@@ -30,8 +48,14 @@ def studio_app(desk: Desk) -> FastAPI:
         responses={422: {"model": Refusal}}, separate_input_output_schemas=False,
     )  # fmt: skip
     app.state.desk, app.state.live = desk, live.Live(desk)
-    for part in (home_routes, trial_routes, image_routes, export_routes, live, page_routes):
+    app.state.detecting, app.state.digitising = Kept[OpenDetection](), Kept[OpenDigitising]()
+    for part in (
+        home_routes, trial_routes, image_routes, detect_routes, digitise_routes, export_routes, live, page_routes,
+    ):  # fmt: skip
         app.include_router(part.router)
+    app.include_router(new_session_routes.router)
+    app.include_router(camera_routes.router)
+    app.include_router(angle_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)
@@ -45,8 +69,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
         key = request.path_params.get("trial", "")
         head = request.app.state.desk.document(key).head if key else None
         return _answer(409, str(error), head)
-    status = 404 if isinstance(error, NotThere) else 424 if isinstance(error, NotRun) else 422
-    return _answer(status, str(error))
+    return _answer(next((status for kind, status in STATUS.items() if isinstance(error, kind)), 422), str(error))
 
 
 async def _malformed(request: Request, error: Exception) -> JSONResponse:

@@ -16,6 +16,7 @@ from .desk import OpenDocument
 from .home import last_of, newer
 from .messages import CameraRow, EventRow, Link, MarkerSetRow, Mosaic, TrackRow, TrialHeader
 from .paths import samples
+from .shelf import Place
 
 STALE = "Something was said or set since the last run: run the trial so that gaps, report and files follow."
 
@@ -29,11 +30,12 @@ def header(document: OpenDocument, mosaic: Mosaic | None) -> TrialHeader:
         id=document.place.id,
         name=editing.name,
         session=None if trial is None else trial.workspace.settings.name,
+        session_id=None if trial is None else Place(trial.workspace.root).id,
         rate=trajectories.rate,
         first_frame=start,
         n_frames=trajectories.n_frames,
         tracks=_tracks(document),
-        cameras=[] if rig is None else [_camera(camera) for camera in rig],
+        cameras=[] if rig is None else [camera_row(camera) for camera in rig],
         volume=_volume(rig),
         marker_set=None if document.marker_set is None else _marker_set(document.marker_set),
         events=_events(document),
@@ -97,7 +99,8 @@ def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:
     return found
 
 
-def _camera(camera: Camera) -> CameraRow:
+def camera_row(camera: Camera) -> CameraRow:
+    """A camera as the page projects with it."""
     plain: dict[str, Any] = {name: getattr(camera, name).tolist() for name in ("centre", "R", "t", "K", "distortion")}
     width, height = camera.size.tolist()
     return CameraRow(name=camera.name, width=width, height=height, **plain)

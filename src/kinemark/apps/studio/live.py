@@ -67,11 +67,20 @@ class Live:
         place = self.desk.place(key)
         if place.trial is None:
             raise KinemarkError(f"{place.name} is a file: there is nothing to run.")
+        return self._start(key, place, Job(place.path, place.trial, to))
+
+    def calibrate(self, key: str) -> m.Job:
+        """Calibrate a session in a process of its own; raises as `run` does."""
+        place = Place(self.desk.shelf.session(key))
+        return self._start(key, place, Job(place.path, ""))
+
+    def _start(self, key: str, place: Place, job: Job) -> m.Job:
+        """One job at a time of a session."""
         with self._lock:
             if any(other.path == place.path for other, _ in self._running.values()):
                 raise KinemarkError("A trial of this session is running. Wait for it, or cancel it.")
             number = str(next(self._numbers))
-            started = Job(place.path, place.trial, to).start()
+            started = job.start()
             self._running[number] = place, started
         self.failed.pop(key, None)
         self._say(m.Job(id=number, trial=key, state="running"))

@@ -156,12 +156,13 @@ class TrialHeader(Message):
     """All of a trial but its samples.
 
     `trim` and `named_only` say what is left in the end; `undo` and `redo` the entries that these would take back;
-    `why_asked` that every act wants a reason; `session` is null for a file.
+    `why_asked` that every act wants a reason; `session` and its id are null for a file.
     """
 
     id: str
     name: str
     session: str | None
+    session_id: str | None
     rate: float
     first_frame: int
     n_frames: int
@@ -232,7 +233,7 @@ class RunBody(Message):
 
 
 class Job(Message):
-    """A run of a trial; progress is of the stage, from 0 to 1."""
+    """A run of a trial, or the calibration of a session, whose id `trial` then is; progress is of the stage, 0 to 1."""
 
     kind: Literal["job"] = "job"
     id: str

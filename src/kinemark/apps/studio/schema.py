@@ -9,15 +9,16 @@ from typing import Any
 from fastapi.openapi.utils import get_openapi
 from pydantic.json_schema import models_json_schema
 
-from . import edit_messages, messages
+from . import angle_messages, camera_messages, detect_messages, edit_messages, messages, new_session_messages
 from .app import studio_app
 from .desk import Desk
 from .shelf import Shelf
 
 FILE = Path(__file__).parents[4] / "ui" / "openapi.json"
 REF = "#/components/schemas/{model}"
+MODULES = (messages, edit_messages, new_session_messages, camera_messages, detect_messages, angle_messages)
 RECORDS = [
-    one for one in (vars(messages) | vars(edit_messages)).values()
+    one for module in MODULES for one in vars(module).values()
     if isinstance(one, type) and issubclass(one, messages.Message)
 ]  # fmt: skip
 """All of the contract: some travel in headers or over the socket, where OpenAPI has no place for them."""

@@ -99,6 +99,17 @@ class Shelf:
                 return place
         raise NotThere("There is no such trial. Go to Home and look what is there now.")
 
+    def session(self, key: str) -> Path:
+        """The folder of the session of an id.
+
+        Raises:
+            NotThere: there is none.
+        """
+        for folder in self.sessions():
+            if Place(folder).id == key:
+                return folder
+        raise NotThere("There is no such session. Go to Home and look what is there now.")
+
     def _found(self) -> list[Path]:
         """Session files and files of trajectories below the roots."""
         found = dict[Path, None]()

@@ -2,6 +2,14 @@
 
 from .calibrated import Calibrated
 from .from_known_points import rig_of_dlt
-from .results import calibrate
+from .results import EarlierCalibration, LastCalibration, calibrate, earlier_calibrations, last_calibration
 
-__all__ = ["Calibrated", "calibrate", "rig_of_dlt"]
+__all__ = [
+    "Calibrated",
+    "EarlierCalibration",
+    "LastCalibration",
+    "calibrate",
+    "earlier_calibrations",
+    "last_calibration",
+    "rig_of_dlt",
+]

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +43,27 @@ from .task import RigWithEvidence, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
 LOCK = ".calibration.lock"
+COMPARED_PLACES = 200
+"""Of the volume, by whose images calibrations are compared; chosen for speed."""
+
+
+class LastCalibration(NamedTuple):
+    """The cameras, the figures of calibration.json, when they were made, and whether a run would take them as they
+    are."""
+
+    rig: Rig
+    figures: dict[str, Any]
+    made: datetime
+    current: bool
+
+
+class EarlierCalibration(NamedTuple):
+    """A former calibration: when it was made, its cameras, and how those of now differ from them."""
+
+    made: str
+    rig: Rig
+    change: Change
+
 
 WAYS: dict[str, Callable[[Task], RigWithEvidence]] = {
     "file": from_file,
@@ -87,6 +109,32 @@ def calibrate(
         )
         relink(results / PAGE, results / ASSETS, self_contained=settings.report.self_contained)
         return Calibrated(rig, figures, tuple(store.steps), bool(store.computed), results)
+
+
+def last_calibration(root: Path, results: Path, settings: Settings) -> LastCalibration | None:
+    """What was calibrated last, read and not computed; None where there is none, or it is damaged."""
+    try:
+        rig, figures = _load(results / RIG)
+        current = Store.read(results).holds("calibrate", calibration_key(Task(root, settings, SILENT)), (RIG, FIGURES))
+    except KinemarkError:
+        return None
+    made = datetime.fromtimestamp((results / RIG).stat().st_mtime)
+    return LastCalibration(rig, figures, made, current)
+
+
+def earlier_calibrations(results: Path, now: LastCalibration) -> list[EarlierCalibration]:
+    """The former calibrations of a session, the last first, each compared with the one that counts now.
+
+    One that cannot be read, or has none of the cameras, is left out.
+    """
+    places = points_of(volume_grid(now.figures["volume"]["corners_mm"], places=COMPARED_PLACES))
+    found = []
+    for path in sorted((results / FORMER).glob(f"*-{RIG}"), reverse=True):
+        with suppress(KinemarkError):
+            rig = read_rig_toml(path)
+            if {*rig.names} & {*now.rig.names}:
+                found.append(EarlierCalibration(path.name.removesuffix(f"-{RIG}"), rig, compare(rig, now.rig, places)))
+    return found
 
 
 def calibration_key(task: Task) -> str:
@@ -150,7 +198,7 @@ def _put_aside(results: Path, rig: Rig, evidence: Evidence) -> tuple[str, Change
         old = read_rig_toml(path)
         if rig_key(old) == rig_key(rig):
             return "", None
-        change = compare(old, rig, points_of(volume_grid(judged_volume(rig, evidence), places=200)))
+        change = compare(old, rig, points_of(volume_grid(judged_volume(rig, evidence), places=COMPARED_PLACES)))
     except KinemarkError:  # a damaged one is kept all the same: somebody may mend it
         change = None
     kept = _free_name(results / FORMER, datetime.fromtimestamp(path.stat().st_mtime))

@@ -1,6 +1,6 @@
 """A first `session.toml` from a folder of recordings: looked at, guessed with reasons, asked, written."""
 
-from .calibration_way import answered, with_role
+from .calibration_way import answered, with_facts, with_role
 from .proposal import FoundRecording, Question, Reason, Role, SessionProposal
 from .propose import propose_session
 from .session_text import session_text, write_first_session
@@ -14,6 +14,7 @@ __all__ = [
     "answered",
     "propose_session",
     "session_text",
+    "with_facts",
     "with_role",
     "write_first_session",
 ]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import datetime
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import Literal
 
 from .proposal import FoundRecording, Question, Reason, Role, SessionProposal, parsed
 
@@ -79,6 +81,9 @@ def _questions(proposal: SessionProposal) -> Iterator[Question]:
         yield Question("calibration.length_unit", 0, 0, ("mm", "cm", "m", "in"), about=way.path)
     elif way.role is Role.WAND:
         yield Question("calibration.wand.lengths_mm", 1, 3, about=way.path)
+        yield Question("calibration.wand.marker_diameter_mm", about=way.path, optional=True)
+    elif way.role is Role.CONTROL_POINTS:
+        yield Question("calibration.control_points.marker_diameter_mm", about=way.path, optional=True)
     filmed = any(one.content == "images" for one in proposal.trials)
     if way is not None and way.role in ASKED and way.content == "detections" and not filmed:
         yield Question("cameras.size_px", 2, 2, whole=True, about=way.path)
@@ -117,3 +122,39 @@ def with_role(proposal: SessionProposal, path: str, role: Role) -> SessionPropos
     why = Reason("stated", {"role": str(role)})
     changed = [replace(one, role=role, why=why) if one.path == path else one for one in proposal.recordings]
     return completed(replace(proposal, recordings=tuple(changed)))
+
+
+def with_facts(
+    proposal: SessionProposal,
+    *,
+    name: str | None = None,
+    date: str | None = None,
+    rate: float | None = None,
+    interlaced: Literal[False, "top", "bottom"] | None = None,
+    names: Mapping[str, str] | None = None,
+) -> SessionProposal:
+    """The same with what a person says of the whole; what is None stays as it was guessed.
+
+    Args:
+        proposal: that is changed.
+        name: of the session; date: of the recording, YYYY-MM-DD, empty for none.
+        rate: Hz of frames, of fields where interlaced.
+        interlaced: the field that was taken first, False for whole frames.
+        names: of trials, by the paths of their recordings.
+
+    Raises:
+        ValueError: the rate is not above 0, the date is none, or a recording is not there.
+    """
+    if rate is not None and not 0 < rate < float("inf"):
+        raise ValueError(f"{rate} Hz is no rate; wanted is a number above 0")
+    if date:
+        datetime.date.fromisoformat(date)
+    if strange := sorted({*(names or {})} - {one.path for one in proposal.recordings}):
+        raise ValueError(f"{strange[0]} is none of the recordings")
+    said = Reason("stated")
+    called = tuple(replace(one, name=(names or {}).get(one.path, one.name)) for one in proposal.recordings)
+    found = replace(proposal, recordings=called, name=name or proposal.name)
+    found = found if date is None else replace(found, date=date)
+    found = found if rate is None else replace(found, rate=rate, rate_why=said)
+    found = found if interlaced is None else replace(found, interlaced=interlaced, interlaced_why=said)
+    return completed(found)

@@ -16,7 +16,7 @@ from ...io.formats import IMAGES, ReadOptions, read_file
 from ...io.images import open_images
 from ...io.named_points_csv import layout_of
 from ...io.tdf import Tdf, read_tdf
-from ...io.um2as import files_of_set
+from ...io.um2as import files_of_set, read_msr
 from ..session_name import FILE
 from ..settings import is_da
 from .camera_names import WORD, grouped, natural
@@ -162,6 +162,10 @@ def _record(path: Path) -> Any:
         return read_tdf(path, parts=("detections",))
     if is_da(path) or suffix.startswith(".cp"):
         return _um2as(path)
+    if suffix == ".msr":
+        return FoundRecording(
+            path.name, "points", (), Role.CONTROL_POINTS, Reason("holds_measured", {"n": len(read_msr(path))})
+        )
     return read_file(path, ReadOptions()) if suffix in (".c3d", ".trc", ".toml", ".h5") else None
 
 
@@ -183,6 +187,8 @@ def _csv(path: Path) -> Any:
     if "x_mm" in heading and any(cell.endswith("_u_px") for cell in heading):
         cameras = tuple(cell.removesuffix("_u_px") for cell in heading if cell.endswith("_u_px"))
         return FoundRecording(path.name, "points", cameras, Role.CONTROL_POINTS, Reason("holds_points"))
+    if {"name", "x_mm", "y_mm", "z_mm"} <= {*heading} and not {"frame", "time_s"} & {*heading}:
+        return FoundRecording(path.name, "points", (), Role.CONTROL_POINTS, Reason("holds_places"))
     record = read_file(path, ReadOptions())
     if isinstance(record, NamedDetections):
         return None if layout_of(path) == "deeplabcut" else record.detections

@@ -79,6 +79,7 @@ class Question:
         choices: the words that may be answered.
         whole: whether the numbers are counts.
         about: the recording that the question is about, by its path.
+        optional: whether a session works without the answer, so that nobody is stopped for it.
     """
 
     key: str
@@ -87,6 +88,7 @@ class Question:
     choices: tuple[str, ...] = ()
     whole: bool = False
     about: str = ""
+    optional: bool = False
 
 
 Answer = tuple[float, ...] | str
@@ -128,8 +130,8 @@ class SessionProposal:
 
     @property
     def open(self) -> tuple[Question, ...]:
-        """The questions that were not answered yet."""
-        return tuple(question for question in self.questions if question.key not in self.answers)
+        """The questions that were not answered yet and want to be."""
+        return tuple(one for one in self.questions if one.key not in self.answers and not one.optional)
 
     @property
     def trials(self) -> tuple[FoundRecording, ...]:

@@ -13,11 +13,15 @@ import tomlkit
 from tomlkit.items import Table
 
 from ...data import KinemarkError
+from ...io.control_points import PointedPoints, write_pointed
+from ...io.um2as import read_msr
 from ...report.words.first_session import HEAD, question_text, reason_text
 from ..session_name import FILE
 from .proposal import FoundRecording, Role, SessionProposal
 
 MARK = "?"
+MEASURED = ".msr"
+"""The ending of UM²AS's measured places of control balls."""
 
 
 def session_text(proposal: SessionProposal) -> str:
@@ -48,6 +52,10 @@ def write_first_session(proposal: SessionProposal) -> Path:
     """
     path = proposal.folder / FILE
     text = session_text(proposal)
+    if path.exists():
+        raise existing(path)
+    if proposal.way is not None and proposal.way.path.endswith(MEASURED):
+        _write_points(proposal.folder / proposal.way.path)
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -61,6 +69,19 @@ def write_first_session(proposal: SessionProposal) -> Path:
 def existing(path: Path) -> KinemarkError:
     """The error where a session is there already."""
     return KinemarkError(f"{path} is there already and is not overwritten. Rename it, or go on: kinemark calibrate")
+
+
+def points_file(path: str) -> str:
+    """The CSV file of control points; one of UM²AS's measured places is written anew beside it."""
+    return path.removesuffix(MEASURED) + ".csv" if path.endswith(MEASURED) else path
+
+
+def _write_points(measured: Path) -> None:
+    """Measured places as the control points of a session, unless they are there already."""
+    target = measured.with_suffix(".csv")
+    if not target.exists():
+        xyz = read_msr(measured)
+        write_pointed(target, PointedPoints.unseen([str(n + 1) for n in range(len(xyz))], xyz))
 
 
 def _add_rate(document: tomlkit.TOMLDocument, proposal: SessionProposal) -> None:
@@ -143,8 +164,10 @@ def _said(one: FoundRecording, proposal: SessionProposal) -> dict[str, Any]:
         return None if said is None else [int(n) if whole else _number(n) for n in said if not isinstance(n, str)]
 
     source: dict[str, Any] = {one.content: one.path}
+    thick = answer("marker_diameter_mm")
+    spheres = {"marker_diameter_mm": thick[0]} if thick else {}
     if one.role is Role.WAND:
-        return {**source, "lengths_mm": answer("lengths_mm")}
+        return {**source, "lengths_mm": answer("lengths_mm"), **spheres}
     if one.role is Role.L_FRAME:
         return {**source, "arms_mm": answer("arms_mm")}
     if one.role is Role.GRID:
@@ -155,7 +178,7 @@ def _said(one: FoundRecording, proposal: SessionProposal) -> dict[str, Any]:
         return {"rods": rods, **source}
     if one.role is Role.CONTROL_POINTS:
         pictures = [o.path for o in proposal.recordings if o.role is one.role and o.content == "images"]
-        return {"points": one.path, **({"images": pictures[0]} if pictures else {})}
+        return {"points": points_file(one.path), **({"images": pictures[0]} if pictures else {}), **spheres}
     return source
 
 
@@ -175,6 +198,8 @@ def _trials(trials: Iterable[FoundRecording]) -> Any:
         table = tomlkit.table()
         table["name"] = tomlkit.item(one.name).comment(reason_text(one.why))
         table[one.content] = one.path
+        if one.role is Role.STATIC:
+            table["kind"] = "static"
         table.add(tomlkit.nl())
         tables.append(table)
     return tables

@@ -174,8 +174,10 @@ class TrialEntry(Strict):
             raise ValueError(f"trial {self.name!r} wants either images or detections")
         if self.frames is not None and self.frames[0] > self.frames[1]:
             raise ValueError(f"trial {self.name!r} has frames = {list(self.frames)}: give the first, then the last")
-        if self.frames is not None and self.answers is not None:
-            raise ValueError(f"trial {self.name!r} is digitised from its first frame on: leave out frames")
+        if self.frames is not None and self.answers is not None and self.frames[0] != 1:
+            raise ValueError(
+                f"trial {self.name!r} is digitised from its first frame on: say frames = [1, {self.frames[1]}]"
+            )
         if self.answers is not None and self.images is None:
             raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
         return self
@@ -194,6 +196,22 @@ class ReportTable(Strict):
         description="each page holds the drawing library, 5 MB, so that it can be mailed alone; otherwise pages share "
         "one file in results/assets",
     )
+
+
+def _taken_out(table: Any, of: str, part: str, key: str, whose: str) -> tuple[dict[str, Any], Any] | None:
+    """The table `of` without its `part`, and the part, which is kept under a key of its own; None where it has none.
+
+    Raises:
+        ValueError: the session states that key itself.
+    """
+    if not isinstance(table, dict):
+        return None
+    if key in table:
+        raise ValueError(f"{key}: there is no such key; {whose} go in [{of}.{part}.NAME]")
+    whole = table.get(of)
+    if not isinstance(whole, dict) or part not in whole:
+        return None
+    return {name: value for name, value in whole.items() if name != part}, whole[part]
 
 
 class Settings(Strict):
@@ -237,29 +255,21 @@ class Settings(Strict):
     @classmethod
     def cameras_apart(cls, table: Any) -> Any:
         """`[detect.cameras.NAME]`, beside `[detect]` for all, becomes a method of that camera in `detect_cameras`."""
-        if not isinstance(table, dict):
+        found = _taken_out(table, "detect", "cameras", "detect_cameras", "parameters of a camera")
+        if found is None:
             return table
-        if "detect_cameras" in table:
-            raise ValueError("detect_cameras: there is no such key; parameters of a camera go in [detect.cameras.NAME]")
-        detect = table.get("detect")
-        if not isinstance(detect, dict) or "cameras" not in detect:
-            return table
-        rest = {key: value for key, value in detect.items() if key != "cameras"}
-        return table | {"detect": rest, "detect_cameras": methods_of_cameras(rest, detect["cameras"])}
+        rest, cameras = found
+        return table | {"detect": rest, "detect_cameras": methods_of_cameras(rest, cameras)}
 
     @model_validator(mode="before")
     @classmethod
     def subjects_apart(cls, table: Any) -> Any:
         """`[label.subjects.NAME]`, beside `[label]` for all, becomes a subject in `label_subjects`."""
-        if not isinstance(table, dict):
+        found = _taken_out(table, "label", "subjects", "label_subjects", "parameters of a subject")
+        if found is None:
             return table
-        if "label_subjects" in table:
-            raise ValueError("label_subjects: there is no such key; a subject's go in [label.subjects.NAME]")
-        label = table.get("label")
-        if not isinstance(label, dict) or "subjects" not in label:
-            return table
-        rest = {key: value for key, value in label.items() if key != "subjects"}
-        return table | {"label": rest, "label_subjects": label["subjects"]}
+        rest, subjects = found
+        return table | {"label": rest, "label_subjects": subjects}
 
     @model_validator(mode="after")
     def subjects_known(self) -> Settings:

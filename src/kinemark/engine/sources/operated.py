@@ -86,7 +86,8 @@ class OperatedImages:
             constants = places_of(marks, of.rig.names)[:, 0]
         files = answer_files(of.root, str(of.entry.answers), of.rig.names)
         masks = masks_of(of.root, of.settings, of.rig.names)
-        return Digitising(of.images(), files, of.rig, method, of.settings.detect, constants, masks)
+        last = of.entry.frames[1] if of.entry.frames else None
+        return Digitising(of.images(), files, of.rig, method, of.settings.detect, constants, masks, last)
 
     def key(self) -> str:
         """Of images and answers, the cameras, the rate, how markers are digitised, and masks."""
@@ -94,7 +95,8 @@ class OperatedImages:
         files = [path for source in task.images.values() for path in source.paths]
         masks = masks_key(of.root, of.settings, of.rig.names)
         said = file_key(*files, *task.answers.values())
-        return digest(said, of.rig.names, self._rate(task), task.method, task.constants, rig_key(of.rig), masks)
+        last = [] if task.last is None else [task.last]
+        return digest(said, of.rig.names, self._rate(task), task.method, task.constants, rig_key(of.rig), masks, *last)
 
     def detections(self, threads: int | None = None) -> Detections:
         """What the operator's answers give; `.da` files and figures are written beside.
@@ -103,8 +105,10 @@ class OperatedImages:
             KinemarkError: a question has no answer yet.
         """
         of, task = self.of, self.task()
-        if of.frames is not None:
-            raise KinemarkError(f"Trial {of.entry.name!r} is digitised from its first frame on: leave out frames.")
+        if of.frames != of.entry.frames:
+            raise KinemarkError(
+                f"Trial {of.entry.name!r} is digitised as a whole, and no stretch of it can be looked at before."
+            )
         if of.own_times:
             raise KinemarkError(
                 f"Trial {of.entry.name!r} is digitised, for which all cameras count as synchronous: leave out "

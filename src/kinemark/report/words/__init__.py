@@ -17,6 +17,7 @@ from .edits import EDIT_WORDS, edit_text
 from .error_sources import SOURCE_ADVICE, evidence_text
 from .gait import GAIT_WORDS
 from .open_gaps import open_gap_text
+from .plans import PLAN_WORDS
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
 from .trial import TRIAL_WORDS
@@ -50,6 +51,7 @@ WORDS: dict[str, Words] = {
     **ANGLE_WORDS,
     **PROPOSAL_WORDS,
     **GAIT_WORDS,
+    **PLAN_WORDS,
     **VERDICT_WORDS,
 }
 """By kind of finding."""

@@ -31,6 +31,8 @@ REASONS = {
     "holds_rig": "it holds a calibration",
     "holds_dlt": "it holds DLT parameters of {cameras} cameras",
     "holds_points": "it holds control points and their places in the images",
+    "holds_places": "it holds the measured places of control points, whose images are still to be pointed at",
+    "holds_measured": "it holds {n} measured places of control balls, whose images are still to be pointed at",
     "holds_trajectories": "trajectories need no session: kinemark info, fill and angles take them",
     "unreadable": "{error}",
     "no_camera_in_name": "nothing in its name says which camera took it",
@@ -52,11 +54,30 @@ QUESTIONS = {
     "calibration.way": "What moves in {about}: a wand, or a single_marker?",
     "calibration.length_unit": "The unit of length of {about}: mm, cm, m or in?",
     "calibration.wand.lengths_mm": "Gaps between neighbouring markers of the wand, centre to centre, mm, as 120 280?",
+    "calibration.wand.marker_diameter_mm": "Diameter of the wand's spheres, mm? Without it they are taken as points.",
+    "calibration.control_points.marker_diameter_mm": "Diameter of the control balls, mm? Without it they are points.",
     "calibration.l_frame.arms_mm": "From the L-frame's corner to the marker on its long and short arm, mm, as 400 250?",
     "calibration.linearisation.grid": "Columns and rows of the grid, of dots or inner corners, as 20 15?",
     "calibration.linearisation.pitch_mm": "Distance of neighbours in the grid, mm?",
 }
 """By the key of a question."""
+
+
+ROLES = {
+    "trial": "trial",
+    "static": "static trial",
+    "wand": "wand",
+    "l_frame": "L-frame on the floor",
+    "control_frame": "control frame of rods",
+    "control_points": "control balls",
+    "single_marker": "single marker, moved",
+    "linearisation": "lens grid",
+    "empty": "empty room",
+    "calibration": "some calibration",
+    "file": "ready-made calibration",
+    "unused": "not used",
+}
+"""By what a recording may be for."""
 
 
 class HasKind(Protocol):

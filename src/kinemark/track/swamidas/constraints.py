@@ -41,6 +41,7 @@ class Constraint(IntEnum):
     VELOCITY = 3
     ELIMINATION = 4
     BEGIN = 5
+    MODEL = 6
 
 
 class PredictedPoints(NamedTuple):
@@ -56,10 +57,20 @@ class PredictedPoints(NamedTuple):
     last: Floats
     steps: Ints
 
+    def keep(self, mask: Bools) -> PredictedPoints:
+        """Those where `mask` (T) is true."""
+        xyz, half, velocity, last, steps = self
+        return PredictedPoints(xyz[mask], half[mask], velocity[mask], last[mask], steps[mask])
+
 
 def half_size(steps: Ints, error: Floats, velocity: Floats, share: float) -> Floats:
     """(T, 3) mm of (1), for errors (3) mm and last velocities (T, 3) mm/frame."""
     return steps[:, None] * (error + share * np.abs(velocity))
+
+
+def in_region(expected: PredictedPoints, points: Floats) -> Bools:
+    """(T, N) whether points (N, 3) mm lie in the boxes."""
+    return np.asarray((np.abs(points - expected.xyz[:, None]) <= expected.half[:, None]).all(-1))
 
 
 def match_points(expected: PredictedPoints, points: Floats, allowed: Bools) -> tuple[Ints, Ints]:
@@ -72,7 +83,7 @@ def match_points(expected: PredictedPoints, points: Floats, allowed: Bools) -> t
     """
     taken, by = np.full(len(expected.xyz), -1), np.full(len(expected.xyz), int(Constraint.NONE))
     off = points - expected.xyz[:, None]
-    _by_region((np.abs(off) <= expected.half[:, None]).all(-1) & allowed, taken, by)
+    _by_region(in_region(expected, points) & allowed, taken, by)
     distance = np.where(allowed, (off**2).sum(-1), np.inf)
     _by_nearest(distance, taken, by, Constraint.DISTANCE)
     if (taken < 0).any() and (taken >= 0).sum() < len(points):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ...data import AngleModel
 from ...data.method import ONE, Method, parameter
 
 SENSORS = 2.54
@@ -61,9 +62,29 @@ class Swamidas(Method):
     learning_time: float = parameter(
         0.3, former="learning", unit="s", above=0, meaning="what the first frames are, for error, links and lengths"
     )
+    angle_model: str | None = parameter(
+        None, meaning='component angle model that corrects predictions: "own", made of the trial itself, or a file of '
+        "a model or of another trial of the same motion; None: the predictor alone",
+    )  # fmt: skip
+    model: AngleModel | None = parameter(None, meaning="what `angle_model` names, as read")
+    feedback: Literal["measured", "position"] = parameter(
+        "measured",
+        meaning="how a correction enters the predictor: measured, in every frame as a position with the model's "
+        "variance; position, as in the thesis, where an angle fails, with the differences that follow from it",
+    )
+    phase_tolerance: float = parameter(
+        0.05, unit="cycles", low=0, below=0.5,
+        meaning="an angle passes that the model has within this of the present phase",
+    )  # fmt: skip
+    model_spread: float = parameter(
+        0.03, unit=ONE, above=0,
+        meaning="spread of the model's directions, unit vectors, at least, by which the phase is found",
+    )  # fmt: skip
 
     def check_together(self) -> None:
-        """Refuse links of a track with itself, and lengths that are not one a link."""
+        """Refuse links of a track with itself, lengths that are not one a link, and a model beside its own."""
+        if self.angle_model == "own" and self.model is not None:
+            raise ValueError('angle_model is "own" and there is a model, wanted one of them')
         if self.lengths and len(self.lengths) != len(self.links):
             raise ValueError(f"there are {len(self.lengths)} lengths and {len(self.links)} links, wanted one each")
         if any(a == b for a, b in self.links):

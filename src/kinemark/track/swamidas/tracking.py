@@ -6,18 +6,21 @@ or, for as long as none is found, with its own prediction; so the identity outli
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
 from ..stage import CLOUD, TRACK
 from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, predict_points
-from .constraints import Constraint, PredictedPoints, match_points
+from .angle_guide import AngleGuide, Corrected
+from .constraints import Constraint, PredictedPoints, in_region, match_points
 from .learning import LearnedParameters, stated_parameters
+from .own_model import own_model
 from .segments import allowed_points
 from .swamidas_method import DEFAULT, Swamidas
 
@@ -64,19 +67,35 @@ def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
 
 
 def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult:
-    """As `track_swamidas`, with all predictions and the constraints that decided."""
+    """As `track_swamidas`, with all predictions and the constraints that decided.
+
+    Raises:
+        KinemarkError: no model can be made of the trial itself, where it is asked for.
+        ValueError: the method names a model's file that was not read.
+    """
+    if method.angle_model is not None and method.model is None:
+        if method.angle_model != "own":
+            raise ValueError(f"angle_model names {method.angle_model}, which was not read; give its content as model")
+        first = follow_points(cloud, method=replace(method, angle_model=None)).tracks
+        method = replace(method, angle_model=None, model=own_model(first, method.links))
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     process_sd = method.jerk / cloud.rate**3
     max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
     learning_frames = max(round(method.learning_time * cloud.rate), INITIATION_FRAMES)
     known, active, frames, with_points = stated_parameters(cloud, method), no_tracks(), [], 0
+    guide = None if method.model is None else AngleGuide(method.model, method, cloud.rate, learning_frames)
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
         expected = predict_points(active, known.error, method.velocity_share)
+        allowed = _allowed(active, expected, points, known, method)
+        if guide and guide.missing(active).any():
+            corrected, taken, reason = _guided(guide, active, expected, points, allowed, known)
+            active, expected = corrected.active, corrected.expected
+        else:
+            taken, reason = match_points(expected, points, allowed)
         frames.append(PredictedFrame(active.id, expected.xyz, expected.half))
-        taken, reason = match_points(expected, points, _allowed(active, expected, points, known, method))
         hit = taken >= 0
         mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
         active = advance(active, taken, points, sd=known.sd, process_sd=process_sd)
@@ -87,7 +106,40 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
             active = initiate(active, mine[new], points[new])
         active = active.keep(active.missed <= max_missed)
         known.learn(mine, points, learning_frames, method)
+        if guide:
+            said = np.where(hit[:, None], points[taken], expected.xyz) if len(points) else expected.xyz
+            guide.advance(frames[-1].id, said, mine, points)
     return SwamidasResult(Tracks(cloud, identity), by, frames)
+
+
+def _guided(
+    guide: AngleGuide,
+    active: ActiveSwamidasTracks,
+    expected: PredictedPoints,
+    points: Floats,
+    allowed: Bools,
+    known: LearnedParameters,
+) -> tuple[Corrected, Ints, Ints]:
+    """Tracks and what they expect, corrected, and the point and constraint (T) of each: markers that are visible first,
+    then those that the model has placed as seen from these, and last those that it cannot place."""
+    visible = ~guide.missing(active)
+    taken, by = np.full(len(visible), -1), np.full(len(visible), int(Constraint.NONE))
+    taken[visible], by[visible] = match_points(expected.keep(visible), points, allowed[visible])
+    observed = np.full_like(expected.xyz, np.nan)
+    observed[taken >= 0] = points[taken[taken >= 0]]
+    corrected = guide.correct(active, expected, observed, known.error, known.sd)
+    for own, chosen in ((corrected.placed, guide.match), (~visible & ~corrected.placed, None)):
+        left = np.setdiff1d(np.arange(len(points)), taken)
+        if not own.any() or not len(left):
+            continue
+        if chosen:
+            inside = in_region(corrected.expected, points[left]) & allowed[:, left]
+            found = chosen(corrected, points[left], inside)[own]
+            why = np.full(len(found), int(Constraint.MODEL))
+        else:
+            found, why = match_points(corrected.expected.keep(own), points[left], allowed[np.ix_(own, left)])
+        taken[own], by[own] = np.where(found >= 0, left[found], -1), np.where(found >= 0, why, 0)
+    return corrected, taken, by
 
 
 def _allowed(

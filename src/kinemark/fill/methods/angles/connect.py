@@ -9,26 +9,17 @@ elbow.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from ....data.array_types import Floats, Ints
 from ....geometry.rigid_pairs import Distances, distances, rigid_groups, spanning_links
+from ....signal.segment_directions import LinkedSegments
 
 FEWEST = 10
 """Frames that must have both ends of a segment; chosen (see studies/missing_markers.py)."""
 LONG = 1500
 """Frames of a trial above which fewer of them tell distances; chosen (see studies/missing_markers.py)."""
-
-
-class LinkedSegments(NamedTuple):
-    """S segments: link (S, 2) markers, bank (S) number of the rigid body, length and spread (S) mm."""
-
-    link: Ints
-    bank: Ints
-    length: Floats
-    spread: Floats
 
 
 def connect(
@@ -89,18 +80,3 @@ def _measured(link: Ints, number: Ints, found: Distances) -> LinkedSegments:
         use = (found.frames[a, b] >= FEWEST) & (found.mean[a, b] >= 1.0) & np.isfinite(found.spread[a, b])
     a, b = a[use], b[use]
     return LinkedSegments(link[use], number[use], found.mean[a, b], found.spread[a, b])
-
-
-def directions(xyz: Floats, link: Ints) -> Floats:
-    """(S, F, 3) unit vectors of segments (S, 2) between paths (M, F, 3) (3.34), NaN where an end is missing."""
-    way = np.empty((len(link), 3, xyz.shape[1]))  # each by itself, and axes as rows: small and fast
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for own, (a, b) in zip(way, link, strict=True):
-            np.subtract(xyz[b].T, xyz[a].T, out=own)
-            own *= 1 / np.sqrt(own[0] ** 2 + own[1] ** 2 + own[2] ** 2)
-    return way.swapaxes(1, 2)
-
-
-def component_angles(direction: Floats) -> Floats:
-    """The angles with the axes x, y and z (3.35) of unit vectors (…, 3), deg."""
-    return np.degrees(np.arccos(np.clip(direction, -1.0, 1.0)))

@@ -46,18 +46,16 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
-import scipy
 
-from ....data import AngleModel, KinemarkError
+from ....data import KinemarkError
 from ....data.array_types import Bools, Floats
 from ....data.method import ONE, parameter
 from ....signal.kalman import KalmanState, initial_state, predict, update, update_position
+from ....signal.model_places import ModelPlaces
 from ....signal.smoother import measurement_sd_of, process_sd_of
 from ...marker_array import Gap, MarkerArray, Prediction
 from ..kalman_predictor import STRIDE
 from ..stage import FILL, FillMethod
-from .connect import component_angles
-from .learn import template_of
 from .limb_angles import LimbAngles, fit_model
 from .place import Placer
 
@@ -167,7 +165,10 @@ class _Run:
         self._seen, self._method = motion.xyz, method
         self._sd, self._process_sd = _noise(motion, method)
         self._lasting = max(placer.cycle / 10, 1.0)
-        self._sides = _Sides(placer.model, placer.phase.cycles, method)
+        self._phase = placer.phase.cycles
+        self._places = ModelPlaces(
+            placer.model, phase_tolerance=method.phase_tolerance, segment_tolerance=method.segment_tolerance
+        )
         self.xyz, self.variance = np.full((n, n_frames, 3), np.nan), np.full((n, n_frames), np.nan)
         self.corrected = np.zeros((n, n_frames), bool)
         self.begin()
@@ -189,8 +190,8 @@ class _Run:
         wrong = self._going & ~seen
         if wrong.any():
             if self._method.feedback != "measured":
-                wrong &= self._sides.wrong(at, f)
-            placed, variance = self._sides.place(at, seen, f)
+                wrong &= self._places.wrong(at, self._phase[f])
+            placed, variance = self._places.place(at, seen, self._phase[f])
             wrong &= ~np.isnan(placed[:, 0])
             if self._method.feedback == "measured":
                 placed, variance = self._weighed(placed, variance * self._lasting, wrong)
@@ -215,7 +216,7 @@ class _Run:
         if self._method.feedback == "path":
             for back in (1, 2):
                 if f >= back and fed.any():
-                    before, _ = self._sides.place(self.xyz[:, f - back], seen, f - back)
+                    before, _ = self._places.place(self.xyz[:, f - back], seen, self._phase[f - back])
                     past[fed, back] = before[fed]  # (4)
         fed = fed & ~np.isnan(past).any((1, 2))
         begins = ~self._going & (self._row == 3)
@@ -231,54 +232,3 @@ class _Run:
         if self._method.feedback == "measured" and wrong.any():
             new.x[wrong], new.P[wrong] = self._next
         self._state, self._going = new, self._going | begins
-
-
-class _Sides:
-    """The model's segments at the phases of a trial."""
-
-    def __init__(self, model: AngleModel, phase: Floats, method: KalmanAngles) -> None:
-        steps = model.direction.shape[1]
-        self._link, self._length, self._stretch = model.links, model.length, method.segment_tolerance or np.inf
-        self._way = template_of(model)[0](phase).reshape(len(phase), -1, 3)
-        self._way *= (self._length / np.linalg.norm(self._way, axis=-1))[..., None]
-        self._step = np.rint(phase * steps).astype(np.int64) % steps
-        variance = np.nan_to_num(np.trace(model.cov, axis1=2, axis2=3) / 3, nan=0.01)
-        self._variance = model.length[:, None] ** 2 * variance + model.spread[:, None] ** 2
-        width = 2 * round(method.phase_tolerance * steps) + 1
-        self._low, self._high = (
-            f(model.angles, width, axis=1, mode="wrap")
-            for f in (scipy.ndimage.minimum_filter1d, scipy.ndimage.maximum_filter1d)
-        )
-
-    def wrong(self, at: Floats, f: int) -> Bools:
-        """(M) markers of places (M, 3) that belong to a segment that fails (1)."""
-        way = at[self._link[:, 1]] - at[self._link[:, 0]]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            length = np.linalg.norm(way, axis=1)
-            angle = component_angles(way / length[:, None])
-            b = self._step[f]
-            fails = ((angle < self._low[:, b]) | (angle > self._high[:, b])).any(1)
-            fails |= np.abs(length - self._length) > self._stretch * self._length
-        wrong = np.zeros(len(at), bool)
-        wrong[self._link[fails]] = True
-        return wrong
-
-    def place(self, at: Floats, seen: Bools, f: int) -> tuple[Floats, Floats]:
-        """(2): where the model has all markers (M, 3), NaN where nothing seen is joined to them, and variances (M)
-        mm²."""
-        placed, variance = np.where(seen[:, None], at, np.nan), np.where(seen, 0.0, np.nan)
-        known = seen & ~np.isnan(at[:, 0])
-        way, own = self._way[f], self._variance[:, self._step[f]]
-        while True:
-            total, spread, n = np.zeros_like(placed), np.zeros(len(at)), np.zeros(len(at))
-            for source, target, sign in ((0, 1, 1.0), (1, 0, -1.0)):
-                a, b = self._link[:, source], self._link[:, target]
-                use = known[a] & ~known[b]
-                np.add.at(total, b[use], placed[a[use]] + sign * way[use])
-                np.add.at(spread, b[use], variance[a[use]] + own[use])
-                np.add.at(n, b[use], 1.0)
-            new = n > 0
-            if not new.any():
-                return placed, variance
-            placed[new], variance[new] = total[new] / n[new, None], spread[new] / n[new]
-            known = known | new

@@ -30,11 +30,12 @@ from numpy.typing import NDArray
 from ....data import AngleModel, KinemarkError
 from ....data.array_types import Floats, Ints
 from ....data.method import parameter
+from ....signal.learn_angle_model import Learned, learn_model, template_of
 from ....signal.phase import CyclePhase, find_phase
+from ....signal.segment_directions import directions
 from ...marker_array import Gap, MarkerArray, Prediction
 from ..stage import FILL, FillMethod
-from .connect import connect, directions
-from .learn import Learned, learn_model, template_of
+from .connect import connect
 from .place import Placer, Placings, correlation
 
 STRANGE = 25.0

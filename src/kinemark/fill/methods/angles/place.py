@@ -40,9 +40,9 @@ from numpy.typing import NDArray
 from ....data import AngleModel
 from ....data.array_types import Bools, Floats, Ints
 from ....geometry import polar_rotations
+from ....signal.learn_angle_model import LONG, CycleInterpolation, columns, most_moving, template_of, weights
 from ....signal.phase import CyclePhase, CycleTemplate, information, variance_at
 from ....signal.smoother import measurement_sd_of
-from .learn import LONG, CycleInterpolation, columns, most_moving, template_of, weights
 
 SKIN = 3.0
 """σ of (2), mm; chosen (see studies/missing_markers.py)."""

@@ -25,11 +25,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
-from ....data import AngleModel, KinemarkError
-from ....data.array_types import Floats, Ints
-from ....signal.periodic import cycle_length
-from ....signal.phase import CyclePhase, CycleTemplate, refine_phase
-from .connect import LinkedSegments, directions
+from ..data import AngleModel, KinemarkError
+from ..data.array_types import Floats, Ints
+from .periodic import cycle_length
+from .phase import CyclePhase, CycleTemplate, refine_phase
+from .segment_directions import LinkedSegments, directions
 
 STEPS = 100
 """B of the model, steps of a cycle: percent, by definition."""

@@ -1,0 +1,33 @@
+"""`kinemark plan`: where the cameras should stand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ...engine.plan_settings import PlanSettings
+from ..output import Json, print_result
+
+
+def plan(
+    folder: Path = Path("plan"),
+    *,
+    settings: Annotated[PlanSettings | None, Parameter(name="*")] = None,
+    json: Json = False,
+) -> None:
+    """Say where cameras should stand for a volume and a subject, how exact they will be, and what one more would bring.
+
+    Writes plan.toml (the cameras, as a rig file), plan.json and plan.html.
+
+    Args:
+        folder: of the results.
+        settings: what is asked for.
+        json: print the figures for a machine.
+    """
+    from ...engine.camera_plan import camera_plan
+    from ...report.plan_text import plan_summary
+
+    result = camera_plan(folder, settings=settings or PlanSettings())
+    print_result(result.figures if json else f"{plan_summary(result.figures)}\nresults:  {result.folder}/plan.html")

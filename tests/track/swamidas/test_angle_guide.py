@@ -1,0 +1,48 @@
+"""The angle model in the tracking loop knows its markers by their lengths and directions, not by their order."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError
+from kinemark.engine.tracking_stage import with_angle_model
+from kinemark.fill import MarkerArray, fit_model
+from kinemark.fill.methods.angles import LimbAngles
+from kinemark.io.angle_model_csv import write_angle_model
+from kinemark.synth import elbow_flexion
+from kinemark.track.swamidas import Constraint, Swamidas, follow_points
+from support.clouds import cloud_and_markers
+
+
+def model():
+    """Of the third motion, made of another recording than the one that is tracked."""
+    other = elbow_flexion(duration_s=8.0, seed=5)
+    links = (("B", "D"), ("C", "B"))
+    return fit_model(MarkerArray(other.xyz, other.rate, other.names), method=LimbAngles(links=links)).model
+
+
+def hidden(order):
+    """A cloud of the markers in this order, D and B hidden for two seconds, and the marker of each point."""
+    subject = elbow_flexion(duration_s=6.0, seed=9)
+    xyz = subject.xyz[np.array(order)]
+    seen = np.ones(xyz.shape[:2], bool)
+    seen[np.isin(order, (0, 1)), 40:100] = False
+    return cloud_and_markers(xyz, seen, rate=subject.rate)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
+def test_two_markers_that_come_back_at_once_are_told_apart_in_whatever_order_tracks_begin(order):
+    cloud, marker = hidden(order)
+    followed = follow_points(cloud, method=Swamidas(model=model()))
+    np.testing.assert_array_equal(followed.tracks.id, marker)
+    assert (followed.by == Constraint.MODEL).sum() == 2
+
+
+def test_a_file_of_a_model_is_read_for_the_session_and_its_absence_is_said(tmp_path):
+    write_angle_model(tmp_path / "arm.csv", model())
+    read = with_angle_model(Swamidas(angle_model="arm.csv"), tmp_path)
+    cloud, marker = hidden((0, 1, 2))
+    np.testing.assert_array_equal(follow_points(cloud, method=read).tracks.id, marker)
+    with pytest.raises(ValueError, match=r"arm\.csv, which was not read"):
+        follow_points(cloud, method=Swamidas(angle_model="arm.csv"))
+    with pytest.raises((KinemarkError, OSError)):
+        with_angle_model(Swamidas(angle_model="absent.csv"), tmp_path)

@@ -17,16 +17,16 @@ level with a flat foot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
-from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
-from ..kinematics import principal, turned
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side, SubjectMeasures
+from ..kinematics import turned
 from .hip_centre import HipCentre, davis, hara, harrington
-from .segments import Z_UP, Segment, joint_centre, mean_length, perpendicular, relative, unit, upright
+from .segments import Segment, joint_centre, mean_length, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 """Of each leg, after L or R; conventional."""
@@ -148,7 +148,9 @@ def _leg(points: Mapping[str, Floats], hip: Floats, measures: SubjectMeasures, s
     return Leg(hip, thigh, shank, shank.turned_about_z(-left * own.torsion_deg), foot, bare)
 
 
-def hips_of(points: Mapping[str, Floats], measures: SubjectMeasures, *, hip_centre: str = "davis") -> dict[Side, Floats]:
+def hips_of(
+    points: Mapping[str, Floats], measures: SubjectMeasures, *, hip_centre: str = "davis"
+) -> dict[Side, Floats]:
     """(…, 3) mm of both hips.
 
     Args:

@@ -1,7 +1,8 @@
 """Axes of knee and ankle that a standing trial shows, by knee alignment devices or markers inside of the joints.
 
 A device on the knee has three markers KAX, KD1 and KD2 at the ends of three rods of one length L, square to each other,
-with KAX along the axis of the knee outwards. Its apex, where the rods meet, stands for the marker KNE:
+with KAX along the axis of the knee outwards. Its apex, where the rods meet, stands for the marker KNE, which is put on
+at the same place afterwards:
 
     O = c ± n L / √3,   L = mean distance of the three / √2,   c their mean, n their plane's normal            (1)
 
@@ -20,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -34,33 +36,34 @@ INSIDE = ("KNM", "MED")
 """Inside of knee and ankle, after L or R; conventional (CGM2)."""
 STATIC_MARKERS = (*DEVICE, *INSIDE)
 """That only the standing trial needs; conventional."""
+AxesShown = Literal["", "devices", "markers"]
 ROUNDS = 8
 """Of (5), where the ankle hangs on its own axis; chosen, the sixth changes nothing at double precision."""
 
 
-def axes_shown(static: Mapping[str, Floats]) -> str:
+def axes_shown(static: Mapping[str, Floats]) -> AxesShown:
     """By what a standing trial shows the axes of both knees: "devices", "markers", or "" where it shows none.
 
     Args:
         static: (F, 3) mm by the model's names.
     """
-    for way, names in (("devices", DEVICE), ("markers", INSIDE[:1])):
-        if all(_seen(static, LETTER[side] + name) for side in SIDES for name in names):
-            return way
-    return ""
+    if all(device_worn(static, letter) for letter in LETTER.values()):
+        return "devices"
+    return "markers" if all(_seen(static, letter + INSIDE[0]) for letter in LETTER.values()) else ""
 
 
 def with_knees(static: Mapping[str, Floats]) -> dict[str, Floats]:
-    """The standing trial with the apex of each device (1) as the knee's marker.
+    """The standing trial with the apex of each device (1) as the knee's marker, where it wears none.
 
     Args:
         static: (F, 3) mm by the model's names.
     """
     out = dict(static)
     for letter in LETTER.values():
-        if all(_seen(static, letter + name) for name in DEVICE) and letter + "ANK" in static:
-            inner = (static[letter + "ASI"] + static[letter + "ANK"]) / 2 if letter + "ASI" in static else None
-            out[letter + "KNE"] = _apex(*(static[letter + name] for name in DEVICE), inner)
+        inner = {letter + name for name in ("ASI", "ANK")}
+        if device_worn(static, letter) and inner <= set(static) and not _seen(static, letter + "KNE"):
+            middle = np.mean([static[name] for name in inner], axis=0)
+            out[letter + "KNE"] = _apex(*(static[letter + name] for name in DEVICE), middle)
     return out
 
 
@@ -105,7 +108,7 @@ def _with_axes(measures: SubjectMeasures, static: Mapping[str, Floats], side: Si
 def _beyond(static: Mapping[str, Floats], side: Side) -> Floats:
     """(F, 3) mm a point outwards on the axis of the knee: KAX or (2)."""
     letter = LETTER[side]
-    if all(_seen(static, letter + name) for name in DEVICE):
+    if device_worn(static, letter):
         return static[letter + "KAX"]
     return np.asarray(2 * static[letter + "KNE"] - static[letter + "KNM"])
 
@@ -130,15 +133,23 @@ def _mean_angle(a: Floats, b: Floats, axis: Floats) -> float:
     return float(deg[known].mean()) if known.any() else 0.0
 
 
-def _apex(kax: Floats, kd1: Floats, kd2: Floats, inner: Floats | None) -> Floats:
+def _apex(kax: Floats, kd1: Floats, kd2: Floats, inner: Floats) -> Floats:
     """(F, 3) mm by (1), on the side of `inner`."""
     sides = [np.linalg.norm(a - b, axis=-1) for a, b in ((kax, kd1), (kax, kd2), (kd1, kd2))]
     rod = np.mean(sides, axis=0) / np.sqrt(2)
     centre = (kax + kd1 + kd2) / 3
     n = unit(np.cross(kd1 - kax, kd2 - kax))
-    if inner is not None:
-        n = n * np.where(((inner - centre) * n).sum(-1, keepdims=True) < 0, -1.0, 1.0)
+    n = n * np.where(((inner - centre) * n).sum(-1, keepdims=True) < 0, -1.0, 1.0)
     return np.asarray(centre + n * rod[..., None] / np.sqrt(3))
+
+
+def device_worn(static: Mapping[str, Floats], letter: str) -> bool:
+    """Whether a standing trial wears a knee alignment device on the leg of that letter.
+
+    Args:
+        static: (F, 3) mm by the model's names. letter: L or R.
+    """
+    return all(_seen(static, letter + name) for name in DEVICE)
 
 
 def _seen(static: Mapping[str, Floats], name: str) -> bool:

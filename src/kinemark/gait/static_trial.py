@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
@@ -13,8 +15,6 @@ from .hip_centre import HipCentre
 from .lower_limb import FOOT_SEQUENCE, LowerLimbs, lower_limbs
 from .segments import Z_UP, mean_length, relative, upright
 from .static_axes import with_knees, with_static_axes
-
-import numpy as np
 
 
 def with_static_offsets(

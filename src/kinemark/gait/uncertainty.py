@@ -86,7 +86,10 @@ class _Model:
         measures = self.given.measures
         if self.static is not None:
             measures = with_static_offsets(
-                measures, self.static, flat_foot=self.flat_foot, hip_centre=self.method.mechanics.hip_centre,
+                measures,
+                self.static,
+                flat_foot=self.flat_foot,
+                hip_centre=self.method.mechanics.hip_centre,
                 axes=self.axes,
             )
         found = gait_of(self.given._replace(measures=measures), self.method.mechanics)
@@ -123,7 +126,7 @@ def gait_uncertainty(
     """
     errors = GaitErrors() if errors is None else errors
     given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
-    model = _Model(given, static, flat_foot, method, axes)
+    model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes)
     out = {
         cause: _combined(shifted)
         for cause, shifted in {
@@ -166,7 +169,7 @@ def _placement(
 ) -> Iterator[Shifted]:
     """Each marker along each axis of its segment."""
     limbs = model.limbs(model.given.points)
-    stood = model.limbs(with_knees(model.static)) if static and model.static is not None else None
+    stood = model.limbs(model.static) if static and model.static is not None else None
     names = [n for n in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if pelvis and n in model.given.points]
     names += [LETTER[side] + marker for side in SIDES for marker in leg_markers]
     for name in names:

@@ -1,4 +1,4 @@
-"""What a standing trial tells of a subject: offsets of the feet, and the axes of knees and ankles where it shows them."""
+"""What a standing trial tells of a subject: offsets of the feet, and axes of knees and ankles where it shows them."""
 
 from __future__ import annotations
 

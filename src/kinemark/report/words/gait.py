@@ -58,9 +58,7 @@ def _for_axes(found: Finding) -> str:
 
 def _shown_by(found: Finding) -> str:
     by = {"devices": "alignment devices on the knees", "markers": "markers inside of the joints"}
-    return (
-        fill("{trial}: the axes of knees and ankles come from ", found) + by.get(str(found.values["way"]), "it") + "."
-    )
+    return fill("{trial}: axes of knees and ankles come from ", found) + by.get(str(found.values["way"]), "it") + "."
 
 
 def _left_out(found: Finding) -> str:
@@ -104,9 +102,7 @@ GAIT_WORDS = {
         "where the regression has them.",
         "Where both are far apart, look whether the motion was wide and the markers of the thighs sat firmly.",
     ),
-    "gait_axes_from_static": Words(
-        _shown_by, "The angles of wands and the torsions that follow stand with the measures."
-    ),
+    "gait_axes_from_static": Words(_shown_by, "Wands and torsions that follow stand with the measures."),
     "gait_axes_doubtful": Words(_axes, _for_axes),
     "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
     "gait_without_moments": Words(_no_moments, _for_moments),

@@ -86,6 +86,31 @@ def test_a_motion_shows_the_hips(tmp_path):
         gait_of_files([tmp_path / "walk.c3d"], measures=measures, functional=files["static"], settings=how)
 
 
+def test_devices_on_the_knees_show_their_axes(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    turned = replace(leg, thigh_wand_deg=9.0, shank_wand_deg=-8.0, torsion_deg=21.0)
+    body = WalkingBody(SubjectMeasures(turned, leg, mass_kg=70.0), worn=("KAX", "KD1", "KD2", "MED"))
+    lab = gait_laboratory(body, duration_s=3.0, rate=50.0)
+    for name in ("walk", "static"):
+        write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
+    files = {"static": tmp_path / "static.c3d", "measures": SubjectMeasures(leg, leg, mass_kg=70.0)}
+    how = GaitSettings(smoothing="none", uncertainty=False)
+    found = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "out", settings=how, **files)
+    true, ours = (signals["LKneeAngles"].values for signals in (lab.signals, found.trials[0].gait.signals))
+    np.testing.assert_allclose(ours, true, atol=0.01)  # C3D holds single precision
+    assert found.figures["measures"]["left"]["torsion_deg"] == pytest.approx(21.0, abs=0.01)
+    told = {f["kind"]: f["values"] for f in found.figures["findings"]}
+    assert told["gait_axes_from_static"] == {"trial": "static", "way": "devices"} and "gait_axes_doubtful" not in told
+    assert "tibial torsion" in (tmp_path / "out" / "gait.html").read_text()
+    thin = {**files, "measures": SubjectMeasures(replace(leg, ankle_mm=45.0), leg, mass_kg=70.0)}
+    doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "thin", settings=how, **thin).figures
+    doubt = next(f for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
+    assert doubt["values"]["by_mm"] == pytest.approx(27.0, abs=0.1) and "left ankle" in doubt["text"]
+    how = replace(how, axes=False)
+    plain = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "plain", settings=how, **files)
+    assert plain.figures["measures"]["left"]["torsion_deg"] == 0
+
+
 def test_several_walks_count_together(walk):
     two = gait_of_files([walk / "walk.c3d"] * 2, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
     one = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", folder=walk / "one", settings=QUICK)

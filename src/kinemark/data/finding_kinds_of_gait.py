@@ -21,6 +21,11 @@ GAIT_KINDS = (
     Kind("gait_hips_functional", "gait", "info", "Hip joint centres come from a motion that turns them. way: score or "
          "spheres. Standard uncertainty along an axis; distance of the farther hip from the regression's.",
          {"trial": "text", "way": "text", "sd_mm": "mm", "away_mm": "mm"}),
+    Kind("gait_axes_from_static", "gait", "info", "Axes of knees and ankles come from the static trial. way: devices "
+         "or markers.", {"trial": "text", "way": "text"}),
+    Kind("gait_axes_doubtful", "gait", "amber", "The static trial contradicts itself or the measures. what: "
+         "knee_width, ankle_width, device, axes or turn; by so many mm, share or deg.",
+         {"trial": "text", "side": "text", "what": "text", "by_mm": "mm", "by_share": "share", "by_deg": "deg"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",

@@ -117,7 +117,7 @@ def _figures(
         gait_figures(
             found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
-            estimated=known.estimated, hips=known.hips,
+            estimated=known.estimated, hips=known.hips, axes=found.axes,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=_renamed(walks),
         )
     )  # fmt: skip

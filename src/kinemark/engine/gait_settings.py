@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from ..data.array_types import Floats
 from ..gait.physical import Physical
 from ..gait.plug_in_gait import PlugInGait
 from ..gait.standard_trial import Up
+from ..gait.static_axes import AxesShown, axes_shown
 from ..gait.uncertainty import GaitErrors
 
 
@@ -22,6 +25,8 @@ class GaitSettings:
         smoothing: of the markers, likewise.
         cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
         flat_foot: in the standing trial heel and toe are at one height.
+        axes: knee alignment devices and markers inside of knees and ankles, where the standing trial wears them, show
+            the joints' axes; markers inside not where the method is plug_in_gait, which does not look at them.
         placement_mm: standard uncertainty of where a marker is put on, along each axis.
         hip_mm: standard uncertainty of the hip joint centre, along each axis.
         tissue_mm: of thigh's and shank's markers, by skin that moves over bone, likewise.
@@ -36,6 +41,7 @@ class GaitSettings:
     smoothing: Literal["none", "butterworth", "woltring"] = "butterworth"
     cutoff_hz: float | None = None
     flat_foot: bool = True
+    axes: bool = True
     placement_mm: float = 5.0
     hip_mm: float = 10.0
     tissue_mm: float = 5.0
@@ -51,6 +57,11 @@ class GaitSettings:
         return Physical(
             hip_centre=self.hip_centre, inertia=self.inertia, smoothing=self.smoothing, cutoff_hz=self.cutoff_hz
         )
+
+    def axes_from(self, static: Mapping[str, Floats] | None) -> AxesShown:
+        """By what of a standing trial, (F, 3) mm by the model's names, the axes are taken; "" where by nothing."""
+        shown = "" if static is None or not self.axes else axes_shown(static)
+        return "" if shown == "markers" and self.method == "plug_in_gait" else shown
 
     def errors(self, *, width_mm: float) -> GaitErrors:
         """Of the causes, with that of the widths of knee and ankle."""

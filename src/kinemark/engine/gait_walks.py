@@ -13,7 +13,7 @@ from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
 from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
-from ..findings.gait import GaitOfTrial, HipsShown
+from ..findings.gait import GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
 from ..gait.emg import Emg, emg
 from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, mass_on_plates
@@ -23,6 +23,8 @@ from ..gait.gait_cycles import emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ..gait.lower_limb import check_markers, lower_limbs
 from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels
+from ..gait.static_axes import with_knees
+from ..gait.static_checks import static_doubts
 from ..gait.time_distance import strides
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
 from ..io.c3d.subject_measures import measures_of
@@ -51,8 +53,8 @@ class Recorded:
 
     @property
     def points(self) -> dict[str, Floats]:
-        """(F, 3) mm by the model's names."""
-        return marker_points(self.trial)
+        """(F, 3) mm by the model's names; knees are where alignment devices show them, if they have no marker."""
+        return with_knees(marker_points(self.trial))
 
 
 class KnownMeasures(NamedTuple):
@@ -79,13 +81,14 @@ class SubjectGait(NamedTuple):
 
     Attributes:
         trials: of each walk. curves: over all strides. causes: (F, A) of the uncertainty by cause and name, of the
-            first walk that has any. measures: with the offsets of the feet.
+            first walk that has any. measures: with what the standing trial shows. axes: of joints, by what it does.
     """
 
     trials: tuple[GaitOfTrial, ...]
     curves: tuple[GaitCurves, ...]
     causes: Mapping[str, Mapping[str, Floats]]
     measures: SubjectMeasures
+    axes: StaticAxes | None = None
 
 
 def recorded(name: str, trial: Trial, markers: Mapping[str, str], settings: GaitSettings) -> Recorded:
@@ -173,14 +176,7 @@ def subject_gait(
         KinemarkError: the standing trial does not show a foot, or a plate cannot be read.
     """
     stood = None if static is None else static.points
-    measures = known.measures
-    if static is not None and stood is not None:
-        try:
-            measures = with_static_offsets(
-                measures, stood, flat_foot=settings.flat_foot, hip_centre=settings.made.mechanics.hip_centre
-            )
-        except KinemarkError as error:
-            raise KinemarkError(f"{static.name}: {error}") from None
+    measures, axes = (known.measures, None) if static is None else _standing(known.measures, static, settings)
     causes: dict[str, dict[str, Floats]] = {}
     trials = []
     for walk in walks:
@@ -188,7 +184,22 @@ def subject_gait(
         trials.append(gait_of_trial(walk.trial, measures, settings, own))
         causes = causes or own
     each = [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides)) for one in trials]
-    return SubjectGait(tuple(trials), joined_curves(each), causes, measures)
+    return SubjectGait(tuple(trials), joined_curves(each), causes, measures, axes)
+
+
+def _standing(
+    stated: SubjectMeasures, static: Recorded, settings: GaitSettings
+) -> tuple[SubjectMeasures, StaticAxes | None]:
+    """The measures with what a standing trial shows, and by what it shows axes."""
+    points = static.points
+    way = settings.axes_from(points)
+    try:
+        shown = with_static_offsets(
+            stated, points, flat_foot=settings.flat_foot, hip_centre=settings.made.mechanics.hip_centre, axes=bool(way)
+        )
+    except KinemarkError as error:
+        raise KinemarkError(f"{static.name}: {error}") from None
+    return shown, StaticAxes(static.name, way, static_doubts(points, stated, shown)) if way else None
 
 
 def gait_of_trial(
@@ -273,7 +284,7 @@ def _uncertain(
         return {}
     return gait_uncertainty(
         trial, known.measures, method=settings.made, errors=settings.errors(width_mm=known.width_mm), static=stood,
-        flat_foot=settings.flat_foot,
+        flat_foot=settings.flat_foot, axes=bool(settings.axes_from(stood)),
     )  # fmt: skip
 
 

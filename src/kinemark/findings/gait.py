@@ -15,6 +15,8 @@ from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
 from ..gait.gait_cycles import most_typical, movement_analysis_profile
 from ..gait.gait_trial import GaitTrial
+from ..gait.static_axes import AxesShown
+from ..gait.static_checks import StaticDoubt
 from ..gait.time_distance import averages
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain, quantile
@@ -26,6 +28,10 @@ FAR_MS = 50.0
 """Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
 OTHER_MS = 200.0
 """Difference from which it is another event, ms; chosen: a step takes 500."""
+SIZES: dict[str, float | None] = {"by_mm": None, "by_share": None, "by_deg": None}
+"""In which units a doubt about a static trial is said."""
+SIZE_OF = {"knee_width": "by_mm", "ankle_width": "by_mm", "device": "by_share"}
+"""In which of them; else in degrees."""
 TURN_DEG = 30.0
 """By which the pelvis faces another way than where it walks, deg; chosen: in straight walks it was below 20."""
 
@@ -61,6 +67,18 @@ class HipsShown(NamedTuple):
     away_mm: float
 
 
+class StaticAxes(NamedTuple):
+    """Axes of knees and ankles that a standing trial has shown.
+
+    Attributes:
+        trial: its name. way: "devices" or "markers". doubts: what of it contradicts itself.
+    """
+
+    trial: str
+    way: AxesShown
+    doubts: tuple[StaticDoubt, ...]
+
+
 def gait_figures(
     trials: Sequence[GaitOfTrial],
     curves: Sequence[GaitCurves],
@@ -73,6 +91,7 @@ def gait_figures(
     reference: GaitReference | None = None,
     estimated: Sequence[str] = (),
     hips: HipsShown | None = None,
+    axes: StaticAxes | None = None,
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
@@ -82,13 +101,14 @@ def gait_figures(
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
         reference: band of controls. estimated: "legs" and "mass", where nobody measured them.
-        hips: that a motion has shown.
+        hips: that a motion has shown. axes: that the static trial has shown.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
     """
     strides = [stride for trial in trials for stride in trial.strides]
     findings = [
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
+        *([] if axes is None else _of_axes(axes)),
         *_findings(trials, strides, measures, static),
     ]
     uncertainty = _uncertainty(causes)
@@ -187,6 +207,14 @@ def _of_files(
         yield make_finding("gait_heels_from_static", markers=heels)
     if renamed:
         yield make_finding("gait_markers_renamed", names_list=[f"{a} = {b}" for a, b in sorted(renamed.items())])
+
+
+def _of_axes(axes: StaticAxes) -> Iterator[Finding]:
+    """By what axes are shown, and what of it cannot be."""
+    yield make_finding("gait_axes_from_static", trial=axes.trial, way=axes.way)
+    for doubt in axes.doubts:
+        size = {SIZE_OF.get(doubt.what, "by_deg"): doubt.value}
+        yield make_finding("gait_axes_doubtful", trial=axes.trial, side=doubt.side, what=doubt.what, **SIZES | size)
 
 
 def _findings(

@@ -14,7 +14,7 @@ from .functional_hip import FunctionalHip, functional_hip, with_functional_hips
 from .gait_cycles import gait_curves
 from .gait_trial import GaitTrial, analyse_gait, marker_points
 from .inverse_dynamics import GroundContact, JointLoad, five_point, five_point_slope, joint_loads
-from .lower_limb import Leg, LowerLimbs, lower_limbs, with_static_offsets
+from .lower_limb import Leg, LowerLimbs, lower_limbs
 from .physical import Physical
 from .plate_contacts import Contact, contacts
 from .plug_in_gait import PlugInGait
@@ -22,6 +22,7 @@ from .reaction import Reaction, reaction
 from .segment_inertia import INERTIAS, SegmentInertia
 from .segments import Segment
 from .standard_trial import StandardTrial, standard_trial, with_heels
+from .static_trial import with_static_offsets
 from .time_distance import strides
 
 __all__ = [

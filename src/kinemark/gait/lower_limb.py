@@ -17,16 +17,16 @@ level with a flat foot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
-from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
-from ..kinematics import principal, turned
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side, SubjectMeasures
+from ..kinematics import turned
 from .hip_centre import HipCentre, davis, hara, harrington
-from .segments import Z_UP, Segment, joint_centre, mean_length, perpendicular, relative, unit, upright
+from .segments import Segment, joint_centre, mean_length, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 """Of each leg, after L or R; conventional."""
@@ -93,11 +93,9 @@ def lower_limbs(
         KinemarkError: a marker is not there.
     """
     check_markers(points)
-    pelvis, back = pelvis_of(points)
-    asis = measures.asis_mm or mean_length(points["LASI"] - points["RASI"])
-    depth = mean_length(pelvis.origin - back)
-    left, right = (_leg(points, pelvis, measures, side, hip_centre, asis, depth) for side in SIDES)
-    return LowerLimbs(pelvis, left, right)
+    hips = hips_of(points, measures, hip_centre=hip_centre)
+    left, right = (_leg(points, hips[side], measures, side) for side in SIDES)
+    return LowerLimbs(pelvis_of(points)[0], left, right)
 
 
 def check_markers(points: Mapping[str, Floats]) -> None:
@@ -137,18 +135,9 @@ def _back(points: Mapping[str, Floats]) -> Floats:
     return (points["LPSI"] + points["RPSI"]) / 2
 
 
-def _leg(
-    points: Mapping[str, Floats],
-    pelvis: Segment,
-    measures: SubjectMeasures,
-    side: Side,
-    how: HipCentre,
-    asis: float,
-    depth: float,
-) -> Leg:
-    own, left = measures.leg(side), TO_THE_LEFT[side]
+def _leg(points: Mapping[str, Floats], hip: Floats, measures: SubjectMeasures, side: Side) -> Leg:
+    own, left, r = measures.leg(side), TO_THE_LEFT[side], measures.marker_diameter_mm / 2
     thi, kne, tib, ank, _, toe = (points[LETTER[side] + name] for name in LEG_MARKERS)
-    hip, r = pelvis.at(_hip(measures, side, how, asis, depth)), measures.marker_diameter_mm / 2
     knee = joint_centre(hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left)
     thigh = upright(knee, hip - knee, left * (kne - knee))  # (2)
     ankle = joint_centre(knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left)
@@ -159,7 +148,21 @@ def _leg(
     return Leg(hip, thigh, shank, shank.turned_about_z(-left * own.torsion_deg), foot, bare)
 
 
-def _hip(measures: SubjectMeasures, side: Side, how: HipCentre, asis: float, depth: float) -> Floats:
+def hips_of(
+    points: Mapping[str, Floats], measures: SubjectMeasures, *, hip_centre: str = "davis"
+) -> dict[Side, Floats]:
+    """(…, 3) mm of both hips.
+
+    Args:
+        points: (…, 3) mm by name, of the pelvis. measures: of the subject. hip_centre: the regression.
+    """
+    pelvis, back = pelvis_of(points)
+    asis = measures.asis_mm or mean_length(points["LASI"] - points["RASI"])
+    depth = mean_length(pelvis.origin - back)
+    return {side: pelvis.at(_hip(measures, side, hip_centre, asis, depth)) for side in SIDES}
+
+
+def _hip(measures: SubjectMeasures, side: Side, how: str, asis: float, depth: float) -> Floats:
     """(3) mm in the pelvis: as known, else by regression."""
     own = measures.leg(side)
     if own.hip_mm is not None:
@@ -175,48 +178,3 @@ def _hip(measures: SubjectMeasures, side: Side, how: HipCentre, asis: float, dep
 def foot_offsets(plantar_deg: float, rotation_deg: float, side: Side) -> Floats:
     """(3, 3) of (4)."""
     return turned(np.array([-plantar_deg, -TO_THE_LEFT[side] * rotation_deg, 0.0]), FOOT_SEQUENCE)
-
-
-def with_static_offsets(
-    measures: SubjectMeasures,
-    static: Mapping[str, Floats],
-    *,
-    flat_foot: bool,
-    hip_centre: HipCentre = "davis",
-    up: Floats = Z_UP,
-) -> SubjectMeasures:
-    """The measures with the offsets of both feet that a static trial shows, means over its frames.
-
-    Args:
-        measures: of the subject.
-        static: (F, 3) mm by name, a standing trial.
-        flat_foot: the sole is flat on the floor: HEE counts as high as TOE, and higher by the sole's difference.
-        hip_centre: the regression. up: of the laboratory.
-
-    Raises:
-        KinemarkError: a marker is not there, or no frame has all that a foot needs.
-    """
-    limbs = lower_limbs(static, measures, hip_centre=hip_centre)
-    asis = measures.asis_mm or mean_length(static["LASI"] - static["RASI"])
-    left, right = (_with_offsets(measures, limbs, static, side, flat_foot, up) for side in SIDES)
-    return replace(measures, left=left, right=right, asis_mm=asis)
-
-
-def _with_offsets(
-    measures: SubjectMeasures, limbs: LowerLimbs, static: Mapping[str, Floats], side: Side, flat: bool, up: Floats
-) -> LegMeasures:
-    own, leg = measures.leg(side), limbs.leg(side)
-    heel, toe = static[LETTER[side] + "HEE"], static[LETTER[side] + "TOE"]
-    if flat:
-        lift = ((toe - heel) @ up)[..., None] + own.sole_mm
-        heel = heel + lift * up
-    stood = upright(toe, heel - toe, leg.shank.R[..., 1])
-    deg = principal(relative(leg.bare_foot.R, stood.R), FOOT_SEQUENCE)
-    known = np.isfinite(deg).all(-1)
-    if not known.any():
-        raise KinemarkError(
-            f"No frame of the static trial shows the whole {side} leg, so that its foot has no offsets. "
-            "Give another static trial, or state the offsets."
-        )
-    plantar, rotation, _ = deg[known].mean(0)
-    return replace(own, plantar_offset_deg=-plantar, rotation_offset_deg=-TO_THE_LEFT[side] * rotation)

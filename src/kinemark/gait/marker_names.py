@@ -13,6 +13,7 @@ from dataclasses import replace
 from ..data import KinemarkError, Trajectories
 from ..data.subject_measures import LETTER
 from .lower_limb import MODEL_MARKERS
+from .static_axes import STATIC_MARKERS
 
 OF_A_SIDE = {
     "ASI": ("asi", "asis"),
@@ -23,11 +24,19 @@ OF_A_SIDE = {
     "ANK": ("ank", "ankle", "mall", "malleolus", "lateralankle", "latankle", "lm", "fal"),
     "HEE": ("hee", "heel", "calc", "calcaneus", "fcc"),
     "TOE": ("toe", "met", "met2", "mt2", "secondmet", "fm2"),
+    "KAX": ("kax",),
+    "KD1": ("kd1",),
+    "KD2": ("kd2",),
+    "KNM": ("knm", "medialknee", "medknee", "kneemed", "kneemedial", "knem", "mfe", "fme"),
+    "MED": ("med", "medialankle", "medankle", "anklemed", "anklemedial", "ankm", "medialmalleolus", "mm", "tam"),
 }
 """What laboratories call the markers of a side, most usual first; of Plug-in Gait, Helen Hayes, the Davis protocol of
-BTS and the landmarks of ISB; conventional."""
+BTS, CGM2 and the landmarks of ISB; conventional."""
 OF_THE_MIDDLE = {"SACR": ("sacr", "sacrum", "sac")}
 """The same of the others; conventional."""
+
+KNOWN_MARKERS = (*MODEL_MARKERS, *(letter + name for letter in LETTER.values() for name in STATIC_MARKERS))
+"""All that a trial may have, standing ones with those that show axes; conventional."""
 
 
 def model_names(names: Sequence[str], stated: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -43,7 +52,7 @@ def model_names(names: Sequence[str], stated: Mapping[str, str] | None = None) -
     _check(stated, names)
     by_word = {_word(name): name for name in reversed(names)}
     found = {}
-    for marker in MODEL_MARKERS:
+    for marker in KNOWN_MARKERS:
         if marker in stated:
             found[marker] = stated[marker]
             continue
@@ -70,8 +79,8 @@ def with_model_names(trajectories: Trajectories, known: Mapping[str, str]) -> Tr
 
 def _check(stated: Mapping[str, str], names: Sequence[str]) -> None:
     for marker, name in stated.items():
-        if marker not in MODEL_MARKERS:
-            raise KinemarkError(f"{marker} is none of the gait model's markers, which are {', '.join(MODEL_MARKERS)}.")
+        if marker not in KNOWN_MARKERS:
+            raise KinemarkError(f"{marker} is none of the gait model's markers, which are {', '.join(KNOWN_MARKERS)}.")
         if name not in names:
             raise KinemarkError(f"{marker} is said to be {name!r}, which is not in the trial; there are "
                                 f"{', '.join(list(names)[:40]) or 'none'}.")  # fmt: skip

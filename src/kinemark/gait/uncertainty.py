@@ -23,8 +23,10 @@ from ..data import Signals, Trial
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
 from .gait_trial import Inputs, gait_of, inputs_of
-from .lower_limb import LowerLimbs, lower_limbs, pelvis_of, with_static_offsets
+from .lower_limb import LowerLimbs, lower_limbs, pelvis_of
 from .segments import Segment, within_half_turn
+from .static_axes import INSIDE, with_knees
+from .static_trial import with_static_offsets
 
 Quantities = Mapping[str, Floats]
 """(F, A) by name."""
@@ -63,6 +65,8 @@ class GaitErrors:
 
 SEGMENT_OF = {"THI": "thigh", "KNE": "thigh", "TIB": "shank", "ANK": "shank", "HEE": "foot", "TOE": "foot"}
 """On which segment a marker of a leg sits."""
+STANDING = {"KAX": "thigh", "KNM": "thigh", "MED": "shank"}
+"""The same of those that only the static trial has."""
 PELVIS = ("ASI", "PSI", "ACR")
 """Names of the pelvis' markers without their first letter."""
 
@@ -75,13 +79,18 @@ class _Model:
     static: Mapping[str, Floats] | None
     flat_foot: bool
     method: Any
+    axes: bool = True
 
     def quantities(self) -> Quantities:
         """(F, A) by name."""
         measures = self.given.measures
         if self.static is not None:
             measures = with_static_offsets(
-                measures, self.static, flat_foot=self.flat_foot, hip_centre=self.method.mechanics.hip_centre
+                measures,
+                self.static,
+                flat_foot=self.flat_foot,
+                hip_centre=self.method.mechanics.hip_centre,
+                axes=self.axes,
             )
         found = gait_of(self.given._replace(measures=measures), self.method.mechanics)
         return {signal.name: signal.values for signal in found.signals}
@@ -103,6 +112,7 @@ def gait_uncertainty(
     errors: GaitErrors | None = None,
     static: Mapping[str, Floats] | None = None,
     flat_foot: bool = True,
+    axes: bool = True,
 ) -> dict[str, dict[str, Floats]]:
     """(F, A) standard uncertainty of each quantity by cause, then by name of the quantity.
 
@@ -112,10 +122,11 @@ def gait_uncertainty(
         trial: with named markers. measures: of the subject, without offsets of the feet where a static trial is given.
         method: of gait analysis. errors: of the causes; the usual ones where None.
         static: (F, 3) mm by name of the standing trial whose errors count too; flat_foot: as it was stood.
+        axes: it turns the wands back where it shows the axes of the joints.
     """
     errors = GaitErrors() if errors is None else errors
     given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
-    model = _Model(given, static, flat_foot, method)
+    model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes)
     out = {
         cause: _combined(shifted)
         for cause, shifted in {
@@ -166,13 +177,24 @@ def _placement(
             walk = sd * _segment(limbs, name).R[..., axis]
             still = None if stood is None else sd * _segment(stood, name).R[..., axis]
             yield _shifting(model, name, walk, still)
+    for name in _only_standing(model) if stood is not None and static else ():
+        for axis in range(3):
+            yield _shifting(model, name, None, sd * _segment(stood, name).R[..., axis])
 
 
-def _shifting(model: _Model, name: str, walk: Floats, still: Floats | None) -> Shifted:
-    """One marker by so many (F, 3) mm, in the walk and in the static trial."""
+def _only_standing(model: _Model) -> list[str]:
+    """Markers that show axes in the static trial alone."""
+    names = [LETTER[side] + name for side in SIDES for name in ("KAX", *INSIDE)]
+    return [name for name in names if model.axes and model.static is not None and name in model.static]
+
+
+def _shifting(model: _Model, name: str, walk: Floats | None, still: Floats | None) -> Shifted:
+    """One marker by so many (F, 3) mm, in the walk and in the static trial, where it is worn there."""
 
     def shifted(times: float) -> _Model:
-        points = {**model.given.points, name: model.given.points[name] + times * walk}
+        points = dict(model.given.points)
+        if walk is not None:
+            points[name] = points[name] + times * walk
         static = model.static
         if static is not None and still is not None and name in static:
             static = {**static, name: static[name] + times * still}
@@ -199,7 +221,7 @@ def _kept_hips(measures: SubjectMeasures, before: Mapping[str, Floats], after: M
 
 def _segment(limbs: LowerLimbs, name: str) -> Segment:
     """On which a marker sits."""
-    part = SEGMENT_OF.get(name[1:])
+    part = (SEGMENT_OF | STANDING).get(name[1:])
     if part is None:
         return limbs.pelvis
     leg = limbs.left if name[0] == "L" else limbs.right

@@ -118,6 +118,11 @@ def measures_table(figures: dict[str, Any]) -> Table:
         ["knee width (mm)", *(number(own[side]["knee_mm"], 0) for side in ("left", "right"))],
         ["ankle width (mm)", *(number(own[side]["ankle_mm"], 0) for side in ("left", "right"))],
     ]
+    turned = {"thigh_wand_deg": "thigh wand outwards (°)", "shank_wand_deg": "shank wand outwards (°)",
+              "torsion_deg": "tibial torsion outwards (°)"}  # fmt: skip
+    for name, title in turned.items():
+        if any(own[side][name] for side in ("left", "right")):
+            rows.append([title, *(number(own[side][name], 1) for side in ("left", "right"))])
     return Table(["", "left, or whole", "right"], rows)
 
 

@@ -5,6 +5,8 @@
     shank   the same turned by the torsion about its own z: the axis of the ankle                             (3)
     KNE, ANK  half a width and a marker beside the joint's centre along its axis; THI, TIB in the plane of axis and
             segment, turned back by the wand's angle                                                          (4)
+    KAX, KD1, KD2  of a device with its apex at KNE, the first along the axis outwards; KNM, MED at the inner ends of
+            the axes
     foot    its sole's line from toe to heel; TOE hangs on the ankle by two angles, as the model sees no third     (5)
 
 The feet carry the body by turns, so that the pelvis moves over the foot that stands (`gait.stride_of_soles`).
@@ -37,6 +39,8 @@ PELVIS_DEPTH_MM = 150.0
 """From the front points to the sacrum; chosen."""
 WAND_MM = 90.0
 """How far THI and TIB stand out; chosen."""
+ROD_MM = 100.0
+"""Of a knee alignment device, from its apex to its markers; chosen."""
 BEGIN = 0.1
 """Of the left leg's stride, at the time 0; chosen."""
 ZERO = np.zeros(3)
@@ -52,6 +56,7 @@ class WalkingBody:
         asis_mm: between the front points.
         speed_mm_s: of the pelvis on average.
         placement_mm: (3) by marker, how far it sits from its landmark, in the axes of its segment.
+        worn: markers that the standing trial has besides, of `STATIC_MARKERS`; with KAX it has no KNE.
         tissue_mm: likewise, how far skin has moved it over the bone; only while walking.
         hip_error_mm: (3) by side, how far the hip is from where the regression has it, in the pelvis.
         path: of the pelvis; follows from the others.
@@ -60,6 +65,7 @@ class WalkingBody:
     measures: SubjectMeasures
     asis_mm: float = 240.0
     speed_mm_s: float = 1150.0
+    worn: tuple[str, ...] = ()
     placement_mm: Mapping[str, Floats] = field(default_factory=dict)
     tissue_mm: Mapping[str, Floats] = field(default_factory=dict)
     hip_error_mm: Mapping[Side, Floats] = field(default_factory=dict)
@@ -126,12 +132,27 @@ class WalkingBody:
                 "TOE": (leg.foot.origin, leg.foot.R),
                 "HEE": (leg.foot.origin + FOOT_MM * leg.foot.R[..., 2], leg.foot.R),
             }
+            if not walking:
+                sites |= self._standing_sites(leg, side)
             found |= {letter + name: xyz for name, (xyz, _) in sites.items()}
             on |= {letter + name: R for name, (_, R) in sites.items()}
         off = {name: self.placement_mm.get(name, ZERO) for name in found}
         if walking:
             off = {name: by + self.tissue_mm.get(name, ZERO) for name, by in off.items()}
-        return {name: xyz + on[name] @ off[name] for name, xyz in found.items()}
+        moved = {name: xyz + on[name] @ off[name] for name, xyz in found.items()}
+        unworn = () if walking or "KAX" not in self.worn else ("LKNE", "RKNE")
+        return {name: xyz for name, xyz in moved.items() if name not in unworn}
+
+    def _standing_sites(self, leg: Leg, side: Side) -> dict[str, tuple[Floats, Floats]]:
+        """Places and axes of the markers that only the standing trial wears."""
+        own, s, r = self.measures.leg(side), TO_THE_LEFT[side], self.measures.marker_diameter_mm / 2
+        knee, ankle = own.knee_mm / 2 + r, own.ankle_mm / 2 + r
+        apex = leg.knee + s * knee * leg.thigh.R[..., 1]
+        rods = {name: apex + ROD_MM * leg.thigh.R @ way for name, way in _rods(s).items()}
+        rods |= {"KNM": leg.knee - s * knee * leg.thigh.R[..., 1]}
+        sites = {name: (xyz, leg.thigh.R) for name, xyz in rods.items()}
+        sites |= {"MED": (leg.ankle - s * ankle * leg.shank.R[..., 1], leg.shank.R)}
+        return {name: site for name, site in sites.items() if name in self.worn}
 
     def _path(self) -> Stride:
         turns = np.arange(GRID) / GRID
@@ -205,6 +226,12 @@ def _lengths(own: LegMeasures) -> tuple[float, float]:
     """Thigh and shank, mm, of a leg's length; chosen: the hip is 90 mm below the front of the pelvis."""
     between = own.leg_mm - 90.0 + 10.0
     return 0.5 * between, 0.5 * between
+
+
+def _rods(s: float) -> dict[str, Floats]:
+    """(3) directions of a knee alignment device's rods in the thigh."""
+    half = np.sqrt(0.5)
+    return {"KAX": s * np.eye(3)[1], "KD1": half * np.array([1.0, 0, 1]), "KD2": half * np.array([1.0, 0, -1])}
 
 
 def _wand(segment: Segment, proximal: Floats, deg: float, s: float) -> Floats:

@@ -50,6 +50,9 @@ class GaitTable(Strict):
         default=None, description="of the smoothing, Hz; by the data where absent"
     )
     flat_foot: bool = Field(default=True, description="in the static trial heel and toe are at one height")
+    axes: bool = Field(
+        default=True, description="devices and markers inside of knees and ankles in the static trial show their axes"
+    )
     placement_mm: Millimetres = Field(default=5.0, description="standard uncertainty of a marker on its landmark, mm")
     hip_mm: Millimetres = Field(default=10.0, description="of the hip joint centre, along each axis, mm")
     tissue_mm: Millimetres = Field(default=5.0, description="of thigh's and shank's markers by moving skin, mm")

@@ -32,6 +32,35 @@ def _estimated(found: Finding) -> str:
     )
 
 
+AXES = {
+    "knee_width": "{trial}: the markers of the {side} knee are {by_mm:0} farther apart than the knee is wide",
+    "ankle_width": "{trial}: the markers of the {side} ankle are {by_mm:0} farther apart than the ankle is wide",
+    "device": "{trial}: the sides of the device on the {side} knee differ by {by_share}",
+    "axes": "{trial}: device and markers show axes of the {side} knee {by_deg:0} apart",
+    "turn": "{trial}: a wand or the torsion of the {side} leg would be turned by {by_deg:0}",
+}
+FOR_AXES = {
+    "knee_width": "Check which marker is which, on which leg, and the knee's width.",
+    "ankle_width": "Check which marker is which, on which leg, and the ankle's width.",
+    "device": "Check which of its markers is which, and whether it is bent.",
+    "axes": "Look which of both is right; the device counts.",
+    "turn": "Check which marker is which, on which leg; --no-axes leaves the axes to wands and measures.",
+}
+
+
+def _axes(found: Finding) -> str:
+    return fill(AXES.get(str(found.values["what"]), "{trial}: the axes of the {side} leg are doubtful"), found) + "."
+
+
+def _for_axes(found: Finding) -> str:
+    return FOR_AXES.get(str(found.values["what"]), "Check the markers of the static trial.")
+
+
+def _shown_by(found: Finding) -> str:
+    by = {"devices": "alignment devices on the knees", "markers": "markers inside of the joints"}
+    return fill("{trial}: axes of knees and ankles come from ", found) + by.get(str(found.values["way"]), "it") + "."
+
+
 def _left_out(found: Finding) -> str:
     why = REASONS.get(str(found.values["reason"]), "for a reason that is not known here")
     return f"{fill('{trial}: the load on plate {plate} does not count', found)}: {why}."
@@ -73,6 +102,8 @@ GAIT_WORDS = {
         "where the regression has them.",
         "Where both are far apart, look whether the motion was wide and the markers of the thighs sat firmly.",
     ),
+    "gait_axes_from_static": Words(_shown_by, "Wands and torsions that follow stand with the measures."),
+    "gait_axes_doubtful": Words(_axes, _for_axes),
     "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(

@@ -15,8 +15,8 @@ from kinemark.engine.naming.templates import session_template
 from kinemark.engine.put_aside import put_aside, put_back
 from kinemark.engine.subject_templates import Known
 from kinemark.io.c3d import Parameter, modeled_points, read_document, with_parameters, write_document
-from kinemark.label import Labelling, label_switching, learn_template
 from kinemark.io.trial import read_trial, write_trial
+from kinemark.label import Labelling, label_switching, learn_template
 from support.computed import computed, walker, with_computed
 from support.shared import shared_data
 
@@ -51,7 +51,17 @@ def test_they_are_learnt_and_named_where_that_is_asked_for(files):
     done = label_file(files / "new.c3d", files / "out.c3d", one)
     assert "LFEO" not in done.figures["computed"] and "LFEO" in done.labels.names
     with pytest.raises(SystemExit) as end:
-        app(["label", str(files / "new.c3d"), "-t", str(files / "known.c3d"), "--computed", "-o", str(files / "all.c3d")])
+        app(
+            [
+                "label",
+                str(files / "new.c3d"),
+                "-t",
+                str(files / "known.c3d"),
+                "--computed",
+                "-o",
+                str(files / "all.c3d"),
+            ]
+        )
     assert not end.value.code
 
 

@@ -44,7 +44,7 @@ def test_markers_alone_are_markers_however_still_their_skin_is(how):
         lambda xyz: xyz.astype(np.float32).astype(float),
         lambda xyz: np.round(xyz, 1),  # as integers hold it
         lambda xyz: xyz / 10,  # a hand
-        lambda xyz: (xyz + [1e5, -2e5, 0.0])[:, [1, 2, 0]],  # another floor, another axis upwards
+        lambda xyz: (xyz + np.array([1e5, -2e5, 0.0]))[:, [1, 2, 0]],  # another floor, another axis upwards
     ],
 )
 def test_they_are_found_in_any_number_format_size_and_world(change):
@@ -85,8 +85,8 @@ def test_a_template_does_not_learn_them_unless_they_are_named():
 
 
 CHILDREN = "pig_gait_children"
-REAL = """LKNE RKNE LANK RANK LSHO RSHO LELB RELB LWRA RWRA LASI RASI SACR LHLX RHLX LTOE RTOE LHEE RHEE LTHI RTHI LTIB RTIB
-LFHD RFHD C7 CLAV STRN LFIN RFIN LPSI RPSI"""
+REAL = """LKNE RKNE LANK RANK LSHO RSHO LELB RELB LWRA RWRA LASI RASI SACR LHLX RHLX LTOE RTOE LHEE RHEE LTHI RTHI
+LTIB RTIB LFHD RFHD C7 CLAV STRN LFIN RFIN LPSI RPSI"""
 
 
 @pytest.mark.parametrize(

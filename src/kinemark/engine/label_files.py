@@ -202,8 +202,8 @@ def label_text(found: LabelledFile) -> str:
     ]
     if aside := found.figures["computed"]:
         lines.append(
-            f"aside:    {len(aside)} computed points, such as {', '.join(aside[:3])}, which are no markers and stay as they "
-            "are; --computed names them too"
+            f"aside:    {len(aside)} computed points, such as {', '.join(aside[:3])}, which are no markers and stay as "
+            "they are; --computed names them too"
         )
     if found.figures["missing"]:
         lines.append(f"missing:  {', '.join(found.figures['missing'])}")

@@ -122,9 +122,7 @@ def _by_others(files: Sequence[Path], known: Known) -> SubjectTemplate:
 def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     """By labelled trials of the subject."""
     read = [read_trial(file) for file in files]
-    points = [
-        trial.trajectories if known.computed else put_aside(trial, keep=_wanted(known)).rest for trial in read
-    ]
+    points = [trial.trajectories if known.computed else put_aside(trial, keep=_wanted(known)).rest for trial in read]
     own = [of_subject(one, known.subject, prefixes_of(trial.source)) for one, trial in zip(points, read, strict=True)]
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
     kind = "static" if known.static else "labelled"

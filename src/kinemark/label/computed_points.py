@@ -19,8 +19,7 @@ hang on markers in other ways are not found: they compete with markers that are 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
-from os.path import commonprefix
+from itertools import combinations, takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -38,14 +37,14 @@ SEEN = 0.3
 FIRST = 4
 """Frames by which pairs are passed over that do not keep (1); chosen, for speed."""
 EXACT = 2e-6
-"""Of the size of all that is seen: 0.004 mm of 2 m; chosen: of 30 trials, axes keep (1) to 0.002 mm, and no markers do to
-0.1 mm."""
+"""Of the size of all that is seen: 0.004 mm of 2 m; chosen: of 30 trials, axes keep (1) to 0.002 mm, and no markers do
+to 0.1 mm."""
 COARSE = 3.0
-"""Steps of coordinates that were stored coarsely, within which (1) to (3) hold; chosen: a rounding each of three points."""
+"""Steps of coordinates that were stored coarsely, within which (1) to (3) hold; chosen: three points are rounded."""
 APART = 100.0
-"""Times as much as is exact: by which two points are apart, or the distance changes of those that a mean is of; chosen."""
+"""Times as much as is exact: by which two points are apart, or that of those that a mean is of changes; chosen."""
 LEAST_LEFT = 4
-"""Points that are left, at the least: those that a template wants. Else all is one thing of right angles."""
+"""Points that are left, by definition of `learn_template`; else all is one thing of right angles."""
 NEAR = 1.5e-3
 """Of the same size, by which two markers are apart, at the least: 3 mm of 2 m, the smallest marker; chosen."""
 MOVES = 0.05
@@ -126,7 +125,7 @@ def _equally_far(v: Floats, exact: float) -> bool:
 def _alike(names: Sequence[str]) -> bool:
     """Whether names begin alike and end otherwise, by no more letters than they share: LTIB1, LTIB2."""
     bare = [name.rpartition(":")[2] for name in names]
-    shared = len(commonprefix(bare))
+    shared = sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, zip(*bare, strict=False)))
     return not bare[0].startswith("*") and all(0 < len(name) - shared <= shared for name in bare)
 
 

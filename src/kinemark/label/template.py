@@ -175,7 +175,7 @@ def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDA
 
 
 def names_in(trials: Sequence[Trajectories]) -> tuple[str, ...]:
-    """Names that have samples in any of the trials, sorted; those that begin with "*", and of computed points, are none."""
+    """Names of markers with samples in any of the trials, sorted; those that begin with "*" are of none."""
     seen = {path.name for trial in trials for path in trial if np.isfinite(path.xyz).any()}
     computed = {name for trial in trials for name in computed_points(trial)}
     return tuple(sorted(name for name in seen - computed if not name.startswith("*")))

@@ -10,6 +10,7 @@ from kinemark.data import MarkerSet
 from kinemark.digitise import OtherViews, propose
 from kinemark.geometry.weighted_points import usable_points, weighted_points
 from kinemark.label import (
+    computed_points,
     find_exchanges,
     find_mislabelled,
     find_side_swaps,
@@ -26,6 +27,7 @@ from kinemark.match import MATCH, NearestEpipolar
 from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
 from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, diagnose_points, track_with_decisions
+from support.computed import walker, with_computed
 from support.shift_law import OPEN, Answer, law, moved
 from support.shift_scene import cloud, matches, observed, rig, tracks, trial, walk
 
@@ -165,6 +167,11 @@ def _(by):
     whose = label_subjects(seen, {"A": learnt}).labels
     rest = learnt, found, cut.labels, cut.switches, whose, find_exchanges(replace(seen, paths=turned), learnt)
     return Answer(named(seen, found).xyz, rest)
+
+
+@law(computed_points)
+def _(by):
+    return Answer(rest=computed_points(moved(with_computed(walker(duration_s=1.0)), by)))
 
 
 @law(learn_marker_set, static_template, find_side_swaps, find_mislabelled, share=1e-6)

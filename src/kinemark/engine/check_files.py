@@ -17,6 +17,7 @@ from ..label.check_sides import SideSwap, find_side_swaps
 from ..label.check_stretches import Mislabelled, find_mislabelled
 from ..label.side_pairs import sides_by_name
 from ..label.subject_template import SubjectTemplate
+from .put_aside import put_aside
 from .subject_templates import without_prefix
 
 
@@ -48,9 +49,8 @@ def check_file(source: Path, template: SubjectTemplate) -> CheckedNames:
     """
     known = template.marker_set if template.marker_set in marker_sets() else None
     pairs = read_marker_set(known).pairs if known else sides_by_name(template.template.names)
-    return check_names(
-        without_prefix(read_trial(source).trajectories, template.template.names), template.template, pairs
-    )
+    points = put_aside(read_trial(source), keep=template.template.names).rest
+    return check_names(without_prefix(points, template.template.names), template.template, pairs)
 
 
 def check_names(trial: Trajectories, own: Template, pairs: Sequence[tuple[str, str]]) -> CheckedNames:

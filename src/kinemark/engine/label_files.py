@@ -20,6 +20,7 @@ from ..label.stated import with_stated
 from ..label.subject_template import SubjectTemplate
 from ..report.words import advice_of, text_of
 from .fill_files import own_name
+from .put_aside import PutAside, put_aside, put_back
 from .stated_tracks import stated_tracks
 from .subject_templates import Known, subject_template
 
@@ -65,6 +66,7 @@ def label_file(
     method: Any = None,
     unsure: bool = False,
     stated: Sequence[TrackName] = (),
+    computed: bool = False,
 ) -> LabelledFile:
     """Name the markers of a trial and write it; channels, events and parameters stay as they were.
 
@@ -74,6 +76,7 @@ def label_file(
         template: of the subject; of several by their names, which stand before those of markers, as in `A:LKNE`.
         method: of `label.LABEL`. unsure: also take names that are not sure.
         stated: names that a person states of its tracks; they are facts.
+        computed: also name points that look computed of others, which else stay as they are; see `label`.
 
     Raises:
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists or has an unknown ending,
@@ -84,7 +87,9 @@ def label_file(
     if target.suffix.lower() not in endings("trajectories"):
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
     trial = read_trial(source)
-    tracks, facts = stated_tracks(trial.trajectories, stated)
+    own = {*_names_of(template), *(one.track for one in stated)}
+    points = PutAside(trial.trajectories) if computed else put_aside(trial, keep=own)
+    tracks, facts = stated_tracks(points.rest, stated)
     if isinstance(template, SubjectTemplate):
         tracks, labels, _, switches = label_switching(tracks, template.template, method=method, stated=facts)
         by_figure = template.figure_alone
@@ -97,8 +102,11 @@ def label_file(
         raise KinemarkError(f"{source} is not labelled. {text_of(labels.refused)} {advice_of(labels.refused)}")
     labels = with_stated(by_figure_alone(labels) if by_figure else labels, tracks, facts)
     done = named(tracks, labels, unsure=unsure)
+    done = put_back(done, points.aside)
     notes = (*read_notes(trial.notes), *write_trial(replace(trial, trajectories=done), target))
-    return LabelledFile(done, labels, _figures(tracks, labels, _names_of(template), by_figure, switches), target, notes)
+    figures = _figures(tracks, labels, _names_of(template), by_figure, switches)
+    figures["computed"] = [path.name for path in points.aside]
+    return LabelledFile(done, labels, figures, target, notes)
 
 
 def label_files(
@@ -192,6 +200,11 @@ def label_text(found: LabelledFile) -> str:
             for one in found.figures["switches"]
         ),
     ]
+    if aside := found.figures["computed"]:
+        lines.append(
+            f"aside:    {len(aside)} computed points, such as {', '.join(aside[:3])}, which are no markers and stay as "
+            "they are; --computed names them too"
+        )
     if found.figures["missing"]:
         lines.append(f"missing:  {', '.join(found.figures['missing'])}")
     return "\n".join([*lines, f"results:  {found.written}"])

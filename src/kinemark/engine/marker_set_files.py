@@ -15,6 +15,7 @@ from ..io.trial import read_trial
 from ..label.learn_set import learn_marker_set
 from ..report.marker_figure import marker_set_html, marker_set_svg
 from ..report.templating import write_text
+from .put_aside import put_aside
 
 ALIKE = 0.6
 """Share of a set's names that a trial must have for them to mean the same; chosen: names such as C7 are in many."""
@@ -111,7 +112,7 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
     if target.suffix.lower() != ".toml":
         raise KinemarkError(f"{target} wants the ending .toml.")
     _check_free(target)
-    trial = read_trial(source).trajectories
+    trial = put_aside(read_trial(source), keep=names).rest
     if absent := [name for name in names if name not in trial.names]:
         raise KinemarkError(f"{source} has no marker {absent[0]}. There are {', '.join(trial.names)}.")
     try:

@@ -18,6 +18,7 @@ from ..label.from_set import STATIC_SPREAD, figure_template, static_template
 from ..label.pooled import contradiction, pooled, template_of_subjects
 from ..label.subject_template import SubjectTemplate, TemplateSource
 from ..report.words import advice_of, text_of
+from .put_aside import put_aside
 from .template_files import is_template, load_template
 
 LEAST_MM, MOST_MM = 100.0, 5000.0
@@ -33,6 +34,7 @@ class Known(NamedTuple):
         static: the trials show no motion. subject: name.
         height_mm: of the subject, mm; None where it is not known.
         heights_mm: of the others whose files are given, mm, in their order; none where the files are of the subject.
+        computed: where all names are learnt, also those of points that look computed of others.
     """
 
     marker_set: MarkerSet | None = None
@@ -41,6 +43,7 @@ class Known(NamedTuple):
     subject: str = ""
     height_mm: float | None = None
     heights_mm: tuple[float, ...] = ()
+    computed: bool = False
 
 
 def subject_template(files: Sequence[Path], known: Known) -> SubjectTemplate:
@@ -119,7 +122,8 @@ def _by_others(files: Sequence[Path], known: Known) -> SubjectTemplate:
 def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     """By labelled trials of the subject."""
     read = [read_trial(file) for file in files]
-    own = [of_subject(trial.trajectories, known.subject, prefixes_of(trial.source)) for trial in read]
+    points = [trial.trajectories if known.computed else put_aside(trial, keep=_wanted(known)).rest for trial in read]
+    own = [of_subject(one, known.subject, prefixes_of(trial.source)) for one, trial in zip(points, read, strict=True)]
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
     kind = "static" if known.static else "labelled"
     sources = tuple(
@@ -146,6 +150,8 @@ def _learnt(trials: Sequence[Trajectories], known: Known) -> Template:
             f"{len(names)} of the {len(known.marker_set)} markers of {known.marker_set.name or 'the marker set'} are "
             f"in the trial, which has {', '.join(sorted(there)[:8])} …. Wanted are four or more, spelt alike."
         )
+    if known.computed and not names:
+        names = tuple(sorted(name for name in there if not name.startswith("*")))
     return learn_template(*trials, names=names or None, relative_spread=STATIC_SPREAD if known.static else 0.0)
 
 

@@ -3,6 +3,7 @@
 from .check import Exchanged, find_exchanges
 from .check_sides import SideSwap, find_side_swaps
 from .check_stretches import Mislabelled, find_mislabelled
+from .computed_points import computed_points
 from .distances import Distances
 from .from_set import figure_template, static_template
 from .label import label
@@ -40,6 +41,7 @@ __all__ = [
     "SwitchScore",
     "Template",
     "TemplateSource",
+    "computed_points",
     "cut_truth",
     "figure_template",
     "find_exchanges",

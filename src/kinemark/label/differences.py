@@ -22,6 +22,8 @@ NEIGHBOURS = 12
 """c of (1); chosen: about the two segments that meet there."""
 TURNED = 0.5
 """Greatest σ of (1) as a share of |ab|; chosen: a marker pair turns by some 30° against its neighbours."""
+ONE_PLACE = 1e-9
+"""Least σ of (1) as a share of the body's size; of two labels in one place no neighbour tells; chosen."""
 FLOOR = -2.0
 """Of a neighbour that is off, nats; chosen."""
 
@@ -36,7 +38,7 @@ def losses(y: Single, pairs: PairScore, template: Template, twos: Ints) -> Float
     near = _neighbours(template.distance, a, b)
     D, sigma = template.distance, np.where(pairs.inverse > 0, 1 / np.where(pairs.inverse > 0, pairs.inverse, 1), np.inf)
     wide = np.hypot(sigma[a[:, None], near], sigma[b[:, None], near])
-    width = np.minimum(wide, TURNED * D[a, b][:, None])
+    width = np.maximum(np.minimum(wide, TURNED * D[a, b][:, None]), ONE_PLACE * template.size)
     of_template = D[a[:, None], near] - D[b[:, None], near]
     total, frames = np.zeros(len(twos)), np.zeros(len(twos))
     for xyz in y.astype(float):

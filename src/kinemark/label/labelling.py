@@ -24,7 +24,7 @@ class Labelling(Method):
     )
     static: tuple[str, ...] = parameter((), meaning="files of labelled static trials, which show no motion")
     markers: tuple[str, ...] = parameter(
-        (), meaning="names to learn; empty: those of marker_set, else all. Give them where files hold computed points"
+        (), meaning="names to learn; empty: those of marker_set, else all that were not computed of others"
     )
     height_mm: float | None = parameter(
         None,

@@ -60,7 +60,7 @@ def learn_marker_set(trial: Trajectories, *, names: Sequence[str] | None = None,
 
     Args:
         trial: labelled; the more joints move, the better.
-        names: of the markers; where None, all that have samples, without those that begin with "*".
+        names: of the markers; where None, all that have samples, without those that begin with "*" or were computed.
         name: of the set.
 
     Raises:

@@ -11,7 +11,8 @@ Where another track u has the name b meanwhile, it must leave it, so that a chan
 
 with "none" among the c, worth 0. A posture that is new pulls at single markers, but not at those whose places they
 would take. A name that is free meanwhile has nobody to speak against it, so that twice as much is asked. Frames are
-looked at 15 times a second; between two of them a change is placed by the evidence of every frame.
+looked at 15 times a second; between two of them a change is placed by the evidence of every frame. Where two tracks
+take each other's name, as after a gap that was filled from one marker to the other, both change in the same frame.
 """
 
 from __future__ import annotations
@@ -38,6 +39,10 @@ OTHERS = 0.5
 """Most that the other track may lose, as a share of what the first gains; chosen."""
 
 
+TOGETHER_S = 0.25
+"""Time between two changes that are one exchange, at most, s; chosen: tracks go over in a few frames."""
+
+
 class Turn(NamedTuple):
     """A track is the label `was` before this row of the frames that are looked at, and `to` from there on."""
 
@@ -56,12 +61,20 @@ def find_turns(tracks: Trajectories, label: Ints, template: Template, fixed: Int
     stretches, pairs = stretches_of(tracks, template.size), PairScore.of_template(template)
     nats = frame_evidence(stretches, label, pairs)
     least = FITS * expectation(stretches, label, pairs)
-    found = []
+    found: list[tuple[int, int, Turn]] = []
     for t in np.flatnonzero(fixed == FREE).tolist():
         rows = np.flatnonzero(np.isfinite(nats[t, :, 0]))
         turns = _turns(nats, t, rows, label, least) if len(rows) > 1 else []
-        found += [(t, _frame_of(tracks, stretches, t, turn, label, pairs)) for turn in turns]
-    return found
+        found += [(t, _frame_of(tracks, stretches, t, turn, label, pairs), turn) for turn in turns]
+    return [(t, _at_once(t, frame, turn, found, TOGETHER_S * tracks.rate)) for t, frame, turn in found]
+
+
+def _at_once(t: int, frame: int, turn: Turn, found: list[tuple[int, int, Turn]], near: float) -> int:
+    """The frame of a change, or the middle of it and that of the track with which this one is exchanged."""
+    other = [
+        at for u, at, one in found if u != t and (one.was, one.to) == (turn.to, turn.was) and abs(at - frame) <= near
+    ]
+    return (frame + other[0]) // 2 if len(other) == 1 else frame
 
 
 def _turns(nats: Single, t: int, rows: Ints, label: Ints, least: Floats) -> list[Turn]:

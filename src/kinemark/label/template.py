@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.arrays import check_positive, column, set_columns
+from .computed_points import computed_points
 from .own_fit import own_fit
 
 FRAMES = 300
@@ -174,9 +175,10 @@ def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDA
 
 
 def names_in(trials: Sequence[Trajectories]) -> tuple[str, ...]:
-    """Names that have samples in any of the trials, sorted; those that begin with "*" are none."""
+    """Names of markers with samples in any of the trials, sorted; those that begin with "*" are of none."""
     seen = {path.name for trial in trials for path in trial if np.isfinite(path.xyz).any()}
-    return tuple(sorted(name for name in seen if not name.startswith("*")))
+    computed = {name for trial in trials for name in computed_points(trial)}
+    return tuple(sorted(name for name in seen - computed if not name.startswith("*")))
 
 
 def _sampled(trial: Trajectories, names: tuple[str, ...]) -> tuple[Floats, float]:

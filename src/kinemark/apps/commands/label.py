@@ -35,6 +35,7 @@ def label(
     ] = None,
     names: Path | None = None,
     unsure: bool = False,
+    computed: bool = False,
     check: bool = False,
     json: Json = False,
 ) -> None:
@@ -48,7 +49,7 @@ def label(
         output: the file to write, or a folder; an existing file is not replaced.
         marker_set: what the subject wears: one of `kinemark marker-set list`, or a TOML file.
         markers: names that the template learns, as LASI,RASI,SACR; those of the marker set, or all, where none is
-            given. Name them where the files of the template also hold computed points, such as segments' axes.
+            given.
         static: the template's trials show no motion; with a marker set, its segments say which distances stay.
         subject: of several in one volume, a name and a template or labelled trial: A=anna.template.h5; one each. The
             name stands before those of markers, as in A:LKNE.
@@ -57,6 +58,8 @@ def label(
         heights_mm: the templates are of other subjects; height of each, mm.
         names: a TOML or CSV file of names that are stated of tracks; they are facts.
         unsure: also take names that are not sure.
+        computed: also learn and name points that were computed of markers, as segments' axes and joint centres are;
+            without it they stay as they are, with the names that they have.
         check: write nothing; list exchanged markers, swapped sides and stretches with a wrong name in files that have
             names; status 3 where there are any.
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
@@ -67,7 +70,12 @@ def label(
 
     worn = read_marker_set(marker_set) if marker_set else None
     known = Known(
-        worn, tuple(filter(None, markers.split(","))), static, height_mm=height_mm, heights_mm=tuple(heights_mm or ())
+        worn,
+        tuple(filter(None, markers.split(","))),
+        static,
+        height_mm=height_mm,
+        heights_mm=tuple(heights_mm or ()),
+        computed=computed,
     )
     every = (source, *sources)
     if subject and (template or scale or heights_mm or check):
@@ -86,7 +94,7 @@ def label(
         raise KinemarkError(
             "Names are stated of one file's tracks, and there are several files. Label them one by one."
         )
-    done = label_files(every, output, learnt, unsure=unsure, stated=stated)
+    done = label_files(every, output, learnt, unsure=unsure, stated=stated, computed=computed)
     found = {str(path): one for path, one in done.items() if isinstance(one, LabelledFile)}
     if json:
         figures = {path: one.figures for path, one in found.items()}

@@ -58,8 +58,8 @@ def learn(
     Args:
         trial: labelled, of any program.
         output: the TOML file to write; an existing file is not replaced.
-        markers: names that belong to the set, as LASI,RASI,SACR; all where none is given. Name them where the trial
-            also holds computed points, such as segments' axes.
+        markers: names that belong to the set, as LASI,RASI,SACR; all where none is given, but for
+            points that were computed of others, such as segments' axes.
         json: print the set for a machine.
     """
     from ...engine.marker_set_files import set_figures, set_from_file, set_text

@@ -18,6 +18,7 @@ from ...io.trial import read_trial
 from ...label import Template, learn_template
 from ...label.from_set import STATIC_SPREAD, figure_template, static_template
 from ...label.subject_template import SubjectTemplate, TemplateSource
+from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
 from ..subject_templates import of_subject
 from ..template_files import ENDING, is_template, load_template, save_template
@@ -103,12 +104,12 @@ def session_template(
         return None
     names = label.markers or (marker_set.moving if marker_set else ())
     files = [file for file in label.template if not is_template(file)]
-    given = [_shown(root, file, subject) for file in files]
+    given = [_shown(root, file, subject, names) for file in files]
     learnt = [(one, load_learnt(one.folder)) for one in earlier if one.key != ABSENT]
     named = [(one.kind, Shown(one.name, markers_of(trial, subject))) for one, trial in learnt]
     moved = [shown for kind, shown in named if kind != "static"]
     still = [shown for kind, shown in named if kind == "static"]
-    still += [_shown(root, file, subject) for file in label.static]
+    still += [_shown(root, file, subject, names) for file in label.static]
     own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
     kept = [_kept(root / file) for file in label.template if is_template(file)]
     if label.scale is not None and (other := _learnt(given, names)):
@@ -129,10 +130,11 @@ def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerS
     )
 
 
-def _shown(root: Path, file: str, subject: str) -> Shown:
-    """A file of trajectories, of several subjects with the markers of this one."""
+def _shown(root: Path, file: str, subject: str, names: Sequence[str]) -> Shown:
+    """A file of trajectories without computed points that have no such name, of several subjects with this one's."""
     trial = read_trial(root / file)
-    own = of_subject(trial.trajectories, subject, prefixes_of(trial.source)) if subject else trial.trajectories
+    points = put_aside(trial, keep=names).rest
+    own = of_subject(points, subject, prefixes_of(trial.source)) if subject else points
     return Shown(file, own)
 
 

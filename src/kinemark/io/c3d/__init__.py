@@ -5,6 +5,7 @@ from .document import C3D, with_parameters
 from .header import HeaderEvent
 from .numbers import ByteOrder
 from .parameters import Group, Parameter
+from .points import modeled_points
 from .reading import decode_document, read_document
 from .storing import document_of, stored, write_c3d
 from .subject import prefixes_of, subject_of
@@ -20,6 +21,7 @@ __all__ = [
     "decode_document",
     "document_of",
     "encode_document",
+    "modeled_points",
     "on_frames",
     "prefixes_of",
     "read_c3d",

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from .provenance import stated_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 LENGTH = "LENGTH"
+MODELED = "MODELED_MARKERS"
 FARTHEST = 1e9  # in the file's unit; farther, a sample is no position; chosen
 
 
@@ -71,6 +73,17 @@ def kinds_of(doc: C3D, names: Sequence[str]) -> tuple[str, ...]:
     """What each point is: LENGTH, or one of `OUTPUTS`."""
     listed = {label: kind for kind in reversed(OUTPUTS) for label in doc.texts("POINT", kind) if label}
     return tuple(listed.get(name, LENGTH) for name in names)
+
+
+def modeled_points(source: Any) -> tuple[str, ...]:
+    """Labels of points that are positions, but that a C3D file lists as a program's own: POINT:MODELED_MARKERS.
+
+    POINT:TYPE_GROUPS names such lists, and may name others. Empty where the source of a trial is no C3D file.
+    """
+    if not isinstance(source, C3D):
+        return ()
+    lists = dict.fromkeys((MODELED, *source.texts("POINT", "TYPE_GROUPS")[::2]))
+    return tuple(label for name in lists if name and name not in OUTPUTS for label in source.texts("POINT", name))
 
 
 def mm_per_unit(doc: C3D) -> float:

@@ -1,4 +1,4 @@
-import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, PenLine, Play, RotateCw, Square } from "lucide-react";
+import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, FolderPlus, PenLine, Play, RotateCw, Square } from "lucide-react";
 import { useState } from "react";
 import * as api from "../api/client";
 import type { TrialCard } from "../api/types";
@@ -6,7 +6,6 @@ import { count, when } from "../model/format";
 import { goTo, say, tried } from "../state/load";
 import { cameraAddress } from "../state/sessions";
 import { set, useStore } from "../state/store";
-import { NewButton } from "./NewSession";
 import styles from "./Home.module.css";
 
 const STATES: Record<TrialCard["state"], { icon: typeof Play; tone: string }> = {
@@ -30,7 +29,7 @@ export function Home(): React.JSX.Element {
   return (
     <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
       <div className={styles.page}>
-        <div className={styles.top}><h1>Sessions</h1><NewButton />{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
+        <div className={styles.top}><h1>Sessions</h1><button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
             <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>

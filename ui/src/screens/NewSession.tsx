@@ -2,7 +2,6 @@
 import { FolderPlus, Play } from "lucide-react";
 import type { Proposed, Role } from "../api/sessions";
 import { many } from "../model/format";
-import { goTo } from "../state/load";
 import { makeSession, propose, useSessions } from "../state/sessions";
 import styles from "./NewSession.module.css";
 
@@ -93,5 +92,3 @@ function Recordings({ of }: { of: Proposed }): React.JSX.Element {
     </section>
   );
 }
-
-export const NewButton = (): React.JSX.Element => <button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>;

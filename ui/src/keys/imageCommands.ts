@@ -3,7 +3,7 @@ import * as d from "../state/detect";
 import * as g from "../state/digitise";
 import { runTrial } from "../state/load";
 import { get, set, type State } from "../state/store";
-import type { Command } from "./commands";
+import type { Command, Level } from "./commands";
 
 const DETECT = ["detect"] as const, DIGITISE = ["digitise"] as const;
 const there = (s: State): boolean => s.detect !== null;
@@ -20,7 +20,7 @@ export const DETECT_COMMANDS: readonly Command[] = [
   { id: "detect-forget", keys: ["Backspace"], title: "Forget what is tried", group: "Detection", screens: DETECT, when: tried, foot: 3, hint: () => "forget what is tried", run: d.forgetDraft },
   { id: "detect-mask", keys: ["M"], title: "Paint masks", group: "Detection", screens: DETECT, when: there, foot: 4, hint: (s) => (s.detect!.painting ? "no longer paint masks" : "paint masks"), run: d.flipPainting },
   { id: "detect-white", keys: ["P"], title: "Show white pixels", group: "Detection", screens: DETECT, when: there, foot: 5, hint: (s) => (s.detect!.white ? "without white pixels" : "white pixels"), run: d.flipWhite },
-  { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise"], foot: 8, hint: () => "run the trial", run: () => void runTrial() },
+  { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise", "tracks", "report", "history"], when: (s) => s.id !== null && (s.screen === "detect" || s.screen === "digitise" || !s.header || s.header.stale !== ""), foot: 8, hint: () => "run the trial", run: () => void runTrial() },
   { id: "detect-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DETECT, foot: 6, hint: () => "next frame", run: frame(1) },
   { id: "detect-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DETECT, run: frame(-1) },
   { id: "detect-forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: DETECT, run: frame(10) },
@@ -44,16 +44,13 @@ export const DIGITISE_COMMANDS: readonly Command[] = [
   { id: "digitise-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DIGITISE, when: (s) => s.digitise !== null, foot: 6, hint: () => "frame before", run: () => g.stepFrame(-1) },
 ];
 
-/** Escape on these screens: what is open closes first; whether it did. */
-export function imageUp(): boolean {
-  const { detect, digitise, screen } = get();
-  if (screen === "detect" && detect && (detect.painting || detect.why || detect.large)) {
-    set({ detect: detect.painting ? { ...detect, painting: false } : detect.why ? { ...detect, why: null } : { ...detect, large: null } });
-    return true;
+/** What Escape closes on these screens first. */
+export function imageUp({ screen, detect, digitise }: State): Level | null {
+  if (screen === "detect" && detect) {
+    if (detect.painting) return { words: "no longer paint masks", run: d.flipPainting };
+    if (detect.why) return { words: "close the answer", run: () => set({ detect: { ...detect, why: null } }) };
+    if (detect.large) return { words: "all cameras", run: () => set({ detect: { ...detect, large: null } }) };
   }
-  if (screen === "digitise" && digitise?.shown != null) {
-    set({ digitise: { ...digitise, shown: null } });
-    return true;
-  }
-  return false;
+  if (screen !== "digitise" || digitise?.shown == null) return null;
+  return { words: "back to the question", run: () => set({ digitise: { ...digitise, shown: null } }) };
 }

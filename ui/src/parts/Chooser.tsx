@@ -10,10 +10,12 @@ interface Props {
   onTake: (id: string) => void;
   onPoint?: (id: string) => void;
   start?: string;
+  /** What is said where nothing is found. */
+  none?: string;
 }
 
 /** A field with a list below it: type to narrow, arrows to point, Enter to take. */
-export function Chooser({ label, find, onTake, onPoint, start = "" }: Props): React.JSX.Element {
+export function Chooser({ label, find, onTake, onPoint, start = "", none }: Props): React.JSX.Element {
   const [typed, setTyped] = useState(start), [at, setAt] = useState(0), list = useRef<HTMLUListElement>(null), id = useId();
   const found = find(typed), pointed = found[Math.min(at, found.length - 1)];
   useEffect(() => {
@@ -36,6 +38,7 @@ export function Chooser({ label, find, onTake, onPoint, start = "" }: Props): Re
           </li>
         ))}
       </ul>
+      {none && !found.length && <p role="status" className="soft">{none}</p>}
     </>
   );
 }

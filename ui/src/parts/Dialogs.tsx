@@ -1,17 +1,19 @@
+import { lazy, Suspense } from "react";
 import { useStore, type Dialog } from "../state/store";
 import { EventForm } from "./EventForm";
 import { Finish } from "./Finish";
-import { Help } from "./Help";
 import { NameDialog } from "./NameDialog";
 import { Palette } from "./Palette";
 import { Sign } from "./Sign";
 import { Why } from "./Why";
 
-const SHOWN: Record<Exclude<Dialog, null>, () => React.JSX.Element> = { help: Help, commands: Palette, name: NameDialog, why: Why, finish: Finish, sign: Sign, event: EventForm };
+/** With all that it says, which is needed only then. */
+const Help = lazy(async () => ({ default: (await import("./Help")).Help }));
+const SHOWN: Record<Exclude<Dialog, null>, React.ComponentType> = { help: Help, commands: Palette, name: NameDialog, why: Why, finish: Finish, sign: Sign, event: EventForm };
 
 export function Dialogs(): React.JSX.Element | null {
   const dialog = useStore((s) => s.dialog);
   if (!dialog) return null;
   const Shown = SHOWN[dialog];
-  return <Shown />;
+  return <Suspense><Shown /></Suspense>;
 }

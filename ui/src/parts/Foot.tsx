@@ -6,17 +6,23 @@ import styles from "./Foot.module.css";
 
 const ICON = { done: CircleCheck, refused: CircleAlert, news: Info };
 
+/** Never cut off, however much there is to say. */
+const ALWAYS: readonly string[] = ["help", "up"];
+
+const key = ({ key, words, id }: ReturnType<typeof footLine>[number]): React.JSX.Element => (
+  <li key={id}><button type="button" onClick={byId(id).run}><kbd>{shownKey(key)}</kbd>{words}</button></li>
+);
+
 /** What the next key would do, and what the last one did. */
 export function Foot(): React.JSX.Element {
-  const state = useStore(), line = footLine(state).slice(0, 9), note = state.note, Icon = ICON[note?.kind ?? "news"];
+  const state = useStore(), line = footLine(state), note = state.note, Icon = ICON[note?.kind ?? "news"];
   return (
     <footer className={styles.foot}>
       <ul className={styles.keys} aria-label="What keys would do now">
-        {line.map(({ key, words, id }) => (
-          <li key={id}><button type="button" onClick={byId(id).run}><kbd>{shownKey(key)}</kbd>{words}</button></li>
-        ))}
+        {line.filter((one) => !ALWAYS.includes(one.id)).map(key)}
       </ul>
       <p className={`${styles.note} ${note ? styles[note.kind] : ""}`} role="status" data-note={note?.kind ?? ""}>{note && <><Icon size={14} aria-hidden />{note.words}</>}</p>
+      <ul className={`${styles.keys} ${styles.always}`} aria-label="What keys do everywhere">{line.filter((one) => ALWAYS.includes(one.id)).map(key)}</ul>
     </footer>
   );
 }

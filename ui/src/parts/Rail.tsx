@@ -1,20 +1,20 @@
 import { Aperture, DraftingCompass, FileText, History, House, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
 import { goTo } from "../state/load";
 import { useSessions } from "../state/sessions";
-import { useStore, type Screen, type State } from "../state/store";
+import { TITLES, useStore, type Screen, type State } from "../state/store";
 import styles from "./Rail.module.css";
 
-const STEPS: readonly { screen: Screen; title: string; icon: typeof House; open?: (s: State) => number }[] = [
-  { screen: "home", title: "Home", icon: House },
-  { screen: "cameras", title: "Cameras", icon: Aperture },
-  { screen: "detect", title: "Detect", icon: ScanSearch },
-  { screen: "digitise", title: "Digitise", icon: MousePointerClick },
-  { screen: "tracks", title: "Tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
-  { screen: "labels", title: "Labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && t.samples > 0).length ?? 0 },
-  { screen: "gaps", title: "Gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
-  { screen: "angles", title: "Angles", icon: DraftingCompass },
-  { screen: "report", title: "Report", icon: FileText },
-  { screen: "history", title: "History", icon: History },
+const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) => number }[] = [
+  { screen: "home", icon: House },
+  { screen: "cameras", icon: Aperture },
+  { screen: "detect", icon: ScanSearch },
+  { screen: "digitise", icon: MousePointerClick },
+  { screen: "tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
+  { screen: "labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && t.samples > 0).length ?? 0 },
+  { screen: "gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
+  { screen: "angles", icon: DraftingCompass },
+  { screen: "report", icon: FileText },
+  { screen: "history", icon: History },
 ];
 
 export function Rail(): React.JSX.Element {
@@ -22,13 +22,13 @@ export function Rail(): React.JSX.Element {
   return (
     <nav className={styles.rail} aria-label="Steps">
       <ul>
-        {STEPS.map(({ screen, title, icon: Icon, open }) => {
+        {STEPS.map(({ screen, icon: Icon, open }) => {
           const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = screen === "cameras" ? !session : screen !== "home" && !s.id;
           return (
             <li key={screen}>
               <button type="button" className={styles.step} disabled={off} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
                 <Icon size={17} aria-hidden />
-                {title}
+                {TITLES[screen]}
                 {left > 0 && <span className={styles.count}>{left}<span className="hidden-words"> open</span></span>}
               </button>
             </li>

@@ -1,12 +1,11 @@
-import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, PenLine, Play, RotateCw, Square } from "lucide-react";
-import { useState } from "react";
+import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, FolderPlus, PenLine, Play, RotateCw, Square } from "lucide-react";
+import { useEffect, useRef, useState } from "react";
 import * as api from "../api/client";
 import type { TrialCard } from "../api/types";
 import { count, when } from "../model/format";
 import { goTo, say, tried } from "../state/load";
 import { cameraAddress } from "../state/sessions";
 import { set, useStore } from "../state/store";
-import { NewButton } from "./NewSession";
 import styles from "./Home.module.css";
 
 const STATES: Record<TrialCard["state"], { icon: typeof Play; tone: string }> = {
@@ -30,7 +29,7 @@ export function Home(): React.JSX.Element {
   return (
     <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
       <div className={styles.page}>
-        <div className={styles.top}><h1>Sessions</h1><NewButton />{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
+        <div className={styles.top}><h1>Sessions</h1><button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
             <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>
@@ -68,9 +67,11 @@ function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean
 
 function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.JSX.Element {
   const job = useStore((s) => s.jobs[t.id]), running = job?.state === "running", { icon: Icon, tone } = STATES[t.state];
+  const name = useRef<HTMLButtonElement>(null), marked = useStore((s) => s.marked === t.id);
+  useEffect(() => void (marked && name.current!.focus()), [marked]);
   return (
     <tr>
-      <th scope="row"><button type="button" className={styles.name} onClick={() => goTo("tracks", t.id)}>{t.name}</button></th>
+      <th scope="row"><button type="button" ref={name} className={styles.name} onFocus={() => set({ marked: t.id })} onClick={() => goTo("tracks", t.id)}>{t.name}</button></th>
       <td className={styles.figure}>{count(t.frames)}</td>
       <td className={styles.figure}>{t.markers == null ? "–" : `${t.named ?? 0}/${t.markers}`}</td>
       <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{t.state}</span>}</td>

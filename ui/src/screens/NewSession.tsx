@@ -2,8 +2,8 @@
 import { FolderPlus, Play } from "lucide-react";
 import type { Proposed, Role } from "../api/sessions";
 import { many } from "../model/format";
-import { goTo } from "../state/load";
 import { makeSession, propose, useSessions } from "../state/sessions";
+import { set, useStore } from "../state/store";
 import styles from "./NewSession.module.css";
 
 export function NewSession(): React.JSX.Element {
@@ -16,7 +16,7 @@ export function NewSession(): React.JSX.Element {
 }
 
 function Folders(): React.JSX.Element {
-  const folders = useSessions((s) => s.folders);
+  const folders = useSessions((s) => s.folders), marked = useStore((s) => s.marked);
   return (
     <>
       <h1>New session</h1>
@@ -24,7 +24,7 @@ function Folders(): React.JSX.Element {
       {folders?.length === 0 && <p className={styles.card}>There is none below the folders that the studio was started with. Copy recordings there: a video or a folder of images for each camera and trial, named after the cameras.</p>}
       <ul className={styles.folders}>
         {folders?.map((one) => (
-          <li key={one.id}><button type="button" className={styles.folder} onClick={() => (location.hash = `#/new/${encodeURIComponent(one.id)}`)}><FolderPlus size={18} aria-hidden /><b>{one.title}</b><span className="soft">{one.folder}</span><span className="number">{one.words}</span></button></li>
+          <li key={one.id}><button type="button" ref={(button) => void (button && one.id === marked && button.focus())} className={styles.folder} onFocus={() => set({ marked: one.id })} onClick={() => (location.hash = `#/new/${encodeURIComponent(one.id)}`)}><FolderPlus size={18} aria-hidden /><b>{one.title}</b><span className="soft">{one.folder}</span><span className="number">{one.words}</span></button></li>
         ))}
       </ul>
     </>
@@ -93,5 +93,3 @@ function Recordings({ of }: { of: Proposed }): React.JSX.Element {
     </section>
   );
 }
-
-export const NewButton = (): React.JSX.Element => <button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>;

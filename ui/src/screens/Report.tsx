@@ -1,14 +1,20 @@
+import { ExternalLink, FileDown } from "lucide-react";
 import { reportAddress } from "../api/client";
+import { print, writePdf } from "../state/load";
 import { useStore } from "../state/store";
 import styles from "./Report.module.css";
 
 /** The report page as it is, in a frame that may draw and nothing else. */
 export function Report(): React.JSX.Element {
-  const { header, id } = useStore();
+  const { header, id, busy } = useStore();
   return (
     <>
-      <h1 className="hidden-words">Report of {header?.name}</h1>
-      {header?.stale && <p className={styles.stale}>{header.stale}</p>}
+      <header className={styles.head}>
+        <h1>Report of {header?.name}</h1>
+        {header?.stale && <p className={styles.stale}>{header.stale}</p>}
+        <button type="button" className="button" onClick={print}><ExternalLink size={14} aria-hidden />Alone, to print<kbd>⇧ P</kbd></button>
+        <button type="button" className="button" disabled={!id || busy > 0} onClick={() => void writePdf()}><FileDown size={14} aria-hidden />PDF<kbd>P</kbd></button>
+      </header>
       {id && <iframe className={styles.frame} src={reportAddress(id)} title={`Report of ${header?.name ?? "the trial"}`} sandbox="allow-scripts" />}
     </>
   );

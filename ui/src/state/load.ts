@@ -60,6 +60,25 @@ export async function arrive(): Promise<void> {
   await fresh();
 }
 
+/** Print what is shown; of a report, its own page. */
+export function print(): void {
+  const { screen, id } = get();
+  if (screen === "report" && id) window.open(api.reportAddress(id), "_blank", "noreferrer");
+  else window.print();
+}
+
+/** The report as a PDF, which the browser then keeps. */
+export async function writePdf(): Promise<void> {
+  const { id, header } = get();
+  say("news", "The PDF is being made …");
+  const file = id && (await tried(() => api.reportPdf(id)));
+  if (!file) return;
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(file), download: `${header?.name ?? "report"}.pdf` });
+  link.click();
+  URL.revokeObjectURL(link.href);
+  say("done", `${link.download} is among the downloads.`);
+}
+
 /** Run the trial that is looked at; how it goes on is told by itself. */
 export async function runTrial(): Promise<void> {
   const { id } = get();

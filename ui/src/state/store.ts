@@ -10,6 +10,10 @@ import type { GapCandidates, GapRow, Gaps, History, Home, Job, Join, Labels, Pro
 
 export const SCREENS = ["home", "new", "cameras", "detect", "digitise", "tracks", "labels", "gaps", "angles", "report", "history"] as const;
 export type Screen = (typeof SCREENS)[number];
+/** Screens by their names on the page and in the manual. */
+export const TITLES: Record<Screen, string> = {
+  home: "Home", new: "New session", cameras: "Cameras", detect: "Detect", digitise: "Digitise", tracks: "Tracks", labels: "Labels", gaps: "Gaps", angles: "Angles", report: "Report", history: "History",
+};
 export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
 export type Theme = "auto" | "light" | "dark";
 export type Layout = 1 | 2 | 3 | 4;
@@ -49,6 +53,8 @@ export interface State {
   candidates: GapCandidates | null;
   method: string | null;
   track: string | null;
+  /** The trial of Home, or the folder of New session, that Enter opens. */
+  marked: string | null;
   limit: number;
   why: string;
 
@@ -93,7 +99,7 @@ export const OF_TRIAL = {
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
   screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, limit: 5,
-  dialog: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
+  dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));
 

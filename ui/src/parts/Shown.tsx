@@ -1,0 +1,32 @@
+import { useEffect, useState } from "react";
+import { loadedScreen, loadScreen, loadTheOthers } from "../screens/shown";
+import { useStore, type Screen } from "../state/store";
+import styles from "./Waiting.module.css";
+
+/** ms within which the other screens are loaded where the browser never rests; chosen. */
+const LATEST_MS = 2000;
+
+/** The others are loaded when the first screen is there with what it shows, never before: it comes first. */
+function whenIdle(work: () => void): void {
+  if (useStore.getState().busy > 0) {
+    const off = useStore.subscribe((s) => {
+      if (s.busy === 0) off(), whenIdle(work);
+    });
+  } else requestIdleCallback(work, { timeout: LATEST_MS });
+}
+
+/** A screen, as soon as its part of the page is here. Give it the screen as key. */
+export function Shown({ screen }: { screen: Screen }): React.JSX.Element {
+  const [, come] = useState(false), [failed, setFailed] = useState(false), View = loadedScreen(screen);
+  useEffect(() => {
+    if (!View) loadScreen(screen).then(() => (come(true), whenIdle(() => void loadTheOthers())), () => setFailed(true));
+  }, []);
+  if (View) return <View />;
+  return (
+    <div className={styles.waiting}>
+      <h1 className={failed ? "" : "hidden-words"}>{failed ? "This screen could not be loaded" : "Loading the screen"}</h1>
+      {failed && <p role="alert">The server gave no answer, or it is a newer one than this page. Nothing is lost: every edit is saved when it is made.</p>}
+      {failed && <div><button type="button" className="button strong" onClick={() => location.reload()}>Load the page again</button></div>}
+    </div>
+  );
+}

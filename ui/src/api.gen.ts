@@ -418,7 +418,7 @@ export interface components {
          */
         ActBody: {
             /** Act */
-            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["TrackAgainAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
             /** Head */
             head: string;
             /**
@@ -456,7 +456,7 @@ export interface components {
          */
         Alternative: {
             /** Act */
-            act?: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
+            act?: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["TrackAgainAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
             /**
              * Action
              * @enum {string}
@@ -1262,7 +1262,7 @@ export interface components {
          */
         PreviewBody: {
             /** Act */
-            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["TrackAgainAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
         };
         /**
          * Problem
@@ -1539,6 +1539,17 @@ export interface components {
             x: number;
             /** Y */
             y: number;
+        };
+        /**
+         * TrackAgainAct
+         * @description Tracks are made again with all that was said as facts.
+         */
+        TrackAgainAct: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "track_again";
         };
         /**
          * TrackRow

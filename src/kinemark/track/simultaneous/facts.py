@@ -5,14 +5,13 @@ the marker was. They part and join what the tracker made:
 
     points that are wrong go, and their images are free                                   (1)
     a track parts where what is said of it changes; pieces of one marker are one           (2)
-    what lies beside such a cut, on the side that nobody spoke of, is looked for again     (3)
-    pieces that facts left alone are stitched, to each other and to markers (`stitch`)     (4)
-    points that are missing are looked for with both sides known (`second_pass`)           (5)
+    pieces that facts left alone are stitched, to each other and to markers (`stitch`)     (3)
+    points that are missing are looked for with both sides known (`second_pass`)           (4)
 
-so that a fact reaches beyond the samples that it is about: (4) gives what is cut off from one marker to the one whose
-it is, and (5) the freed images to those that lacked them. No point that a fact is about is changed, but where a later
-one cuts off what is beside it; nor any of a track that no fact touches: such tracks may only gain points, of images
-that facts set free.
+so that a fact reaches beyond the samples that it is about: (3) gives what is cut off from one marker to the one whose
+it is, and (4) the freed images to those that lacked them. No point that a fact is about is changed, nor any of a track
+that no fact touches: such tracks may only gain points, of images that facts set free. A cut is where people put it:
+points beside it are not looked for again, as what was cut off is then stitched less surely (studies/track_again.py).
 """
 
 from __future__ import annotations
@@ -39,9 +38,6 @@ from .tracker import Working, precise_enough, solved, solver_for
 
 UNSAID, NO_MARKER = -1, -2
 """What is said of a point that is of no marker by its number; by definition."""
-
-BESIDE = 0.1
-"""s beside a cut in which points are looked for again (3); chosen: people point at a frame that is so near."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,8 +113,7 @@ def mended_tracks(
     cloud, changed = _with_owned_images(tracks.cloud, facts, working, timed, errors)
     gone = (facts.marker == NO_MARKER) | facts.wrong | (tracks.id < 0) | ((cloud.detection >= 0).sum(1) < 2)
     pieces = _pieces(tracks, facts, gone)
-    beside = _beside_cuts(tracks, pieces, facts, BESIDE * detections.rate)
-    left = ~gone & ~beside
+    left = ~gone
     known = _known(cloud, pieces.id, left, facts, pieces)
     group = _groups(known, pieces, 1 / detections.rate, method)
     free = np.zeros(len(images.uv), bool)
@@ -182,19 +177,6 @@ def _pieces(tracks: Tracks, facts: Facts, gone: Bools) -> _Pieces:
     return _Pieces(id, track[first], marker, touched, cut)
 
 
-def _beside_cuts(tracks: Tracks, pieces: _Pieces, facts: Facts, most: float) -> Bools:
-    """(P) points of (3): within so many frames of a cut, of the piece that was not cut off by the later statement."""
-    frame, beside = tracks.cloud.frame, np.zeros(len(pieces.id), bool)
-    for before, after in pieces.cut.tolist():
-        a, b = (np.flatnonzero(pieces.id == piece) for piece in (before, after))
-        if pieces.marker[before] == pieces.marker[after] >= 0:
-            continue
-        last, first = int(frame[a].max()), int(frame[b].min())
-        later = facts.said[a[0]] > facts.said[b[0]]  # of two statements, the later one pointed at the frame
-        beside[b[frame[b] - last <= most] if later else a[first - frame[a] <= most]] = True
-    return beside
-
-
 def _known(cloud: Cloud, piece: Ints, left: Bools, facts: Facts, pieces: _Pieces) -> TrackPoints:
     """The points that are left, and after them the places by hand of markers that have a piece."""
     points = TrackPoints(cloud.frame[left], piece[left], cloud.xyz[left], cloud.cov[left])
@@ -218,7 +200,7 @@ def _known(cloud: Cloud, piece: Ints, left: Bools, facts: Facts, pieces: _Pieces
 
 
 def _groups(known: TrackPoints, pieces: _Pieces, T: float, method: Simultaneous) -> Ints:
-    """(N) the identity of each piece: of its marker, and of what it is stitched to (4)."""
+    """(N) the identity of each piece: of its marker, and of what it is stitched to (3)."""
     n = len(pieces.track)
     group = np.arange(n)
     for number in np.unique(pieces.marker[pieces.marker >= 0]).tolist():
@@ -255,7 +237,7 @@ def _joined(group: Ints, marker: Ints, there: Bools, links: list[Stitch]) -> Int
 def _found(
     known: TrackPoints, cloud: Cloud, left: Bools, images: Images, T: float, method: Simultaneous
 ) -> tuple[TrackPoints, Ints]:
-    """Points that were missing, and their detections (C, N) (5)."""
+    """Points that were missing, and their detections (C, N) (4)."""
     detection = cloud.detection[left].T
     extra = np.full((len(detection), len(known.id) - detection.shape[1]), -1)
     return points_between(known, np.concatenate([detection, extra], 1), images, T, method)

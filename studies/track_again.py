@@ -103,7 +103,12 @@ def said_of(seen: Seen, tracks: Tracks, two: tuple[int, int], frame: int) -> lis
 def judged(seen: Seen, tracks: Tracks, said: list[Entry], markers: tuple[int, int]) -> Score:
     """The journal replayed on tracks."""
     paths: Trajectories = replay(
-        to_trajectories(tracks, seen.rig), said, detections=seen.detections, rig=seen.rig, world=world_key(seen.rig), facts=True
+        to_trajectories(tracks, seen.rig),
+        said,
+        detections=seen.detections,
+        rig=seen.rig,
+        world=world_key(seen.rig),
+        facts=True,
     ).trajectories
     right = wrong = others = 0
     for path in paths:
@@ -118,7 +123,9 @@ def judged(seen: Seen, tracks: Tracks, said: list[Entry], markers: tuple[int, in
 
 def main(first: int = 0, last: int = 17) -> None:
     """Print a line for each seed and way of pointing, and the sums."""
-    print(f"{'seed':>4}{'cameras':>8}{'pointed':>9}   journal alone: right wrong others   tracked again: right wrong others")
+    print(
+        f"{'seed':>4}{'cameras':>8}{'pointed':>9}   journal alone: right wrong others   tracked again: right wrong others"
+    )
     worse, sums = 0, np.zeros((2, 3), int)
     for seed in range(first, last + 1):
         seen = recorded(seed)

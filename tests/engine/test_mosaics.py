@@ -56,6 +56,26 @@ def test_where_nothing_can_be_kept_they_are_made_again(sources, tmp_path):
     mosaics.close()
 
 
+def test_no_more_is_kept_than_the_limit_and_what_was_used_stays(sources, tmp_path):
+    one = len(Mosaics(sources, tmp_path / "probe").jpeg(0))
+    mosaics = Mosaics(sources, tmp_path / "kept", recording="a", most=10 * one)
+    mosaics._ahead = lambda asked: None
+    for n in range(30):
+        assert shown(mosaics, n) == [n, n + 500, n + 1000]
+        mosaics.jpeg(3)
+    files = {file.name: file.stat().st_size for file in (tmp_path / "kept" / "a").iterdir()}
+    assert 8 * one < sum(files.values()) <= 10 * one
+    assert "0000003.jpg" in files and "0000029.jpg" in files and "0000005.jpg" not in files
+    mosaics.close()
+    other = Mosaics(sources, tmp_path / "kept", recording="b", most=4 * one)  # the trial was recorded anew
+    other._ahead = lambda asked: None
+    for n in range(5):
+        other.jpeg(n)
+    assert sum(file.stat().st_size for file in (tmp_path / "kept").rglob("*.jpg")) <= 4 * one
+    assert not list((tmp_path / "kept" / "a").iterdir())
+    other.close()
+
+
 def test_tiles_lie_beside_each_other_within_the_whole(sources):
     for n in range(1, 13):
         layout = layout_of({f"c{k}": sources["c0"] for k in range(n)})

@@ -39,6 +39,10 @@ def test_every_seek_gives_the_frame_of_its_number(kind, tmp_path):
     asked = [*np.random.default_rng(1).integers(0, FRAMES, SEEKS).tolist(), *there_and_back]
     assert [n for n in asked if number(images.frame(n)) != n] == []
     images.close()
+    some = np.unique(asked[:20])
+    assert [number(image) for image in source.frames_at(some)] == some.tolist()
+    near, shown = source.frames_near(some)
+    assert [number(image) for image in shown] == near.tolist()
 
 
 @pytest.mark.parametrize("first", ["top", "bottom"])
@@ -64,6 +68,8 @@ def test_uneven_times_do_not_move_frames(tmp_path):
         container.mux(stream.encode(None))
     images = ExactImages(open_images(tmp_path / "a.mkv"))
     assert [number(images.frame(n)) for n in (79, 31, 30, 32, 0, 61, 60)] == [79, 31, 30, 32, 0, 61, 60]
+    some = np.array([0, 29, 31, 60, 61, 79])
+    assert [number(image) for image in images.source.frames_at(some)] == some.tolist()
 
 
 def test_files_are_read_by_number_and_there_are_no_others(tmp_path):

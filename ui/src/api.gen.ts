@@ -413,7 +413,7 @@ export interface paths {
         };
         /**
          * Get Crop
-         * @description A part of an image as it was recorded.
+         * @description A part of an image in its own pixels: what a mosaic shows too small.
          */
         get: operations["get_crop_api_trials__trial__cameras__camera___frame__get"];
         put?: never;
@@ -627,26 +627,6 @@ export interface paths {
          * @description Nobody digitises the trial, as long as nothing was answered.
          */
         delete: operations["delete_setup_api_trials__trial__digitise_setup_delete"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/trials/{trial}/epipolar": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Epipolar
-         * @description Where the other cameras may see what one sees at a place.
-         */
-        get: operations["get_epipolar_api_trials__trial__epipolar_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -906,7 +886,7 @@ export interface components {
          */
         ActBody: {
             /** Act */
-            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["TrackAgainAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
             /** Head */
             head: string;
             /**
@@ -944,7 +924,7 @@ export interface components {
          */
         Alternative: {
             /** Act */
-            act?: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
+            act?: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["TrackAgainAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
             /**
              * Action
              * @enum {string}
@@ -2529,7 +2509,7 @@ export interface components {
          */
         PreviewBody: {
             /** Act */
-            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["TrackAgainAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
         };
         /**
          * Problem
@@ -3099,6 +3079,17 @@ export interface components {
             name: string;
             /** Value */
             value: string;
+        };
+        /**
+         * TrackAgainAct
+         * @description Tracks are made again with all that was said as facts.
+         */
+        TrackAgainAct: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "track_again";
         };
         /**
          * TrackRow
@@ -4408,41 +4399,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Refusal"];
-                };
-            };
-        };
-    };
-    get_epipolar_api_trials__trial__epipolar_get: {
-        parameters: {
-            query: {
-                camera: string;
-                u: number;
-                v: number;
-            };
-            header?: never;
-            path: {
-                trial: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["EpipolarLine"][];
-                };
             };
             /** @description Unprocessable Entity */
             422: {

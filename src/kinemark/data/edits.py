@@ -211,6 +211,18 @@ class DropUnnamed:
 
 
 @dataclass(frozen=True, slots=True)
+class TrackAgain:
+    """The tracks are made again, with all that was said before this, and stands, as facts for the tracker.
+
+    Attributes:
+        names: of markers that was spoken of and that nobody had claimed: whole paths, as they were called then.
+    """
+
+    names: tuple[Claim, ...] = ()
+    kind: Literal["track_again"] = "track_again"
+
+
+@dataclass(frozen=True, slots=True)
 class AddEvent:
     """An event: what, which side, and when, s from frame 1 of the recording."""
 
@@ -249,6 +261,7 @@ Edit = (
     | Verdict
     | Trim
     | DropUnnamed
+    | TrackAgain
     | AddEvent
     | Undo
     | Signed
@@ -314,6 +327,13 @@ def counting(entries: Sequence[Entry]) -> tuple[Entry, ...]:
 def live(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The entries that are applied, in order: neither undone nor undoing."""
     return tuple(e for e in counting(entries) if not any(isinstance(edit, Undo) for edit in e.edits))
+
+
+def facts_of(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """The entries that are facts for the tracker: that count, up to the last that says to track again; else none."""
+    said = live(entries)
+    last = [k for k, entry in enumerate(said) if any(isinstance(edit, TrackAgain) for edit in entry.edits)]
+    return said[: last[-1] + 1] if last else ()
 
 
 def is_named(name: str) -> bool:

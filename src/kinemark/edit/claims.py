@@ -9,6 +9,9 @@ changes nothing.
 Where two samples of one frame have one name, the later claim's stays, then the one nearer to its witness; a sample that
 nobody claimed gives way to a claimed one. What gives way becomes unnamed (4). Of what is left of an unnamed track, the
 pieces before and after a claimed one are tracks of their own (5): what is between them is another marker.
+
+A witness says nothing any more where a later claim gives its path another name in its frame, or gives its name to other
+paths around it (6): where tracks were made again otherwise, it would stand on another marker.
 """
 
 from __future__ import annotations
@@ -84,19 +87,61 @@ def claim_of_each(
     return _owners(trajectories, claims, said, known_votes(trajectories, detections, world))[0]
 
 
+def claims_that_hold(
+    trajectories: Trajectories, claims: Sequence[Claim], detections: Detections | None, *, world: str = ""
+) -> Ints:
+    """The same, −1 too where a later claim gives the name to another path in that frame (4)."""
+    said = votes([claim.where for claim in claims], trajectories, detections, world=world)
+    of, apart = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
+    return np.where(_one_a_frame(trajectories, claims, of, apart), of, -1)
+
+
 def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, known: KnownVotes) -> tuple[Ints, Floats]:
     """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
     shape = len(trajectories), trajectories.n_frames
     of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
+    said = said.of(~_refuted(said, claims))
     for p in np.unique(said.path[said.path >= 0]).tolist():
         mine = np.unique(said.stretch[said.path == p]).tolist()
-        key = p, *((k, claims[k].where) for k in mine)
+        key = p, *((k, claims[k].where, said.frame[said.stretch == k].tobytes()) for k in mine)
         if key not in known.rows:
             while len(known.rows) >= MOST_ROWS:
                 del known.rows[next(iter(known.rows))]
             known.rows[key] = _owner(trajectories, p, {k: claims[k] for k in mine}, said, known.detections)
         of[p], apart[p] = known.rows[key]
     return of, apart
+
+
+def _refuted(said: Votes, claims: Sequence[Claim]) -> Bools:
+    """(N) witnesses of claims that a later one contradicts (6)."""
+    out = np.zeros(len(said.frame), bool)
+    if len(claims) < 2:
+        return out
+    voting = np.flatnonzero(said.path >= 0)
+    rows = np.split(voting, np.searchsorted(said.stretch[voting], np.arange(1, len(claims))))
+    of_path, of_name = dict[int, set[int]](), dict[str, set[int]]()
+    for k, own in enumerate(rows):
+        for p in set(said.path[own].tolist()):
+            of_path.setdefault(p, set()).add(k)
+        of_name.setdefault(claims[k].name or "", set()).add(k)
+    for later in reversed(range(len(claims))):
+        own = rows[later][~out[rows[later]]]
+        paths, name = set(said.path[own].tolist()), claims[later].name
+        for p in paths:
+            at = said.frame[own[said.path[own] == p]]
+            for k in of_path[p]:
+                if k < later and claims[k].name != name:
+                    out[rows[k][(said.path[rows[k]] == p) & _within(said.frame[rows[k]], at)]] = True
+        for k in of_name[name] if name is not None and len(own) else ():
+            if k < later:
+                elsewhere = ~np.isin(said.path[rows[k]], list(paths))
+                out[rows[k][elsewhere & _within(said.frame[rows[k]], said.frame[own])]] = True
+    return out
+
+
+def _within(frame: Ints, ends: Ints) -> Bools:
+    """Whether frames lie between the first and last of others."""
+    return np.asarray((frame >= ends.min()) & (frame <= ends.max()))
 
 
 def _owner(

@@ -118,7 +118,7 @@ def replay(
     of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
     values = [edit for _, edit in said if isinstance(edit, ValueEdit)]
     after, results, folds = with_values(claimed.trajectories, values, of)
-    outcome = iter([_claim_outcome(claimed, k, facts) for k in range(len(claims))])
+    outcome = iter([_claim_outcome(claimed, k, facts, claims[k].name) for k in range(len(claims))])
     result_of_value = iter(results)
     applied = []
     for number, edit in said:
@@ -134,12 +134,14 @@ def replay(
     return Edited(after, tuple(found), found_again, folds)
 
 
-def _claim_outcome(claimed: Claimed, k: int, facts: bool) -> tuple[Outcome, float, int, str]:
+def _claim_outcome(claimed: Claimed, k: int, facts: bool, name: str | None) -> tuple[Outcome, float, int, str]:
     """Outcome, share of witnesses found, samples, and reason of claim k."""
     asked, found, samples = int(claimed.asked[k]), int(claimed.found[k]), int(claimed.samples[k])
     share = found / asked if asked else 0.0
     if not asked:
         return "moot", 0.0, 0, "the trial has none of its frames"
+    if not found and facts and name is None:
+        return "held", 1.0, 0, ""  # what is no marker is not tracked any more
     if not found:
         return "orphan", 0.0, 0, "none of its witnesses is on a path now"
     if not samples:

@@ -17,9 +17,11 @@ from ..data.edits import (
     ImagePoint,
     Put,
     Smooth,
+    TrackAgain,
     Trim,
     Verdict,
     is_named,
+    live,
 )
 from ..edit import stretch_of
 from ..edit.values import Footage, solve
@@ -155,6 +157,29 @@ def review(of: Editing, number: int, *, right: bool) -> Verdict:
     except ValueError as error:
         raise KinemarkError(f"{error}.") from error
     return Verdict(decision.kind, where, right)
+
+
+def track_again(of: Editing) -> TrackAgain:
+    """The tracks are to be made again, with what was said as facts; markers that it is about are found by their paths.
+
+    Raises:
+        KinemarkError: there are no images, or nothing was said that the tracker could use.
+    """
+    if of.detections is None:
+        raise KinemarkError(
+            f"{of.name} is a file of trajectories without images, so that nothing can be tracked again. "
+            "Ask for it of a session's trial."
+        )
+    said = [edit for entry in live(of.journal.read().entries) for edit in entry.edits]
+    if not any(isinstance(edit, Claim | Put | Erase | ImagePoint) for edit in said):
+        raise KinemarkError(
+            "Nothing was said that tracking could use: claim names, put places or correct images first."
+        )
+    claimed = {edit.name for edit in said if isinstance(edit, Claim)}
+    spoken = {edit.marker for edit in said if isinstance(edit, Put | Erase | ImagePoint)} - claimed
+    names = [path.name for path in of.trajectories if path.name in spoken and (path.origin != Origin.MISSING).any()]
+    stretches = {n: stretch_of(of.trajectories, n, detections=of.detections, world=of.world) for n in names}
+    return TrackAgain(tuple(Claim(where, name) for name, where in stretches.items()))
 
 
 def common_frames(trajectories: Trajectories) -> tuple[int, int]:

@@ -80,7 +80,7 @@ def edit_stage(
 
 def stage_before_edits(stages: Sequence[str]) -> str:
     """The last of these stages that edits are applied to: where names are given, else where tracks are."""
-    return "label" if "label" in stages else "track"
+    return next(stage for stage in ("label", "retrack", "track") if stage in stages)
 
 
 def unreviewed(decisions: Sequence[AmbiguousDecision], edited: Edited) -> tuple[AmbiguousDecision, ...]:
@@ -163,8 +163,8 @@ def _compute(
 
 
 def claims_are_facts(records: Records) -> bool:
-    """Whether markers were named by what people claimed."""
-    return "label" in records and bool(records["label"].figures.get("claimed"))
+    """Whether markers were tracked, or named, by what people claimed."""
+    return "retrack" in records or ("label" in records and bool(records["label"].figures.get("claimed")))
 
 
 def _save(path: Path, record: EditRecord) -> None:

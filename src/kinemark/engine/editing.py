@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
-from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, Trim
+from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, Trim, facts_of
 from ..edit import Connection, Edited, connection, replay
 from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
@@ -27,7 +27,7 @@ from .keys import world_key
 from .naming.claims import claims_of
 from .open_trial import OpenTrial
 from .replays import Replays
-from .trial_inputs import TrialInputs, measured_of
+from .trial_inputs import TrialInputs, last_tracked, measured_of
 
 
 class Said(NamedTuple):
@@ -46,7 +46,7 @@ class Editing:
         trajectories: before all edits; detections, rig: behind them, None for a file without.
         by: who edits; the user of the machine where empty.
         source: the file's trial; None of a session's. decisions: of the tracking that were close.
-        facts: the claims by which the markers were named.
+        facts: the claims by which the markers were named; pinned: the edits with which they were tracked again.
         replays: versions that were worked out before.
     """
 
@@ -59,6 +59,7 @@ class Editing:
     source: Trial | None = None
     decisions: tuple[AmbiguousDecision, ...] = ()
     facts: tuple[Claim, ...] = ()
+    pinned: tuple[Edit, ...] = ()
     replays: Replays = field(default_factory=Replays, repr=False)
 
     @classmethod
@@ -75,18 +76,18 @@ class Editing:
     def of_records(cls, trial: OpenTrial, inputs: TrialInputs, records: Records, *, by: str = "") -> Editing:
         """A trial of a session, by what `OpenTrial.before_edits` gave."""
         journal = Journal.of(trial.workspace.root, trial.name)
-        decisions = records["track"].ambiguous_decisions
+        decisions = last_tracked(records).ambiguous_decisions
         facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
         return cls(
             trial.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions,
-            facts=facts,
+            facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
         )  # fmt: skip
 
     @property
     def outdated(self) -> bool:
-        """Whether a claim by which the markers were named does not count any more: open the trial anew."""
+        """Whether what the markers were tracked or named by does not count any more: open the trial anew."""
         now = [edit for entry in applied_entries(self.journal.read()) for edit in entry.edits]
-        return any(claim not in now for claim in self.facts)
+        return _pinned(self.journal) != self.pinned or any(claim not in now for claim in self.facts)
 
     @classmethod
     def of_file(cls, path: Path, *, by: str = "") -> Editing:
@@ -231,6 +232,14 @@ class Editing:
         """
         return self.say(*edit_makers.finish(self, first=first, last=last), why=why)
 
+    def track_again(self, *, why: str = "") -> Said:
+        """Make the tracks again with all that stands as facts for the tracker; open the trial anew to see them.
+
+        Raises:
+            KinemarkError: there are no images, or nothing was said that tracking could use.
+        """
+        return self.say(edit_makers.track_again(self), why=why)
+
     def review(self, number: int, *, right: bool, why: str = "") -> Said:
         """A verdict on an ambiguous decision, by its number from 1 among those of the tracking.
 
@@ -248,7 +257,12 @@ class Editing:
         def replayed(entries: Sequence[Entry]) -> Edited:
             return replay(
                 self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world,
-                facts=bool(self.facts),
+                facts=bool(self.facts or self.pinned),
             )  # fmt: skip
 
         return self.replays.of(entries, replayed)
+
+
+def _pinned(journal: Journal) -> tuple[Edit, ...]:
+    """The edits of a journal that are facts for the tracker."""
+    return tuple(edit for entry in facts_of(journal.read().entries) for edit in entry.edits)

@@ -1,6 +1,7 @@
 """The images of all cameras in one frame, side by side in one small picture: a mosaic; made once and kept.
 
-A page that shows eight cameras at a frame asks for one file instead of eight, always by the frame's number.
+A page that shows eight cameras at a frame asks for one file instead of eight, always by the frame's number; and for a
+part of one camera's image in its own pixels where somebody looks closer than a mosaic shows.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..io.exact_frames import ExactImages
-from ..io.files import replacing
 from ..io.images import ImageSource, jpeg_bytes, png_bytes, scaled
 from ..io.pixels import Image
+from .kept_files import KeptFiles
 
 WIDTHS = (960, 640, 480, 400)
 """px, of a tile where there are 1, 2, 3 or 4 cameras; chosen: what fits beside the rest on a screen of 1366 px."""
@@ -28,6 +29,10 @@ MANY = 320
 """px, of a tile where there are more; chosen, as above."""
 AHEAD = 48
 """Frames that are made ahead of the one asked for; chosen: half a second of most recordings."""
+KEPT = 1_000_000_000
+"""Bytes of mosaics that are kept on disk for a trial; chosen: 25 000 frames of eight cameras."""
+IN_MEMORY = 20_000_000
+"""Bytes that are kept where nothing can be written; chosen: ten seconds of a recording."""
 WORKERS = 4
 """Threads that decode cameras side by side; chosen: more than most machines have to spare."""
 
@@ -80,9 +85,17 @@ def _even(n: int) -> int:
 class Mosaics:
     """The mosaics of one trial's recording."""
 
-    def __init__(self, sources: Mapping[str, ImageSource], folder: Path) -> None:
-        """Nothing is opened yet; mosaics are kept in the folder, where it can be written."""
-        self.sources, self.folder = dict(sources), folder
+    def __init__(
+        self, sources: Mapping[str, ImageSource], folder: Path, *, recording: str = "", most: int = KEPT
+    ) -> None:
+        """Nothing is opened yet; mosaics are kept in the folder, where it can be written.
+
+        Args:
+            sources: by camera. folder: of the mosaics of a trial. recording: tells them from those of what was
+                recorded there before. most: bytes that are kept, the longest unused going first.
+        """
+        self.sources, self.recording = dict(sources), recording
+        self._kept = KeptFiles(folder, most=most, most_in_memory=IN_MEMORY)
         self.layout = layout_of(sources)
         self.n_frames = min(source.n_frames for source in sources.values())
         self._open: dict[str, ExactImages] = {}
@@ -91,7 +104,6 @@ class Mosaics:
         self._pool = ThreadPoolExecutor(WORKERS, "tiles")
         self._behind = ThreadPoolExecutor(1, "mosaics")
         self._asked = 0, 0
-        self._made: dict[int, bytes] = {}
 
     def jpeg(self, n: int) -> bytes:
         """The mosaic of frame n, from 0; those after it, in the direction of asking, are made behind.
@@ -106,7 +118,7 @@ class Mosaics:
         return found
 
     def crop(self, camera: str, n: int, x: int, y: int, width: int, height: int) -> bytes:
-        """A part of one camera's image as PNG, as it was recorded.
+        """A part of one camera's image as PNG, in its own pixels.
 
         Raises:
             KinemarkError: there is no such camera, frame or part.
@@ -116,7 +128,9 @@ class Mosaics:
         w, h = self.sources[camera].size
         if not (0 <= x < x + width <= w and 0 <= y < y + height <= h):
             raise KinemarkError(f"{camera} has {w} × {h} px; {width} × {height} from ({x}, {y}) is no part of that.")
-        return png_bytes(np.ascontiguousarray(self._image(camera, n)[y : y + height, x : x + width]))
+        image = self._image(camera, n)
+        shown = self._in_eight_bits(camera, image)
+        return png_bytes(np.ascontiguousarray(shown[y : y + height, x : x + width]))
 
     def close(self) -> None:
         """Nothing more is asked."""
@@ -128,22 +142,12 @@ class Mosaics:
 
     def _mosaic(self, n: int) -> bytes:
         """Kept, or made now."""
-        file = self.folder / f"{n:07d}.jpg"
-        with suppress(OSError):
-            return file.read_bytes()
-        if n not in self._made:
-            self._made[n] = jpeg_bytes(self._drawn(n))
-            self._keep(file, self._made[n])
-            while len(self._made) > AHEAD:
-                self._made.pop(next(iter(self._made)), None)
-        return self._made[n]
-
-    def _keep(self, file: Path, content: bytes) -> None:
-        """On disk, where that can be."""
-        with suppress(KinemarkError, OSError):
-            file.parent.mkdir(parents=True, exist_ok=True)
-            with replacing(file) as beside:
-                beside.write_bytes(content)
+        name = str(Path(self.recording) / f"{n:07d}.jpg")
+        found = self._kept.get(name)
+        if found is None:
+            found = jpeg_bytes(self._drawn(n))
+            self._kept.put(name, found)
+        return found
 
     def _ahead(self, asked: tuple[int, int]) -> None:
         """Frames after the one that was asked for, until another one is."""
@@ -164,14 +168,14 @@ class Mosaics:
         return whole
 
     def _tile(self, tile: Tile, n: int) -> Image:
-        image = self._image(tile.camera, n)
-        if image.dtype != np.uint8:
-            image = (image >> self._shift(tile.camera, image)).clip(0, 255).astype(np.uint8)
-        return scaled(image, tile.width, tile.height)
+        return scaled(self._in_eight_bits(tile.camera, self._image(tile.camera, n)), tile.width, tile.height)
 
-    def _shift(self, camera: str, image: Image) -> int:
-        """Bits of a camera above the eight that are shown, by the first image that is seen of it."""
-        return self._bits.setdefault(camera, max(int(image.max()).bit_length() - 8, 0))
+    def _in_eight_bits(self, camera: str, image: Image) -> Image:
+        """(H, W) uint8: the bits that a camera uses, by the first image that is seen of it."""
+        if image.dtype == np.uint8:
+            return image
+        shift = self._bits.setdefault(camera, max(int(image.max()).bit_length() - 8, 0))
+        return (image >> shift).clip(0, 255).astype(np.uint8)
 
     def _image(self, camera: str, n: int) -> Image:
         with self._locks[camera]:

@@ -174,12 +174,14 @@ class OpenTrial:
     @property
     def tracks(self) -> Tracks:
         """Points with an identity, that of markers where they were labelled."""
-        return tracks_of(self._records("label" if self.done("label") else "track"))
+        return tracks_of(self._records(next(s for s in ("label", "retrack", "track") if s == "track" or self.done(s))))
 
     @property
     def trajectories(self) -> Trajectories:
         """The markers, filled where `[fill]` says how."""
-        last = next(stage for stage in ("fill", "edit", "label", "track") if stage == "track" or self.done(stage))
+        last = next(
+            stage for stage in ("fill", "edit", "label", "retrack", "track") if stage == "track" or self.done(stage)
+        )
         inputs, records = self._inputs(), self._records(last)
         return cropped(filled_of(inputs, records).trajectories, edits_of(inputs, records))
 

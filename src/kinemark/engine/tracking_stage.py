@@ -36,7 +36,7 @@ from .sources import OperatorIdentities
 from .trial_inputs import TrialInputs
 
 Record = TypeVar("Record")
-DECISIONS = "ambiguous_decisions.json"
+TRACKS, DECISIONS = "tracks.h5", "ambiguous_decisions.json"
 
 
 class Tracked(NamedTuple):
@@ -60,7 +60,7 @@ class Tracking(NamedTuple):
         given: tuple[Any, ...],
     ) -> Stage[TrialInputs]:
         """The stage `track`, done in this way."""
-        return Stage("track", needs, self.files, compute, _save_tracked, _load_tracked, method, given)
+        return Stage("track", needs, self.files, compute, save_tracked, load_tracked, method, given)
 
 
 def as_operated(inputs: TrialInputs, records: Records) -> Tracked:
@@ -123,23 +123,28 @@ def with_angle_model(method: Any, root: Path) -> Any:
     return replace(method, model=angle_model(root / method.angle_model))
 
 
-def _save_tracked(path: Path, record: Tracked) -> None:
+def save_tracked(path: Path, record: Tracked) -> None:
     """The tracks, and beside them what was ambiguous."""
     decisions = [decision.as_dict() for decision in record.ambiguous_decisions]
     said = {"ambiguous_decisions": decisions, "diagnostics": [found.as_dict() for found in record.diagnostics]}
-    with replacing(path.with_name(DECISIONS)) as beside:
+    with replacing(_beside(path)) as beside:
         beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
     save(path, record.tracks)
 
 
-def _load_tracked(path: Path) -> Tracked:
+def load_tracked(path: Path) -> Tracked:
     """What an earlier run left; damaged files count as none."""
     try:
-        said = json.loads(path.with_name(DECISIONS).read_text("utf-8"))
+        said = json.loads(_beside(path).read_text("utf-8"))
         unsure = tuple(map(AmbiguousDecision.of, said["ambiguous_decisions"]))
         return Tracked(reader(Tracks)(path), unsure, tuple(map(Finding.of, said["diagnostics"])))
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise KinemarkError(f"{path.with_name(DECISIONS)} is damaged: {error}. Delete it.") from error
+        raise KinemarkError(f"{_beside(path)} is damaged: {error}. Delete it.") from error
+
+
+def _beside(path: Path) -> Path:
+    """The file of what was ambiguous, beside that of tracks."""
+    return path.with_name(DECISIONS) if path.name == TRACKS else path.with_suffix(".json")
 
 
 def reader(kind: type[Record]) -> Callable[[Path], Record]:

@@ -53,11 +53,13 @@ from .naming import FILES, Earlier, NamedTracks, load_named, save_named
 from .naming.claims import claims_of
 from .naming.label_stage import given_of, name_trial, static_of
 from .naming.naming import with_names
+from .retracking import retrack_stage
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
 from .swapped_cameras import swapped_cameras
 from .tracking_stage import (
     DECISIONS,
+    TRACKS,
     Tracked,
     Tracking,
     as_operated,
@@ -66,7 +68,7 @@ from .tracking_stage import (
     reader,
     with_angle_model,
 )
-from .trial_inputs import TrialInputs, edits_of, filled_of, measured_of, tracks_of, with_placed
+from .trial_inputs import TrialInputs, edits_of, filled_of, last_tracked, measured_of, tracks_of, with_placed
 
 GAPS, REPORT, QUALITY = "gaps.html", "report.html", "quality.json"
 
@@ -80,7 +82,7 @@ def trial_graph(
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
     detecting = replace(detecting, cameras=s.detect_cameras)
     stages = [detecting]
-    tracks = Tracking(("tracks.h5", DECISIONS))
+    tracks = Tracking((TRACKS, DECISIONS))
     if identifies(source):
         stages.append(tracks.stage(as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct)))
     elif matches_itself(s.track):
@@ -92,7 +94,9 @@ def trial_graph(
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         method = with_angle_model(s.track, source.of.root)
         stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, ()))
-    needs: tuple[str, ...] = ("detect", "track")
+    again = [] if identifies(source) else retrack_stage(source, name, calibrated.rig, s.track, s.reconstruct)
+    stages += again
+    needs: tuple[str, ...] = ("detect", "track", *(stage.name for stage in again))
     if s.label is not None:
         claims = () if identifies(source) else claims_of(source.of.root, name)
         given, compute = given_of(source.of, earlier, claims), partial(_label, claims)
@@ -136,7 +140,7 @@ def _label(claims: tuple[Claim, ...], inputs: TrialInputs, records: Records) -> 
         named = None
     else:  # what an operator said are facts
         named = measured_of(inputs, {key: record for key, record in records.items() if key != "label"})
-    return name_trial(inputs.source.of, records["track"].tracks, inputs.earlier, named, claims, records["detect"])
+    return name_trial(inputs.source.of, last_tracked(records).tracks, inputs.earlier, named, claims, records["detect"])
 
 
 def _fill(inputs: TrialInputs, records: Records) -> Fills:
@@ -165,7 +169,7 @@ def _trial(inputs: TrialInputs, records: Records) -> Trial:
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
-    s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
+    s, detections, tracked, of = inputs.settings, records["detect"], last_tracked(records), inputs.source.of
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -54,9 +55,15 @@ class TrialInputs:
         return self.calibrated.rig
 
 
+def last_tracked(records: Records) -> Any:
+    """What tracking gave, `tracking_stage.Tracked`: with what people said as facts, where they asked for it."""
+    return records["retrack"] if "retrack" in records else records["track"]
+
+
 def tracks_of(records: Records) -> Tracks:
     """The tracks, joined to markers where they were labelled."""
-    return records["label"].tracks if "label" in records else records["track"].tracks
+    tracks: Tracks = records["label"].tracks if "label" in records else last_tracked(records).tracks
+    return tracks
 
 
 def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:

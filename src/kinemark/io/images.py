@@ -21,9 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from .exact_video import frames_at, key_frames_near
 from .files import read_bytes, replacing
 from .pixels import MOST_PIXELS, Image, check_pixels, grey, plane
-from .video import VideoInfo, decode_video, frames_at, key_frames_near, probe_video
+from .video import VideoInfo, decode_video, probe_video
 
 Interlaced = Literal[False, "top", "bottom"]
 MAGIC = (

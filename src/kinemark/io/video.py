@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
@@ -139,63 +139,6 @@ def decode_video(path: Path | str, info: VideoInfo) -> Iterator[Image]:
         ) from error
     if n != info.n_frames:
         raise truncated(path, n, info.n_frames)
-
-
-def frames_at(path: Path | str, info: VideoInfo, wanted: Sequence[int]) -> list[Image]:
-    """Some frames of a video, of these rising numbers, as near as its index of times leads to them.
-
-    Raises:
-        KinemarkError: as `decode_video`, which is asked where the video has no such index.
-    """
-    try:
-        with opened(path) as container:
-            stream = video_stream(path, container)
-            stream.thread_type = "SLICE"  # threads by frames would decode many after each one that is wanted
-            found = [_sought(container, stream, n, path) for n in wanted] if info.rate and stream.time_base else []
-    except av.FFmpegError:
-        found = []
-    if found and all(image is not None and image.shape == info.size[::-1] for image in found):
-        return [image for image in found if image is not None]
-    numbers = set(wanted)
-    return [image for n, image in enumerate(decode_video(path, info)) if n in numbers]
-
-
-def key_frames_near(path: Path | str, info: VideoInfo, wanted: Sequence[int]) -> dict[int, Image]:
-    """Number → frame: for each wanted number the last frame up to it that is decoded by itself, where times tell which.
-
-    To decode frame n of a compressed video takes all frames from such a key frame on: these cost one frame each.
-    """
-    found: dict[int, Image] = {}
-    try:
-        with opened(path) as container:
-            stream = video_stream(path, container)
-            stream.thread_type = "SLICE"
-            rate, unit, start = stream.average_rate, stream.time_base, stream.start_time or 0
-            if rate is None or unit is None:
-                return {}
-            for n in wanted:
-                container.seek(start + round((n + 0.25) / rate / unit), stream=stream)
-                frame = next(container.decode(stream), None)
-                if frame is not None and frame.pts is not None and (frame.width, frame.height) == info.size:
-                    found[round(float((frame.pts - start) * unit * rate))] = grey(frame, str(path))
-    except av.FFmpegError:
-        return {}
-    return {n: found[n] for n in sorted(found) if 0 <= n < info.n_frames}
-
-
-def _sought(container: av.container.InputContainer, stream: av.VideoStream, n: int, path: Path | str) -> Image | None:
-    """Frame n, by its time; None where times are not known."""
-    rate, unit = stream.average_rate, stream.time_base
-    if rate is None or unit is None:
-        return None
-    time = (stream.start_time or 0) + round((n - 0.25) / rate / unit)  # before the frame, whatever was rounded
-    container.seek(max(time, 0), stream=stream)
-    for frame in container.decode(stream):
-        if frame.pts is None:
-            return None
-        if frame.pts >= time:
-            return grey(frame, str(path))
-    return None
 
 
 def decoded(

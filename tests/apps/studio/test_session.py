@@ -58,25 +58,6 @@ def test_a_run_trial_is_shown_with_its_cameras_and_detections(studio, folder):
     assert (home["state"], home["frames"], home["markers"], home["named"]) == ("done", 20, 5, 0)
 
 
-def test_an_epipolar_line_leads_through_the_image_of_the_same_marker(studio):
-    answer = studio.page.get(f"{studio.trial}/detections?first=5&last=5")
-    counts = np.frombuffer(answer.body[:16], "<u4")
-    d = int(counts.sum())
-    uv = np.frombuffer(answer.body[16 : 16 + d * 8], "<f4").reshape(d, 2)
-    track = np.frombuffer(answer.body[16 + d * 8 : 16 + d * 12], "<i4")
-    names = [camera["name"] for camera in studio.page.get(studio.trial).json()["cameras"]]
-    of = np.repeat(np.arange(4), counts)
-    here = np.flatnonzero((of == 0) & (track == 1))[0]
-    lines = studio.page.get(f"{studio.trial}/epipolar?camera={names[0]}&u={uv[here, 0]}&v={uv[here, 1]}").json()
-    assert len(lines) == 3
-    for line in lines:
-        there = uv[(of == names.index(line["camera"])) & (track == 1)][0]
-        a, b = np.array(line["points"][:-1]), np.array(line["points"][1:])
-        along = ((there - a) * (b - a)).sum(1) / ((b - a) ** 2).sum(1)
-        off = np.linalg.norm(a + along.clip(0, 1)[:, None] * (b - a) - there, axis=1).min()
-        assert off < 1.0
-
-
 def test_what_is_said_makes_results_stale_and_the_file_follows_by_a_run(own, tmp_path):
     assert own.page.post(f"{own.trial}/export", {}).json()["name"] == "results/one/one.c3d"
     assert own.act(kind="claim", track="*1", name="LKNE").status == 200

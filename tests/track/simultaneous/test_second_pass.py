@@ -16,7 +16,7 @@ from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.passes import Associations, _off_without_itself, without_outliers
 from kinemark.track.simultaneous.second_pass import second_pass
 from kinemark.track.simultaneous.stitch import stitched
-from kinemark.track.simultaneous.tracker import _precise_enough, _without_evidence
+from kinemark.track.simultaneous.tracker import _without_evidence, precise_enough
 from support.laboratory import observe, ring
 from support.motions import dance
 
@@ -95,7 +95,7 @@ def test_what_a_lost_track_finds_must_be_evidence():
 def test_points_of_merged_images_must_be_known_better(own, sd, given):
     cov = np.eye(3)[None] * sd**2 / 3
     cloud = Cloud(RATE, np.array([0, 1]), np.zeros((1, 3)), cov, np.zeros(1), np.zeros((1, 2), int))
-    assert _precise_enough(cloud, np.array([own]), METHOD).tolist() == [given]
+    assert precise_enough(cloud, np.array([own]), METHOD).tolist() == [given]
 
 
 def test_two_images_that_agree_half_are_no_marker():

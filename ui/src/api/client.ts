@@ -81,6 +81,8 @@ export const drop = (file: File): Promise<{ id: string; words: string[] }> =>
 export const reportAddress = (id: string): string => `/api${of(id)}/report`;
 export const reportPdf = async (id: string): Promise<Blob> => (await asked(`${of(id)}/report.pdf`)).blob();
 export const mosaicAddress = (id: string, frame: number): string => `/api${of(id)}/mosaic/${frame}`;
+export const partAddress = (id: string, camera: string, frame: number, x: number, y: number, w: number, h: number): string =>
+  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}`;
 export const cropAddress = (id: string, camera: string, frame: number, box: readonly number[]): string =>
   `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${box[0]}&y=${box[1]}&w=${box[2]}&h=${box[3]}`;
 

@@ -1,8 +1,9 @@
 /**
  * All cameras side by side on one frame: their images, what was detected, where the markers should be seen, and the
- * lines on which other cameras may see them. What lies over an image is always of the image's own frame.
+ * lines on which other cameras may see them. What lies over an image is always of the image's own frame. Where one looks
+ * closer than the small images show, and stays in a frame, the camera's own pixels come.
  */
-import { mosaicAddress } from "../api/client";
+import { mosaicAddress, partAddress } from "../api/client";
 import type { CameraRow, TrialHeader } from "../api/types";
 import { epipolarLine, project } from "../model/camera";
 import { detectedIn, type Detected } from "../model/detections";
@@ -25,8 +26,11 @@ export interface CameraView {
 
 /** Times larger when a marker is followed; px in which a click means a detection; images that are kept. Chosen. */
 const FOLLOW = 5, NEAR_PX = 10, KEPT = 48;
+/** ms in a frame before a camera's own pixels are asked for, which come in steps of so many px; chosen. */
+const REST_MS = 150, STEP_PX = 16;
 
-interface Tile { camera: CameraRow; index: number; box: HTMLElement; canvas: HTMLCanvasElement; zoom: number; u: number; v: number }
+/** `part` of the image in its own pixels; `wanted`: the address of that which should be there. */
+interface Tile { camera: CameraRow; index: number; box: HTMLElement; canvas: HTMLCanvasElement; zoom: number; u: number; v: number; wanted: string; part: { address: string; bitmap: ImageBitmap } | null }
 /** From image px to px of the tile. */
 interface Fit { scale: number; x: number; y: number }
 
@@ -127,7 +131,7 @@ export class Cameras {
       canvas.setAttribute("role", "img");
       canvas.setAttribute("aria-label", `Image of ${camera.name}`);
       box.append(canvas, name);
-      const tile: Tile = { camera, index, box, canvas, zoom: 1, u: camera.width / 2, v: camera.height / 2 };
+      const tile: Tile = { camera, index, box, canvas, zoom: 1, u: camera.width / 2, v: camera.height / 2, wanted: "", part: null };
       canvas.addEventListener("click", (e) => this.clicked(tile, e));
       canvas.addEventListener("dblclick", () => this.enlarge(camera.name));
       canvas.addEventListener("wheel", (e) => this.wheel(tile, e), { passive: false });
@@ -171,10 +175,34 @@ export class Cameras {
     const place = this.header!.mosaic?.tiles.find((one) => one.camera === camera.name);
     if (bitmap && place) c.drawImage(bitmap, place.x, place.y, place.width, place.height, f.x, f.y, camera.width * f.scale, camera.height * f.scale);
     else c.strokeStyle = "#2a3742", c.strokeRect(f.x, f.y, camera.width * f.scale, camera.height * f.scale);
+    if (bitmap && place && f.scale * camera.width > place.width) this.closer(c, tile, f, frame, width, height);
     this.dots(c, tile, f, frame, !!bitmap);
     this.crosses(c, camera, f, frame);
     if (this.view.lines) this.epipolar(c, camera, f, frame);
     for (const click of this.view.clicks) if (click.camera === camera.name) cross(c, f, [click.u, click.v], "#ffd54a", 9);
+  }
+
+  /** What is in sight of a tile in the camera's own pixels, once the frame has stayed. */
+  private closer(c: CanvasRenderingContext2D, tile: Tile, f: Fit, frame: number, width: number, height: number): void {
+    const low = (at: number): number => Math.max(0, Math.floor(-at / f.scale / STEP_PX) * STEP_PX);
+    const high = (at: number, size: number, most: number): number => Math.min(most, Math.ceil((size - at) / f.scale / STEP_PX) * STEP_PX);
+    const x = low(f.x), y = low(f.y), w = high(f.x, width, tile.camera.width) - x, h = high(f.y, height, tile.camera.height) - y;
+    if (w <= 0 || h <= 0) return;
+    const address = partAddress(this.header!.id, tile.camera.name, frame, x, y, w, h), { part } = tile;
+    if (part?.address === address) return c.drawImage(part.bitmap, f.x + x * f.scale, f.y + y * f.scale, w * f.scale, h * f.scale);
+    if (tile.wanted === address) return;
+    tile.wanted = address;
+    setTimeout(() => { if (tile.wanted === address) void this.fetchPart(tile, address); }, REST_MS);
+  }
+
+  private async fetchPart(tile: Tile, address: string): Promise<void> {
+    const answer = await fetch(address).catch(() => null);
+    if (!answer?.ok) return;
+    const bitmap = await createImageBitmap(await answer.blob());
+    tile.part?.bitmap.close();
+    tile.part = { address, bitmap };
+    tile.box.dataset.part = address;
+    this.redraw();
   }
 
   private dots(c: CanvasRenderingContext2D, tile: Tile, f: Fit, frame: number, images: boolean): void {

@@ -57,6 +57,11 @@ async function refused(error: unknown): Promise<void> {
 }
 
 export const undo = (): Promise<unknown> => act({ kind: "undo" }, "Undone");
+/** Make the tracks again with what was said as facts: takes as long as tracking does. */
+export const trackAgain = (): Promise<unknown> => {
+  say("news", "Tracked again, with what was said as facts …");
+  return act({ kind: "track_again" }, "Tracked again");
+};
 export const redo = (): Promise<unknown> => act({ kind: "redo" }, "Done again");
 
 /** Look at a problem: its frames go round, its markers are selected, both ways are drawn. */

@@ -15,10 +15,10 @@ from ...data import KinemarkError
 from ...data.edits import counting
 from ...io.notes import file_note_text
 from ..output import Json, print_result
-from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, review, smooth, trim
+from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, retrack, review, smooth, trim
 
 edits = App(name="edits", help=__doc__)
-for said in (claim, exchange, erase, gap, put, image, review, smooth, trim, finish, event):
+for said in (claim, exchange, erase, gap, put, image, review, smooth, trim, finish, event, retrack):
     edits.command(said)
 
 

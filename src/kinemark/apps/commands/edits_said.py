@@ -238,6 +238,24 @@ def finish(trial: Path, *, frames: Span = None, why: Why = "", by: By = "", json
     print_said(open_editing(trial, by=by).finish(first=first, last=last, why=why), json)
 
 
+def retrack(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None:
+    """Track again with what was said until now as facts, so that a correction mends its neighbourhood.
+
+    Claimed stretches, erased samples, places by hand and corrected images hold; the rest is tracked around them, now
+    and whenever the trial is processed, until this entry is undone.
+
+    Args:
+        trial: SESSION/NAME.
+        why: in your words. by: who says it. json: print it for a machine.
+    """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said
+
+    said = open_editing(trial, by=by).track_again(why=why)
+    applied = open_editing(trial, by=by).edited().applied
+    print_said(said._replace(applied=tuple(one for one in applied if one.entry <= said.entry.id)), json)
+
+
 def event(
     trial: Path, label: str, *, time: float, side: str = "General", why: Why = "", by: By = "", json: Json = False
 ) -> None:

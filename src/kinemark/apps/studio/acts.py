@@ -30,6 +30,7 @@ from .acts_messages import (
     SidesAct,
     SignAct,
     SmoothAct,
+    TrackAgainAct,
     TrimAct,
     UndoAct,
 )
@@ -66,6 +67,13 @@ def act(document: OpenDocument, body: ActBody) -> ActDone:
             removed=removed,
             header=header(document, mosaic_of(document)),
         )
+
+
+def seen_anew(before: Trajectories, document: OpenDocument, done: ActDone) -> ActDone:
+    """What an act changed that had the trial tracked or named again: `document` is the trial opened anew."""
+    changed, removed = differing(before, document.now.trajectories)
+    shown = header(document, mosaic_of(document))
+    return done.model_copy(update={"changed": changed, "removed": removed, "head": document.head, "header": shown})
 
 
 def preview(document: OpenDocument, said: Act) -> Preview:
@@ -125,6 +133,8 @@ def _of_trial(of: Editing, said: Act) -> tuple[Edit, ...]:
             return (make.made(Trim, said.first, said.last),)
         case FinishAct():
             return make.finish(of, first=said.first, last=said.last)
+        case TrackAgainAct():
+            return (make.track_again(of),)
         case EventAct():
             return (make.made(AddEvent, said.label, said.side, said.time_s),)
         case _:

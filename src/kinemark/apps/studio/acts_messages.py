@@ -141,6 +141,12 @@ class FinishAct(Said):
     last: Frame | None = None
 
 
+class TrackAgainAct(Said):
+    """Tracks are made again with all that was said as facts."""
+
+    kind: Literal["track_again"]
+
+
 class EventAct(Said):
     """An event, s from frame 1 of the recording."""
 
@@ -185,6 +191,6 @@ class SeveralAct(Said):
 
 Act = Annotated[
     ClaimAct | ExchangeAct | SidesAct | EraseAct | PutAct | GapAct | SmoothAct | ImageAct | ReviewAct | AlternativeAct
-    | TrimAct | FinishAct | EventAct | UndoAct | RedoAct | SignAct | SeveralAct,
+    | TrimAct | FinishAct | TrackAgainAct | EventAct | UndoAct | RedoAct | SignAct | SeveralAct,
     Field(discriminator="kind"),
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""What the cameras saw of a trial: images, detections, and where another camera may see the same."""
+"""What the cameras saw of a trial: images and detections."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from ...data import KinemarkError
-from .detections import MOST_FRAMES, epipolar_lines, seen_between
+from .detections import MOST_FRAMES, seen_between
 from .images import seen
-from .messages import EpipolarLine
 from .trial_routes import BINARY, Document
 
 KEPT = "private, max-age=3600"
@@ -38,7 +37,7 @@ def get_crop(
     w: Annotated[int, Query(gt=0)],
     h: Annotated[int, Query(gt=0)],
 ) -> Response:
-    """A part of an image as it was recorded."""
+    """A part of an image in its own pixels: what a mosaic shows too small."""
     png = seen(document).crop(camera, frame - 1, x, y, w, h)
     return Response(png, media_type="image/png", headers={"Cache-Control": KEPT})
 
@@ -51,9 +50,3 @@ def get_detections(document: Document, first: int, last: int) -> Response:
     about, body = seen_between(document, first, last)
     said = {"X-Kinemark-Detections": json.dumps(about.model_dump())}
     return Response(body, media_type="application/octet-stream", headers=said)
-
-
-@router.get("/epipolar")
-def get_epipolar(document: Document, camera: str, u: float, v: float) -> list[EpipolarLine]:
-    """Where the other cameras may see what one sees at a place."""
-    return epipolar_lines(document, camera, u, v)

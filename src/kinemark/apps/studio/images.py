@@ -48,4 +48,5 @@ def _mosaics(document: OpenDocument) -> Mosaics | None:
         return None
     files = [path for source in sources.values() for path in source.paths]
     fields = [source.interlaced for source in sources.values()]
-    return Mosaics(sources, document.inputs.folder / FOLDER / digest(file_key(*files), list(sources), fields))
+    recording = digest(file_key(*files), list(sources), fields)
+    return Mosaics(sources, document.inputs.folder / FOLDER, recording=recording)

@@ -12,7 +12,7 @@ from ...data import KinemarkError, Trajectories
 from ...engine.keys import digest
 from . import edit_messages as e
 from . import messages as m
-from .acts import act, preview
+from .acts import act, preview, seen_anew
 from .desk import OpenDocument
 from .gaps import candidates, chosen_fills, gap_table
 from .header import header
@@ -88,7 +88,10 @@ def get_problems(document: Document) -> e.Problems:
 @router.post("/acts")
 def post_act(document: Document, body: e.ActBody, live: TheLive, desk: TheDesk) -> e.ActDone:
     """Say something of the trial."""
+    before = document.now.trajectories
     done = act(document, body)
+    if document.editing.outdated:
+        done = seen_anew(before, desk.document(document.place.id), done)
     live.moved(document.place.id, done.head)
     return done
 

@@ -14,6 +14,7 @@ from ...data.edits import (
     Signed,
     Smooth,
     Stretch,
+    TrackAgain,
     Trim,
     Undo,
     Verdict,
@@ -73,6 +74,8 @@ def _whole_text(edit: Edit) -> str:
             return f"trimmed to {_frames(edit.first, edit.last)}"
         case DropUnnamed():
             return "unnamed tracks dropped"
+        case TrackAgain():
+            return "tracked again, with all that was said before"
         case AddEvent():
             return f"event: {edit.side} {edit.label} at {edit.time_s:g} s".replace("  ", " ")
         case Undo():

@@ -11,6 +11,8 @@ at uneven times, and fast ones, agree less.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...data import Detections, Rig, Tracks
@@ -18,6 +20,7 @@ from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
+from .detection_index import Images
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, TrackingResult, track_once
@@ -62,8 +65,7 @@ def track_simultaneously(
     for _ in range(ROUNDS if method.learn_delays else 0):
         found = time_offsets(result)
         times = _with_what_is_left(result.times, found, 1 / detections.rate)
-        camera = result.images.camera
-        late = np.nan_to_num(times.delay[camera] + times.line[camera] * row_of_images(result.images))
+        late = _late(times, result.images)
         if times is result.times or np.abs(late).max(initial=0.0) > MAX_DELAY / detections.rate:
             break
         there = moved_in_time(detections, late)
@@ -74,6 +76,26 @@ def track_simultaneously(
     if not method.learn_delays:
         return result
     return _with_uneven_times(result, found or time_offsets(result), moved, rig, method, errors, volume_margin)
+
+
+class SeenTracks(NamedTuple):
+    """Tracks by whichever method, and the images that they are made of."""
+
+    tracks: Tracks
+    images: Images
+
+
+def late_images(seen: SeenTracks) -> Floats | None:
+    """(D) s by which the images were taken after their frames, as the tracks show; None where all were in time."""
+    T, none = 1 / seen.tracks.cloud.rate, CameraTimes(*np.zeros((5, len(seen.images.P))))
+    times = _with_what_is_left(none, time_offsets(seen), T)
+    late = _late(times, seen.images)
+    return None if times is none or np.abs(late).max(initial=0.0) > MAX_DELAY * T else late
+
+
+def _late(times: CameraTimes, images: Images) -> Floats:
+    """(D) s by which images were taken after their frames."""
+    return np.asarray(np.nan_to_num(times.delay[images.camera] + times.line[images.camera] * row_of_images(images)))
 
 
 def _with_uneven_times(

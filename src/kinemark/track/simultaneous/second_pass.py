@@ -66,11 +66,22 @@ def second_pass(points: TrackPoints, detection: Ints, images: Images, T: float, 
     """The second pass over the tracks of P points with the detections (C, P)."""
     sound = (detection >= 0).sum(0) >= SOUND
     kept = ~_wrong(points, sound, detection, images, T, method)
-    known, detection = points.take(kept), detection[:, kept]
+    return SecondPass(kept, *points_between(points.take(kept), detection[:, kept], images, T, method, points.id[sound]))
+
+
+def points_between(
+    known: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous, seen: Ints | None = None
+) -> tuple[TrackPoints, Ints]:
+    """Points by (2), and their detections (C, N), of tracks of known points (P) with detections (C, P).
+
+    Args:
+        seen: tracks that three cameras ever saw; by the known points where None.
+    """
+    seen, old = known.id[(detection >= 0).sum(0) >= SOUND] if seen is None else seen, len(known.id)
     for _ in range(ITERATIONS):
         in_question = _in_question(known, images.n_frames, T, method)
         inside = (in_question.before >= 0) & (in_question.after >= 0)
-        in_question = in_question.take(inside | np.isin(in_question.id, points.id[sound]))
+        in_question = in_question.take(inside | np.isin(in_question.id, seen))
         free, associated = _free(images, detection), np.empty((len(detection), len(in_question.id)), np.int64)
         for part in _parts(in_question.frame):
             tell(1, 2)
@@ -83,8 +94,8 @@ def second_pass(points: TrackPoints, detection: Ints, images: Images, T: float, 
             break
         known = known.plus(new.take(good))
         detection = np.concatenate([detection, associated[:, good]], 1)
-    rows = np.arange(int(kept.sum()), len(known.id))
-    return SecondPass(kept, known.take(rows), detection[:, rows])  # copies, as all of `known` would stay with a slice
+    rows = np.arange(old, len(known.id))
+    return known.take(rows), detection[:, rows]  # copies, as all of `known` would stay with a slice
 
 
 def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:

@@ -31,7 +31,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry.rigid_pairs import distances_from
 from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
@@ -91,14 +91,15 @@ class Stitched(NamedTuple):
     stitches: list[Stitch]
 
 
-def stitched(points: TrackPoints, T: float, method: Simultaneous) -> Stitched:
+def stitched(points: TrackPoints, T: float, method: Simultaneous, *, apart: Bools | None = None) -> Stitched:
     """Tracks that do not overlap stitched to longer ones; T is the time between frames in s.
 
     Most gaps are short, and motion alone is clear; distances to others are only looked at for what is then left.
+    `apart` (N, N): tracks of which the second is known not to go on the first.
     """
     ids, found = np.arange(int(points.id.max(initial=-1)) + 1), []
     for distances in (False, True):
-        best = _best_pairs(points._replace(id=ids[points.id]), T, method, distances)
+        best = _best_pairs(points._replace(id=ids[points.id]), T, method, distances, _merged(apart, ids))
         found += [stitch for stitch in best if distances or stitch.margin > CLEAR_MARGIN]
         ids = _identities_after(ids, best)
     return Stitched(ids, found)
@@ -114,12 +115,25 @@ def _identities_after(ids: Ints, found: list[Stitch]) -> Ints:
     return ids
 
 
-def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: bool) -> list[Stitch]:
+def _merged(apart: Bools | None, ids: Ints) -> Bools | None:
+    """`apart` of whole tracks: where it is so of any two of their fragments."""
+    if apart is None:
+        return None
+    out = np.zeros_like(apart)
+    np.logical_or.at(out, (ids[:, None], ids), apart)
+    return out
+
+
+def _best_pairs(
+    points: TrackPoints, T: float, method: Simultaneous, distances: bool, apart: Bools | None
+) -> list[Stitch]:
     """The stitches of the greatest sum of scores."""
     if not len(points.id):
         return []
     ends = _ends(points, T, method)
     a, b = _possible(ends, T, method)
+    if apart is not None:
+        a, b = a[~apart[a, b]], b[~apart[a, b]]
     score, sd = _by_motion(points, ends, a, b, T, method)
     gain = scores_by_distance(points, a, b, score) if distances else np.zeros(len(a))
     certain = (sd < method.uncertain_sd) | (ends.first[b] - ends.last[a] == 1)  # (4)

@@ -25,17 +25,17 @@ A calibration that is off moves images as well, by more than delays do where lit
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ...data import Tracks
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
 from .timing_fit import PARTS, Moving, TimingFit, calibration_columns, timing_fit
 from .timing_noise import timing_noise
-from .tracker import TrackingResult
 
 MIN_SHIFT = 0.5
 """px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
@@ -60,6 +60,18 @@ Chosen (see benchmarks/tracking.py)."""
 
 FAST = 0.9
 """Quantile of the images' speed for `TimeOffsets.shift`: where people move, most markers hardly do; chosen."""
+
+
+class TrackedImages(Protocol):
+    """Tracks, and the images that they are made of."""
+
+    @property
+    def tracks(self) -> Tracks:
+        """The tracks."""
+
+    @property
+    def images(self) -> Images:
+        """What the cameras saw."""
 
 
 class TimeOffsets(NamedTuple):
@@ -98,7 +110,7 @@ class TimeOffsets(NamedTuple):
         return (self.unsteady > MIN_STANDARD_ERRORS * self.unsteady_error) & (self.unsteady_shift > MIN_UNEVEN_SHIFT)
 
 
-def time_offsets(result: TrackingResult) -> TimeOffsets:
+def time_offsets(result: TrackedImages) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
     if (moving := _moving(result)) is None:
@@ -115,7 +127,7 @@ def time_offsets(result: TrackingResult) -> TimeOffsets:
     return found._replace(unsteady=variance, unsteady_error=error, unsteady_shift=shift)
 
 
-def fast_residual(result: TrackingResult) -> float:
+def fast_residual(result: TrackedImages) -> float:
     """px, by which images of points in fast motion disagree beside what the calibration leaves; NaN of few points."""
     moving = _moving(result)
     return timing_fit(moving, np.zeros((*moving.flow.shape, 0))).fast if moving is not None else np.nan
@@ -137,7 +149,7 @@ def _with_errors(moving: Moving, fit: TimingFit, speed: Floats) -> TimeOffsets:
     return TimeOffsets(*rows[:, 0], *(rows[:, 1] if found.shape[-1] == 2 else none), *none)
 
 
-def _moving(result: TrackingResult) -> Moving | None:
+def _moving(result: TrackedImages) -> Moving | None:
     """The points of tracks that three cameras see, with the point before and after them; None of fewer than
     MIN_POINTS."""
     cloud, ids = result.tracks.cloud, result.tracks.id
@@ -154,7 +166,7 @@ def _moving(result: TrackingResult) -> Moving | None:
     return _images_of(result, point[in_time], velocity[in_time]) if len(point) >= MIN_POINTS else None
 
 
-def _images_of(result: TrackingResult, point: Ints, velocity: Floats) -> Moving:
+def _images_of(result: TrackedImages, point: Ints, velocity: Floats) -> Moving:
     """The images of some points (N) that move at velocities (N, 3) mm a frame."""
     cloud, images = result.tracks.cloud, result.images
     xyz, detection = cloud.xyz[point], cloud.detection[point]

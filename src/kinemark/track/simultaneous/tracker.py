@@ -110,10 +110,10 @@ def track_once(
     working = working._replace(images=moving)
     every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    solver = _solver(detections, shared, working, errors)
+    solver = solver_for(detections, shared, working, errors)
     cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, solver, method)
     if working.rig is not rig:
-        cloud = _on_given_rig(cloud, _solver(detections, shared, Working(rig, images, noise), errors))
+        cloud = _on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     kept, number = np.unique(ids, return_inverse=True)
@@ -152,10 +152,10 @@ def _first_pass(
     own = _unshared(seen, images)
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
-    solver = _solver(detections, shared, working, errors)
-    cloud = _solved(seen.frame, seen.detection, seen.xyz, solver)
+    solver = solver_for(detections, shared, working, errors)
+    cloud = solved(seen.frame, seen.detection, seen.xyz, solver)
     cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method, solver.lasting)
-    good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
+    good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, own.sum(0), method)
     good &= (speaks > SURE)[seen.id]
     return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
 
@@ -211,7 +211,7 @@ class Working(NamedTuple):
     noise: Noise
 
 
-def _solver(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
+def solver_for(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
     """The solver for images (D) of which tracks share some."""
     variance = _variance(shared, working.images, working.noise)
     share = working.noise.lasting[working.images.camera] / variance
@@ -241,7 +241,7 @@ def _on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
 
     Those of which the images say little keep their positions.
     """
-    given = _solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
+    given = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
     sd = _sd(given.cov)
     known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
@@ -263,8 +263,8 @@ def _with_second_pass(
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
-    new = _solved(found.frame[order], detection, found.xyz[order].T, solver)
-    good = usable_points(new, solver.rig, margin=None) & _precise_enough(
+    new = solved(found.frame[order], detection, found.xyz[order].T, solver)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(
         new, ((detection >= 0) & ~images.merged[detection]).sum(0), method
     )
     frame, ids = (
@@ -328,7 +328,7 @@ def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
-def _solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
+def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
     """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
     n, n_frames = len(frame), solver.detections.n_frames
     xyz, cov, residual = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n)
@@ -377,7 +377,7 @@ def _sd(cov: Floats) -> Floats:
     return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
 
 
-def _precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
+def precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
     """Whether points are precise enough to be given."""
     sd = _sd(cloud.cov)
     return ((own >= 2) | (sd < method.uncertain_sd / 5)) & (sd < method.max_sd)

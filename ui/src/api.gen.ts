@@ -896,6 +896,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/standing": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Standing
+         * @description Whether a screen can be shown, and why not; what is opened for it is kept for what is asked next.
+         */
+        get: operations["get_standing_api_trials__trial__standing_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -3009,6 +3029,19 @@ export interface components {
             turn: number;
         };
         /**
+         * Standing
+         * @description Whether a trial can be shown, and in words why not.
+         */
+        Standing: {
+            /** Ready */
+            ready: boolean;
+            /**
+             * Words
+             * @default
+             */
+            words: string;
+        };
+        /**
          * StartUp
          * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
          *
@@ -4866,6 +4899,39 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_standing_api_trials__trial__standing_get: {
+        parameters: {
+            query?: {
+                screen?: "trial" | "detect" | "digitise";
+            };
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Standing"];
                 };
             };
             /** @description Unprocessable Entity */

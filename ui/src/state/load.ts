@@ -30,6 +30,13 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
   }
 }
 
+/** Whether a screen of a trial can be shown; why it cannot is said. */
+export async function ready(id: string, screen: "trial" | "detect" | "digitise"): Promise<boolean> {
+  const stands = await tried(() => api.standing(id, screen));
+  if (stands && !stands.ready && get().id === id) say("refused", stands.words ?? "");
+  return stands?.ready === true;
+}
+
 export const say = (kind: "done" | "refused" | "news", words: string): void => set({ note: { kind, words, at: Date.now() } });
 
 export function goTo(screen: Screen, id: string | null = get().id): void {
@@ -67,6 +74,7 @@ export async function runTrial(): Promise<void> {
 }
 
 async function openTrial(id: string): Promise<void> {
+  if (!(await ready(id, "trial"))) return;
   const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]))) ?? [];
   if (!header || !paths || get().id !== id) return;
   playhead.set(header.first_frame, header.n_frames, header.rate);
@@ -77,8 +85,8 @@ async function openTrial(id: string): Promise<void> {
 
 /** What the screen that is on shows besides the trial itself. */
 export async function fresh(): Promise<void> {
-  const { id, screen } = get();
-  if (!id) return;
+  const { id, screen, header } = get();
+  if (!id || (!header && !BEFORE_RUN.includes(screen))) return; // it cannot be shown, and why was said
   if (screen === "angles") return fetchAngles();
   if (screen === "detect") await loadDetect(id);
   else if (screen === "digitise") await loadDigitise(id);

@@ -26,6 +26,7 @@ from . import (
     live,
     new_session_routes,
     page_routes,
+    standing,
     trial_routes,
 )
 from .desk import Desk, NotRun
@@ -56,6 +57,7 @@ def studio_app(desk: Desk) -> FastAPI:
     app.include_router(new_session_routes.router)
     app.include_router(camera_routes.router)
     app.include_router(angle_routes.router)
+    app.include_router(standing.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

@@ -6,6 +6,7 @@ import { Foot } from "./parts/Foot";
 import { Head } from "./parts/Head";
 import { Rail } from "./parts/Rail";
 import { Transport } from "./parts/Transport";
+import { WayBack } from "./parts/WayBack";
 import { Angles } from "./screens/Angles";
 import { Cameras } from "./screens/Cameras";
 import { Detect } from "./screens/Detect";
@@ -17,9 +18,10 @@ import { Labels } from "./screens/Labels";
 import { NewSession } from "./screens/NewSession";
 import { Report } from "./screens/Report";
 import { Tracks } from "./screens/Tracks";
+import { Um2as } from "./screens/Um2as";
 import { playhead, useStore, type Screen } from "./state/store";
 
-const SCREENS: Record<Screen, () => React.JSX.Element> = { home: Home, new: NewSession, cameras: Cameras, detect: Detect, digitise: Digitise, angles: Angles, tracks: Tracks, labels: Labels, gaps: Gaps, report: Report, history: History };
+const SCREENS: Record<Screen, () => React.JSX.Element> = { home: Home, new: NewSession, cameras: Cameras, detect: Detect, digitise: Digitise, angles: Angles, tracks: Tracks, labels: Labels, gaps: Gaps, report: Report, history: History, um2as: Um2as };
 
 /** Buttons that were clicked give the keys back; whoever tabs to them keeps them. */
 function blurClicked(event: React.MouseEvent): void {
@@ -40,6 +42,7 @@ export function App(): React.JSX.Element {
       <Rail />
       <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-busy={busy > 0 ? "yes" : "no"}>
         {!connected && <p role="alert" className={styles.lost}>The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again.</p>}
+        <WayBack />
         <Shown />
       </main>
       {editor && <Transport />}

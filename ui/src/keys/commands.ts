@@ -4,11 +4,13 @@
  */
 import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
 import { SESSION_COMMANDS } from "./sessionCommands";
+import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
 import { goTo } from "../state/load";
+import { backToMenu, menuUp } from "../state/um2as";
 import { currentProblem, get, keep, playhead, SCREENS, set, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
@@ -131,6 +133,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, run: () => set({ dialog: "sign" }) },
   // Go to
   ...SESSION_COMMANDS,
+  ...UM2AS_COMMANDS,
   ...DETECT_COMMANDS,
   ...DIGITISE_COMMANDS,
   { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: (s) => s.id !== null, run: go("detect") },
@@ -168,7 +171,7 @@ function nextGap(by: 1 | -1): void {
 /** Escape: what is open closes, then marks, then the selection, then the screen. */
 function up(): void {
   const s = get();
-  if (imageUp()) return;
+  if (imageUp() || menuUp()) return;
   if (s.clicks) return set({ clicks: null });
   if (s.first !== null || s.last !== null) return set({ first: null, last: null });
   if (s.problem || s.gap) {
@@ -176,6 +179,7 @@ function up(): void {
     return set({ problem: null, instead: null, window: null, gap: null, candidates: null });
   }
   if (s.selected.length) return set({ selected: [] });
+  if (backToMenu()) return;
   goTo(s.screen === "tracks" || !s.header ? "home" : "tracks");
 }
 

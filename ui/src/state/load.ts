@@ -5,6 +5,7 @@ import { mergePaths } from "../model/paths";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
 import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
+import { arriveAtMenu, held, menuAddress } from "./um2as";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
@@ -41,6 +42,8 @@ export const say = (kind: "done" | "refused" | "news", words: string): void => s
 
 export function goTo(screen: Screen, id: string | null = get().id): void {
   if (screen === "cameras" && sessionOf()) return void (location.hash = cameraAddress(sessionOf()!));
+  if (screen === "home" && held()) return say("news", "UM²AS is left from the top of its menu: Escape goes one level up.");
+  if (screen === "um2as" && sessionOf()) return void (location.hash = menuAddress(sessionOf()!));
   const target = screen === "new" ? "#/new" : screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
   if (location.hash === target) void arrive();
   else location.hash = target;
@@ -50,6 +53,7 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
 export async function arrive(): Promise<void> {
   const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
   set({ dialog: null, note: null });
+  if (await arriveAtMenu(here.split("/"))) return;
   if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {
     set({ screen: "home" });

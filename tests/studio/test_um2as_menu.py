@@ -3,7 +3,9 @@
 Only what the screen shows is used. The files are then those that the command line writes of the same answers.
 """
 
+import csv
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -93,13 +95,7 @@ def by_commands(folder, made):
     into = folder / "by hand"
     into.mkdir()
     given = folder / "answers" / "feeding"
-    rows = dict(zip(MARKERS, range(8), strict=True))
-    assert len(rows) == 8
-    import csv
-
     said = list(csv.DictReader((folder / "box.csv").read_text("utf-8").splitlines()))
-    import tomllib
-
     marks = tomllib.loads((folder / "session.toml").read_text("utf-8"))["calibration"]["reference_marker"]
     for c in (1, 2, 3):
         at = [f"{float(row[f'cam{c}_u_px']):.0f} {float(row[f'cam{c}_v_px']):.0f}" for row in said]
@@ -122,7 +118,7 @@ def by_commands(folder, made):
     return into
 
 
-def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded, chromium_running, capsys):
+def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded, chromium_running, record_property):
     folder, balls, seen = recorded
     with served(folder.parent) as server:
         context = window(chromium_running)
@@ -195,9 +191,9 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
         page.locator("main[data-screen=home]").wait_for()
         assert studio.errors == []
         context.close()
-    with capsys.disabled():
-        of = guide.effort
-        print(f"\nUM²AS, {FRAMES} frames of 3 cameras: {of.actions} actions, {of.seconds:.0f} s")
+    record_property("actions", guide.effort.actions)
+    record_property("seconds", guide.effort.seconds)
+    print(f"{FRAMES} frames of 3 cameras: {guide.effort.actions} actions, {guide.effort.seconds:.0f} s")
     made = folder / "results" / "um2as"
     wanted = by_commands(folder, "1992-11-27")
     same = {path.name: path.read_bytes() == (made / path.name).read_bytes() for path in wanted.iterdir() if "csv" not in path.suffix}
@@ -205,3 +201,34 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
     assert Path(made / "box.cp1").read_text("utf-8").startswith("YEAR: 92 MONTH: 11 DAY: 27")
     kinds = [type(one.answer) for one in read_answers(folder / "answers" / "feeding" / "cam1.csv")]
     assert kinds.count(Point) == 16 and np.isfinite(seen[:, :7]).any()
+
+
+LEVELS = {
+    ("Camera Information", "Calibration Parameters"): ("Start Up Information", "Process L Parameters", "View L Parameters"),
+    ("Camera Information", "Marker Coordinate Digitizing"): ("View Data", "Image Threshold"),
+    ("Data Calculation", "X, Y, Z Coordinate Calculation"): ("Start Up Information", "Display Coordinates"),
+    ("Data Calculation", "Calculate Euler Angles"): ("Input File", "Process"),
+}
+"""Levels, and of each those tasks that look otherwise than the rest; the last of digitising is on another screen."""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_running, theme):
+    """Of the session as it is after the menu was followed, or before where this test runs alone."""
+    needed_axe()
+    folder = recorded[0]
+    with served(folder.parent) as server:
+        context = window(chromium_running, bypass_csp=True)  # axe is put in by evaluation, which the policy forbids
+        guide = entered(context, server, theme=theme)
+        guide = guide.open("monday") if (folder / "session.toml").is_file() else made_session(guide)
+        found = {"top": violations(guide.page)}
+        for (above, level), tasks in LEVELS.items():
+            guide.choose(above, level)
+            found[level] = violations(guide.page)
+            for task in tasks:
+                guide.choose(task)
+                found[f"{level}: {task}"] = violations(guide.page)
+                guide.up(level)
+            guide.up(above).up("UM²AS")
+        context.close()
+    assert {name: of for name, of in found.items() if of} == {} and len(found) == 1 + 4 + 9

@@ -129,7 +129,7 @@ def standings(
     return {
         "calibration-start": Standing("", ""),
         "calibration-files": Standing("", "", (*([files.measured] if files.measured else []), *cps)),
-        "calibration-threshold": balls,
+        "calibration-threshold": _threshold(files),
         "calibration-snap": Standing("", ""),
         "calibration-reference": told,
         "calibration-digitise": balls,
@@ -138,7 +138,7 @@ def standings(
         "digitising-start": Standing("open" if saved is None else "done", "" if saved else "Name the markers."),
         "digitising-output": Standing("", "", das),
         "digitising-reference": _marks(files),
-        "digitising-threshold": Standing("", ""),
+        "digitising-threshold": _threshold(files),
         "digitising-snap": Standing("", ""),
         "digitising-digitise": _frames(saved),
         "digitising-verify": Standing("", ""),
@@ -212,6 +212,14 @@ def _balls(files: Um2asFiles) -> tuple[Standing, Standing]:
         return Standing("done", f"All {n} are said{f', {absent} not seen' if absent else ''}."), marked
     each = ", ".join(f"{name} {int(own.sum())} of {len(own)}" for name, own in zip(points.cameras, points.asked, strict=True))
     return Standing("open", f"Balls said: {each}."), marked
+
+
+def _threshold(files: Um2asFiles) -> Standing:
+    """What is white; every image says it itself where nobody did."""
+    method = files.session.settings.detect
+    ground = ", black on white" if getattr(method, "inverted", False) else ""
+    level = getattr(method, "threshold", None)
+    return Standing("", f"White above {level:g}{ground}." if level is not None else f"Of each image's own grey{ground}.")
 
 
 def _marks(files: Um2asFiles) -> Standing:

@@ -6,8 +6,8 @@ import { fetchPage, turnPage, useMenu } from "../state/um2as";
 import { FrameBar } from "./FrameBar";
 import styles from "./FilePageView.module.css";
 
-/** mm in a cm, which the files have. */
-const CM = 10;
+/** mm in a cm, which the files have; mm about the markers of the first frame, in which they move. Chosen. */
+const CM = 10, ABOUT = 250;
 
 /** A file of UM²AS frame by frame: its numbers, and places also in space. */
 export function FilePageView({ files }: { files: readonly string[] }): React.JSX.Element {
@@ -30,6 +30,8 @@ export function FilePageView({ files }: { files: readonly string[] }): React.JSX
   );
 }
 
+const wider = ([x, y, z]: Place, by: number): Place => [x + by, y + by, z + by];
+
 function Space(): React.JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null), [flat, setFlat] = useState<Flat | null>(null), page = useMenu((g) => g.page)!, theme = useStore((s) => s.theme), placed = useRef("");
   useEffect(() => {
@@ -41,7 +43,7 @@ function Space(): React.JSX.Element {
     if (!flat) return;
     const p = palette(), dots = page.rows.flatMap((row): Dot[] => (row[1] == null || row[2] == null || row[3] == null ? [] : [{ at: [CM * row[1], CM * row[2], CM * row[3]], colour: p.measured, size: 5, words: String(row[0]) }]));
     const end = (pick: (a: number, b: number) => number): Place => dots.map((dot) => dot.at).reduce((a, b) => [pick(a[0], b[0]), pick(a[1], b[1]), pick(a[2], b[2])], dots[0]?.at ?? [0, 0, 0]);
-    if (placed.current !== page.name && dots.length) flat.frame(end(Math.min), end(Math.max)), (placed.current = page.name);
+    if (placed.current !== page.name && dots.length) flat.frame(wider(end(Math.min), -ABOUT), wider(end(Math.max), ABOUT)), (placed.current = page.name);
     flat.show([], dots);
   }, [flat, page, theme]);
   return <canvas ref={canvas} className={styles.space} role="img" aria-label={`Markers of frame ${page.frame} in space; drag to turn`} />;

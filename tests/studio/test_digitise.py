@@ -9,76 +9,13 @@ from kinemark.io.answers_csv import read_answers
 from support.axe import needed_axe, violations
 from support.eating import footage
 from support.feeding import NAMES, feeding_in, not_set_up
+from support.digitising_person import Person
 from support.studio_page import Studio, needed, served, window
 
-FRAMES, SIZE = 4, 512
-PERSON_PX = 4.0
-"""As far as a person sees that a cross is not on its marker."""
+FRAMES = 4
 COUNT_TONES = "window.tones = 0; const start = OscillatorNode.prototype.start;" + (
     "OscillatorNode.prototype.start = function (...a) { window.tones += 1; return start.apply(this, a); };"
 )
-
-
-class Person:
-    """Who knows where the markers are, reads the question, and clicks; what they see is on the screen alone."""
-
-    def __init__(self, studio, seen):
-        self.studio, self.page, self.seen, self.clicks = studio, studio.page, seen, 0
-
-    @property
-    def screen(self):
-        return self.page.locator("[data-phase]")
-
-    def stands(self):
-        """Camera, frame, what kind of question, and how many answers are kept."""
-        of = self.screen
-        return tuple(of.get_attribute(f"data-{name}") for name in ("camera", "frame", "phase", "kept"))
-
-    def asked(self):
-        return self.page.locator("section[aria-label=Question] h2").inner_text()
-
-    def place(self, name):
-        camera, frame, _, _ = self.stands()
-        return self.seen[int(camera[3:]) - 1, NAMES.index(name), int(frame) - 1]
-
-    def click(self, u, v):
-        camera, frame, _, _ = self.stands()
-        self.page.locator(f"[data-shown$='/{camera}/{frame}']").wait_for()  # nobody points at what is not there yet
-        box = self.page.get_by_role("img", name=re.compile("^Image of")).bounding_box()
-        scale = min(box["width"], box["height"]) / SIZE
-        self.page.mouse.click(
-            box["x"] + box["width"] / 2 + (u + 0.5 - SIZE / 2) * scale,
-            box["y"] + box["height"] / 2 + (v + 0.5 - SIZE / 2) * scale,
-        )
-
-    def answered(self, do):
-        """Do it, until another question is asked."""
-        before = self.stands()
-        do()
-        self.page.locator(f"[data-phase]:not([data-camera='{before[0]}'][data-kept='{before[3]}'])").wait_for()
-        self.studio.idle()
-        self.clicks += 1
-
-    def go_on(self):
-        """Answer the question that is on the screen."""
-        asked, phase = self.asked(), self.stands()[2]
-        if phase == "review":
-            assert asked.startswith("Have successfully detected all markers")
-            self.answered(lambda: self.page.keyboard.press("Enter"))
-        elif phase in ("reference", "verify"):
-            self.answered(lambda: self.page.keyboard.press("y"))
-        elif "The other cameras say: here" in asked:
-            self.answered(lambda: self.page.get_by_role("button", name=re.compile("^It is at the")).click())
-        else:
-            name = re.match(r"Where is (?:the reference marker, )?(\w+)\?", asked)[1]
-            self.answered(lambda: self.click(*self.place(name)))
-
-    def until(self, camera, frame, phase):
-        for _ in range(300):
-            if self.stands()[:3] == (camera, str(frame), phase):
-                return
-            self.go_on()
-        raise AssertionError(f"it never came to {camera}, frame {frame}, {phase}: {self.stands()}")
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import { Head } from "./parts/Head";
 import { Rail } from "./parts/Rail";
 import { Shown } from "./parts/Shown";
 import { Transport } from "./parts/Transport";
+import { WayBack } from "./parts/WayBack";
 import { playhead, useStore } from "./state/store";
 
 /** Buttons that were clicked give the keys back; whoever tabs to them keeps them. */
@@ -28,6 +29,7 @@ export function App(): React.JSX.Element {
       <Rail />
       <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-busy={busy > 0 ? "yes" : "no"}>
         {!connected && <p role="alert" className={styles.lost}>The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again.</p>}
+        <WayBack />
         <Shown key={screen} screen={screen} />
       </main>
       {editor && <Transport />}

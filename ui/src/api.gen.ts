@@ -304,6 +304,126 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session}/um2as": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Menu
+         * @description The menu, and how far its entries are with these cameras and this file of places chosen.
+         */
+        get: operations["get_menu_api_sessions__session__um2as_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/um2as/angles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Angles
+         * @description Calculate Euler Angles.
+         */
+        post: operations["post_angles_api_sessions__session__um2as_angles_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/um2as/coordinates": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Coordinates
+         * @description Process Coordinates.
+         */
+        post: operations["post_coordinates_api_sessions__session__um2as_coordinates_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/um2as/files/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Page
+         * @description A frame of a file; the last one where there are fewer.
+         */
+        get: operations["get_page_api_sessions__session__um2as_files__name__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/um2as/markers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Markers
+         * @description Save Data.
+         */
+        post: operations["post_markers_api_sessions__session__um2as_markers_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/um2as/parameters": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Parameters
+         * @description Process L Parameters.
+         */
+        post: operations["post_parameters_api_sessions__session__um2as_parameters_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}": {
         parameters: {
             query?: never;
@@ -876,6 +996,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/standing": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Standing
+         * @description Whether a screen can be shown, and why not; what is opened for it is kept for what is asked next.
+         */
+        get: operations["get_standing_api_trials__trial__standing_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -1378,6 +1518,19 @@ export interface components {
             ];
         };
         /**
+         * CoordinatesBody
+         * @description The cameras that places are calculated by; all where none are named.
+         */
+        CoordinatesBody: {
+            /**
+             * Cameras
+             * @default []
+             */
+            cameras: string[];
+            /** Trial */
+            trial: string;
+        };
+        /**
          * CycleCurve
          * @description An angle over cycles of 0 to 100 % in 101 points, deg: mean, standard deviation, and each cycle [n, 101].
          */
@@ -1717,6 +1870,21 @@ export interface components {
             z: number[];
         };
         /**
+         * EulerBody
+         * @description The file of places, and whether angles are taken by inverse cosines, as UM²AS does.
+         */
+        EulerBody: {
+            /**
+             * Inverse Cosines
+             * @default false
+             */
+            inverse_cosines: boolean;
+            /** Tdc */
+            tdc: string;
+            /** Trial */
+            trial: string;
+        };
+        /**
          * EulerFiles
          * @description The names of the files that were written.
          */
@@ -1817,6 +1985,22 @@ export interface components {
             line: number;
             /** Words */
             words: string;
+        };
+        /**
+         * FilePage
+         * @description A frame of a file of UM²AS, or all of one that has no frames; 999 stands as null. Frames count from 1.
+         */
+        FilePage: {
+            /** Frame */
+            frame: number;
+            /** Frames */
+            frames: number;
+            /** Head */
+            head: string[];
+            /** Name */
+            name: string;
+            /** Rows */
+            rows: (number | null)[][];
         };
         /**
          * FindingRow
@@ -2276,6 +2460,46 @@ export interface components {
             };
         };
         /**
+         * MenuRow
+         * @description An entry of the menu in the level `above`, where it is done, and how far it is; `files` by their names.
+         */
+        MenuRow: {
+            /** About */
+            about: string;
+            /** Above */
+            above: string;
+            /** Figure */
+            figure: string;
+            /** Files */
+            files: string[];
+            /** Key */
+            key: string;
+            /**
+             * Place
+             * @enum {string}
+             */
+            place: "menu" | "here" | "cameras" | "detect" | "digitise" | "angles";
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "" | "done" | "open" | "again" | "waits";
+            /** Title */
+            title: string;
+            /** Words */
+            words: string;
+        };
+        /**
+         * MenuTrial
+         * @description A trial that the menu may be of.
+         */
+        MenuTrial: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+        };
+        /**
          * Message
          * @description A record of the contract; nothing besides its fields is understood.
          */
@@ -2369,6 +2593,17 @@ export interface components {
             share: number;
             /** Words */
             words: string;
+        };
+        /**
+         * ParametersBody
+         * @description The date for camera 1's file.
+         */
+        ParametersBody: {
+            /**
+             * Made
+             * Format: date
+             */
+            made: string;
         };
         /**
          * PathsHeader
@@ -2989,6 +3224,19 @@ export interface components {
             turn: number;
         };
         /**
+         * Standing
+         * @description Whether a trial can be shown, and in words why not.
+         */
+        Standing: {
+            /** Ready */
+            ready: boolean;
+            /**
+             * Words
+             * @default
+             */
+            words: string;
+        };
+        /**
          * StartUp
          * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
          *
@@ -3258,6 +3506,32 @@ export interface components {
             last: number;
         };
         /**
+         * Um2asMenu
+         * @description The menu over a session and a trial; `tdc` is what angles are taken of, `tdcs` what there is to choose from.
+         */
+        Um2asMenu: {
+            /** Cameras */
+            cameras: string[];
+            /** Chosen */
+            chosen: string[];
+            /** Entries */
+            entries: components["schemas"]["MenuRow"][];
+            /** Folder */
+            folder: string;
+            /** Session */
+            session: string;
+            /** Tdc */
+            tdc: string;
+            /** Tdcs */
+            tdcs: string[];
+            /** Title */
+            title: string;
+            /** Trial */
+            trial: string;
+            /** Trials */
+            trials: components["schemas"]["MenuTrial"][];
+        };
+        /**
          * UndoAct
          * @description An entry counts no longer; the last that counts, where null.
          */
@@ -3306,6 +3580,16 @@ export interface components {
             u: number;
             /** V */
             v: number;
+        };
+        /**
+         * Written
+         * @description Files that were written, and what else there is to say.
+         */
+        Written: {
+            /** Names */
+            names: string[];
+            /** Words */
+            words: string;
         };
     };
     responses: never;
@@ -3792,6 +4076,216 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Control"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_menu_api_sessions__session__um2as_get: {
+        parameters: {
+            query?: {
+                camera?: string[];
+                tdc?: string;
+                trial?: string;
+            };
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Um2asMenu"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_angles_api_sessions__session__um2as_angles_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["EulerBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_coordinates_api_sessions__session__um2as_coordinates_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CoordinatesBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_page_api_sessions__session__um2as_files__name__get: {
+        parameters: {
+            query?: {
+                frame?: number;
+                trial?: string;
+            };
+            header?: never;
+            path: {
+                name: string;
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FilePage"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_markers_api_sessions__session__um2as_markers_post: {
+        parameters: {
+            query?: {
+                trial?: string;
+            };
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_parameters_api_sessions__session__um2as_parameters_post: {
+        parameters: {
+            query?: {
+                trial?: string;
+            };
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ParametersBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
                 };
             };
             /** @description Unprocessable Entity */
@@ -4822,6 +5316,39 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_standing_api_trials__trial__standing_get: {
+        parameters: {
+            query?: {
+                screen?: "trial" | "detect" | "digitise";
+            };
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Standing"];
                 };
             };
             /** @description Unprocessable Entity */

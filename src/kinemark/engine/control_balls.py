@@ -25,6 +25,9 @@ from .sources import frame_of
 
 REFERENCE = "reference marker"
 """What is asked for after the last ball."""
+DECIMALS = 7
+"""Of its place, px: as many as a `.rf` file of UM²AS has, so that both give the same shift to the last bit; by
+definition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +106,8 @@ class ControlBalls:
         if name == REFERENCE:
             marks = {**(self.settings.calibration.reference_marker or {})}
             marks.pop(camera, None)
-            marks |= {camera: (uv,)} if uv is not None and asked else {}
+            if uv is not None and asked:
+                marks[camera] = ((round(uv[0], DECIMALS), round(uv[1], DECIMALS)),)
             plain = {key: [list(place) for place in places] for key, places in marks.items()}
             change_session(self.root, {("calibration", "reference_marker"): plain or None})
             return

@@ -4,11 +4,13 @@
  */
 import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
 import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
+import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
 import { goTo, print, writePdf } from "../state/load";
+import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import { currentProblem, get, keep, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
@@ -134,6 +136,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "print", keys: ["Shift+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" ? "the report alone, to print" : "print this page"), run: print },
   // Go to
   ...SESSION_COMMANDS,
+  ...UM2AS_COMMANDS,
   ...DETECT_COMMANDS,
   ...DIGITISE_COMMANDS,
   { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: (s) => s.id !== null, run: go("detect") },
@@ -175,6 +178,9 @@ export interface Level { words: string; run: () => void }
 function levelUp(s: State): Level | null {
   const open = imageUp(s) ?? sessionUp(s) ?? trialUp(s);
   if (open) return open;
+  const { from, level, task } = useMenu.getState();
+  if (s.screen === "um2as") return { words: task || level ? "one level up" : "leave UM²AS", run: menuUp };
+  if (from) return { words: "back to the menu of UM²AS", run: backToMenu };
   if (s.screen === "home") return null;
   const to = s.screen === "tracks" || !s.header ? "home" : "tracks";
   return { words: `to ${TITLES[to]}`, run: go(to) };

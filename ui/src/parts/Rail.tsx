@@ -1,6 +1,7 @@
-import { Aperture, DraftingCompass, FileText, History, House, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
+import { Aperture, DraftingCompass, FileText, History, House, ListTree, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
 import { goTo } from "../state/load";
 import { useSessions } from "../state/sessions";
+import { held, useMenu } from "../state/um2as";
 import { TITLES, useStore, type Screen, type State } from "../state/store";
 import styles from "./Rail.module.css";
 
@@ -15,18 +16,19 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
   { screen: "angles", icon: DraftingCompass },
   { screen: "report", icon: FileText },
   { screen: "history", icon: History },
+  { screen: "um2as", icon: ListTree },
 ];
 
 export function Rail(): React.JSX.Element {
-  const s = useStore(), own = useSessions((now) => now.session), session = s.header?.session_id ?? own;
+  const s = useStore(), inside = useMenu(held), own = useSessions((now) => now.session), session = s.header?.session_id ?? own;
   return (
     <nav className={styles.rail} aria-label="Steps">
       <ul>
         {STEPS.map(({ screen, icon: Icon, open }) => {
-          const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = screen === "cameras" ? !session : screen !== "home" && !s.id;
+          const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = (inside && !on) || (screen === "cameras" || screen === "um2as") ? inside || !session : screen !== "home" && !s.id;
           return (
             <li key={screen}>
-              <button type="button" className={styles.step} disabled={off} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
+              <button type="button" className={styles.step} disabled={off} title={inside && !on ? "UM²AS is left from the top of its menu: Escape" : undefined} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
                 <Icon size={17} aria-hidden />
                 {TITLES[screen]}
                 {left > 0 && <span className={styles.count}>{left}<span className="hidden-words"> open</span></span>}

@@ -15,6 +15,7 @@ const LOAD: Record<Screen, () => Promise<View>> = {
   angles: async () => (await import("./Angles")).Angles,
   report: async () => (await import("./Report")).Report,
   history: async () => (await import("./History")).History,
+  um2as: async () => (await import("./Um2as")).Um2as,
 };
 
 const loaded = new Map<Screen, View>();

@@ -2,7 +2,7 @@
 import * as api from "../api/client";
 import type { CameraFound, Detection, DetectDraft, PlaceWhy } from "../api/types";
 import { get, set } from "./store";
-import { say, tried } from "./load";
+import { ready, say, tried } from "./load";
 
 export type Value = number | boolean | null;
 export type Polygon = [number, number][];
@@ -28,6 +28,7 @@ export const detect = (): Tried | null => get().detect;
 const put = (some: Partial<Tried>): void => set((s) => ({ detect: s.detect && { ...s.detect, ...some } }));
 
 export async function loadDetect(id: string): Promise<void> {
+  if (!(await ready(id, "detect"))) return;
   const about = await tried(() => api.detection(id));
   if (!about || get().id !== id) return;
   const before = get().detect, frame = before ? before.frame : about.first;

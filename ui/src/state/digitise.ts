@@ -4,7 +4,7 @@ import { Refused } from "../api/client";
 import type { AnswerSaid, DigitisingNow, PlacedMarker, SetupBody } from "../api/types";
 import { tone } from "../model/tone";
 import { get, set } from "./store";
-import { goTo, say, tried } from "./load";
+import { goTo, ready, say, tried } from "./load";
 
 export interface Digitised {
   now: DigitisingNow;
@@ -20,6 +20,7 @@ export const digitised = (): Digitised | null => get().digitise;
 const put = (some: Partial<Digitised>): void => set((s) => ({ digitise: s.digitise && { ...s.digitise, ...some } }));
 
 export async function loadDigitise(id: string): Promise<void> {
+  if (!(await ready(id, "digitise"))) return;
   const now = await tried(() => api.digitising(id));
   if (now && get().id === id) set({ digitise: { now, shown: null, saved: [], spot: 0 } });
 }

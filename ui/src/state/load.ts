@@ -5,6 +5,7 @@ import { mergePaths } from "../model/paths";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
 import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
+import { arriveAtMenu, held, menuAddress } from "./um2as";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
@@ -30,10 +31,19 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
   }
 }
 
+/** Whether a screen of a trial can be shown; why it cannot is said. */
+export async function ready(id: string, screen: "trial" | "detect" | "digitise"): Promise<boolean> {
+  const stands = await tried(() => api.standing(id, screen));
+  if (stands && !stands.ready && get().id === id) say("refused", stands.words ?? "");
+  return stands?.ready === true;
+}
+
 export const say = (kind: "done" | "refused" | "news", words: string): void => set({ note: { kind, words, at: Date.now() } });
 
 export function goTo(screen: Screen, id: string | null = get().id): void {
   if (screen === "cameras" && sessionOf()) return void (location.hash = cameraAddress(sessionOf()!));
+  if (screen === "home" && held()) return say("news", "UM²AS is left from the top of its menu: Escape goes one level up.");
+  if (screen === "um2as" && sessionOf()) return void (location.hash = menuAddress(sessionOf()!));
   const target = screen === "new" ? "#/new" : screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
   if (location.hash === target) void arrive();
   else location.hash = target;
@@ -43,6 +53,7 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
 export async function arrive(): Promise<void> {
   const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
   set({ dialog: null, note: null });
+  if (await arriveAtMenu(here.split("/"))) return;
   if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {
     set({ screen: "home" });
@@ -86,6 +97,7 @@ export async function runTrial(): Promise<void> {
 }
 
 async function openTrial(id: string): Promise<void> {
+  if (!(await ready(id, "trial"))) return;
   const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]))) ?? [];
   if (!header || !paths || get().id !== id) return;
   playhead.set(header.first_frame, header.n_frames, header.rate);
@@ -96,8 +108,8 @@ async function openTrial(id: string): Promise<void> {
 
 /** What the screen that is on shows besides the trial itself. */
 export async function fresh(): Promise<void> {
-  const { id, screen } = get();
-  if (!id) return;
+  const { id, screen, header } = get();
+  if (!id || (!header && !BEFORE_RUN.includes(screen))) return; // it cannot be shown, and why was said
   if (screen === "angles") return fetchAngles();
   if (screen === "detect") await loadDetect(id);
   else if (screen === "digitise") await loadDigitise(id);

@@ -8,11 +8,11 @@ import type { Tried } from "./detect";
 import type { Digitised } from "./digitise";
 import type { GapCandidates, GapRow, Gaps, History, Home, Job, Join, Labels, Problem, Problems, TrialHeader } from "../api/types";
 
-export const SCREENS = ["home", "new", "cameras", "detect", "digitise", "tracks", "labels", "gaps", "angles", "report", "history"] as const;
+export const SCREENS = ["home", "new", "cameras", "detect", "digitise", "tracks", "labels", "gaps", "angles", "report", "history", "um2as"] as const;
 export type Screen = (typeof SCREENS)[number];
 /** Screens by their names on the page and in the manual. */
 export const TITLES: Record<Screen, string> = {
-  home: "Home", new: "New session", cameras: "Cameras", detect: "Detect", digitise: "Digitise", tracks: "Tracks", labels: "Labels", gaps: "Gaps", angles: "Angles", report: "Report", history: "History",
+  home: "Home", new: "New session", cameras: "Cameras", detect: "Detect", digitise: "Digitise", tracks: "Tracks", labels: "Labels", gaps: "Gaps", angles: "Angles", report: "Report", history: "History", um2as: "UM²AS",
 };
 export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
 export type Theme = "auto" | "light" | "dark";
@@ -73,7 +73,7 @@ export interface State {
   window: readonly [number, number] | null;
 }
 
-function kept<T extends string>(key: string, usual: T): T {
+export function kept<T extends string>(key: string, usual: T): T {
   try {
     return (localStorage.getItem(`kinemark.${key}`) as T | null) ?? usual;
   } catch {

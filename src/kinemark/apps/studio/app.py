@@ -26,7 +26,9 @@ from . import (
     live,
     new_session_routes,
     page_routes,
+    standing,
     trial_routes,
+    um2as_routes,
 )
 from .desk import Desk, NotRun
 from .digitise import AnsweredMeanwhile
@@ -56,6 +58,8 @@ def studio_app(desk: Desk) -> FastAPI:
     app.include_router(new_session_routes.router)
     app.include_router(camera_routes.router)
     app.include_router(angle_routes.router)
+    app.include_router(standing.router)
+    app.include_router(um2as_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

@@ -18,7 +18,7 @@ from ...engine.session import Session
 from ...engine.store import STEPS, Store
 from ...engine.trial_inputs import TrialInputs
 from ...io.edits_jsonl import JournalText
-from .home import written
+from .home import other_program, written
 from .shelf import Place, Shelf
 
 MOST_OPEN = 4
@@ -163,7 +163,8 @@ def _check_tracked(trial: OpenTrial) -> None:
     if "track" not in done:
         raise NotRun(f"{trial.name} was not run yet. Run it first.")
     if not trial.state()["track"]:  # names are found in seconds, and anew by what was said since
-        raise NotRun(f"Settings, recordings or the program changed since {trial.name} was run. Run it again.")
+        why = other_program(done["track"]) or f"Settings or recordings changed since {trial.name} was run."
+        raise NotRun(f"{why} Run it again: what was said of it is kept.")
 
 
 def _ran(place: Place) -> int:

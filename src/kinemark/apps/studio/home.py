@@ -8,9 +8,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ...data import KinemarkError
+from ...data import KinemarkError, Step
 from ...data.edits import Entry, Signed, is_named, live
 from ...engine.journal import Journal
+from ...engine.keys import code_key
 from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
 from ...engine.session_name import FILE
@@ -21,6 +22,7 @@ from .messages import Home, Last, SessionCard, TrialCard, TrialState
 from .shelf import Place, Shelf
 
 QUALITY = "quality.json"
+STALE = "Settings, edits or the program changed since it was run. Run it again: what was said of it is kept."
 
 
 def home(shelf: Shelf, failed: dict[str, str]) -> Home:
@@ -56,16 +58,17 @@ def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:
     """A trial by its last run and its journal."""
     journal = Journal.of(trial.workspace.root, trial.name)
     entries, quality = journal.entries, figures(trial.folder / QUALITY)
-    found, words = state(trial, entries), failed.get(place.id, "")
+    words = failed.get(place.id, "")
+    found: TrialState = "failed" if words else state(trial, entries)
     counted = _counts(quality)
     return TrialCard(
         id=place.id,
         name=trial.name,
-        state="failed" if words else found,
+        state=found,
         verdict=str(quality.get("verdict", {}).get("grade", "")),
         edits=len(live(entries)),
         last=last_of(entries),
-        words=words,
+        words=words or (STALE if found == "stale" else ""),
         **counted,
     )
 
@@ -89,12 +92,23 @@ def state(trial: OpenTrial, entries: tuple[Entry, ...]) -> TrialState:
     done = Store.read(trial.folder).old
     if "track" not in done:
         return "not run"
+    if other_program(done["track"]):
+        return "stale"
     said = live(entries)
     if said and any(isinstance(edit, Signed) for edit in said[-1].edits):
         return "signed"
     if "write" in done:
         return "stale" if newer(trial) else "done"
     return "filled" if "fill" in done else "tracked"
+
+
+def other_program(step: Step) -> str:
+    """In words that another Kinemark did a stage than this one, whose results are its own; nothing else."""
+    version, _, code = step.version.partition("+")
+    if code == code_key():
+        return ""
+    was = f"Kinemark {version}" if version != __version__ else f"another state of Kinemark {version}"
+    return f"It was run by {was}, and this one may find other numbers."
 
 
 def newer(trial: OpenTrial) -> bool:

@@ -54,6 +54,13 @@ class TrialCard(Message):
     words: str = ""
 
 
+class Standing(Message):
+    """Whether a trial can be shown, and in words why not."""
+
+    ready: bool
+    words: str = ""
+
+
 class SessionCard(Message):
     """A session on Home; `words` where it cannot be read."""
 

@@ -9,14 +9,22 @@ from typing import Any
 from fastapi.openapi.utils import get_openapi
 from pydantic.json_schema import models_json_schema
 
-from . import angle_messages, camera_messages, detect_messages, edit_messages, messages, new_session_messages
+from . import (
+    angle_messages,
+    camera_messages,
+    detect_messages,
+    edit_messages,
+    messages,
+    new_session_messages,
+    um2as_messages,
+)
 from .app import studio_app
 from .desk import Desk
 from .shelf import Shelf
 
 FILE = Path(__file__).parents[4] / "ui" / "openapi.json"
 REF = "#/components/schemas/{model}"
-MODULES = (messages, edit_messages, new_session_messages, camera_messages, detect_messages, angle_messages)
+MODULES = (messages, edit_messages, new_session_messages, camera_messages, detect_messages, angle_messages, um2as_messages)
 RECORDS = [
     one for module in MODULES for one in vars(module).values()
     if isinstance(one, type) and issubclass(one, messages.Message)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from pathlib import PurePosixPath
 from typing import Literal
 
 from .proposal import FoundRecording, Question, Reason, Role, SessionProposal, parsed
@@ -46,11 +47,15 @@ OWN_NOTES = ("no_target_file", "also_calibrates", "no_calibration", "no_trials")
 
 
 def _sided(recordings: Iterable[FoundRecording]) -> Iterator[FoundRecording]:
-    """Pictures that are called a calibration go with the file of rods or control points that is there."""
+    """Pictures that are called a calibration, or as a file of points is, go with the file of rods or control points that is there."""
     found = tuple(recordings)
     contents = {one.content for one in found}
+    points = {PurePosixPath(one.path).stem: one.path for one in found if one.content == "points"}
     for one in found:
-        if one.role is Role.CALIBRATION and one.content == "images":
+        if one.why.kind == "no_word" and one.frames == 1 and one.content == "images" and one.name in points:
+            why = Reason("still_of_points", {"path": points[one.name]})
+            yield replace(one, role=Role.CONTROL_POINTS, why=why)
+        elif one.role is Role.CALIBRATION and one.content == "images":
             role = Role.CONTROL_FRAME if "rods" in contents else Role.CONTROL_POINTS if "points" in contents else None
             yield one if role is None else replace(one, role=role)
         elif one.role is Role.CONTROL_FRAME and one.content == "images" and "rods" not in contents:

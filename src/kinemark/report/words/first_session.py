@@ -32,6 +32,7 @@ REASONS = {
     "holds_dlt": "it holds DLT parameters of {cameras} cameras",
     "holds_points": "it holds control points and their places in the images",
     "holds_places": "it holds the measured places of control points, whose images are still to be pointed at",
+    "still_of_points": "it is one image a camera, and is called as {path} is",
     "holds_measured": "it holds {n} measured places of control balls, whose images are still to be pointed at",
     "holds_trajectories": "trajectories need no session: kinemark info, fill and angles take them",
     "unreadable": "{error}",

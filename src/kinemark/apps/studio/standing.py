@@ -1,0 +1,41 @@
+"""Whether a trial can be shown on a screen, asked before it is: what stands in its way is an answer, no error."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request
+
+from ...data import KinemarkError
+from .desk import Desk
+from .detect_routes import opened_of, place_of
+from .digitise_routes import digitising_of
+from .home_routes import desk_of
+from .messages import Standing
+from .shelf import NotThere
+
+Screen = Literal["trial", "detect", "digitise"]
+router = APIRouter(prefix="/api/trials/{trial}")
+
+
+@router.get("/standing")
+def get_standing(request: Request, trial: str, screen: Annotated[Screen, Query()] = "trial") -> Standing:
+    """Whether a screen can be shown, and why not; what is opened for it is kept for what is asked next."""
+    desk = desk_of(request)
+    desk.place(trial)
+    try:
+        _open(request, desk, trial, screen)
+    except NotThere:
+        raise
+    except KinemarkError as error:
+        return Standing(ready=False, words=str(error))
+    return Standing(ready=True)
+
+
+def _open(request: Request, desk: Desk, trial: str, screen: Screen) -> None:
+    if screen == "trial":
+        desk.document(trial)
+    elif screen == "detect":
+        opened_of(request, place_of(request, trial))
+    else:
+        digitising_of(request, place_of(request, trial))

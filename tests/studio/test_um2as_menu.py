@@ -1,0 +1,234 @@
+"""The menu of UM²AS in the browser, as its manual has it: from measured places and recordings to the angles' files.
+
+Only what the screen shows is used. The files are then those that the command line writes of the same answers.
+"""
+
+import csv
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinemark.apps.cli import app
+from kinemark.data.answers import Point
+from kinemark.io.answers_csv import read_answers
+from support.axe import needed_axe, violations
+from support.digitising_person import Person
+from support.studio_page import Studio, needed, served, window
+from support.um2as_guide import Guide, entered
+from support.um2as_lab import laboratory_in
+
+FRAMES = 4
+MARKERS = ("1", "2", "3", "4", "5", "6", "7", "8")
+THRESHOLD = 60
+
+
+def command(*words):
+    try:
+        app([str(word) for word in words])
+    except SystemExit as stop:
+        assert not stop.code
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    needed()
+    folder = tmp_path_factory.mktemp("lab") / "monday"
+    return folder, *laboratory_in(folder, FRAMES)
+
+
+def click_ball(page, uv, size=512):
+    box = page.locator("canvas[data-camera^=cam]").bounding_box()
+    scale = box["width"] / size
+    page.mouse.click(box["x"] + (uv[0] + 0.5) * scale, box["y"] + (uv[1] + 0.5) * scale)
+
+
+def point_at_balls(guide, balls):
+    """All balls of all cameras, each camera's reference marker last; the first wrong, and taken back."""
+    page, studio = guide.page, guide.studio
+    page.locator("canvas[data-camera=cam1]").wait_for()
+    page.get_by_role("slider", name=re.compile("^Threshold")).fill(str(THRESHOLD))
+    guide.click(page.get_by_role("button", name="Keep for all"))
+    page.get_by_text(f"The threshold of all cameras is {THRESHOLD}").wait_for()
+    click_ball(page, balls[0, 3])  # ball 4 is none that was asked for
+    page.locator("[data-ball='cam1 1'][data-seen=true]").wait_for()
+    studio.idle().press("Backspace")
+    page.locator("[data-ball='cam1 1'][data-seen=asked][aria-current=step]").wait_for()
+    for c in range(3):
+        page.locator(f"canvas[data-camera=cam{c + 1}]").wait_for()
+        for n, name in enumerate((*map(str, range(1, 9)), "reference marker")):
+            ball = page.locator(f"[data-ball='cam{c + 1} {name}']")
+            page.locator(f"[data-ball='cam{c + 1} {name}'][aria-current=step]").wait_for()
+            studio.idle()
+            guide.effort.click(decide=True)
+            click_ball(page, balls[c, n])
+            ball.and_(page.locator("[data-seen=true]")).wait_for()
+    studio.idle()
+
+
+def made_session(guide):
+    page = guide.page
+    guide.click(page.get_by_role("button", name="New session …"))
+    guide.click(page.get_by_role("button", name=re.compile("monday")))
+    guide.click(page.get_by_role("button", name="Make it, then calibrate"))
+    page.get_by_role("heading", name="Cameras & calibration").wait_for()
+    guide.click(page.get_by_role("button", name="UM²AS", exact=True))
+    page.get_by_role("heading", name="UM²AS", exact=True).wait_for()
+    return guide.idle()
+
+
+def set_up(guide):
+    """Start-up of digitising: eight markers, the last is the reference."""
+    page = guide.page
+    page.get_by_label("Markers, in the order").fill("8")
+    page.get_by_label("Reference marker, which").select_option("8")
+    page.get_by_label("ask in every frame").uncheck()
+    guide.click(page.get_by_role("button", name="Begin to digitise"))
+    page.locator("[data-phase=point]").wait_for()
+    guide.idle()
+
+
+def by_commands(folder, made):
+    """What the command line writes of the same answers, into a folder of its own."""
+    into = folder / "by hand"
+    into.mkdir()
+    given = folder / "answers" / "feeding"
+    said = list(csv.DictReader((folder / "box.csv").read_text("utf-8").splitlines()))
+    marks = tomllib.loads((folder / "session.toml").read_text("utf-8"))["calibration"]["reference_marker"]
+    for c in (1, 2, 3):
+        at = [f"{float(row[f'cam{c}_u_px']):.0f} {float(row[f'cam{c}_v_px']):.0f}" for row in said]
+        reference = "{:.0f} {:.0f}".format(*marks[f"cam{c}"][0])
+        image = folder / f"box_cam{c}.png"
+        command("um2as", "calibrate", folder / "box.msr", image, into / f"box.cp{c}", "--at", *at, "--made", made)
+        command("um2as", "reference", image, into / f"box.rf{c}", "--at", reference)
+    cps = [into / f"box.cp{c}" for c in (1, 2, 3)]
+    for c in (1, 2, 3):
+        others = [into / f"feeding.da{k}" for k in range(1, c)]
+        more = ("--calibration", *cps, "--others", *others) if others else ()
+        command(
+            "um2as", "digitise", folder / f"feeding_cam{c}.mkv", into / f"feeding.da{c}", "--markers", 8,
+            "--reference", 8, "--reference-file", into / f"box.rf{c}", "--answers", given / f"cam{c}.csv", *more,
+        )  # fmt: skip
+    das = [into / f"feeding.da{c}" for c in (1, 2, 3)]
+    command("um2as", "coordinates", into / "feeding.tdc", "--calibration", *cps, "--data", *das)
+    command("um2as", "coordinates", into / "feeding-13.tdc", "--calibration", *cps[::2], "--data", *das[::2])
+    command("um2as", "angles", into / "feeding.tdc")
+    return into
+
+
+def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded, chromium_running, record_property):
+    folder, balls, seen = recorded
+    with served(folder.parent) as server:
+        context = window(chromium_running)
+        guide = made_session(entered(context, server))
+        page, studio = guide.page, guide.studio
+        guide.choose("Camera Information", "Calibration Parameters", "Start Up Information")
+        page.get_by_label("Date, for camera 1's file").fill("1992-11-27")
+        guide.up("Calibration Parameters")
+        assert guide.state("Process L Parameters") == "waits" and "cam1 0 of 8" in guide.words("Digitize Image")
+        assert page.get_by_role("button", name="Home", exact=True).is_disabled(), "it is left from the top alone"
+        guide.choose("Digitize Image")
+        point_at_balls(guide, balls)
+        guide.up("Calibration Parameters")
+        assert guide.state("Digitize Image") == "done"
+        guide.choose("Process L Parameters").process()
+        assert guide.state("Process L Parameters") == "done"
+        guide.choose("View L Parameters")
+        page.locator("[data-file='box.cp1'] tbody tr").nth(10).wait_for()
+        guide.up("Calibration Parameters").up("Camera Information")
+        guide.choose("Marker Coordinate Digitizing")
+        assert guide.state("Save Data") == "waits"
+        guide.choose("Start Up Information")
+        page.get_by_role("heading", name="Digitise & verify").wait_for()
+        set_up(guide)
+        person = Person(studio, seen, MARKERS, effort=guide.effort)
+        person.until("cam2", 1, "point")
+        stood = person.stands()
+        guide.key("Escape")
+        page.get_by_role("heading", name="Marker Coordinate Digitizing").wait_for()
+        assert f"cam1 {FRAMES} of {FRAMES}, cam2 0 of {FRAMES}" in guide.idle().words("Digitize Image")
+        page.close()  # in the midst
+        context.close()
+
+        context = window(chromium_running)
+        server.address = server.next_address()
+        guide = Guide(Studio(context, server).enter(server.address), guide.effort).open("monday")
+        page, studio = guide.page, guide.studio
+        guide.choose("Camera Information", "Marker Coordinate Digitizing", "Digitize Image")
+        page.locator("[data-phase]").wait_for()
+        person = Person(studio.idle(), seen, MARKERS, effort=guide.effort)
+        assert person.stands() == stood, "nothing is lost"
+        person.until("cam3", FRAMES, "done")
+        guide.up("Marker Coordinate Digitizing")
+        guide.choose("Save Data").process()
+        guide.choose("View Data")
+        page.locator("[data-file='feeding.da1'][data-frame='1']").wait_for()
+        guide.up("Marker Coordinate Digitizing").up("Camera Information").up("UM²AS")
+        guide.choose("Data Calculation", "X, Y, Z Coordinate Calculation", "Start Up Information")
+        page.get_by_role("checkbox", name="cam2").uncheck()
+        page.get_by_text("2 of 3 cameras: cam1, cam3.").first.wait_for()
+        guide.idle().up("X, Y, Z Coordinate Calculation").choose("Process Coordinates").process()
+        page.get_by_role("checkbox", name="cam2").check()
+        page.get_by_text("3 of 3 cameras").first.wait_for()
+        guide.idle().click(page.get_by_role("group", name="Process Coordinates").get_by_role("button", name=re.compile("^Process")))
+        page.get_by_text("Written: feeding.tdc").wait_for()
+        guide.idle().choose("Display Coordinates")
+        view = page.locator("[data-file='feeding.tdc']")
+        page.locator("[data-file='feeding.tdc'][data-frame='1']").wait_for()
+        first = view.locator("tbody").inner_text()
+        guide.key("Space")
+        page.locator("[data-file='feeding.tdc'][data-frame='2']").wait_for()
+        assert view.locator("tbody").inner_text() != first
+        guide.key("Backspace")
+        page.locator("[data-file='feeding.tdc'][data-frame='1']").wait_for()
+        guide.up("X, Y, Z Coordinate Calculation").up("Data Calculation")
+        guide.choose("Calculate Euler Angles", "Process").process()
+        guide.choose("View Angles")
+        page.locator("[data-file='feeding.shd']").wait_for()
+        guide.up("Calculate Euler Angles").up("Data Calculation").up("UM²AS").key("Escape")
+        page.locator("main[data-screen=home]").wait_for()
+        assert studio.errors == []
+        context.close()
+    record_property("actions", guide.effort.actions)
+    record_property("seconds", guide.effort.seconds)
+    print(f"{FRAMES} frames of 3 cameras: {guide.effort.actions} actions, {guide.effort.seconds:.0f} s")
+    made = folder / "results" / "um2as"
+    wanted = by_commands(folder, "1992-11-27")
+    same = {path.name: path.read_bytes() == (made / path.name).read_bytes() for path in wanted.iterdir() if "csv" not in path.suffix}
+    assert all(same.values()) and len(same) == 3 + 3 + 3 + 2 + 3, same
+    assert Path(made / "box.cp1").read_text("utf-8").startswith("YEAR: 92 MONTH: 11 DAY: 27")
+    kinds = [type(one.answer) for one in read_answers(folder / "answers" / "feeding" / "cam1.csv")]
+    assert kinds.count(Point) == 16 and np.isfinite(seen[:, :7]).any()
+
+
+LEVELS = {
+    ("Camera Information", "Calibration Parameters"): ("Start Up Information", "Process L Parameters", "View L Parameters"),
+    ("Camera Information", "Marker Coordinate Digitizing"): ("View Data", "Image Threshold"),
+    ("Data Calculation", "X, Y, Z Coordinate Calculation"): ("Start Up Information", "Display Coordinates"),
+    ("Data Calculation", "Calculate Euler Angles"): ("Input File", "Process"),
+}
+"""Levels, and of each those tasks that look otherwise than the rest; the last of digitising is on another screen."""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_running, theme):
+    """Of the session as it is after the menu was followed, or before where this test runs alone."""
+    needed_axe()
+    folder = recorded[0]
+    with served(folder.parent) as server:
+        context = window(chromium_running, bypass_csp=True)  # axe is put in by evaluation, which the policy forbids
+        guide = entered(context, server, theme=theme)
+        guide = guide.open("monday") if (folder / "session.toml").is_file() else made_session(guide)
+        found = {"top": violations(guide.page)}
+        for (above, level), tasks in LEVELS.items():
+            guide.choose(above, level)
+            found[level] = violations(guide.page)
+            for task in tasks:
+                guide.choose(task)
+                found[f"{level}: {task}"] = violations(guide.page)
+                guide.up(level)
+            guide.up(above).up("UM²AS")
+        context.close()
+    assert {name: of for name, of in found.items() if of} == {} and len(found) == 1 + 4 + 9

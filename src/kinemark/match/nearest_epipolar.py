@@ -15,10 +15,11 @@ along v alone,
 
     d_v = |ℓ₁ u' + ℓ₂ v' + ℓ₃| / |ℓ₂| = d √(1 + (ℓ₁ / ℓ₂)²)                (4)
 
-which orders the images of one line as (3) does; but where two images of the base ask for one image, (4) favours the
-flatter line, and (3) neither. Of an upright line no image has a vertical distance but those on it. Where two images of the base ask for one image, the nearer has it and the
-other looks on among those left: pairs are taken in the order of (3) or (4), each image once. So where one camera sees more
-than the other, what is left over there goes without, as the document's flag for unequal numbers has it.
+For one line that is the same order. Where two images of the base ask for one image, the nearer has it and the other
+looks on among those left: pairs are taken in the order of the distance, each image once. There (4) favours the flatter
+line and (3) neither; yet all lines run through one point, the epipole, and where that is far from the image rivals are
+all but parallel. So where one camera sees more than the other, what is left over there goes without, as the document's
+flag for unequal numbers has it.
 
 The document has no limit to it: a marker that only one camera sees is paired with whatever is nearest, if the other
 camera has an image left. It has no third camera either, so two markers in one epipolar plane are told apart by chance.
@@ -38,7 +39,6 @@ from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
 from .epipolar_triplets import costs
 from .stage import MATCH
-
 
 UPRIGHT = 1e-9
 """|ℓ₂| of a line of unit normal, at least: of an upright one (4) would divide by nothing; far below any real slope."""

@@ -37,6 +37,15 @@ def test_two_markers_that_come_back_at_once_are_told_apart_in_whatever_order_tra
     assert (followed.by == Constraint.MODEL).sum() == 2
 
 
+def test_backwards_the_model_is_of_the_motion_reversed():
+    cloud, marker = hidden((0, 1, 2))
+    with_model = follow_points(cloud, method=Swamidas(model=model(), direction="backward"))
+    np.testing.assert_array_equal(with_model.tracks.id, marker)
+    assert (with_model.by == Constraint.MODEL).sum() == 2
+    own = model()
+    np.testing.assert_array_equal(own.reversed().reversed().direction, own.direction)
+
+
 def test_a_file_of_a_model_is_read_for_the_session_and_its_absence_is_said(tmp_path):
     write_angle_model(tmp_path / "arm.csv", model())
     read = with_angle_model(Swamidas(angle_model="arm.csv"), tmp_path)

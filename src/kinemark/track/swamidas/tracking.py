@@ -39,15 +39,26 @@ class PredictedFrame(NamedTuple):
     half: Floats
 
 
+class ModelUse(NamedTuple):
+    """What became of an angle model: whether its markers were recognised among the tracks, in how many frames one of
+    them was missing (markers times frames), and in how many of these the model placed it."""
+
+    recognised: bool
+    missing: int
+    placed: int
+
+
 class SwamidasResult(NamedTuple):
     """Tracks, and how they came about.
 
-    tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame.
+    tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame;
+    model: what became of the angle model, None without one.
     """
 
     tracks: Tracks
     by: Ints
     expected: list[PredictedFrame]
+    model: ModelUse | None = None
 
     def path(self, identity: int) -> Floats:
         """(F, 3) mm the points of a track, and its predictions where it has none; NaN before it began."""
@@ -89,7 +100,7 @@ def _backward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
     back = np.argsort(reversed_rows(cloud))
     identity, new = numbered_as_they_begin(found.tracks.id[back])
     expected = [frame._replace(id=new[frame.id]) for frame in found.expected[::-1]]
-    return SwamidasResult(Tracks(cloud, identity), found.by[back], expected)
+    return SwamidasResult(Tracks(cloud, identity), found.by[back], expected, found.model)
 
 
 def _meeting(cloud: Cloud, method: Swamidas) -> SwamidasResult:
@@ -101,7 +112,7 @@ def _meeting(cloud: Cloud, method: Swamidas) -> SwamidasResult:
     found = joins(pieces, process_sd, longest=longest)
     with_points = np.flatnonzero(np.diff(cloud.start))[:INITIATION_FRAMES]
     begun_by = int(with_points.max(initial=-1)) if method.initiate_from == "first" else None
-    identity, new = numbered_as_they_begin(joined(cloud, pieces, found, begun_by=begun_by))
+    identity, _ = numbered_as_they_begin(joined(cloud, pieces, found, begun_by=begun_by))
     by = np.where(identity >= 0, first.by, int(Constraint.NONE))
     for join in found:
         by[pieces[join.next].rows[0]] = Constraint.MEETING
@@ -132,6 +143,7 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
     learning_frames = max(round(method.learning_time * cloud.rate), INITIATION_FRAMES)
     known, active, frames, with_points = stated_parameters(cloud, method), no_tracks(), [], 0
     guide = None if method.model is None else AngleGuide(method.model, method, cloud.rate, learning_frames)
+    missing = placed = 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
@@ -140,6 +152,8 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
         allowed = _allowed(active, expected, points, known, method)
         if guide and guide.missing(active).any():
             corrected, taken, reason = _guided(guide, active, expected, points, allowed, known)
+            missing += int(guide.missing(active).sum())
+            placed += int(corrected.placed.sum())
             active, expected = corrected.active, corrected.expected
         else:
             taken, reason = match_points(expected, points, allowed)
@@ -157,7 +171,8 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
         if guide:
             said = np.where(hit[:, None], points[taken], expected.xyz) if len(points) else expected.xyz
             guide.advance(frames[-1].id, said, mine, points)
-    return SwamidasResult(Tracks(cloud, identity), by, frames)
+    use = guide and ModelUse(guide.track is not None, missing, placed)
+    return SwamidasResult(Tracks(cloud, identity), by, frames, use)
 
 
 def _guided(

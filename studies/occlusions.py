@@ -5,6 +5,7 @@ occlusion it is asked, by the points of the first fifth of a second in which the
 
     tracker   whether they go on the marker's track (right), begin one of their own (new), or belong to a track that was
               another marker's, or whose marker's track now is another's (wrong)
+    distances whether the tracks are among the likely continuations that the report lists (right), or others are (wrong)
     names     whether they bear the marker's name (right), none, or another's (wrong), where the session has `[label]`
               and a labelled walk of the same person
 
@@ -33,6 +34,7 @@ from kinemark.io.trial import read_trial
 from kinemark.label import Labelling, learn_template
 from kinemark.synth import Subject, from_trajectories, observe, ring, walking, with_markers
 from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous.continuations import continuations
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
 LENGTHS = (0.3, 0.5, 1.0, 1.5, 2.0)
@@ -52,6 +54,15 @@ CHILDREN = {
 """Folder, the walk that is tracked, and the one that names it."""
 WALKERS = ((15, 50.0, 0.1), (39, 100.0, 0.2), (53, 100.0, 0.1))
 """Markers, Hz and noise, px."""
+
+
+KINDS = "right", "none", "wrong"
+"""What becomes of an identity."""
+MARKERS = """
+    LFHD LBHD RFHD RBHD C7 T2 T6 T10 T12 RBAK CLAV STRN LSHO LELB LWRA LWRB LFIN RSHO RELB RWRA RWRB RFIN SACR RASI
+    LASI LTHI LKNE LHFB LTUB LTIB LSHN LANK LHEE LCPG LLCA LSTL LNAV LP1M LP5M LD5M LTOE LHLX RTHI RKNE RHFB RTUB RTIB
+    RSHN RANK RHEE RCPG RLCA RSTL RNAV RP1M RP5M RD5M RTOE RHLX"""
+"""Of the children: their files have computed points beside."""
 
 
 class Walk(NamedTuple):
@@ -74,11 +85,12 @@ class Occlusion(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What became of an occlusion: its length in s, "right", "new", "wrong" or "absent" by tracks, and "right", "none",
-    "wrong" or "absent" by names."""
+    """What became of an occlusion: its length in s, "right", "new", "wrong" or "absent" by tracks; by likely
+    continuations and by names "right", "none", "wrong" or "absent"."""
 
     seconds: float
     tracker: str
+    distances: str
     names: str
 
 
@@ -103,15 +115,8 @@ def walks(seed: int) -> Iterator[Walk]:
 
 
 def markers_of(trial: Trajectories) -> list[str]:
-    """Markers that are seen in all frames, each in a place of its own, and in nobody's middle as computed points are."""
-    names = [path.name for path in trial if np.isfinite(path.xyz).all() and path.name[-1:].isalnum()]
-    xyz = trial.select(names).xyz
-    kept = list[int]()
-    for k, path in enumerate(xyz):
-        apart = [np.linalg.norm(path - xyz[other], axis=-1).min() for other in kept]
-        if min(apart, default=np.inf) > 2 * NEAR and len(names[k]) <= 4:
-            kept.append(k)
-    return [names[k] for k in kept]
+    """Those that are seen in all frames."""
+    return [name for name in MARKERS.split() if name in trial.names and np.isfinite(trial[name].xyz).all()]
 
 
 def occlusions(subject: Subject, seed: int) -> list[Occlusion]:
@@ -179,6 +184,7 @@ def judged(walk: Walk, seed: int) -> list[Seen]:
         near[near] = owners(points[near], frame[near], xyz[marker])
         return commonest(of[near])
 
+    on = {int(a): int(b) for a, b in continuations(tracks)}
     out = []
     for one in gone:
         ends = (one.first - side, one.first), (one.stop, one.stop + side)
@@ -187,19 +193,28 @@ def judged(walk: Walk, seed: int) -> list[Seen]:
         was = {about(m, *ends[0], tracks.id, tracks.cloud.xyz) for m in others}
         now = {about(m, *ends[1], tracks.id, tracks.cloud.xyz) for m in others}
         if before is None or after is None:
-            tracker = "absent"
+            tracker = distances = "absent"
         else:
             tracker = "right" if before == after else "wrong" if after in was or before in now else "new"
+            distances = tracker if tracker != "new" else going_on(on, int(before), int(after))
         name = about(one.marker, *ends[1], named, tracks.cloud.xyz)
         names = "absent" if name is None else "right" if name == walk.subject.names[one.marker] else "wrong"
-        out.append(Seen(one.seconds, tracker, "none" if str(name).startswith("*") else names))
+        out.append(Seen(one.seconds, tracker, distances, "none" if str(name).startswith("*") else names))
     return out
+
+
+def going_on(on: dict[int, int], before: int, after: int) -> str:
+    """Whether the later track goes on the earlier one, by a dictionary of what goes on what."""
+    if on.get(before) == after:
+        return "right"
+    return "wrong" if before in on or after in on.values() else "none"
 
 
 def line(words: str, seen: list[Seen]) -> str:
     """Shares in %, of those that are not absent."""
     cells = []
-    for column, kinds in (("tracker", ("right", "new", "wrong")), ("names", ("right", "none", "wrong"))):
+    columns = {"tracker": ("right", "new", "wrong")} | dict.fromkeys(("distances", "names"), KINDS)
+    for column, kinds in columns.items():
         said = [getattr(one, column) for one in seen]
         known = [one for one in said if one != "absent"]
         cells += [f"{100 * known.count(kind) / max(len(known), 1):9.1f}" for kind in kinds]
@@ -208,9 +223,13 @@ def line(words: str, seen: list[Seen]) -> str:
 
 
 def main() -> None:
-    first, n = (int(arg) for arg in (*sys.argv[1:3], "1", "2")[: 2]) if len(sys.argv) < 3 else map(int, sys.argv[1:3])
-    print(f"{'':40s}{'tracker, %':>35s}{'with names, %':>27s}")
-    print(f"{'walk':32s}{'markers':>8s}{'absent':>8s}" + f"{'right':>9s}{'new':>9s}{'wrong':>9s}{'right':>9s}{'none':>9s}{'wrong':>9s}")
+    first, n = (int(arg) for arg in (sys.argv[1:3] if len(sys.argv) > 2 else ("1", "2")))
+    heads = "tracker, %", "likely continuations, %", "names, %"
+    print(" " * 48 + "".join(f"{head:>27s}" for head in heads))
+    print(
+        f"{'walk':32s}{'markers':>8s}{'absent':>8s}"
+        + "".join(f"{k:>9s}" for k in ("right", "new", "wrong", *KINDS, *KINDS))
+    )
     all_seen = list[Seen]()
     for seed in range(first, first + n):
         for walk in walks(seed):

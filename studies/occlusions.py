@@ -1,6 +1,6 @@
 """Which marker is it that comes back? Walks with occlusions of 0.3 to 2 s, tracked, and named by another walk.
 
-Groups of one to three neighbouring markers are hidden from all cameras for a while, and come back together. After each
+Groups of one, two, three or eight neighbouring markers are hidden from all cameras for a while, and come back together. After each
 occlusion it is asked, by the points of the first fifth of a second in which the marker is seen again,
 
     tracker   whether they go on the marker's track (right), begin one of their own (new), or belong to a track that was
@@ -41,6 +41,8 @@ LENGTHS = (0.3, 0.5, 1.0, 1.5, 2.0)
 """Of occlusions, s."""
 GROUPS = 10
 """Of markers that are hidden, a walk."""
+SIZES = (1, 2, 3, 8)
+"""Of a group; the greatest is a limb."""
 SIDE = 0.2
 """Of a path that tells its identity before and after an occlusion, s."""
 NEAR = 15.0
@@ -63,6 +65,8 @@ MARKERS = """
     LASI LTHI LKNE LHFB LTUB LTIB LSHN LANK LHEE LCPG LLCA LSTL LNAV LP1M LP5M LD5M LTOE LHLX RTHI RKNE RHFB RTUB RTIB
     RSHN RANK RHEE RCPG RLCA RSTL RNAV RP1M RP5M RD5M RTOE RHLX"""
 """Of the children: their files have computed points beside."""
+EXCHANGED = {"HC032A": {"RHLX", "RNAV"}}
+"""Markers whose names are exchanged within the reference itself."""
 
 
 class Walk(NamedTuple):
@@ -108,7 +112,7 @@ def walks(seed: int) -> Iterator[Walk]:
         files = [ROOT / folder / f"{name}{number}.c3d" for number in (walk, other)]
         if all(file.is_file() for file in files):
             trial, named = (read_trial(file).trajectories for file in files)
-            both = [m for m in markers_of(trial) if m in named.names]
+            both = [m for m in markers_of(trial) if m in named.names and m not in EXCHANGED.get(name, ())]
             template = SessionTemplate(learn_template(named.select(both)), ("another walk",))
             subject = from_trajectories(trial.select(both))
             yield Walk(f"recorded, {name}, {len(both)} markers", subject, template, 0.2, 8)
@@ -120,7 +124,7 @@ def markers_of(trial: Trajectories) -> list[str]:
 
 
 def occlusions(subject: Subject, seed: int) -> list[Occlusion]:
-    """Of groups of one to three neighbours, none of a marker twice within a second."""
+    """Of groups of neighbours, none of a marker twice within a second."""
     rng = np.random.default_rng([seed, len(subject)])
     rate, n_frames = subject.rate, subject.n_frames
     busy, found = np.zeros((len(subject), n_frames), bool), list[Occlusion]()
@@ -131,7 +135,7 @@ def occlusions(subject: Subject, seed: int) -> list[Occlusion]:
         if n_frames <= n + 2 * margin:
             continue
         first = int(rng.integers(margin, n_frames - n - margin))
-        group = np.argsort(apart[rng.integers(len(subject))])[: rng.integers(1, 4)]
+        group = np.argsort(apart[rng.integers(len(subject))])[: rng.choice(SIZES)]
         if busy[group, first - margin : first + n + margin].any():
             continue
         busy[group, first - margin : first + n + margin] = True

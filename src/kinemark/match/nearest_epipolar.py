@@ -41,7 +41,7 @@ from .epipolar_triplets import costs
 from .stage import MATCH
 
 UPRIGHT = 1e-9
-"""|ℓ₂| of a line of unit normal, at least: of an upright one (4) would divide by nothing; far below any real slope."""
+"""|ℓ₂| of a line of unit normal, at least, as (4) would divide by nothing; chosen: far below any real slope."""
 
 
 @dataclass(frozen=True, slots=True)

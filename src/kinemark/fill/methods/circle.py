@@ -16,8 +16,9 @@ rotation M that takes u there to u here (it does not turn about the line), and
 
 At an end of the path there is one of them. What (1) and (2) are off half way through a gap of this length is measured
 where the marker is seen, in the axes u, e and u × e; it falls towards the edges as a polynomial's does, to what a gap
-of one frame has, which is noise. So the covariance is long along the circle and short across it, and the image of one camera in the gap (`rays`) makes it the
-place where the camera's ray meets the circle. Of all pairs of reference markers that one is taken which is least off.
+of one frame has, which is noise. So the covariance is long along the circle and short across it, and the image of one
+camera in the gap (`rays`) makes it the place where the camera's ray meets the circle. Of all pairs of reference markers
+that one is taken which is least off.
 """
 
 from __future__ import annotations
@@ -106,8 +107,9 @@ def on_circle(known: KnownSamples, marker: int, pair: Ints, first: Ints, last: I
     ends = [_beside(known, marker, pair, end, u) for end in (first, last)]
     w = np.where(last > first, (frames - first) / np.maximum(last - first, 1), 0.0)
     d1, d2 = ((1 - w) * ends[0][k] + w * ends[1][k] for k in (0, 1))
-    s = (d1**2 - d2**2 + D**2) / (2 * D)
-    radius = np.sqrt(np.maximum(d1**2 - s**2, 0.0))
+    with np.errstate(invalid="ignore", divide="ignore"):  # two markers in one place: no line
+        s = (d1**2 - d2**2 + D**2) / (2 * D)
+        radius = np.sqrt(np.maximum(d1**2 - s**2, 0.0))
     e = unit((1 - w)[:, None] * ends[0][2] + w[:, None] * ends[1][2])  # (2)
     return OnCircle(a + s[:, None] * u + radius[:, None] * e, np.stack([u, e, cross(u, e)], -1))  # (1)
 
@@ -117,7 +119,8 @@ def _beside(known: KnownSamples, marker: int, pair: Ints, end: Ints, u: Floats) 
     a, b, x = known.at(np.append(pair, marker)[:, None], end)
     u0, way = unit(b - a), x - a
     p = unit(way - (way * u0).sum(-1, keepdims=True) * u0)
-    turned = p - ((u * p).sum(-1) / (1 + (u0 * u).sum(-1)))[:, None] * (u0 + u)  # (3)
+    with np.errstate(invalid="ignore", divide="ignore"):  # a line that turns right round: no shortest rotation
+        turned = p - ((u * p).sum(-1) / (1 + (u0 * u).sum(-1)))[:, None] * (u0 + u)  # (3)
     return np.linalg.norm(way, axis=-1), np.linalg.norm(x - b, axis=-1), turned
 
 

@@ -4,7 +4,9 @@ Twelve tests a run: one marker (tests 1 to 6) or two (7 to 12) are hidden for 1/
 (`swamidas_runs`). A test passes when every point has the identity of its marker, in the gaps too. The recordings
 are lost; the arm's motions are rebuilt, and each test is run from several phases of the cycle, so "6/8" stands where
 the published table has one letter. The images are left out: without noise they give the points back exactly. A second
-line has the segments' lengths, learned from the first frames, refuse matches, which the document leaves to its model.
+line has the segments' lengths, learned from the first frames, refuse matches, which the document leaves to its model;
+the third runs through the recording backwards; in the fourth predictions from both ends of a gap meet in its middle, as
+5.2 recommends.
 
 Table 4.6 is illegible in the copy at hand; its letters are those that the text tells (4.2.3.1 and 5.1).
 
@@ -74,6 +76,10 @@ class Outcome(NamedTuple):
     off: Floats
 
 
+Found = dict[int, dict[int, list[Outcome]]]
+"""By run and test, an outcome a phase."""
+
+
 def outcome(run: Run, test: int, *, method: Swamidas = DEFAULT, extra: int | None = None) -> Outcome:
     """Run a test; `extra` seeds a false point that comes with each marker that comes back."""
     n_gap = gap_frames(test)
@@ -85,8 +91,14 @@ def outcome(run: Run, test: int, *, method: Swamidas = DEFAULT, extra: int | Non
         passed=bool((followed.tracks.id[marker >= 0] == marker[marker >= 0]).all()),
         squared=_squared(followed, run.xyz, seen),
         by=_returns(followed, seen, marker),
-        off=followed.expected[STARTS[0] + n_gap].xyz[0] - run.xyz[0, STARTS[0] + n_gap],
+        off=_expected_back(followed, STARTS[0] + n_gap) - run.xyz[0, STARTS[0] + n_gap],
     )
+
+
+def _expected_back(followed: SwamidasResult, f: int) -> Floats:
+    """(3) mm where the first track was expected in frame f; NaN where predictions met before."""
+    frame = followed.expected[f]
+    return np.array([*frame.xyz[frame.id == 0], np.full(3, np.nan)][0])
 
 
 def _anywhere(run: Run, seed: int) -> Floats:
@@ -130,14 +142,15 @@ def passes(
     return {test: [outcome(run, test, method=method) for run in runs(number, phases)] for test in tests}
 
 
-def table_6(found: dict[int, dict[int, list[Outcome]]], better: dict[int, dict[int, list[Outcome]]]) -> Iterator[str]:
+def table_6(found: Found, better: Found, backward: Found, meeting: Found) -> Iterator[str]:
     """Lines of table 4.6 for runs 1 to 3."""
+    ways = {"here": found, "with segments": better, "backward": backward, "meeting (5.2)": meeting}
     yield "Table 4.6: tests passed (P) and failed (F); here, of how many phases so many passed"
     yield "  test                     " + "".join(f"{test:>6d}" for test in TESTS)
     yield "  gap, frames              " + "".join(f"{gap_frames(test):>6d}" for test in TESTS)
     for number, letters in LETTERS.items():
         yield f"  run {number}: published         " + "".join(f"{letter:>6s}" for letter in letters)
-        for words, table in (("here              ", found), ("with segments     ", better)):
+        for words, table in ways.items():
             shares = (f"{sum(o.passed for o in table[number][test])}/{len(table[number][test])}" for test in TESTS)
             yield f"         {words:18s}" + "".join(f"{share:>6s}" for share in shares)
     yield "How a marker that comes back was found, %: by region, distance, velocity, elimination, not at all"
@@ -148,21 +161,26 @@ def table_6(found: dict[int, dict[int, list[Outcome]]], better: dict[int, dict[i
             yield f"  run {number}, {words}: " + "".join(f"{100 * np.mean(np.equal(by, kind)):6.1f}" for kind in kinds)
 
 
-def tables_7_to_9(found: dict[int, dict[int, list[Outcome]]]) -> Iterator[str]:
+def tables_7_to_9(found: Found, meeting: Found) -> Iterator[str]:
     """Lines of tables 4.7 to 4.9, the mean over the phases in which the test passed."""
     for (number, test), published in SQUARED.items():
         if test == 1:
             yield f"Table 4.{number + 6}: run {number}, mean squared error in the gaps along x, y, z, feet²"
             yield f"{'':21s}" + "".join(f"{'marker ' + name:>24s}" for name in ("A (D)", "B", "C"))
-        passed = [o.squared for o in found[number][test] if o.passed]
-        own = np.mean(passed, axis=0) / FOOT**2 if passed else np.full((3, 3), np.nan)
-        for words, rows in ((f"test {test:2d}: published", np.array(published)), ("here", own)):
+        own, met = (_mean_squared(table[number][test]) for table in (found, meeting))
+        for words, rows in ((f"test {test:2d}: published", np.array(published)), ("here", own), ("meeting", met)):
             yield f"  {words:>19s}" + "".join(f"{x:>10.2f}{y:7.2f}{z:7.2f}" for x, y, z in rows)
     off = np.abs([o.off for o in found[1][12]]) / FOOT
     yield (
         'Run 1, test 12, marker A at the end of its first gap: published "as far as 5 feet away"; '
         f"here {off.max(1).min():.1f} to {off.max():.1f} feet along one coordinate"
     )
+
+
+def _mean_squared(outcomes: list[Outcome]) -> Floats:
+    """(3, 3) feet², the mean over those that passed."""
+    passed = [o.squared for o in outcomes if o.passed]
+    return np.mean(passed, axis=0) / FOOT**2 if passed else np.full((3, 3), np.nan)
 
 
 def table_10(phases: int) -> Iterator[str]:
@@ -190,8 +208,12 @@ def main() -> None:
     phases = int(sys.argv[1]) if len(sys.argv) > 1 else 8
     found = {number: passes(number, phases) for number in (1, 2, 3)}
     stiff = Swamidas(segment_tolerance=0.05)
-    better = {number: passes(number, phases, method=stiff) for number in (1, 2, 3)}
-    for lines in (table_6(found, better), tables_7_to_9(found), table_10(phases), extra_points(phases)):
+    better, backward, meeting = (
+        {number: passes(number, phases, method=method) for number in (1, 2, 3)}
+        for method in (stiff, Swamidas(direction="backward"), Swamidas(direction="meeting"))
+    )
+    tables = table_6(found, better, backward, meeting), tables_7_to_9(found, meeting)
+    for lines in (*tables, table_10(phases), extra_points(phases)):
         print("\n".join(lines))
         print()
 

@@ -22,6 +22,7 @@ SPOT = Witness(3, (1.0, 2.0, 3.0))
         lambda: Put("LKNE", 3, (0.0, 0.0, 0.0), 0.0),
         lambda: Put("LKNE", 3, (0.0, float("inf"), 0.0), 1.0),
         lambda: Smooth("LKNE", 1, 9, -1.0),
+        lambda: Smooth("LKNE", 1, 9, 6.0, "smooth", "kernel"),
         lambda: GapChoice("LKNE", 5, 4, "best"),
         lambda: Trim(9, 1),
     ],

@@ -41,6 +41,22 @@ def test_programs_and_tests_that_a_page_names_exist(page):
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
+FILES = [
+    f"/{path.relative_to(ROOT).as_posix()}"
+    for folder in ("src", "studies", "benchmarks", "tests", "docs")
+    for path in (ROOT / folder).rglob("*.py")
+]
+"""All modules and programs of the project."""
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
+def test_modules_that_a_page_names_exist(page):
+    """By their whole path or the end of it."""
+    named = re.findall(r"`([\w/]+\.py)`", page.read_text(encoding="utf-8"))
+    ends = [name for name in named if not any(path.endswith(f"/{name}") for path in FILES)]
+    assert ends == []
+
+
 @pytest.mark.parametrize("key", references)
 def test_every_source_is_complete(key):
     entry = references[key]

@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.data import MarkerTrajectory, Origin
 from kinemark.data.edits import (
+    SMOOTHING,
     AddEvent,
     DropUnnamed,
     Erase,
@@ -108,6 +109,22 @@ def test_a_smoothed_stretch_loses_noise_and_keeps_the_motion(named):
     assert np.std((after.xyz - named["A"].xyz)[60:140]) < 0.5 * np.std(off[60:140])
     assert np.array_equal(after.xyz[:50], noisy[:50])
     assert outcome(named, Smooth("A", 61, 160, 80.0))[1] == ["orphan"], "above half the rate"
+
+
+@pytest.mark.parametrize("function", SMOOTHING)
+def test_a_stretch_is_smoothed_by_the_function_that_is_chosen(named, function):
+    """Each leaves the slow motion, takes noise away, and of a wave at the cut-off leaves 1/√2."""
+    noisy = named["A"].xyz + np.random.default_rng(0).normal(0, 1, (200, 3))
+    rough = replace(named, paths=(MarkerTrajectory.measured("A", noisy), *named.paths[1:]))
+    edited, outcomes = outcome(rough, Smooth("A", 61, 160, 6.0, "smooth", function))
+    after = edited.trajectories["A"].xyz
+    assert outcomes == ["held"] and np.array_equal(after[:50], noisy[:50]) and np.array_equal(after[150:], noisy[150:])
+    assert np.std((after - named["A"].xyz)[60:140]) < 0.55 * np.std((noisy - named["A"].xyz)[60:140])
+    wave = np.sin(2 * np.pi * 6.0 * np.arange(200) / named.rate)[:, None] * np.ones(3)
+    whole = replace(named, paths=(MarkerTrajectory.measured("A", 1e6 + wave), *named.paths[1:]))
+    edited, _ = outcome(whole, Smooth("A", 11, 210, 6.0, "smooth", function))
+    left = np.std(edited.trajectories["A"].xyz[60:140] - 1e6) / np.std(wave[60:140])
+    assert left == pytest.approx(0.5**0.5, abs=0.06)
 
 
 def test_choices_for_gaps_are_honoured_and_leave_other_gaps_as_they_were(named):

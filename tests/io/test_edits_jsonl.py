@@ -33,6 +33,7 @@ EVERY = (
     Put("LKNE", 3, (1.0, 2.0, 3.0), 0.5, (("cam1", 1.0, 2.0),), "w"),
     GapChoice("LKNE", 1, 2, "best"),
     Smooth("LKNE", 1, 9, 6.0),
+    Smooth("LKNE", 1, 9, 6.0, "smooth", "woltring"),
     ImagePoint("cam1", 4, 1.0, 2.0, None),
     Verdict("swap", (WHERE, WHERE), True),
     Trim(1, 2),
@@ -50,6 +51,13 @@ def journal(n=4):
         lines.append(line_of(Entry(k + 1, f"2026-11-23T04:0{k}:00", "op", "why" * k, "1", before, (Trim(1, 5 + k),))))
         before = hash_of(lines[-1])
     return lines
+
+
+def test_a_line_that_says_no_function_of_smoothing_means_the_first():
+    """So that journals of before there was a choice are read, and written, as they were."""
+    line = line_of(Entry(1, "2026", "op", "", "1.0", NOTHING, (Smooth("LKNE", 1, 9, 6.0),)))
+    assert b"function" not in line and b"butterworth" not in line
+    assert parse_journal(line).entries[0].edits[0].function == "butterworth"
 
 
 def test_every_edit_comes_back_as_it_was():

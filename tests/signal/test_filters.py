@@ -6,7 +6,7 @@ from scipy.interpolate import make_smoothing_spline
 
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.kinematics import Butterworth, WoltringSpline, residual_cutoff, smooth
-from kinemark.signal.filters import butterworth, butterworth_gain, residual_analysis
+from kinemark.signal.filters import butterworth, butterworth_gain, moving_average, residual_analysis
 from kinemark.signal.splines import smoothing_spline
 from kinemark.signal.woltring import spline_gain, woltring
 
@@ -166,3 +166,17 @@ def test_both_forms_of_the_spline_are_the_same_spline():
     banded = woltring(np.where(seen[:, None], y, np.nan), half_order=m, cutoff=cutoff)
     within = slice(np.flatnonzero(seen)[0], np.flatnonzero(seen)[-1] + 1)
     np.testing.assert_allclose(banded.values[within], kernels.values[within], atol=1e-6)
+
+
+def test_the_moving_average_is_the_mean_about_each_sample_and_keeps_lines():
+    y = np.random.default_rng(2).normal(1e6, 3.0, (40, 3))
+    out = moving_average(y, 7)
+    np.testing.assert_allclose(out[10], y[7:14].mean(0))
+    np.testing.assert_allclose(out[1], y[:3].mean(0))
+    np.testing.assert_array_equal(out[[0, -1]], y[[0, -1]])
+    line = np.outer(np.arange(40.0), [1.0, -2.0, 0.5]) + 7
+    np.testing.assert_allclose(moving_average(line, 9), line, atol=1e-9)
+    np.testing.assert_array_equal(moving_average(y, 1), y)
+    for wrong in (0, 4):
+        with pytest.raises(ValueError, match="wanted an odd number"):
+            moving_average(y, wrong)

@@ -82,3 +82,10 @@ class AngleModel:
             self.names, self.links, self.bank, self.length, self.spread,
             self.direction @ R.T, R @ self.cov @ R.T, self.cycles, self.period,
         )  # fmt: skip
+
+    def reversed(self) -> AngleModel:
+        """The same motion backwards in time."""
+        return AngleModel(
+            self.names, self.links, self.bank, self.length, self.spread,
+            self.direction[:, ::-1], self.cov[:, ::-1], self.cycles[:, ::-1], self.period,
+        )  # fmt: skip

@@ -19,13 +19,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 UNNAMED = "*"
 """What the names of tracks without a marker's name begin with."""
 
 MOST_WITNESSES = 16
 """Of a stretch, a number; twice as many gain at most 0.2 points of samples. Measured by studies/edits.py."""
+
+SmoothingFunction = Literal["butterworth", "woltring", "moving_average"]
+SMOOTHING: tuple[SmoothingFunction, ...] = get_args(SmoothingFunction)
+"""Functions that smooth a stretch; the first is what journals mean that do not say one."""
 
 BEST, OPEN = "best", "open"
 """Choices for a gap besides the name of a method: the least expected error, and nothing."""
@@ -145,17 +149,20 @@ class GapChoice:
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
-    """A stretch of a marker is low-pass filtered, without lag."""
+    """A stretch of a marker is low-pass filtered by a function, without lag; cutoff_hz: where 1/√2 is left."""
 
     marker: str
     first: int
     last: int
     cutoff_hz: float
     kind: Literal["smooth"] = "smooth"
+    function: SmoothingFunction = "butterworth"
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
         _check_span(self.first, self.last)
+        if self.function not in SMOOTHING:
+            raise ValueError(f"function is {self.function!r}, wanted one of {', '.join(SMOOTHING)}")
         if not 0 < self.cutoff_hz < math.inf:
             raise ValueError(f"cutoff_hz is {self.cutoff_hz}, wanted above 0")
 

@@ -73,6 +73,10 @@ TRIAL_KINDS = (
          "volume were left out; between which corners they lie; the unit in which the volume was probably written.",
          {"points": "count", "points_share": "share", "margin_mm": "mm", "least_mm_list": "mm",
           "greatest_mm_list": "mm", "unit": "text"}),
+    Kind("angle_model_unused", "track", "amber", "An angle model was given to the tracking and corrected nothing. why "
+         "is unrecognised (its markers were not found among the tracks), no_neighbour (they were missing, in so many "
+         "frames of all markers, with none in sight to place them from) or not_needed (none was missing: info).",
+         {"why": "text", "missing": "count"}),
     Kind("positions_uncertain", "track", "info", "Positions whose standard deviation exceeds a limit, as where two "
          "cameras look along almost one line; frames in which there are any.",
          {"points": "count", "points_share": "share", "limit_mm": "mm"}),

@@ -17,13 +17,17 @@ from ..data.array_types import Floats
 from ..data.edits import Erase, ImagePoint, Outcome, Put, Smooth
 from ..geometry import refine, triangulate, undistort
 from ..numerics.runs import true_runs
-from ..signal.filters import butterworth, edge_samples
+from ..signal.filters import averaged_samples, butterworth, edge_samples, moving_average
+from ..signal.woltring import woltring
 from .votes import FEWEST
 
 USUAL_SD = 0.3
 """px, of images that state no noise; chosen, as in filling (see benchmarks/gaps.py)."""
 FORESHOT_S = 1.0
 """s of a marker beside a stretch that filtering it looks at, so that it has no edges of its own; chosen."""
+
+FEWEST_SMOOTHED = {"butterworth": edge_samples(2), "woltring": 6, "moving_average": 2}
+"""Samples of a run, above which each function can smooth it; by definition of these."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +87,7 @@ def put(path: MarkerTrajectory, edit: Put, of: Footage) -> Changed:
 
 
 def smooth(path: MarkerTrajectory, edit: Smooth, of: Footage) -> Changed:
-    """A stretch is filtered by a Butterworth filter of fourth order without lag; what is missing stays missing."""
+    """A stretch is smoothed by the function that the edit names, without lag; what is missing stays missing."""
     at = _span(path, edit.first, edit.last, of)
     if not 0 < edit.cutoff_hz < of.rate / 2:
         return path, Result("orphan", reason=f"a cut-off of {edit.cutoff_hz:g} Hz is none at {of.rate:g} Hz")
@@ -93,16 +97,27 @@ def smooth(path: MarkerTrajectory, edit: Smooth, of: Footage) -> Changed:
     for first, stop in true_runs(path.origin != Origin.MISSING).tolist():
         first, stop = max(first, at.start - beside), min(stop, at.stop + beside)
         inside = slice(max(first, at.start), min(stop, at.stop))
-        if inside.start >= inside.stop or stop - first <= edge_samples(2):
+        if inside.start >= inside.stop or stop - first <= FEWEST_SMOOTHED[edit.function]:
             continue
         origin_of = xyz[first]
-        smoothed = butterworth(path.xyz[first:stop] - origin_of, rate=of.rate, cutoff_hz=edit.cutoff_hz) + origin_of
+        smoothed = _smoothed(path.xyz[first:stop] - origin_of, edit, of.rate) + origin_of
         xyz[inside] = smoothed[inside.start - first : inside.stop - first]
         changed[inside] = True
     if not changed.any():
         return path, Result("moot", reason="no run of samples in these frames is long enough to filter")
     origin[changed] = Origin.EDITED
     return replace(path, xyz=xyz, origin=origin), Result("held", int(changed.sum()))
+
+
+def _smoothed(y: Floats, edit: Smooth, rate: float) -> Floats:
+    """y (F, 3) by the function of the edit."""
+    match edit.function:
+        case "butterworth":
+            return butterworth(y, rate=rate, cutoff_hz=edit.cutoff_hz)
+        case "woltring":
+            return woltring(y, cutoff=edit.cutoff_hz / rate).values
+        case "moving_average":
+            return moving_average(y, averaged_samples(rate=rate, cutoff_hz=edit.cutoff_hz))
 
 
 def with_image(path: MarkerTrajectory, edit: ImagePoint, of: Footage) -> Changed:

@@ -17,6 +17,7 @@ from ..data.edits import (
     ImagePoint,
     Put,
     Smooth,
+    SmoothingFunction,
     TrackAgain,
     Trim,
     Verdict,
@@ -108,9 +109,16 @@ def gap(of: Editing, marker: str, first: int, last: int, method: str) -> GapChoi
     return made(GapChoice, known(of, marker), first, last, method)
 
 
-def smooth(of: Editing, marker: str, first: int, last: int, cutoff_hz: float) -> Smooth:
-    """A stretch of a marker is low-pass filtered."""
-    return made(Smooth, known(of, marker), first, last, cutoff_hz)
+def smooth(
+    of: Editing,
+    marker: str,
+    first: int,
+    last: int,
+    cutoff_hz: float,
+    function: SmoothingFunction = "butterworth",
+) -> Smooth:
+    """A stretch of a marker is low-pass filtered by a function."""
+    return made(Smooth, known(of, marker), first, last, cutoff_hz, "smooth", function)
 
 
 def image(of: Editing, camera: str, frame: int, u: float, v: float, marker: str | None) -> ImagePoint:

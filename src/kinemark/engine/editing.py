@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
-from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, Trim, facts_of
+from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, SmoothingFunction, Trim, facts_of
 from ..edit import Connection, Edited, connection, replay
 from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
@@ -208,9 +208,18 @@ class Editing:
         """How gaps of a marker that reach into these frames are filled: a method, "best" or "open"."""
         return self.say(edit_makers.gap(self, marker, first, last, method), why=why)
 
-    def smooth(self, marker: str, first: int, last: int, cutoff_hz: float, *, why: str = "") -> Said:
-        """A stretch of a marker is low-pass filtered."""
-        return self.say(edit_makers.smooth(self, marker, first, last, cutoff_hz), why=why)
+    def smooth(
+        self,
+        marker: str,
+        first: int,
+        last: int,
+        cutoff_hz: float,
+        *,
+        function: SmoothingFunction = "butterworth",
+        why: str = "",
+    ) -> Said:
+        """A stretch of a marker is low-pass filtered by a function."""
+        return self.say(edit_makers.smooth(self, marker, first, last, cutoff_hz, function), why=why)
 
     def image(self, camera: str, frame: int, u: float, v: float, marker: str | None, *, why: str = "") -> Said:
         """Where a marker is in an image; or that the image there is no marker's."""

@@ -29,7 +29,7 @@ from ..track.simultaneous import (
     track_simultaneously,
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
-from ..track.swamidas import Swamidas
+from ..track.swamidas import Swamidas, diagnose_model, follow_points
 from .fill_files import angle_model
 from .graph import Records, Stage
 from .sources import OperatorIdentities
@@ -108,8 +108,13 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
 def from_points(inputs: TrialInputs, records: Records) -> Tracked:
     """Tracks of points that were matched before."""
     method = with_angle_model(inputs.settings.track, inputs.source.of.root)
-    tracks = track(records["reconstruct"], method=method)
-    return Tracked(tracks, diagnostics=tuple(diagnose_tracks(records["detect"], inputs.rig, tracks)))
+    found = list[Finding]()
+    if isinstance(method, Swamidas):
+        followed = follow_points(records["reconstruct"], method=method)
+        tracks, found = followed.tracks, [*diagnose_model(followed.model)]
+    else:
+        tracks = track(records["reconstruct"], method=method)
+    return Tracked(tracks, diagnostics=(*found, *diagnose_tracks(records["detect"], inputs.rig, tracks)))
 
 
 def with_angle_model(method: Any, root: Path) -> Any:

@@ -6,8 +6,10 @@ from .fill_recording import Filling, fill_recording
 from .filled_gap import Filled, FilledGap
 from .judge.auto import Auto
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
+from .methods.along_line import AlongLine
 from .methods.angles import KalmanAngles, LimbAngles, cycle_events, fit_model, model_events
 from .methods.body import Body
+from .methods.circle import Circle
 from .methods.cyclic import Cyclic
 from .methods.kalman_predictor import Kalman
 from .methods.local_regression import LocalRegression
@@ -28,8 +30,10 @@ __all__ = [
     "FILL",
     "LIMIT",
     "PCA",
+    "AlongLine",
     "Auto",
     "Body",
+    "Circle",
     "Cubic",
     "Cyclic",
     "Filled",

@@ -19,7 +19,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from ..data.edits import Edit, Entry
+from ..data.edits import SMOOTHING, Edit, Entry
 
 SEAL = re.compile(rb'(.*),"hash":"([0-9a-f]{64})"\}', re.DOTALL)
 NOTHING = hashlib.sha256(b"").hexdigest()
@@ -109,5 +109,9 @@ def _parse(number: int, line: bytes) -> Entry | Fault:
 
 
 def _plain(edits: tuple[Edit, ...]) -> Any:
-    """Edits as JSON has them."""
-    return json.loads(_EDITS.dump_json(edits))
+    """Edits as JSON has them; the smoothing function is said where it is not the one of journals that say none."""
+    said = json.loads(_EDITS.dump_json(edits))
+    for one in said:
+        if one.get("function") == SMOOTHING[0]:
+            del one["function"]
+    return said

@@ -10,17 +10,25 @@ second camera lies at the distance
 
     d = |ℓ₁ u' + ℓ₂ v' + ℓ₃| / √(ℓ₁² + ℓ₂²)                              (3)
 
-from it, and the nearest one is the match. Where two images of the base ask for one image, the nearer has it and the
-other looks on among those left: pairs are taken in the order of (3), each image once. So where one camera sees more
-than the other, what is left over there goes without, as the document's flag for unequal numbers has it.
+from it, and the nearest one is the match. The document's search is by "the nearest vertical distance" from the line,
+along v alone,
 
-The document has no limit to (3): a marker that only one camera sees is paired with whatever is nearest, if the other
+    d_v = |ℓ₁ u' + ℓ₂ v' + ℓ₃| / |ℓ₂| = d √(1 + (ℓ₁ / ℓ₂)²)                (4)
+
+For one line that is the same order. Where two images of the base ask for one image, the nearer has it and the other
+looks on among those left: pairs are taken in the order of the distance, each image once. There (4) favours the flatter
+line and (3) neither; yet all lines run through one point, the epipole, and where that is far from the image rivals are
+all but parallel. So where one camera sees more than the other, what is left over there goes without, as the document's
+flag for unequal numbers has it.
+
+The document has no limit to it: a marker that only one camera sees is paired with whatever is nearest, if the other
 camera has an image left. It has no third camera either, so two markers in one epipolar plane are told apart by chance.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -31,6 +39,9 @@ from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
 from .epipolar_triplets import costs
 from .stage import MATCH
+
+UPRIGHT = 1e-9
+"""|ℓ₂| of a line of unit normal, at least, as (4) would divide by nothing; chosen: far below any real slope."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +57,10 @@ class NearestEpipolar(Method):
         None, former="band", unit="px", above=0,
         meaning="images farther than this from the line are no match; None: no limit, as in the document",
     )  # fmt: skip
+    distance: Literal["perpendicular", "vertical"] = parameter(
+        "perpendicular",
+        meaning="from the line: perpendicular to it; or vertical, along v, as the document says",
+    )
 
     def check_together(self) -> None:
         """Refuse any other number of cameras than two."""
@@ -64,8 +79,8 @@ def match_nearest(detections: Detections, rig: Rig, *, method: NearestEpipolar =
     check_cameras(detections, rig)
     r, s = two = _two_cameras(rig, method.cameras)
     uv = ideal_pixels(detections, rig, cameras=two)
-    F, band = fundamental(rig.P[r], rig.P[s]), np.inf if method.search_band is None else method.search_band
-    found = [_frame_pairs(detections, uv, f, two, F, band) for f in range(detections.n_frames)]
+    F = fundamental(rig.P[r], rig.P[s])
+    found = [_frame_pairs(detections, uv, f, two, F, method) for f in range(detections.n_frames)]
     frame = np.repeat(np.arange(detections.n_frames), [len(i) for i, _ in found])
     detection = np.full((len(frame), len(rig)), -1)
     detection[:, r] = np.concatenate([i for i, _ in found] or [np.zeros(0, np.int64)])
@@ -87,12 +102,15 @@ def _two_cameras(rig: Rig, names: tuple[str, ...]) -> tuple[int, int]:
 
 
 def _frame_pairs(
-    detections: Detections, uv: Floats, f: int, cameras: tuple[int, int], F: Floats, band: float
+    detections: Detections, uv: Floats, f: int, cameras: tuple[int, int], F: Floats, method: NearestEpipolar
 ) -> tuple[Ints, Ints]:
     """Rows of the base and of the other camera that belong together in frame f."""
     i, j = (np.arange(*detections.start[c, f : f + 2]) for c in cameras)
     line = epipolar_lines(F, uv[i])  # (2)
     distance = np.abs(line[:, :2] @ uv[j].T + line[:, 2:])  # (3)
+    if method.distance == "vertical":
+        distance = distance / np.maximum(np.abs(line[:, 1:2]), UPRIGHT)  # (4)
+    band = np.inf if method.search_band is None else method.search_band
     a, b = nearest_pairs(np.where(distance <= band, distance, np.inf))
     return i[a], j[b]
 

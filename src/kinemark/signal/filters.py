@@ -48,6 +48,28 @@ def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> 
     return sosfiltfilt(sections, y, axis=0, padlen=edge_samples(order))
 
 
+def moving_average(y: Floats, samples: int) -> Floats:
+    """Means of y (F, k) without NaN over an odd number of samples about each; fewer towards the ends, on both sides
+    alike, so that a straight line stays as it is.
+
+    Raises:
+        ValueError: the number is even or below 1.
+    """
+    if samples < 1 or samples % 2 == 0:
+        raise ValueError(f"samples is {samples}, wanted an odd number")
+    n = len(y)
+    side = np.minimum(samples // 2, np.minimum(np.arange(n), np.arange(n)[::-1]))
+    total = np.concatenate([np.zeros((1, *y.shape[1:])), np.cumsum(y - y[:1], axis=0)])
+    mean = (total[np.arange(n) + side + 1] - total[np.arange(n) - side]) / (2 * side + 1)[:, None]
+    return np.asarray(mean + y[:1])
+
+
+def averaged_samples(*, rate: float, cutoff_hz: float) -> int:
+    """The odd number of samples whose mean leaves 1/√2 nearest to the cut-off: sin(π n ν) = n sin(π ν) / √2, that is
+    n = 0.443 / ν for small ν = cutoff / rate."""
+    return 2 * round((0.443 * rate / cutoff_hz - 1) / 2) + 1
+
+
 def edge_samples(order: int) -> int:
     """Samples mirrored at each end of the filter; a run must have more."""
     return 6 * order

@@ -128,6 +128,29 @@ def correct_with_differences(state: KalmanState, past: Floats, sd: float) -> Kal
     return KalmanState(state.x + G @ (D @ past - state.x), _symmetric(state.P - G @ state.P))
 
 
+def follow(path: Floats, sd: float, process_sd: float) -> KalmanState | None:
+    """The state of one marker one frame after the last of its positions (H, 3) mm, NaN where it was not seen.
+
+    Args:
+        path: positions, the last of them seen or not.
+        sd, process_sd: as in `initial_state`.
+
+    Returns:
+        None where it was nowhere seen in three frames in a row.
+    """
+    state: KalmanState | None = None
+    for k in range(2, len(path)):
+        past = path[None, k - 2 : k + 1][:, ::-1]
+        consecutive = not np.isnan(past).any()
+        if state is None:
+            state = initial_state(past, sd, process_sd) if consecutive else None
+        elif np.isnan(past[0, 0]).any():
+            state = predict(state, process_sd)
+        else:
+            state = update(state, np.nan_to_num(past), np.array([consecutive]), sd, process_sd)
+    return state
+
+
 def _process(process_sd: float) -> Floats:
     """Q of (2)."""
     return np.diag([0.0, 0.0, process_sd**2])

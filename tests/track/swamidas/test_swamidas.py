@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from kinemark.data import Detections, KinemarkError, Rig, Validity, same
 from kinemark.match.nearest_epipolar import NearestEpipolar, match_nearest, nearest_pairs
+from kinemark.synth import circle_over_cylinder, elbow_flexion, tilted_rectangle
 from kinemark.track.swamidas import (
     Constraint,
     DistanceOnly,
@@ -24,6 +25,7 @@ from kinemark.track.swamidas import (
 from kinemark.track.swamidas.constraints import PredictedPoints, half_size, match_points
 from kinemark.track.swamidas.distance_only import shortest_first
 from kinemark.track.swamidas.learning import learn_error
+from kinemark.track.swamidas.reversal import reversed_cloud, reversed_rows
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points, learn_segments
 from support.clouds import cloud_and_markers as cloud_of
 from support.examples import examples
@@ -381,3 +383,64 @@ def test_the_band_and_validity_keep_points_out():
     many = Detections.build(rig.names, 50.0, [[1], [1001]], np.zeros((1002, 2)))
     with pytest.raises(KinemarkError, match=r"c1 has 1001 points in frame 0, wanted at most 1000"):
         match_nearest(many, rig)
+
+
+def arm(number=1, *, hide, seconds=6.0):
+    """A motion of the arm with markers hidden: frames by marker; the cloud, and the marker of each point."""
+    motion = {1: circle_over_cylinder, 2: tilted_rectangle, 3: elbow_flexion}[number]
+    subject = motion(duration_s=seconds, seed=4)
+    seen = np.ones(subject.xyz.shape[:2], bool)
+    for marker, frames in hide.items():
+        seen[marker, frames] = False
+    return *cloud_of(subject.xyz, seen, rate=subject.rate), subject.xyz
+
+
+def test_backwards_it_does_what_it_does_forwards_to_the_recording_reversed():
+    cloud, _, _ = arm(hide={0: slice(40, 60), 1: slice(90, 100)})
+    back = follow_points(cloud, method=Swamidas(direction="backward"))
+    turned = reversed_cloud(cloud)
+    forward = follow_points(turned, method=Swamidas())
+    rows = reversed_rows(cloud)
+    pairs = {(int(a), int(b)) for a, b in zip(back.tracks.id[rows], forward.tracks.id, strict=True)}
+    assert len(pairs) == len({a for a, _ in pairs}) == 3  # the same but for the numbers
+    np.testing.assert_array_equal(cloud.xyz, reversed_cloud(turned).xyz)
+    own = dict(pairs)
+    for k in range(3):
+        np.testing.assert_allclose(back.path(k), forward.path(own[k])[::-1])
+
+
+def test_the_thesis_predictor_is_wrong_after_a_second_where_predictions_that_meet_are_right():
+    """Hand and elbow of the first motion hidden at once: forwards they are exchanged, by both ends they are not."""
+    cloud, marker, _ = arm(hide={0: slice(60, 100), 1: slice(60, 100)})
+    forward = follow_points(cloud, method=Swamidas())
+    meeting = follow_points(cloud, method=Swamidas(direction="meeting"))
+    assert (forward.tracks.id != marker).any()
+    np.testing.assert_array_equal(meeting.tracks.id, marker)
+    assert (meeting.by == Constraint.MEETING).sum() == 2
+
+
+def test_predictions_that_meet_are_of_half_the_gap():
+    cloud, marker, xyz = arm(hide={0: slice(60, 90)})
+    off = {}
+    for direction in ("forward", "backward", "meeting"):
+        found = follow_points(cloud, method=Swamidas(direction=direction))
+        np.testing.assert_array_equal(found.tracks.id, marker)
+        off[direction] = np.linalg.norm(found.path(0) - xyz[0], axis=1)
+    # Each to the middle of the gap is what it is alone, and there are no later frames of it.
+    np.testing.assert_allclose(off["meeting"][60:75], off["forward"][60:75], rtol=1e-6)
+    np.testing.assert_allclose(off["meeting"][76:90], off["backward"][76:90], rtol=1e-6)
+    assert off["meeting"].max() < min(off["forward"].max(), off["backward"].max()) / 4
+    assert not np.isnan(off["meeting"]).any()
+
+
+def test_the_longest_gap_that_is_joined_is_said_and_late_beginnings_count_only_where_asked():
+    cloud, marker, _ = arm(hide={0: slice(60, 75), 1: slice(0, 30)})
+    found = follow_points(cloud, method=Swamidas(direction="meeting"))
+    assert set(found.tracks.id[marker == 1]) == {-1} and len(set(found.tracks.id[marker == 0])) == 1
+    found = follow_points(cloud, method=Swamidas(direction="meeting", max_coasting=0.3, initiate_from="any"))
+    assert len(set(found.tracks.id[marker == 0])) == 2 and len(set(found.tracks.id[marker == 1])) == 1
+
+
+def test_meeting_and_a_model_are_not_asked_for_together():
+    with pytest.raises(ValueError, match=r"meeting.*angle model, wanted one"):
+        Swamidas(direction="meeting", angle_model="own")

@@ -8,6 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...data.edits import SmoothingFunction
 from ..output import Json
 
 Why = Annotated[str, Parameter(help="Why, in your words; kept in the journal.")]
@@ -194,19 +195,29 @@ def review(
 
 
 def smooth(
-    trial: Path, marker: str, *, frames: str, cutoff: float, why: Why = "", by: By = "", json: Json = False
+    trial: Path,
+    marker: str,
+    *,
+    frames: str,
+    cutoff: float,
+    function: SmoothingFunction = "butterworth",
+    why: Why = "",
+    by: By = "",
+    json: Json = False,
 ) -> None:
     """Low-pass filter a stretch of a marker, without lag.
 
     Args:
         trial: SESSION/NAME or a file.
         marker: its name. frames: A-B. cutoff: in Hz.
+        function: that smooths: a Butterworth filter of fourth order, Woltring's quintic spline or the moving average.
         why: in your words. by: who says it. json: print it for a machine.
     """
     from ...engine.edit_files import open_editing
     from ..edits_output import closed_span, print_said
 
-    print_said(open_editing(trial, by=by).smooth(marker, *closed_span(frames), cutoff, why=why), json)
+    editing, span = open_editing(trial, by=by), closed_span(frames)
+    print_said(editing.smooth(marker, *span, cutoff, function=function, why=why), json)
 
 
 def trim(trial: Path, *, frames: str, why: Why = "", by: By = "", json: Json = False) -> None:

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from ...data.array_types import Floats
 from ...data.method import parameter
-from ...signal.kalman import KalmanState, initial_state, predict, update
+from ...signal.kalman import follow, predict
 from ...signal.smoother import GapPositions, measurement_sd_of, predict_gaps, process_sd_of, smooth_gaps
 from ..marker_array import Gap, MarkerArray, Prediction
 from .stage import FILL, FillMethod
@@ -158,28 +158,13 @@ def _by_differences(path: Floats, sd: Floats, process_sd: Floats, length: int) -
     """(4): as `_predicted` for one gap, since these predictors begin with whole triples."""
     found = GapPositions(*np.full((2, 3, length), np.nan))
     one_sd, one_process_sd = float(np.sqrt((sd**2).mean())), float(np.sqrt((process_sd**2).mean()))
-    state = _follow(path, one_sd, one_process_sd)
+    state = follow(path.T, one_sd, one_process_sd)
     if state is None:
         return found
     for k in range(length):
         found.x[:, k], found.variance[:, k] = state.x[0, 0], state.P[0, 0, 0]
         state = predict(state, one_process_sd)
     return found
-
-
-def _follow(path: Floats, sd: float, process_sd: float) -> KalmanState | None:
-    """The thesis' predictor one frame after the last of the samples (3, H); None without three in a row."""
-    state: KalmanState | None = None
-    for k in range(2, path.shape[1]):
-        past = path[:, k - 2 : k + 1].T[None, ::-1]
-        consecutive = not np.isnan(past).any()
-        if state is None:
-            state = initial_state(past, sd, process_sd) if consecutive else None
-        elif np.isnan(past[0, 0]).any():
-            state = predict(state, process_sd)
-        else:
-            state = update(state, np.nan_to_num(past), np.array([consecutive]), sd, process_sd)
-    return state
 
 
 def _smoothed(windows: _Windows) -> list[GapPositions]:

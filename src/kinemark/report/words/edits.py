@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...data.edits import (
+    SMOOTHING,
     AddEvent,
     Claim,
     DropUnnamed,
@@ -57,7 +58,8 @@ def edit_text(edit: Edit) -> str:
             how = "left open" if edit.method == "open" else f"filled by {edit.method}"
             return f"{edit.marker}, gaps in {_frames(edit.first, edit.last)}: {how}"
         case Smooth():
-            return f"{edit.marker} {_frames(edit.first, edit.last)}: smoothed, {edit.cutoff_hz:g} Hz"
+            by = "" if edit.function == SMOOTHING[0] else f" by {edit.function}"
+            return f"{edit.marker} {_frames(edit.first, edit.last)}: smoothed{by}, {edit.cutoff_hz:g} Hz"
         case ImagePoint():
             who = "no marker" if edit.marker is None else edit.marker
             return f"{who} in {edit.camera}, frame {edit.frame}: ({edit.u:.1f}, {edit.v:.1f}) px"

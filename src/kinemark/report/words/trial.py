@@ -24,6 +24,28 @@ def _disagrees(found: Finding) -> str:
     return f"{start}{times} theirs; its image is offset by ({u}, {v})\u00a0px."
 
 
+def _model_unused(found: Finding) -> str:
+    why = {
+        "unrecognised": "its markers were not found among the tracks, by the lengths and directions of its segments.",
+        "no_neighbour": "where its markers were missing, in {missing} frames of all markers together, none that they "
+        "are connected with was in sight.",
+        "not_needed": "none of its markers was missing.",
+    }
+    said = why.get(str(found.values["why"]), "it was not used.")
+    return fill(f"The angle model of [track] corrected nothing: {said}", found)
+
+
+def _model_unused_advice(found: Finding) -> str:
+    if found.values["why"] == "unrecognised":
+        return (
+            "All its markers must be in sight for learning_time once tracks have begun, and the motion must be the "
+            "model's, in the same direction in the laboratory. Give a model of this motion, or leave angle_model out."
+        )
+    if found.values["why"] == "no_neighbour":
+        return "Identities there are the predictor's alone: look at the gaps, or give a model with more markers."
+    return "Nothing is to be done."
+
+
 def _calibration_verdict(found: Finding) -> str:
     return f"On the calibration: {calibration_headline(found)}"
 
@@ -151,6 +173,7 @@ TRIAL_WORDS = {
         "The static ground was subtracted from the images of {cameras}: it is uneven.",
         'If a marker that stands still is missing there, set background = "none" in [detect].',
     ),
+    "angle_model_unused": Words(_model_unused, _model_unused_advice),
     "camera_disagrees": Words(
         _disagrees,
         "When the offset explains the residual, the camera was moved: calibrate again. Otherwise check its focus and "

@@ -2,16 +2,19 @@
 
 from ...signal.kalman import KalmanState, initial_state, predict, update
 from .constraints import Constraint
+from .diagnostics import diagnose_model
 from .distance_only import DistanceOnly, track_distance
 from .swamidas_method import Swamidas
-from .tracking import SwamidasResult, follow_points, track_swamidas
+from .tracking import ModelUse, SwamidasResult, follow_points, track_swamidas
 
 __all__ = [
     "Constraint",
     "DistanceOnly",
     "KalmanState",
+    "ModelUse",
     "Swamidas",
     "SwamidasResult",
+    "diagnose_model",
     "follow_points",
     "initial_state",
     "predict",

@@ -42,6 +42,7 @@ class Constraint(IntEnum):
     ELIMINATION = 4
     BEGIN = 5
     MODEL = 6
+    MEETING = 7
 
 
 class PredictedPoints(NamedTuple):

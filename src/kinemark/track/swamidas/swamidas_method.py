@@ -33,11 +33,16 @@ class Swamidas(Method):
         meaning="share of the way that the last velocity makes in a frame, by which a region of acceptance (gate) "
         "grows a frame",
     )  # fmt: skip
+    direction: Literal["forward", "backward", "meeting"] = parameter(
+        "forward",
+        meaning="in which the recording is run through; meeting: both, and what a gap parts is joined where the "
+        "predictions from both ends meet in its middle",
+    )
     initiate_from: Literal["first", "any"] = parameter(
         "first",
         former="begin",
-        meaning="which points begin tracks: first, those of the first three frames that have any, or any, those "
-        "that no track takes",
+        meaning="which points begin tracks: first, those of the first three frames that have any (backward: the last), "
+        "or any, those that no track takes",
     )
     max_coasting: float | None = parameter(
         None,
@@ -82,7 +87,13 @@ class Swamidas(Method):
     )  # fmt: skip
 
     def check_together(self) -> None:
-        """Refuse links of a track with itself, lengths that are not one a link, and a model beside its own."""
+        """Refuse links of a track with itself, lengths that are not one a link, a model beside its own, and meeting
+        with a model."""
+        if self.direction == "meeting" and (self.angle_model or self.model):
+            raise ValueError(
+                'direction is "meeting" and there is an angle model, wanted one of them: with a model the places of a '
+                "gap are known all through it; say forward or backward"
+            )
         if self.angle_model == "own" and self.model is not None:
             raise ValueError('angle_model is "own" and there is a model, wanted one of them')
         if self.lengths and len(self.lengths) != len(self.links):

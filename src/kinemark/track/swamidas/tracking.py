@@ -20,7 +20,9 @@ from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, p
 from .angle_guide import AngleGuide, Corrected
 from .constraints import Constraint, PredictedPoints, in_region, match_points
 from .learning import LearnedParameters, stated_parameters
+from .meeting import Join, Piece, joined, joins, pieces_of, without_coasting
 from .own_model import own_model
+from .reversal import numbered_as_they_begin, reversed_cloud, reversed_rows
 from .segments import allowed_points
 from .swamidas_method import DEFAULT, Swamidas
 
@@ -37,15 +39,26 @@ class PredictedFrame(NamedTuple):
     half: Floats
 
 
+class ModelUse(NamedTuple):
+    """What became of an angle model: whether its markers were recognised among the tracks, in how many frames one of
+    them was missing (markers times frames), and in how many of these the model placed it."""
+
+    recognised: bool
+    missing: int
+    placed: int
+
+
 class SwamidasResult(NamedTuple):
     """Tracks, and how they came about.
 
-    tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame.
+    tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame;
+    model: what became of the angle model, None without one.
     """
 
     tracks: Tracks
     by: Ints
     expected: list[PredictedFrame]
+    model: ModelUse | None = None
 
     def path(self, identity: int) -> Floats:
         """(F, 3) mm the points of a track, and its predictions where it has none; NaN before it began."""
@@ -73,10 +86,56 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
         KinemarkError: no model can be made of the trial itself, where it is asked for.
         ValueError: the method names a model's file that was not read.
     """
+    if method.direction == "backward":
+        return _backward(cloud, method)
+    if method.direction == "meeting":
+        return _meeting(cloud, method)
+    return _forward(cloud, method)
+
+
+def _backward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
+    """The recording reversed, followed forwards; its model is of the motion reversed."""
+    model = method.model and method.model.reversed()
+    found = _forward(reversed_cloud(cloud), replace(method, direction="forward", model=model))
+    back = np.argsort(reversed_rows(cloud))
+    identity, new = numbered_as_they_begin(found.tracks.id[back])
+    expected = [frame._replace(id=new[frame.id]) for frame in found.expected[::-1]]
+    return SwamidasResult(Tracks(cloud, identity), found.by[back], expected, found.model)
+
+
+def _meeting(cloud: Cloud, method: Swamidas) -> SwamidasResult:
+    """Pieces without a gap, joined where the predictions from both ends meet."""
+    first = _forward(cloud, without_coasting(method, cloud.rate))
+    sd, process_sd = stated_parameters(cloud, method).sd, method.jerk / cloud.rate**3
+    pieces = pieces_of(first.tracks, sd, process_sd)
+    longest = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
+    found = joins(pieces, process_sd, longest=longest)
+    with_points = np.flatnonzero(np.diff(cloud.start))[:INITIATION_FRAMES]
+    begun_by = int(with_points.max(initial=-1)) if method.initiate_from == "first" else None
+    identity, _ = numbered_as_they_begin(joined(cloud, pieces, found, begun_by=begun_by))
+    by = np.where(identity >= 0, first.by, int(Constraint.NONE))
+    for join in found:
+        by[pieces[join.next].rows[0]] = Constraint.MEETING
+    return SwamidasResult(Tracks(cloud, identity), by, _expected_in_gaps(cloud, identity, pieces, found))
+
+
+def _expected_in_gaps(cloud: Cloud, identity: Ints, pieces: list[Piece], found: list[Join]) -> list[PredictedFrame]:
+    """What was predicted of the frames of gaps; there are no boxes."""
+    rows: list[list[tuple[int, Floats]]] = [[] for _ in range(cloud.n_frames)]
+    for join in found:
+        own = int(identity[pieces[join.next].rows[0]])
+        for f, xyz in enumerate(join.xyz, join.last + 1):
+            rows[f].append((own, xyz))
+    frames = [(np.array([i for i, _ in own], np.int64), np.array([x for _, x in own]).reshape(-1, 3)) for own in rows]
+    return [PredictedFrame(id, xyz, np.full_like(xyz, np.nan)) for id, xyz in frames]
+
+
+def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
+    """As `follow_points`, frame by frame."""
     if method.angle_model is not None and method.model is None:
         if method.angle_model != "own":
             raise ValueError(f"angle_model names {method.angle_model}, which was not read; give its content as model")
-        first = follow_points(cloud, method=replace(method, angle_model=None)).tracks
+        first = _forward(cloud, replace(method, angle_model=None)).tracks
         method = replace(method, angle_model=None, model=own_model(first, method.links))
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     process_sd = method.jerk / cloud.rate**3
@@ -84,6 +143,7 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
     learning_frames = max(round(method.learning_time * cloud.rate), INITIATION_FRAMES)
     known, active, frames, with_points = stated_parameters(cloud, method), no_tracks(), [], 0
     guide = None if method.model is None else AngleGuide(method.model, method, cloud.rate, learning_frames)
+    missing = placed = 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
@@ -92,6 +152,8 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
         allowed = _allowed(active, expected, points, known, method)
         if guide and guide.missing(active).any():
             corrected, taken, reason = _guided(guide, active, expected, points, allowed, known)
+            missing += int(guide.missing(active).sum())
+            placed += int(corrected.placed.sum())
             active, expected = corrected.active, corrected.expected
         else:
             taken, reason = match_points(expected, points, allowed)
@@ -109,7 +171,8 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
         if guide:
             said = np.where(hit[:, None], points[taken], expected.xyz) if len(points) else expected.xyz
             guide.advance(frames[-1].id, said, mine, points)
-    return SwamidasResult(Tracks(cloud, identity), by, frames)
+    use = guide and ModelUse(guide.track is not None, missing, placed)
+    return SwamidasResult(Tracks(cloud, identity), by, frames, use)
 
 
 def _guided(

@@ -9,7 +9,7 @@ A child of 86 cm walks at 0.7 m/s through the middle of the volume, with the fif
 each foot, which make a grid of two by three with a pitch of 25 mm behind the toes. Markers have a diameter of 8 mm. Six
 cameras of 1280 × 1024 px film it; legs hide markers, and markers each other. The chain of KISS (scanning, triplets of
 cameras, search spheres) and Kinemark's own (centroids, discs told apart, matching and tracking at once) get the same
-images. From 4.2 m away a marker is 2.5 px wide and the pitch is 7.7 px at most; from 2.5 m, 4.2 and 13 px. The fields of
+images. From 4.2 m a marker is 2.5 px wide and the pitch is 7.7 px at most; from 2.5 m, 4.2 and 13 px. The fields of
 KISS's own cameras would show it 1.5 px wide and 0.7 px high.
 
 A swinging foot goes 51 mm a frame at 50 Hz, twice the pitch: where a marker was, others are by then, and those of the

@@ -80,12 +80,12 @@ def test_missing_samples_stay_missing_and_few_samples_tell_nothing():
 def test_units_follow_the_length_and_time_and_nothing_hangs_on_the_axes():
     xyz, _, _ = swing(noise=0.3, seed=3)
     first, scaled = marker_derivatives(markers(xyz)), marker_derivatives(markers(10 * xyz, 2 * RATE))
-    np.testing.assert_allclose(scaled.velocity, 20 * first.velocity, rtol=1e-4, atol=1e-2)
-    np.testing.assert_allclose(scaled.acceleration_sd, 40 * first.acceleration_sd, rtol=1e-4)
+    np.testing.assert_allclose(scaled.velocity, 20 * first.velocity, rtol=1e-4, atol=0.1)
+    np.testing.assert_allclose(scaled.acceleration_sd, 40 * first.acceleration_sd, rtol=1e-3)
     R = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     turned = marker_derivatives(markers(xyz @ R.T))
-    np.testing.assert_allclose(turned.velocity, first.velocity @ R.T, atol=1e-3)
-    np.testing.assert_allclose(turned.acceleration_sd, first.acceleration_sd, rtol=1e-4)
+    np.testing.assert_allclose(turned.velocity, first.velocity @ R.T, atol=0.05)
+    np.testing.assert_allclose(turned.acceleration_sd, first.acceleration_sd, rtol=1e-3)
 
 
 def test_the_command_writes_what_the_function_finds(tmp_path, capsys):

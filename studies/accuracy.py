@@ -19,7 +19,7 @@ and the tests
     distances    four markers, three cameras, eight control balls (UM²AS table 4.1)
 
 Standard deviations that the covariances predict stand below those that were measured. Components of the throw are root
-mean squares over the rounds, which have no sign. The column "paper" is quoted, and so is the figure in "best open".
+mean squares over the rounds, which have no sign. The column "quoted" is of the papers, or of the best open program.
 
 On real files: the wands and the thrown object of easyWand, by easyWand's own calibration and by ours.
 
@@ -211,7 +211,7 @@ def walk(ways: dict[str, Calibrated], rig: Rig, rng: np.random.Generator) -> Row
         there = np.isfinite(found).all(1)
         R, t = rigid_align(found[there], xyz[there])
         root[way] = float(np.sqrt(((found[there] @ R.T + t - xyz[there]) ** 2).sum(1).mean()))
-    return Row("walk, laid on the truth: RMSE, mm (best open)", "0.11", root)
+    return Row("walk, laid on the truth: RMSE, mm (quoted: best open)", "0.11", root)
 
 
 def thrown(ways: dict[str, Calibrated], rig: Rig, rng: np.random.Generator, noise: Noise = NOISE) -> list[Row]:
@@ -294,7 +294,7 @@ def _mean(rows: Sequence[Row]) -> Row:
 
 
 def print_table(rows: Sequence[Row]) -> None:
-    print(f"{'':<48}{'paper':>8}" + "".join(f"{way:>12}" for way in WAYS))
+    print(f"{'':<48}{'quoted':>8}" + "".join(f"{way:>12}" for way in WAYS))
     for row in rows:
         cells = "".join(f"{row.figures[way]:12.4g}" if way in row.figures else f"{'':12}" for way in WAYS)
         print(f"{row.what:<48}{row.paper:>8}{cells}")

@@ -12,7 +12,7 @@ The noise of centroids is not assumed but measured, in fields of such markers dr
 found by KISS's own detection, and by Kinemark's. Errors of white pixels depend on where a marker meets the pixels; they
 enter as if they were independent and normal.
 
-The column "paper" is quoted from Shafiq, Tümer and Güler (2001); all others are computed, root mean squares of rounds.
+The column "quoted" is from Shafiq, Tümer and Güler (2001); all others are computed, root mean squares of rounds.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def main() -> None:
         size = " × ".join(str(n) for n in what.rig[0].size)
         print(f"{what.name}: {size} px, noise {what.noise[0]:.3f} px across, {what.noise[1]:.3f} px down")
     tables = [table(what, rounds) for what in there]
-    print(f"\n{'':48}{'paper':>8}" + "".join(f"{what.name:>27}" for what in there))
+    print(f"\n{'':48}{'quoted':>8}" + "".join(f"{what.name:>27}" for what in there))
     print(f"{'':56}" + "".join("".join(f"{way[:8]:>9}" for way in WAYS) for _ in there))
     for same in zip(*tables, strict=True):
         cells = "".join(f"{row.figures[way]:9.3g}" for row in same for way in WAYS)

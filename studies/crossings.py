@@ -6,8 +6,8 @@
 prior knowledge about markers' motion, such as their expected velocity and accelerations" (Shafiq, Tümer and Güler 2001,
 section 6). The paper gives no figures; all of these are computed.
 
-Six pairs of markers of 6 mm radius fly through the control volume for a second, 0.8 m from pair to pair. Both markers of
-a pair pass each other at a random time, at the distance of the row, in three ways:
+Six pairs of markers of 6 mm radius fly through the control volume for a second, 0.8 m from pair to pair. Both of
+them pass each other at a random time, at the distance of the row, in three ways:
 
     crossing   0.3 to 2 m/s each, at 20° to 160° to each other, accelerations up to 10 m/s² along each axis
     turning    the same, accelerations up to 40 m/s²

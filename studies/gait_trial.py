@@ -346,7 +346,7 @@ def main(*asked: str) -> None:
     chance = {name: by_chance(rig, detections, row.tracks, row.near, METHODS[name]) for name, row in rows.items()}
     for lens in LENSES:
         print(f"\nAgainst the reference tracks, through {lens}:\n{HEAD}")
-        print(f"  {'naive: triplets, nearest point':42}{'90.2':>8}{'1.07':>8}{'':>38}{'0.6':>8}")
+        print(f"  {'naive (quoted): triplets, nearest point':42}{'90.2':>8}{'1.07':>8}{'':>38}{'0.6':>8}")
         for name, row in rows.items():
             print(line(name, row, lens, pieces, chance[name]))
     print(

@@ -304,7 +304,7 @@ def rows(folder: Path | None, every: int) -> Iterator[Row]:
 
 
 def show(lines: Iterator[Row]) -> None:
-    print(f"{'':<56}{'paper':>7}{'KissScanning':>16}{'KissNearest':>16}{'Centroids':>16}")
+    print(f"{'':<56}{'quoted':>7}{'KissScanning':>16}{'KissNearest':>16}{'Centroids':>16}")
     for row in lines:
         print(f"{row.what:<56}{row.paper:>7}" + "".join(f"{number:>16}" for number in row.ours), flush=True)
 

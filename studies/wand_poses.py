@@ -105,7 +105,8 @@ def study(*, poses: tuple[int, ...] = POSES, rounds: int = 3) -> dict[int, list[
     """The walks of every number of poses, printed."""
     rig = ring(6, distortion=(-0.12, 0.0, 0.0, 0.0, 0.0))
     print(
-        f"poses   RMSE on a walk, mm   predicted   largest    ({rounds} calibrations each; aim {BAR}, best {BEST_OPEN})"
+        f"poses   RMSE on a walk, mm   predicted   largest    "
+        f"({rounds} calibrations each; quoted: aim {BAR}, best {BEST_OPEN})"
     )
     walks = {}
     for n in poses:

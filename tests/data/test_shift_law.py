@@ -86,7 +86,8 @@ NO_POSITIONS = {
 
 BY_THE_ORIGIN = """
     io.read_cp io.read_cp_set io.write_cp sensitivity.calibration_experiment sensitivity.laboratory
-    sensitivity.linear_points sensitivity.marker sensitivity.marker_experiment"""
+    sensitivity.first_order_bound sensitivity.linear_points sensitivity.marker sensitivity.marker_experiment
+    sensitivity.parameter_bound"""
 """UM²AS (eq. 2.4, 4.1 to 4.3) solves for eleven parameters in units of the depth of the world's origin, writes them
 with seven digits, and gives errors in percent of the distance from it: for these the origin is not arbitrary."""
 

@@ -170,6 +170,16 @@ def _(by):
     )
 
 
+@law(kinematics.marker_derivatives, mm=1e-6, share=1e-6)
+def _(by):
+    there = moved(replace(trial(), paths=trial().paths[:2]), by)
+    found = kinematics.marker_derivatives(there)
+    return Answer(
+        None,
+        (found.velocity, found.velocity_sd, found.acceleration, found.acceleration_sd, found.noise_sd),
+    )
+
+
 # ---- Signals ----
 
 

@@ -27,7 +27,7 @@ COMMANDS = {
     "commands/studio.py": ("studio",),
     "commands/files.py": ("info", "convert"),
     "commands/plan.py": ("plan",),
-    "commands/analysis.py": ("angles", "gait", "gait-compare", "gait-reference", "sensitivity"),
+    "commands/analysis.py": ("angles", "velocities", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),
 }
 """The commands of each module; a module that is called as its command holds further commands."""

@@ -6,6 +6,7 @@ from ..data.normal_ranges import NamedAngle, named_angles, outside
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import cycles, resampled, spans_of
+from .derivatives import MarkerDerivatives, marker_derivatives
 from .marker_noise import estimated_sd, with_marker_sd
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
 from .sequences import AngleMethod, InverseCosines, SignedAngles, inverse_cosines, principal, turned
@@ -28,6 +29,7 @@ __all__ = [
     "Joint",
     "JointCentre",
     "JointMotion",
+    "MarkerDerivatives",
     "Model",
     "NamedAngle",
     "Pose",
@@ -43,6 +45,7 @@ __all__ = [
     "joint_angles",
     "joint_centre",
     "joint_matrices",
+    "marker_derivatives",
     "named_angles",
     "outside",
     "principal",

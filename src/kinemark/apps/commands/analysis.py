@@ -1,4 +1,4 @@
-"""`kinemark angles`, `gait`, `gait-reference` and `sensitivity`: what follows from a trial."""
+"""`kinemark angles`, `velocities`, `gait`, `gait-reference` and `sensitivity`: what follows from a trial."""
 
 from __future__ import annotations
 
@@ -50,6 +50,39 @@ def angles(
         return
     notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
     print_result(f"{angle_summary(result.figures)}{notes}\nresults:  {result.folder}")
+
+
+def velocities(
+    trial: Path,
+    output: Path,
+    *,
+    length_unit: LengthUnit = None,
+    rate_hz: Rate = None,
+    partial: Partial = False,
+    json: Json = False,
+) -> None:
+    """Velocities and accelerations of markers with their standard deviations, as CSV.
+
+    Args:
+        trial: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
+        output: the CSV file; an existing one is not replaced.
+        json: print the figures for a machine.
+    """
+    from ...engine.derivative_files import derivatives_of_file
+
+    figures = derivatives_of_file(trial, output, rate_hz=rate_hz, length_unit=length_unit, partial=partial)
+    if json:
+        print_result(figures)
+        return
+    rows = [
+        f"  {one['name']:16} {one['noise_mm']:8.2f} mm {one['velocity_sd_mm_s']:8.1f} mm/s "
+        f"{one['acceleration_sd_mm_s2']:9.0f} mm/s²"
+        if one["noise_mm"] is not None
+        else f"  {one['name']:16} too few samples"
+        for one in figures["markers"]
+    ]
+    heading = "Standard deviations along an axis, medians: noise of positions, velocity, acceleration"
+    print_result("\n".join([heading, *rows, f"results:  {output}"]))
 
 
 def sensitivity(

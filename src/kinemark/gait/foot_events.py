@@ -13,9 +13,10 @@ direction of walking, φ the pitch of the foot, heel up, and v the speed at whic
     off:     foot turns fastest, max φ̇;  toe has been pulled up, min jerk of q_z;
              toe goes back under the pelvis by less than 0.8 v                                                (3)
 
-Their mean biases b_i against force plates are known from other subjects. The time is the median of t_i − b_i. Where plates give n events of the same kind in the trial, the mean difference from them is
-taken off, shrunk as n / (n + ν) with ν = (deviation within a subject / between subjects)² (4). The expected error is
-made of both deviations, or half of how far the detectors are apart where that is more (5).
+Their mean biases b_i against force plates are known from other subjects. The time is the median of t_i − b_i. Where
+plates give n events of the same kind in the trial, the mean difference from them is taken off, shrunk as n / (n + ν)
+with ν = (deviation within a subject / between subjects)² (4). The expected error is made of both deviations, or half of
+how far the detectors are apart where that is more (5).
 
 Events that contradict each other are not kept together (`event_order`).
 
@@ -99,7 +100,7 @@ OFF = (
 )
 """(3), with biases in ms; measured on 20 offs of the same subjects."""
 STANDING_SHARE = 10.0
-"""Percentile of the toe's speed under the pelvis that is −v; chosen: a foot stands for more than a third of the time."""
+"""Percentile of the toe's speed under the pelvis that is −v; chosen: a foot stands for a third of the time or more."""
 
 
 def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:

@@ -123,8 +123,8 @@ def test_the_same_load_by_type_2_and_by_type_4_differs_by_the_cross_talk_alone()
     a, b = one[0], other[0]
     both = a.loaded & b.loaded
     assert both.sum() > 20
-    np.testing.assert_allclose(a.force[both], b.force[both], atol=0.025 * np.abs(a.force).max())
-    assert np.median(np.abs(a.centre - b.centre)[both]) < 2.0
+    np.testing.assert_allclose(a.force[both], b.force[both], atol=0.03 * np.abs(a.force).max())
+    assert np.median(np.abs(a.centre - b.centre)[both]) < 10.0
     assert a.force[both, 2].mean() > 100 and (a.force[both, 2] > 0).all()
 
 

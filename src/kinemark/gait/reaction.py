@@ -15,8 +15,8 @@ of sensors at (±a, ±b) adds up to
     M = (b (z₁ + z₂ − z₃ − z₄), a (−z₁ + z₂ + z₃ − z₄), b (−x₁₂ + x₃₄) + a (y₁₄ − y₂₃))                       (3)
 
 Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
-sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate (FORCE_PLATFORM:ZERO)
-and nothing does, each channel is less its mean there (5).
+sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate
+(FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5).
 
 Source: C3D file format user guide, types 1 to 5.
 """
@@ -175,7 +175,7 @@ def _baseline(values: Floats, record: Analog, plate: ForcePlate, rate: float) ->
     """(K) mean of channels (N, K) over the frames in which the file says that nothing stands on the plate (5)."""
     if plate.zero_frames is None:
         return np.zeros(values.shape[1])
-    first, stop = ((frame / rate - record.start) * record.rate for frame in (plate.zero_frames + [0, 1]))
+    first, stop = ((frame / rate - record.start) * record.rate for frame in np.add(plate.zero_frames, (0, 1)))
     quiet = values[max(round(first), 0) : max(round(stop), 0)]
     steady = len(quiet) and bool((np.ptp(quiet, axis=0) <= QUIET_SHARE * np.ptp(values, axis=0)).all())
     return np.asarray(quiet.mean(0)) if steady else np.zeros(values.shape[1])

@@ -1,13 +1,14 @@
 """Gait against two others: OpenSim's inverse kinematics and dynamics, and pins in the bones.
 
-1. `opensim_gait`: a walk on a treadmill, processed by OpenSim with a planar model of ten degrees of freedom, whose joint
-   centres, segment masses and hinge of the knee were scaled to the subject. Ours are the same markers: knee and ankle
-   markers, which only the standing trial wears, ride on the clusters of thigh and shank, and their axes stand in place
-   of the wands. Definitions differ, so that each curve is compared with its mean difference (`offset`) and without.
+1. `opensim_gait`: a walk on a treadmill, processed by OpenSim with a planar model of ten degrees of freedom, whose
+   joint centres, segment masses and hinge of the knee were scaled to the subject. Ours are the same markers: knee and
+   ankle markers, which only the standing trial wears, ride on the clusters of thigh and shank, and their axes stand in
+   place of the wands. Definitions differ, so that each curve is compared with its mean difference (`offset`) and
+   without.
 2. `bone_truth`: a walk with pins in femur and tibia and four skin markers on each segment (Cereatti et al. 2017). The
    knee's angles (Grood and Suntay 1983) from least squares poses of the skin clusters, against those of the pins. The
-   clusters are laid upon the bones by their first ten frames. `sd` is what markers make that skin moves by `--tissue-mm`
-   on each axis, each for itself, and `misfit` what the clusters show of it.
+   clusters are laid upon the bones by their first ten frames. `sd` is what markers make that skin moves by
+   `--tissue-mm` on each axis, each for itself, and `misfit` what the clusters show of it.
 
     python studies/gait_references.py [--tissue-mm 5]
 """

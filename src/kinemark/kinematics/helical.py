@@ -1,4 +1,4 @@
-"""Helical axes: the one line about which, and along which, a body has moved (Swamidas 1997, 2.16; Spoor and Veldpaus 1980).
+"""Helical axes: the line about and along which a body has moved (Swamidas 1997, 2.16; Spoor and Veldpaus 1980).
 
 A body that goes from (R₀, t₀) to (R₁, t₁) turns by R = R₁ R₀ᵀ, by the angle θ about the unit vector n. It moves along
 n by d, and the line goes through s, its point nearest to p:
@@ -61,9 +61,7 @@ def helical_axis(
     told = angle >= np.radians(least_turn_deg)
     with np.errstate(invalid="ignore", divide="ignore"):
         n = np.where(told[..., None], vector / angle[..., None], np.nan)
-        moved = (
-            np.einsum("...ij,...j->...i", R, p - t0) + t1 - p
-        )  # of the body's point at p: less cancels than by t − R t
+        moved = np.einsum("...ij,...j->...i", R, p - t0) + t1 - p  # the body's point at p
         along = (n * moved).sum(-1)
         v = moved - along[..., None] * n
         s = p + (v + np.cross(n, v) / np.tan(angle / 2)[..., None]) / 2  # (1)

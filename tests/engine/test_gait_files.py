@@ -48,7 +48,12 @@ def test_a_walk_gives_page_tables_figures_and_a_file(walk):
     speed = figures["time_distance"]["left"]["speed"]["mean"]
     assert speed == pytest.approx(1100, rel=0.02)
     page = (found.folder / "gait.html").read_text()
-    assert "Knee flexion" in page and "walking speed" in page
+    assert "Knee flexion" in page and "walking speed" in page and "Harmonics of the stride" in page
+    assert figures["harmonics"]["stride_hz"]["left"] == pytest.approx(
+        figures["time_distance"]["left"]["cadence"]["mean"] / 120, rel=0.01
+    )
+    knee = next(h for h in figures["harmonics"]["angles"] if (h["name"], h["component"]) == ("LKneeAngles", "flexion"))
+    assert knee["amplitude"][0] > 15 and sum(knee["share"]) == pytest.approx(1, abs=0.02)
     with (found.folder / "curves.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 101 and 50 < max(float(r["LKneeAngles_flexion_deg"]) for r in rows) < 75

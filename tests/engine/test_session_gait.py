@@ -1,19 +1,22 @@
 """`[gait]` of a session: from 2D points to one gait report of its walks."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
+from kinemark.data.subject_measures import SIDES, LegMeasures, SubjectMeasures
 from kinemark.engine.session import Session
+from kinemark.engine.session_gait import update_gait
 from kinemark.gait import marker_points
 from kinemark.io.c3d import write_c3d
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.tdf import read_tdf
 from kinemark.numerics.runs import true_runs
-from kinemark.synth import observe
+from kinemark.synth import WalkingBody, gait_laboratory, observe
 from support.named_sessions import RIG, walk
 from support.shared import shared_data
 
@@ -30,6 +33,7 @@ leg_mm = 890
 knee_mm = 105
 ankle_mm = 72
 """
+HIPS = 'uncertainty = false\ntissue_mm = 1\nfunctional = "swings"\nmvc = "push"'
 WALKS = {"walk01": {"seed": 2, "seconds": 2.6}, "walk02": {"seed": 3, "seconds": 2.6, "phase": 0.7}}
 
 
@@ -119,6 +123,33 @@ def test_plates_recorded_beside_give_moments(tmp_path):
     (folder / "plates.c3d").unlink()
     with pytest.raises(KinemarkError, match=r"plates\.c3d"):
         opened.run(["walk01"])
+
+
+def test_trials_for_hips_and_muscles_are_no_walks_and_count(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    shift = {side: np.array([8.0, 6.0, -9.0]) for side in SIDES}
+    lab = gait_laboratory(WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0), hip_error_mm=shift), rate=50.0)
+    strong = replace(lab.walk, analog=tuple(replace(a, values=2 * a.values) for a in lab.walk.analog), plates=())
+    for name, trial in {"walk": lab.walk, "stand": lab.static, "swings": lab.functional, "push": strong}.items():
+        (tmp_path / "results" / name).mkdir(parents=True)
+        write_c3d(tmp_path / "results" / name / f"{name}.c3d", trial)
+    rows = "".join(f'[[trials]]\nname = "{n}"\ndetections = "{n}.h5"\n' for n in ("walk", "swings", "push"))
+    rows += '[[trials]]\nname = "stand"\nkind = "static"\ndetections = "stand.h5"\n'
+    table = GAIT.replace(
+        "uncertainty = false", 'uncertainty = false\ntissue_mm = 1\nfunctional = "swings"\nmvc = "push"'
+    )
+    (tmp_path / "session.toml").write_text(f'name = "s"\n[calibration]\nfile = "rig.toml"\n{table}{rows}')
+    settings = Session.open(tmp_path).settings
+    figures = update_gait(tmp_path, tmp_path / "results", settings, self_contained=False)
+    assert [one["name"] for one in figures["trials"]] == ["walk"], figures.get("not_computed")
+    told = {f["kind"]: f["values"] for f in figures["findings"]}
+    assert told["gait_hips_functional"]["trial"] == "swings"
+    assert told["gait_hips_functional"]["away_mm"] == pytest.approx(np.linalg.norm(shift["left"]), abs=1)
+    muscle = next(one for one in figures["curves"] if one["axes"][0] == "envelope")
+    assert np.nanmax(np.array(muscle["mean"], float)[:, 0]) < 55 and figures["emg_whole"] == "push.c3d"
+    (tmp_path / "results/push/push.c3d").unlink()
+    without = update_gait(tmp_path, tmp_path / "results", settings, self_contained=False)
+    assert "'push', which was not processed" in without["not_computed"]
 
 
 def test_a_clinical_recording_goes_from_cameras_to_gait(tmp_path):

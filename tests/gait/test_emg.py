@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError
-from kinemark.gait.emg import EmgFilter, emg, peak_normalised
+from kinemark.gait.emg import EmgFilter, emg, normalised, peak_of
 
 BURSTS = ((0.5, 0.9), (1.6, 2.0), (2.7, 3.1))
 
@@ -54,8 +54,9 @@ def test_gaps_stay_gaps():
 
 def test_the_greatest_is_a_hundred_per_cent():
     *_, x = recorded()
-    assert np.nanmax(peak_normalised(emg(x, rate=1000.0).envelope)) == pytest.approx(100)
-    assert np.isnan(peak_normalised(np.zeros(5))).all()
+    envelope = emg(x, rate=1000.0).envelope
+    assert np.nanmax(normalised(envelope, peak_of(envelope))) == pytest.approx(100)
+    assert np.isnan(normalised(np.zeros(5), peak_of(np.zeros(5)))).all()
 
 
 @pytest.mark.parametrize(("x", "rate"), [(np.zeros(100), 60.0), (np.full(2000, np.nan), 1000.0)])

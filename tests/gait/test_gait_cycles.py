@@ -4,15 +4,19 @@ import numpy as np
 import pytest
 
 from kinemark.data import Signal, Signals
+from kinemark.data.gait_curves import GaitCurves
 from kinemark.data.strides import Stride
 from kinemark.gait.emg import emg
 from kinemark.gait.gait_cycles import (
+    PROFILE,
+    dynamic_peaks,
     emg_curves,
     gait_curves,
     most_typical,
     movement_analysis_profile,
     muscle_side,
     reference_of,
+    scaled_score,
 )
 
 RATE, T = 100.0, 1.1
@@ -71,6 +75,27 @@ def test_the_profile_is_the_distance_from_the_reference():
     assert reference.subjects == 3
 
 
+def controls(rng, n, spread):
+    """Curves of n subjects that lie about common ones by chance."""
+    names = sorted({name for name, _ in PROFILE.values()})
+    return [{"L" + name: spread * rng.normal() + rng.normal(0, 0.2, (101, 3)) for name in names} for _ in range(n)]
+
+
+def test_the_controls_own_scores_are_100_and_10_apart():
+    rng = np.random.default_rng(4)
+    own = controls(rng, 30, 4.0)
+    band = reference_of(own, "ours")
+    scaled = []
+    for one in own:  # each by all others
+        others = reference_of([c for c in own if c is not one], "others")
+        curves = [GaitCurves(n, "left", "deg", ("a", "b", "c"), y[None], y[None], np.ones(1)) for n, y in one.items()]
+        _, score = movement_analysis_profile(curves, others, "left")
+        scaled.append(scaled_score(score, band))
+    assert np.mean(scaled) == pytest.approx(100, abs=1e-6) and np.std(scaled, ddof=1) == pytest.approx(10, abs=1e-6)
+    assert scaled_score(40.0, band) < 70 < scaled_score(4.0, band)
+    assert np.isnan(scaled_score(5.0, reference_of(own[:3], "few"))), "of three controls nothing is said"
+
+
 def test_a_foot_that_turns_through_180_does_not_jump():
     t = np.arange(600) / RATE
     y = np.remainder(np.stack([170 + 30 * np.sin(2 * np.pi * t / T)] * 3, -1) + 180, 360) - 180
@@ -100,6 +125,20 @@ def test_a_muscle_is_drawn_over_the_strides_of_its_side():
     assert envelope[10:25].mean() > 5 * envelope[45:90].mean()
     later = emg_curves({"R": emg(raw[500:], rate=rate, start=0.5)}, STRIDES[2:])[0]
     np.testing.assert_allclose(later.mean[:, 1], emg_curves({"R": emg(raw, rate=rate)}, STRIDES[2:])[0].mean[:, 1])
+
+
+def test_a_hundred_per_cent_is_what_is_said():
+    t = np.arange(6000) / 1000.0
+    burst = np.random.default_rng(0).normal(0, 1, 6000) * (0.05 + (np.mod((t - 0.13) / T, 1) < 0.3))
+    channels = {"L VAS": emg(burst, rate=1000.0)}
+    peaks = dynamic_peaks([(channels, STRIDES)])
+    (own,), (of_strides,), (of_mvc,) = (
+        emg_curves(channels, STRIDES, whole=whole) for whole in (None, peaks, {"L VAS": 4 * peaks["L VAS"]})
+    )
+    tops = of_strides.values[..., 0].max(1)
+    assert np.mean(tops) == pytest.approx(100, abs=2) and own.values[..., 0].max() <= 100 + 1e-9 < tops.max()
+    np.testing.assert_allclose(of_mvc.values[..., 0], of_strides.values[..., 0] / 4)
+    np.testing.assert_array_equal(of_mvc.values[..., 1], own.values[..., 1])
 
 
 def test_the_side_of_a_muscle_is_in_its_name():

@@ -1,11 +1,15 @@
 """Force plates of all types: a force at a place with a free moment comes back from the channels that it makes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kinemark.data import Analog, ForcePlate, KinemarkError
 from kinemark.gait import contacts, reaction
 from kinemark.gait.reaction import plate_axes
+from kinemark.io.trial import read_trial
+from support.shared import shared_data
 
 CORNERS = np.array([[400.0, 0, 0], [0, 0, 0], [0, 600, 0], [400, 600, 0]])
 """x along the world's x, y against its y, z downwards."""
@@ -91,6 +95,37 @@ def test_a_frame_is_the_mean_of_its_samples():
     analog = (Analog(tuple("abcdef"), ("N",) * 3 + ("Nmm",) * 3, 1000.0, np.repeat(values, 6, 0)),)
     found = reaction(plate, analog, n_frames=20, rate=100.0)
     assert abs(found.force[5, 2]) == pytest.approx(np.mean(np.arange(45.0, 56) ** 2))
+
+
+def test_the_stated_baseline_is_taken_off_unless_somebody_stands_on_it():
+    t = np.arange(400) / 1000.0
+    foot = np.where(t > 0.2, 600.0, 0.0)
+    off = np.array([3.0, -4.0, 25.0, 900.0, -400.0, 60.0])[:, None]
+    clean = np.zeros((6, 400))
+    clean[2] = -foot
+    plate = ForcePlate(2, CORNERS, ORIGIN, tuple("abcdef"))
+
+    def upwards(channels, **known):
+        analog = Analog(plate.channels, ("N",) * 3 + ("N·mm",) * 3, 1000.0, channels)
+        return reaction(replace(plate, **known), [analog], n_frames=40, rate=100.0).force[:, 2]
+
+    true = upwards(clean)
+    np.testing.assert_allclose(upwards(clean + off, zero_frames=np.array([2, 10])), true, atol=1e-9)
+    assert upwards(clean + off)[30] != pytest.approx(600.0, abs=1)
+    np.testing.assert_array_equal(upwards(clean + off, zero_frames=np.array([15, 25])), upwards(clean + off))
+
+
+def test_the_same_load_by_type_2_and_by_type_4_differs_by_the_cross_talk_alone():
+    one, other = (
+        [reaction(t.plates[0], t.analog, n_frames=t.trajectories.n_frames, rate=t.trajectories.rate, threshold_n=20.0)]
+        for t in (read_trial(shared_data(f"mocap3d/force_plate_types/TYPE-{kind}.C3D")) for kind in (2, 4))
+    )
+    a, b = one[0], other[0]
+    both = a.loaded & b.loaded
+    assert both.sum() > 20
+    np.testing.assert_allclose(a.force[both], b.force[both], atol=0.03 * np.abs(a.force).max())
+    assert np.median(np.abs(a.centre - b.centre)[both]) < 10.0
+    assert a.force[both, 2].mean() > 100 and (a.force[both, 2] > 0).all()
 
 
 def test_an_unloaded_plate_has_no_centre():

@@ -149,6 +149,16 @@ def _(by):
     return Answer(pose.t, (pose._replace(t=None), spread, kinematics.joint_centre(pose, still)))
 
 
+@law(kinematics.helical_axis, kinematics.helical_axes, kinematics.knee_motion, mm=1e-4, share=1e-6)
+def _(by):
+    turns = np.linspace(0, 40, 12)[:, None] * [1.0, 0.4, -0.2]
+    R, t = kinematics.turned(turns, "xyz"), np.linspace(0, 300, 12)[:, None] * [1.0, 0.5, 0.2] + by
+    one = kinematics.helical_axis(R[:6], t[:6], R[6:], t[6:])
+    many = kinematics.helical_axes(R, t, step=2, near=by + np.array([100.0, 50.0, 0.0]))
+    knee = kinematics.knee_motion(R, t, R[::-1], t[::-1], side="left")
+    return Answer((one.point, many.point), (one._replace(point=None), many._replace(point=None), knee))
+
+
 @law(
     kinematics.smooth,
     kinematics.residual_cutoff,

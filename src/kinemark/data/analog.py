@@ -60,6 +60,7 @@ class ForcePlate:
         origin: (3) true origin in the plate's frame, mm.
         channels: names of its channels, in the order of its type.
         calibration: (6, 6) for type 4, else None.
+        zero_frames: (2) first and last frame of the trial, from 0, in which nothing stands on it; None: none is said.
     """
 
     type: int
@@ -67,6 +68,7 @@ class ForcePlate:
     origin: NDArray[np.float64]
     channels: tuple[str, ...]
     calibration: NDArray[np.float64] | None = field(default=None)
+    zero_frames: NDArray[np.float64] | None = field(default=None)
 
     def __post_init__(self) -> None:
         set_columns(
@@ -77,3 +79,5 @@ class ForcePlate:
         )
         if self.calibration is not None:
             set_columns(self, calibration=column("calibration", self.calibration, np.float64, None, None))
+        if self.zero_frames is not None:
+            set_columns(self, zero_frames=column("zero_frames", self.zero_frames, np.float64, 2))

@@ -76,12 +76,14 @@ class GaitReference(NamedTuple):
     Attributes:
         mean, sd: (101, A) by the name of the quantity without its side, as "KneeAngles"; SD between subjects.
         source: where they are from. subjects: how many.
+        log_score: mean and standard deviation of the logarithms of the controls' own profile scores; None: unknown.
     """
 
     mean: Mapping[str, Floats]
     sd: Mapping[str, Floats]
     source: str
     subjects: int
+    log_score: tuple[float, float] | None = None
 
 
 def known_mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -> Floats:

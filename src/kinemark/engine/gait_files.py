@@ -58,6 +58,7 @@ def gait_of_files(
     measures: Path | SubjectMeasures | None = None,
     markers: Mapping[str, str] | None = None,
     reference: Path | None = None,
+    mvc: Path | None = None,
     folder: Path | None = None,
     exports: str = "",
     settings: GaitSettings | None = None,
@@ -72,6 +73,7 @@ def gait_of_files(
         measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
         markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
         reference: band of controls, drawn grey, and scored against.
+        mvc: of the muscles' greatest contractions, which are 100 % of the EMG.
         folder: of the results; beside the first walk, its name and `_gait`, where none is given.
         exports: for other programs, as "trc,mot,sto,gcd".
         settings: all else. self_contained: the page holds the drawing library.
@@ -89,8 +91,9 @@ def gait_of_files(
     known = known_measures(stated, whole, still)
     if functional is not None:
         known = with_hips(known, _read(functional, markers, settings), settings)
-    found = subject_gait(whole, known, still, settings)
+    found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     figures = _figures(whole, found, known, static, band, settings)
+    figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
     figures["identity"] = identity_of_file(whole[0].given, walks[0])
     into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
     notes = _written(into, whole, found, figures, band, self_contained=self_contained)

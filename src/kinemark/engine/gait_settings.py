@@ -32,6 +32,8 @@ class GaitSettings:
         tissue_mm: of thigh's and shank's markers, by skin that moves over bone, likewise.
         plate_mm: of where force plates lie among the markers, along each horizontal axis.
         uncertainty: whether to compute the error bars.
+        emg_to: what 100 % of an EMG envelope are, where no trial of greatest contractions is given: "trial", its
+            greatest value of each walk, or "strides", the mean of the strides' greatest values, over all walks.
         up: the axis of the laboratory that goes up; as the markers show where "auto".
     """
 
@@ -47,6 +49,7 @@ class GaitSettings:
     tissue_mm: float = 5.0
     plate_mm: float = 3.0
     uncertainty: bool = True
+    emg_to: Literal["trial", "strides"] = "trial"
     up: Up = "auto"
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -15,11 +15,11 @@ from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..findings.gait import GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
-from ..gait.emg import Emg, emg
+from ..gait.emg import Emg, emg, peak_of
 from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, mass_on_plates
 from ..gait.foot_events import foot_events
 from ..gait.functional_hip import functional_hip, with_hips_of
-from ..gait.gait_cycles import emg_curves, gait_curves
+from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ..gait.lower_limb import check_markers, lower_limbs
 from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels
@@ -165,12 +165,14 @@ def with_hips(known: KnownMeasures, functional: Recorded, settings: GaitSettings
 
 
 def subject_gait(
-    walks: Sequence[Recorded], known: KnownMeasures, static: Recorded | None, settings: GaitSettings
-) -> SubjectGait:
+    walks: Sequence[Recorded], known: KnownMeasures, static: Recorded | None, settings: GaitSettings,
+    mvc: Trial | None = None,
+) -> SubjectGait:  # fmt: skip
     """Gait of all walks.
 
     Args:
         walks: of one subject, complete. known: the subject's measures. static: a standing trial. settings: how.
+        mvc: of the muscles' greatest contractions, whose envelopes' greatest values are 100 %.
 
     Raises:
         KinemarkError: the standing trial does not show a foot, or a plate cannot be read.
@@ -183,8 +185,32 @@ def subject_gait(
         own = _uncertain(walk.trial, known, stood, settings)
         trials.append(gait_of_trial(walk.trial, measures, settings, own))
         causes = causes or own
-    each = [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides)) for one in trials]
+    whole = _whole(trials, settings, mvc)
+    each = [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides, whole=whole))
+            for one in trials]  # fmt: skip
     return SubjectGait(tuple(trials), joined_curves(each), causes, measures, axes)
+
+
+def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | None) -> dict[str, float]:
+    """What of each channel is 100 %; nothing of those that their own greatest value of a walk is."""
+    if mvc is not None:
+        return greatest_contractions(mvc, {name for one in trials for name in one.emg})
+    return dynamic_peaks([(one.emg, one.strides) for one in trials]) if settings.emg_to == "strides" else {}
+
+
+def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, float]:
+    """Greatest value of the envelope of each channel of a trial of greatest contractions.
+
+    Raises:
+        KinemarkError: a channel of the walks is not in it.
+    """
+    found = {name: peak_of(one.envelope) for name, one in _emg(mvc).items()}
+    if absent := sorted(set(wanted) - set(found)):
+        raise KinemarkError(
+            f"{mvc.name}: the trial of greatest contractions lacks the channels {', '.join(absent)}; it has "
+            f"{', '.join(sorted(found)) or 'none'}. Give one that has all, or leave it out."
+        )
+    return found
 
 
 def _standing(

@@ -44,8 +44,11 @@ def update_gait(root: Path, results: Path, settings: Settings, *, self_contained
         return None
     static = next(iter(_files(results, [t.name for t in settings.trials if t.kind == "static"])), None)
     moved = next(iter(_files(results, [table.functional])), None) if table.functional else None
+    strong = next(iter(_files(results, [table.mvc])), None) if table.mvc else None
     inputs = [root / path for path in (table.measures, table.reference) if isinstance(path, Path)]
-    key = digest(code_key(), table, file_key(*walks, *(one for one in (static, moved) if one), *inputs), self_contained)
+    key = digest(
+        code_key(), table, file_key(*walks, *(one for one in (static, moved, strong) if one), *inputs), self_contained
+    )
     folder = results / FOLDER
     known = read_gait(results)
     if known is not None and known.get(KEY) == key:
@@ -53,9 +56,11 @@ def update_gait(root: Path, results: Path, settings: Settings, *, self_contained
     try:
         if table.functional and moved is None:
             raise KinemarkError(f"[gait] functional names the trial {table.functional!r}, which was not processed.")
+        if table.mvc and strong is None:
+            raise KinemarkError(f"[gait] mvc names the trial {table.mvc!r}, which was not processed.")
         figures = gait_of_files(
             walks, static=static, functional=moved, measures=table.stated_measures(root), markers=table.markers,
-            reference=None if table.reference is None else root / table.reference, folder=folder,
+            reference=None if table.reference is None else root / table.reference, folder=folder, mvc=strong,
             exports=table.exports, settings=table.settings(), self_contained=self_contained,
         ).figures  # fmt: skip
     except KinemarkError as error:
@@ -87,7 +92,7 @@ def gait_headline(figures: dict[str, Any]) -> str:
 
 def _walks(settings: Settings, table: GaitTable) -> Sequence[str]:
     motion = [trial.name for trial in settings.trials if trial.kind == "motion"]
-    return table.trials or [name for name in motion if name != table.functional]
+    return table.trials or [name for name in motion if name not in (table.functional, table.mvc)]
 
 
 def _files(results: Path, names: Sequence[str]) -> list[Path]:

@@ -13,8 +13,9 @@ from ..data.gait_curves import GaitCurves, GaitReference
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
-from ..gait.gait_cycles import most_typical, movement_analysis_profile
+from ..gait.gait_cycles import most_typical, movement_analysis_profile, scaled_score
 from ..gait.gait_trial import GaitTrial
+from ..gait.harmonics import curve_harmonics
 from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
 from ..gait.time_distance import averages
@@ -123,6 +124,7 @@ def gait_figures(
         "time_distance": {side: _averages(strides, side) for side in SIDES},
         "units": UNITS,
         "curves": [_curve(one) for one in curves],
+        "harmonics": _harmonics(curves, strides),
         "typical_stride": {side: most_typical(curves, side) for side in SIDES},
         "profile": None if reference is None else _profile(curves, reference),
         "uncertainty": uncertainty,
@@ -131,12 +133,27 @@ def gait_figures(
     return plain(figures | {"verdict": _verdict(findings, strides, uncertainty).as_dict()})
 
 
+def _harmonics(curves: Sequence[GaitCurves], strides: Sequence[Stride]) -> dict[str, Any]:
+    """Frequency of the stride of both sides, Hz, and the harmonics of the mean curve of each angle."""
+    each = [
+        {"name": c.name, "component": axis, **curve_harmonics(c.mean[:, k])._asdict()}
+        for c in curves if c.unit == "deg" for k, axis in enumerate(c.axes)
+    ]  # fmt: skip
+    return {"stride_hz": {side: _frequency(strides, side) for side in SIDES}, "angles": each}
+
+
+def _frequency(strides: Sequence[Stride], side: str) -> float:
+    """Hz, of the mean stride of a side; NaN where there is none."""
+    times = [s.values["stride_time"] for s in strides if s.side == side]
+    return float(1 / np.mean(times)) if times else float("nan")
+
+
 def _profile(curves: Sequence[GaitCurves], reference: GaitReference) -> dict[str, Any]:
     """Of both sides, and what they were compared with."""
     found: dict[str, Any] = {"source": reference.source, "subjects": reference.subjects}
     for side in SIDES:
         variables, score = movement_analysis_profile(curves, reference, side)
-        found[side] = {"variables": variables, "score": score}
+        found[side] = {"variables": variables, "score": score, "scaled_score": scaled_score(score, reference)}
     return found
 
 

@@ -137,7 +137,11 @@ def _hum(x: Floats, rate: float) -> float:
     return 0.0
 
 
-def peak_normalised(envelope: Floats) -> Floats:
-    """(N) % of its greatest value; NaN where it has none."""
-    peak = np.nanmax(envelope, initial=0.0)
-    return 100 * envelope / peak if peak > 0 else np.full_like(envelope, np.nan)
+def peak_of(envelope: Floats) -> float:
+    """Greatest value of an envelope (N); 0 where it has none."""
+    return float(np.nanmax(envelope, initial=0.0))
+
+
+def normalised(envelope: Floats, whole: float) -> Floats:
+    """(N) % of a value that is above 0; else NaN."""
+    return 100 * envelope / whole if whole > 0 else np.full_like(envelope, np.nan)

@@ -5,21 +5,23 @@ low-passed at 15 Hz, and z upwards, an event is first looked for where
 
     strike: (h − p) · d is greatest,   off: (q − p) · d is least (Zeni et al. 2008)                          (1)
 
-which holds on a treadmill too. Within an eighth of a stride of it each of these detectors gives a time t_i:
+which holds on a treadmill too. Within an eighth of a stride of it each of these detectors gives a time t_i, with d the
+direction of walking, φ the pitch of the foot, heel up, and v the speed at which a standing toe goes back under p:
 
-    strike:  toe falls fastest, min q̇_z (foot slap);  foot stops falling, max m̈_z;  heel is braked, max ḧ_z;
-             heel is slower than a tenth of the foot's fastest swing                                          (2)
-    off:     toe is pulled up, max q̈_z;  toe is pulled along the floor, max |q̈_xy|                           (3)
+    strike:  toe is braked, max |q̈|;  heel begins to stop, max jerk of h · d;
+             foot turns down: max φ̇ before it, min jerk of φ                                                 (2)
+    off:     foot turns fastest, max φ̇;  toe has been pulled up, min jerk of q_z;
+             toe goes back under the pelvis by less than 0.8 v                                                (3)
 
-Their mean biases b_i and deviations s_i against force plates are known from other subjects. The time is the mean of
-t_i − b_i weighted by 1/s_i². Where plates give n events of the same kind in the trial, the mean difference from them is
-taken off, shrunk as n / (n + ν) with ν = (deviation within a subject / between subjects)² (4). The expected error is
-made of both deviations and of how far the detectors are apart (5).
+Their mean biases b_i against force plates are known from other subjects. The time is the median of t_i − b_i. Where
+plates give n events of the same kind in the trial, the mean difference from them is taken off, shrunk as n / (n + ν)
+with ν = (deviation within a subject / between subjects)² (4). The expected error is made of both deviations, or half of
+how far the detectors are apart where that is more (5).
 
 Events that contradict each other are not kept together (`event_order`).
 
-Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations of heel and toe); O’Connor et al. 2007 (velocity of
-the foot).
+Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations and jerks of heel and toe); O’Connor et al. 2007
+(velocity of the foot).
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ from .event_order import ordered
 from .lower_limb import pelvis_of
 from .plate_contacts import Contact, contacts
 from .reaction import Reaction, reaction
-from .segments import Z_UP, level_axes, unit
+from .segments import Z_UP, unit
 
 CUTOFF_HZ = 15.0
 """Of the markers; chosen: between 10 and 30 Hz errors against plates were the same."""
@@ -48,56 +50,57 @@ LEAST_SWING_MM = 100.0
 """By which a foot moves to and fro under the pelvis in a step, mm; chosen: less is no step."""
 PLATE_N = 20.0
 """Vertical force of contact, N (Zeni et al. 2008)."""
-BETWEEN_MS = {True: 6.5, False: 9.0}
-"""Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 24 strides of 8
+BETWEEN_MS = {True: 4.5, False: 8.0}
+"""Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 25 strides of 9
 subjects on plates (docs/theory/gait.md), each subject judged by the biases of the others."""
-WITHIN_MS = {True: 5.5, False: 6.0}
+WITHIN_MS = {True: 6.0, False: 7.0}
 """Deviation within a subject, ms; measured on the same strides."""
-
-COMMON = 0.7
-"""Of the expected error (5), as its parts have causes in common; measured on 40 events of 6 subjects, each judged by
-the others: errors are 1.03 of it (RMS)."""
 
 
 class Detector(NamedTuple):
-    """A detector: its times s, from the foot; bias and deviation against plates, ms."""
+    """A detector: its time s in frames of a foot, NaN where there is none; bias against plates, ms."""
 
-    times: Callable[[Foot], Floats]
+    time: Callable[[Foot, slice], float]
     bias_ms: float
-    deviation_ms: float
 
 
 class Foot(NamedTuple):
-    """(F, 3) mm/s and mm/s² of one foot, and (F) s.
+    """Motion of one foot over frames (F), mm and rad, s.
 
     Attributes:
-        time: (F) s. forward: (F) mm heel, toe before the pelvis, as a pair.
-        heel_v, toe_v, heel_a, toe_a, middle_a: (F, 3). fastest: mm/s of its swing.
+        time: s. heel_ahead, toe_ahead: before the pelvis as it faces.
+        toe_a: size of the toe's acceleration. heel_jerk, toe_jerk: of the heel forwards, of the toe upwards.
+        turning, turning_jerk: first and third derivative of the pitch.
+        toe_back: speed of the toe forwards from the pelvis. v: at which it goes back while it stands.
     """
 
     time: Floats
     heel_ahead: Floats
     toe_ahead: Floats
-    heel_v: Floats
-    toe_v: Floats
-    heel_a: Floats
     toe_a: Floats
-    middle_a: Floats
-    fastest: float
+    heel_jerk: Floats
+    toe_jerk: Floats
+    turning: Floats
+    turning_jerk: Floats
+    toe_back: Floats
+    v: float
 
 
 STRIKE = (
-    Detector(lambda f: peaks(-f.toe_v[:, 2], f.time), 1.0, 8.0),
-    Detector(lambda f: peaks(f.middle_a[:, 2], f.time), 33.0, 10.0),
-    Detector(lambda f: peaks(f.heel_a[:, 2], f.time), 3.0, 20.0),
-    Detector(lambda f: crossings(_speed(f.heel_v), f.time, 0.1 * f.fastest, upwards=False), -10.0, 9.0),
+    Detector(lambda f, near: greatest(f.toe_a, f.time, near), -65.0),
+    Detector(lambda f, near: greatest(f.heel_jerk, f.time, near), -14.0),
+    Detector(lambda f, near: greatest(f.turning, f.time, near), 7.0),
+    Detector(lambda f, near: greatest(-f.turning_jerk, f.time, near), 0.0),
 )
-"""(2), with biases and deviations in ms; measured on 24 strikes of 8 subjects on plates (docs/theory/gait.md)."""
+"""(2), with biases in ms; measured on 19 strikes of 6 subjects on plates (docs/theory/gait.md)."""
 OFF = (
-    Detector(lambda f: peaks(f.toe_a[:, 2], f.time), -14.0, 10.0),
-    Detector(lambda f: peaks(_speed(f.toe_a[:, :2]), f.time), 25.0, 9.0),
+    Detector(lambda f, near: greatest(f.turning, f.time, near), -32.0),
+    Detector(lambda f, near: greatest(-f.toe_jerk, f.time, near), 32.0),
+    Detector(lambda f, near: _first(crossings(f.toe_back[near], f.time[near], -0.8 * f.v, upwards=True)), -33.0),
 )
-"""(3), with biases and deviations in ms; measured on 20 offs of 6 of these subjects."""
+"""(3), with biases in ms; measured on 20 offs of the same subjects."""
+STANDING_SHARE = 10.0
+"""Percentile of the toe's speed under the pelvis that is −v; chosen: a foot stands for a third of the time or more."""
 
 
 def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:
@@ -165,26 +168,30 @@ def _from_markers(
         return []
     rough = _swings(foot.heel_ahead if strike else -foot.toe_ahead, foot.time)
     stride = float(np.median(np.diff(rough))) if len(rough) > 1 else 1.0
-    times = [(d, d.times(foot)) for d in detectors]
     found = []
     for t in rough:
-        votes = [_near(each, t, d.bias_ms / 1000, WINDOW * stride) for d, each in times]
-        weights = np.array(
-            [0.0 if np.isnan(v) else 1 / d.deviation_ms**2 for v, (d, _) in zip(votes, times, strict=True)]
-        )
-        if weights.any():
-            time = float(np.nansum(weights * votes) / weights.sum())
-            spread = np.sqrt(np.nansum(weights * (np.array(votes) - time) ** 2) / weights.sum())
-            found.append(FootEvent(side, strike, time, float(spread), "markers"))
+        near = slice(max(round((t - WINDOW * stride) * rate), 0), round((t + WINDOW * stride) * rate) + 1)
+        votes = np.array([d.time(foot, near) - d.bias_ms / 1000 for d in detectors])
+        votes = votes[np.isfinite(votes)]
+        if len(votes):
+            time = float(np.median(votes))
+            found.append(FootEvent(side, strike, time, float(np.abs(votes - time).mean()), "markers"))
     return found
 
 
-def _near(times: Floats, t: float, bias: float, window: float) -> float:
-    """The time nearest to t, without its bias; NaN where none is in the window."""
-    if not len(times):
+def greatest(y: Floats, time: Floats, near: slice) -> float:
+    """Time of the greatest value of y (F) in some frames, to a part of a frame by a parabola; NaN at their ends."""
+    if not np.isfinite(y[near]).any():
         return np.nan
-    best = times[np.abs(times - bias - t).argmin()] - bias
-    return float(best) if abs(best - t) < window else np.nan
+    k = int(np.nanargmax(y[near])) + near.start
+    if not 0 < k < len(y) - 1:
+        return np.nan
+    a, b, c = y[k - 1], y[k], y[k + 1]
+    return float(time[k] + 0.5 * (a - c) / (a - 2 * b + c) * (time[1] - time[0])) if a + c < 2 * b else np.nan
+
+
+def _first(times: Floats) -> float:
+    return float(times[0]) if len(times) else np.nan
 
 
 def _calibrated(seen: Sequence[FootEvent], known: Sequence[FootEvent], strike: bool) -> list[FootEvent]:
@@ -196,9 +203,7 @@ def _calibrated(seen: Sequence[FootEvent], known: Sequence[FootEvent], strike: b
     between = BETWEEN_MS[strike] * np.sqrt(ratio / (n + ratio))
     floor = float(np.hypot(WITHIN_MS[strike], between)) / 1000
     used = {id(m) for m, _ in pairs}
-    rest = [
-        m._replace(time=m.time - shift, sd=COMMON * float(np.hypot(floor, m.sd / 2))) for m in seen if id(m) not in used
-    ]
+    rest = [m._replace(time=m.time - shift, sd=max(floor, m.sd / 2)) for m in seen if id(m) not in used]
     return [*known, *rest]
 
 
@@ -212,25 +217,28 @@ def _foot(points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> 
         return None
     x = pelvis.R[..., 0]
     d = unit(_filled(x - (x @ up)[:, None] * up))
-    heel_v, toe_v = _derivative(heel, rate), _derivative(toe, rate)
-    turn = level_axes(up)
-    swing = _speed((heel_v + toe_v) / 2)
+    ahead, sole = ((toe - middle) * d).sum(1), heel - toe
+    pitch = np.arctan2(sole @ up, -(sole * d).sum(1))
+    toe_a, back = _derivative(toe, rate, 2), _derivative(ahead, rate)
     return Foot(
-        np.arange(len(heel)) / rate,
-        ((heel - middle) * d).sum(1),
-        ((toe - middle) * d).sum(1),
-        heel_v @ turn,
-        toe_v @ turn,
-        _derivative(heel_v, rate) @ turn,
-        _derivative(toe_v, rate) @ turn,
-        _derivative((heel_v + toe_v) / 2, rate) @ turn,
-        float(np.nanmax(swing)),
+        time=np.arange(len(heel)) / rate,
+        heel_ahead=((heel - middle) * d).sum(1),
+        toe_ahead=ahead,
+        toe_a=np.linalg.norm(toe_a, axis=1),
+        heel_jerk=(_derivative(heel, rate, 3) * d).sum(1),
+        toe_jerk=_derivative(toe_a @ up, rate),
+        turning=_derivative(pitch, rate),
+        turning_jerk=_derivative(pitch, rate, 3),
+        toe_back=back,
+        v=-float(np.nanpercentile(back, STANDING_SHARE)),
     )
 
 
-def _derivative(x: Floats, rate: float) -> Floats:
-    """(F, 3) a second, by differences of neighbours."""
-    return np.asarray(np.gradient(x, axis=0) * rate)
+def _derivative(x: Floats, rate: float, times: int = 1) -> Floats:
+    """(F, …) a second, by differences of neighbours, so many times."""
+    for _ in range(times):
+        x = np.gradient(x, axis=0) * rate
+    return x
 
 
 def _smooth(xyz: Floats, rate: float) -> Floats:
@@ -255,10 +263,6 @@ def _filled(xyz: Floats) -> Floats:
     return out
 
 
-def _speed(v: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(v, axis=-1))
-
-
 def _swings(y: Floats, time: Floats) -> Floats:
     """Times of the greatest values (1) between which y falls by a step."""
     found: list[int] = []
@@ -275,13 +279,6 @@ def _swings(y: Floats, time: Floats) -> Floats:
 def _peak_indices(y: Floats) -> list[int]:
     with np.errstate(invalid="ignore"):
         return [int(k) for k in np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1]
-
-
-def peaks(y: Floats, time: Floats) -> Floats:
-    """Times of the local greatest values of y (F), to a part of a frame by a parabola."""
-    k = np.array(_peak_indices(y), np.int64)
-    a, b, c = y[k - 1], y[k], y[k + 1]
-    return time[k] + 0.5 * (a - c) / (a - 2 * b + c) * (time[1] - time[0]) if len(k) else np.zeros(0)
 
 
 def crossings(y: Floats, time: Floats, level: float, *, upwards: bool) -> Floats:

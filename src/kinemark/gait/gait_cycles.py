@@ -23,7 +23,7 @@ from ..data.gait_curves import GaitCurves, GaitReference, known_mean
 from ..data.strides import Stride
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..kinematics import resampled
-from .emg import Emg, peak_normalised
+from .emg import Emg, normalised, peak_of
 
 POINTS = 101
 """Of a stride, 0 to 100 %; conventional."""
@@ -40,20 +40,43 @@ def gait_curves(signals: Signals, strides: Sequence[Stride]) -> tuple[GaitCurves
     return tuple(found)
 
 
-def emg_curves(channels: Mapping[str, Emg], strides: Sequence[Stride]) -> tuple[GaitCurves, ...]:
-    """Envelope in % of its greatest value, and whether the muscle is on, in %, over the strides of its side.
+def emg_curves(
+    channels: Mapping[str, Emg], strides: Sequence[Stride], *, whole: Mapping[str, float] | None = None
+) -> tuple[GaitCurves, ...]:
+    """Envelope in %, and whether the muscle is on, in %, over the strides of its side.
 
     The channel's name says the side, by a letter or a word ("R Rect", "EMG_left_soleus"); without one it is the left.
+
+    Args:
+        channels: by name. strides: of both sides.
+        whole: what counts as 100 %, in the channel's unit; its own greatest value where none is given.
     """
     found = []
     for name, one in channels.items():
         side = muscle_side(name)
         own = [s for s in strides if s.side == side]
         if own:
-            both = np.stack([peak_normalised(one.envelope), 100.0 * one.on], -1)
+            hundred = (whole or {}).get(name, peak_of(one.envelope))
+            both = np.stack([normalised(one.envelope, hundred), 100.0 * one.on], -1)
             signal = Signal.of(name, "emg", "%", both, rate=one.rate, axes=("envelope", "on"))
             found.append(_curves(replace(signal, start=one.start), side, own))
     return tuple(found)
+
+
+def dynamic_peaks(each: Sequence[tuple[Mapping[str, Emg], Sequence[Stride]]]) -> dict[str, float]:
+    """By channel the mean over strides of each stride's greatest value (Yang and Winter 1984).
+
+    Args:
+        each: channels by name, and strides, of each walk.
+    """
+    found: dict[str, list[float]] = {}
+    for channels, strides in each:
+        for name, one in channels.items():
+            for stride in (s for s in strides if s.side == muscle_side(name)):
+                a, b = (round((t - one.start) * one.rate) for t in (stride.first, stride.last))
+                if 0 <= a < b <= len(one.envelope) and (peak := peak_of(one.envelope[a:b])) > 0:
+                    found.setdefault(name, []).append(peak)
+    return {name: float(np.mean(peaks)) for name, peaks in found.items()}
 
 
 def muscle_side(name: str) -> Side:
@@ -105,6 +128,10 @@ PROFILE = {
 """The nine kinematic variables of the movement analysis profile (Baker et al. 2009)."""
 
 
+FEWEST_SCORED = 4
+"""Controls whose own scores make a scale; chosen: the deviation of three is known to a half."""
+
+
 def movement_analysis_profile(
     curves: Sequence[GaitCurves], reference: GaitReference, side: Side
 ) -> tuple[dict[str, float], float]:
@@ -119,6 +146,22 @@ def movement_analysis_profile(
         else:
             found[title] = np.nan
     return found, float(np.sqrt(np.mean(np.square(list(found.values())))))
+
+
+def scaled_score(score: float, reference: GaitReference) -> float:
+    """The profile score on a scale of the controls' own: 100 is their mean, 10 less a standard deviation farther.
+
+    100 − 10 (ln s − m) / d, with m and d of the logarithms of the controls' scores, each against the others: the scale
+    of Schwartz and Rozumalski (2008), on the score of Baker et al. (2009). NaN where the reference does not know its
+    controls' own.
+
+    Args:
+        score: deg. reference: that it was taken against.
+    """
+    if reference.log_score is None or not score > 0:
+        return np.nan
+    mean, sd = reference.log_score
+    return float(100.0 - 10.0 * (np.log(score) - mean) / sd)
 
 
 def reference_of(controls: Sequence[Mapping[str, Floats]], source: str) -> GaitReference:
@@ -136,7 +179,25 @@ def reference_of(controls: Sequence[Mapping[str, Floats]], source: str) -> GaitR
     shared = {name: np.array(ys) for name, ys in each.items() if len(ys) > 1}
     mean = {name: known_mean(ys) for name, ys in shared.items()}
     sd = {name: np.sqrt(known_mean((ys - mean[name]) ** 2) * _unbiased(ys)) for name, ys in shared.items()}
-    return GaitReference(mean, sd, source, len(controls))
+    return GaitReference(mean, sd, source, len(controls), _log_score(shared))
+
+
+def _log_score(shared: Mapping[str, Floats]) -> tuple[float, float] | None:
+    """Mean and standard deviation of the logarithms of the scores of subjects (n, 101, A), each against the others."""
+    wanted = {name for name, _ in PROFILE.values()}
+    if not wanted <= set(shared) or len({len(shared[name]) for name in wanted}) > 1:
+        return None
+    n = len(shared["KneeAngles"])
+    if n < FEWEST_SCORED:
+        return None
+    squares = []
+    for name, axis in PROFILE.values():
+        y = shared[name][..., axis]
+        others = (y.sum(0) - y) / (n - 1)
+        squares.append(((y - others) ** 2).mean(1))
+    scores = np.sqrt(np.mean(squares, axis=0))
+    logs = np.log(scores[np.isfinite(scores) & (scores > 0)])
+    return (float(logs.mean()), float(logs.std(ddof=1))) if len(logs) >= FEWEST_SCORED else None
 
 
 def _unbiased(ys: Floats) -> Floats:

@@ -16,8 +16,8 @@ from .lower_limb import MODEL_MARKERS
 from .static_axes import STATIC_MARKERS
 
 OF_A_SIDE = {
-    "ASI": ("asi", "asis"),
-    "PSI": ("psi", "psis"),
+    "ASI": ("asi", "asis", "ias"),
+    "PSI": ("psi", "psis", "ips"),
     "THI": ("thi", "bar1", "thighwand", "thighbar"),
     "KNE": ("kne", "knee", "knee1", "lateralknee", "latknee", "lfe", "fle"),
     "TIB": ("tib", "bar2", "shankwand", "shankbar", "tibia"),

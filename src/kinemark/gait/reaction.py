@@ -15,7 +15,8 @@ of sensors at (±a, ±b) adds up to
     M = (b (z₁ + z₂ − z₃ − z₄), a (−z₁ + z₂ + z₃ − z₄), b (−x₁₂ + x₃₄) + a (y₁₄ − y₂₃))                       (3)
 
 Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
-sign is the one with which it does (4).
+sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate
+(FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5).
 
 Source: C3D file format user guide, types 1 to 5.
 """
@@ -33,6 +34,8 @@ from .segments import Z_UP, unit
 
 THRESHOLD_N = 5.0
 """Vertical force from which a plate counts as loaded, N; conventional (Plug-in Gait)."""
+QUIET_SHARE = 0.1
+"""Of a channel's range that it may move by in (5); chosen: noise is a hundredth, a foot moves it by all of it."""
 CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6, 5: 8}
 """Of each type of plate; of the file format."""
 IN_NEWTON = {"N": 1.0, "KN": 1000.0}
@@ -163,8 +166,19 @@ def plate_channels(
     for record in analog:
         if set(names) <= set(record.names):
             values = np.stack([record[name] * _to_house(record, name) for name in names], -1)
+            values = values - _baseline(values, record, plate, rate)
             return at_frames(values, record, n_frames=n_frames, rate=rate, averaged=averaged)
     raise KinemarkError(f"The channels {', '.join(names)} of a force plate are not in the trial.")
+
+
+def _baseline(values: Floats, record: Analog, plate: ForcePlate, rate: float) -> Floats:
+    """(K) mean of channels (N, K) over the frames in which the file says that nothing stands on the plate (5)."""
+    if plate.zero_frames is None:
+        return np.zeros(values.shape[1])
+    first, stop = ((frame / rate - record.start) * record.rate for frame in np.add(plate.zero_frames, (0, 1)))
+    quiet = values[max(round(first), 0) : max(round(stop), 0)]
+    steady = len(quiet) and bool((np.ptp(quiet, axis=0) <= QUIET_SHARE * np.ptp(values, axis=0)).all())
+    return np.asarray(quiet.mean(0)) if steady else np.zeros(values.shape[1])
 
 
 def _to_house(record: Analog, name: str) -> float:

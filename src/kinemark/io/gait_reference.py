@@ -1,14 +1,18 @@
-"""A band of reference curves of gait, as JSON.
+"""A band of reference curves of gait, as JSON or TOML.
 
     {"source": "our controls 2026", "subjects": 12,
+     "log_score": [mean, deviation],
      "curves": {"KneeAngles": {"mean": [[flexion, adduction, rotation], … 101 rows], "sd": [[…], …]}, …}}
 
-Further keys, as of age, speed or licence, are kept out of the computing and may stand there.
+In TOML likewise: `source`, `subjects`, and a table `[curves.KneeAngles]` with `mean` and `sd`, `nan` where unknown. The
+`log_score`, of the controls' own profile scores, may be absent. Further keys, as of age, speed or licence, are kept out
+of the computing and may stand there.
 """
 
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +36,8 @@ def write_reference(path: Path | str, reference: GaitReference) -> None:
     """
     curves = {name: {"mean": _rows(reference.mean[name]), "sd": _rows(reference.sd[name])} for name in reference.mean}
     table = {"source": reference.source, "subjects": reference.subjects, "curves": curves}
+    if reference.log_score is not None:
+        table["log_score"] = reference.log_score
     with replacing(path) as beside:
         beside.write_text(json.dumps(table, allow_nan=False) + "\n", encoding="utf-8")
 
@@ -40,12 +46,12 @@ def read_reference(path: Path | str) -> GaitReference:
     """A band.
 
     Raises:
-        KinemarkError: the file is absent, no JSON, or no such band.
+        KinemarkError: the file is absent, neither JSON nor TOML, or no such band.
     """
-    table = read_json(path)
+    table = _read_toml(path) if Path(path).suffix.lower() == ".toml" else read_json(path)
     try:
         curves = {name: (_curve(one["mean"]), _curve(one["sd"])) for name, one in table["curves"].items()}
-        found = str(table["source"]), int(table["subjects"])
+        found = str(table["source"]), int(table["subjects"]), _pair(table.get("log_score"))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise KinemarkError(
             f"{path} is no reference band ({error}). Make one: kinemark gait-reference CONTROL/gait.json … -o band.json"
@@ -79,6 +85,22 @@ def read_json(path: Path | str) -> Any:
         return json.loads(read_text(path))
     except ValueError as error:
         raise KinemarkError(f"{path} is no JSON: {error}.") from None
+
+
+def _read_toml(path: Path | str) -> Any:
+    try:
+        return tomllib.loads(read_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise KinemarkError(f"{path} is no TOML: {error}.") from None
+
+
+def _pair(value: Any) -> tuple[float, float] | None:
+    if value is None:
+        return None
+    mean, sd = (float(x) for x in value)
+    if not (np.isfinite(mean) and sd > 0):
+        raise ValueError(f"log_score is {value}, wanted a mean and a deviation above 0")
+    return mean, sd
 
 
 def _rows(curve: Floats) -> list[list[float | None]]:

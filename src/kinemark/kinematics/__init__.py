@@ -7,6 +7,8 @@ from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import cycles, resampled, spans_of
 from .derivatives import MarkerDerivatives, marker_derivatives
+from .helical import HelicalAxis, helical_axes, helical_axis
+from .knee import KneeMotion, knee_motion
 from .marker_noise import estimated_sd, with_marker_sd
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
 from .sequences import AngleMethod, InverseCosines, SignedAngles, inverse_cosines, principal, turned
@@ -25,10 +27,12 @@ __all__ = [
     "Cluster",
     "ClusterTemplate",
     "Cycles",
+    "HelicalAxis",
     "InverseCosines",
     "Joint",
     "JointCentre",
     "JointMotion",
+    "KneeMotion",
     "MarkerDerivatives",
     "Model",
     "NamedAngle",
@@ -41,10 +45,13 @@ __all__ = [
     "body_pose",
     "cycles",
     "estimated_sd",
+    "helical_axes",
+    "helical_axis",
     "inverse_cosines",
     "joint_angles",
     "joint_centre",
     "joint_matrices",
+    "knee_motion",
     "marker_derivatives",
     "named_angles",
     "outside",

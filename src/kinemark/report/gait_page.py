@@ -26,6 +26,8 @@ NAMES = {
     "single_support": "single support", "double_support": "double support",
 }  # fmt: skip
 """Of parameters, in the order of the table."""
+WHOLE = {"trial": "its greatest value of the trial", "strides": "the mean of the strides' greatest values"}
+"""What 100 % of the EMG are."""
 SHOWN = {"mm": ("m", 1000.0, 2), "mm/s": ("m/s", 1000.0, 2), "s": ("s", 1.0, 2), "%": ("%", 1.0, 1),
          "steps/min": ("steps/min", 1.0, 0)}  # fmt: skip
 """How a unit is shown: as what, by what it is divided, with how many decimals."""
@@ -75,9 +77,11 @@ def gait_page(
         kinematics=panels_figure(curves, KINEMATICS, reference),
         kinetics=panels_figure(curves, KINETICS, reference),
         emg=emg_figures(curves),
+        emg_whole=WHOLE.get(whole := figures.get("emg_whole", "trial"), f"its greatest value in {whole}"),
         profile=profile_table(figures),
         causes=uncertainty_table(figures),
         consistency=consistency_table(figures),
+        harmonics=harmonics_table(figures),
     )
 
 
@@ -167,6 +171,27 @@ def consistency_table(figures: dict[str, Any]) -> Table:
     return Table(["first component", "strides", "mean spread", "consistency (CMC)"], rows)
 
 
+HARMONIC_ROWS = {"PelvisAngles": 1, "HipAngles": 0, "KneeAngles": 0, "AnkleAngles": 0}
+"""Components whose harmonics are shown: pelvic obliquity, as tilt goes twice a stride, and flexions."""
+
+
+def harmonics_table(figures: dict[str, Any]) -> Table:
+    """A row a quantity: amplitude of its first harmonics, and how much of the motion they are."""
+    rows, found = [], {(one["name"], one["component"]): one for one in figures["harmonics"]["angles"]}
+    for curve in _in_order(figures["curves"]):
+        if (axis := HARMONIC_ROWS.get(curve["name"][1:])) is None:
+            continue
+        one = found[curve["name"], curve["axes"][axis]]
+        share = [value for value in one["share"] if value is not None]
+        title = f"{curve['side']} {curve['name'][1:].removesuffix('Angles').lower()} {curve['axes'][axis]} (°)"
+        held = 100 * sum(share[:3]) if share else None
+        rows.append([title, *(number(value, 1) for value in one["amplitude"]), number(held, 0)])
+    hz = figures["harmonics"]["stride_hz"]
+    note = f"A stride's frequency is {number(hz['left'], 2)} Hz on the left, {number(hz['right'], 2)} Hz on the right."
+    head = ["amplitude", *(f"{h}×" for h in range(1, 7)), "first three, % of the power"]
+    return Table(head, rows, note=note, absent="There are no whole strides.")
+
+
 def profile_table(figures: dict[str, Any]) -> Table | None:
     """Movement analysis profile and gait profile score of both sides; None without a reference."""
     profile = figures["profile"]
@@ -175,5 +200,7 @@ def profile_table(figures: dict[str, Any]) -> Table | None:
     each = {side: profile[side] for side in ("left", "right")}
     rows = [[name, *(number(each[side]["variables"][name], 1) for side in each)] for name in each["left"]["variables"]]
     rows.append(["gait profile score", *(number(each[side]["score"], 1) for side in each)])
+    if any(one["scaled_score"] is not None for one in each.values()):
+        rows.append(["score, 100 ± 10 in the controls", *(number(each[side]["scaled_score"], 0) for side in each)])
     note = f"Reference: {profile['source']}, {profile['subjects']} subjects."
     return Table(["RMS distance from the reference (°)", "left", "right"], rows, note=note)

@@ -137,6 +137,7 @@ def gait(
     measures: Path | None = None,
     marker: tuple[str, ...] = (),
     reference: Path | None = None,
+    mvc: Path | None = None,
     output: Path | None = None,
     exports: str = "",
     settings: Annotated[GaitSettings | None, Parameter(name="*")] = None,
@@ -152,6 +153,7 @@ def gait(
         measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
         marker: the file's name of one of the gait model's markers, as SACR=sacrum; may be given for each marker.
         reference: band of controls, as kinemark gait-reference writes it: drawn grey, and scored against.
+        mvc: trial of the muscles' greatest contractions, which are 100 % of the EMG.
         output: folder of the results; beside the first walk, its name and _gait, where none is given.
         exports: for other programs, as "trc,mot,sto,gcd".
         settings: how gait is computed.
@@ -163,7 +165,7 @@ def gait(
 
     result = gait_of_files(
         walks, static=static, functional=functional, measures=measures, markers=_pairs(marker), reference=reference,
-        folder=output, exports=exports, settings=settings, self_contained=self_contained,
+        mvc=mvc, folder=output, exports=exports, settings=settings, self_contained=self_contained,
     )  # fmt: skip
     if json:
         print_result(result.figures)

@@ -58,6 +58,11 @@ class GaitTable(Strict):
     tissue_mm: Millimetres = Field(default=5.0, description="of thigh's and shank's markers by moving skin, mm")
     plate_mm: Millimetres = Field(default=3.0, description="of where plates lie among the markers, mm")
     uncertainty: bool = Field(default=True, description="whether to compute the error bars")
+    emg_to: Literal["trial", "strides"] = Field(
+        default="trial",
+        description="100 % of EMG: the greatest of a trial, or the mean of the strides' greatest",
+    )
+    mvc: str | None = Field(default=None, description="name of the trial whose greatest EMG is 100 %")
     up: Up = Field(default="auto", description="the axis that goes up; as the markers show where absent")
 
     @field_validator("measures")

@@ -109,6 +109,15 @@ def _with_scaling(doc: C3D, rows: list[int], factor: NDArray[np.float64], offset
     return doc
 
 
+def _zero(doc: C3D, plates: tuple[ForcePlate, ...]) -> list[int]:
+    """The file's numbers of the first frames that all plates have as their baseline; 1 and 0 where one has none."""
+    known = [plate.zero_frames for plate in plates if plate.zero_frames is not None]
+    if len(known) < len(plates) or not known:
+        return [1, 0]
+    first, last = max(k[0] for k in known), min(k[1] for k in known)
+    return [int(first) + doc.first_frame, int(last) + doc.first_frame] if first <= last else [1, 0]
+
+
 def with_plates(doc: C3D, plates: tuple[ForcePlate, ...]) -> C3D:
     """The document with these force plates, whose channels it holds.
 
@@ -133,7 +142,7 @@ def with_plates(doc: C3D, plates: tuple[ForcePlate, ...]) -> C3D:
         Parameter.real("ORIGIN", np.array([plate.origin / factor for plate in plates]).reshape(-1, 3)),
     ]
     if doc.get("FORCE_PLATFORM", "ZERO") is None:
-        parameters.append(Parameter.whole("ZERO", [1, 0]))
+        parameters.append(Parameter.whole("ZERO", _zero(doc, plates)))
     if any(plate.calibration is not None for plate in plates):
         parameters.append(Parameter.real("CAL_MATRIX", _matrices(plates)))
     return with_parameters(doc, "FORCE_PLATFORM", parameters)

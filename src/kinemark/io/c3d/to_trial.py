@@ -140,7 +140,17 @@ def plates_of(doc: C3D) -> tuple[ForcePlate, ...]:
     channels, factor = analog_names(doc), mm_per_unit(doc)
     corners, origin, channel, matrix = (_column(doc, name, ndim, count) for name, ndim in PLATE_COLUMNS.items())
     rows = zip(types[:count], corners, origin, channel, matrix, strict=True)
-    return tuple(_plate(int(kind), *row, names=channels, factor=factor) for kind, *row in rows)
+    plates = (_plate(int(kind), *row, names=channels, factor=factor) for kind, *row in rows)
+    return tuple(replace(plate, zero_frames=_zero_frames(doc)) for plate in plates)
+
+
+def _zero_frames(doc: C3D) -> NDArray[np.float64] | None:
+    """(2) first and last frame of the baseline, from 0; None where the file states none that is in it."""
+    stated = doc.numbers("FORCE_PLATFORM", "ZERO")
+    if len(stated) < 2 or not 1 <= stated[0] <= stated[1]:
+        return None
+    first, last = stated[:2] - doc.first_frame
+    return np.array([first, last]) if 0 <= first <= last < len(doc.points) else None
 
 
 def _column(doc: C3D, name: str, ndim: int, count: int) -> NDArray[np.float64]:

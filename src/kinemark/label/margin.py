@@ -56,7 +56,7 @@ BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
 BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0)
 """Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last two."""
-BETA_OTHER = (-4.21, 1.46, 0.9, 1.3, 0.0, 0.7, 1.39, 1.78)
+BETA_OTHER = (-4.06, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38)
 """Of (4), of another subject's template, without F; logits;
 measured on 132 trials of other subjects and static ones, see docs/theory/label.md."""
 NEAR = 4

@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.engine.put_aside import put_aside
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.trial import read_trial
-from kinemark.label import Template, learn_template, static_template
+from kinemark.label import Template, learn_template, static_template, template_of_subjects
 from kinemark.synth import walking, with_markers
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
@@ -58,8 +59,6 @@ SEGMENTS = {name: markers.split() for name, markers in BODY.items()} | {
 }
 STATIC = 0.14
 """Relative spread of distances that a static trial does not show ; chosen, see docs/theory/label.md."""
-OTHER = 0.06
-"""Of distances of one child in another, scaled by height; chosen."""
 
 
 class Row(NamedTuple):
@@ -139,6 +138,8 @@ def rows() -> Iterator[Row]:
         yield from static_trials()
         yield from static_sets()
         yield from other_child("HC030A")
+        yield from several_children()
+        yield from whole_files()
         yield from wrong_templates()
     yield from walkers()
 
@@ -148,7 +149,6 @@ def more_rows() -> Iterator[Row]:
     if ROOT.is_dir():
         for one in tuple(CHILDREN)[1:]:
             yield from other_child(one)
-        yield from several_children()
         yield from placed_otherwise()
         yield from halves()
         yield from static_children()
@@ -214,6 +214,18 @@ def halves() -> Iterator[Row]:
         yield Row(f"{name}, second half labels first", learn_template(b), a, tuned=tuned)
 
 
+def whole_files() -> Iterator[Row]:
+    """Walks with what is left of computed points beside the markers, as `kinemark label` sees them."""
+    for name in ("HC032A", "HC033A"):
+        folder, one, two, _ = CHILDREN[name]
+        a, b = (_without_computed(f"{folder}/{name}{trial}.c3d") for trial in (one, two))
+        yield Row(f"{name}{one} labels {two}, whole files", learn_template(a), b)
+
+
+def _without_computed(file: str) -> Trajectories:
+    return only(read(file), [name for name in put_aside(read_trial(ROOT / file)).rest.names if not name.startswith("*")])
+
+
 def static_trials() -> Iterator[Row]:
     """A static trial and segments."""
     gait, move = read("qualisys_gait/Gait - CGM2 1.c3d"), read("pig_wholebody/Movement_trial.c3d")
@@ -264,17 +276,13 @@ def other_child(one: str) -> Iterator[Row]:
 
 
 def several_children() -> Iterator[Row]:
-    """The template of the three children that are tuned on, or of two of them for the third, scaled by height."""
+    """The template of the three children that are tuned on, or of two of them for the third, each scaled by height."""
     for name in CHILDREN:
         trial = child(name, 0)
-        others = [child(one, 0) for one in TUNED_CHILDREN - {name}]
-        alike = [_scaled(one, height(trial) / height(one)) for one in sorted(others, key=height)]
-        template = learn_template(*alike, relative_spread=0.5 * OTHER)
-        yield Row(f"{len(alike)} other children label {name}", template, trial, tuned=name in TUNED_CHILDREN)
-
-
-def _scaled(trial: Trajectories, ratio: float) -> Trajectories:
-    return replace(trial, paths=tuple(replace(path, xyz=ratio * path.xyz) for path in trial))
+        others = sorted((child(one, 0) for one in TUNED_CHILDREN - {name}), key=height)
+        learnt = [learn_template(one) for one in others]
+        template = template_of_subjects(learnt, [height(one) for one in others], height(trial))
+        yield Row(f"{len(others)} other children label {name}", template, trial, tuned=name in TUNED_CHILDREN)
 
 
 def placed_otherwise() -> Iterator[Row]:

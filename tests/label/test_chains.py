@@ -1,4 +1,4 @@
-"""Chains of names that moved up one place are moved back as one; near markers are told by differences of distances."""
+"""Chains of names that moved up one place are moved back as one; what goes on is."""
 
 from dataclasses import replace
 from functools import cache
@@ -10,7 +10,6 @@ from kinemark.label import learn_template, shredded
 from kinemark.label.anatomy import Anatomy
 from kinemark.label.chains import rechained
 from kinemark.label.claims import lost_to_claims
-from kinemark.label.differences import FLOOR, losses
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import margins, probability
 from kinemark.label.side_pairs import mirrored
@@ -56,38 +55,6 @@ def test_no_chain_begins_where_all_markers_fit_and_none_is_taken_that_scores_les
     given = up.copy()
     rechained(given, nats, score, least=-2.0, absent=10.0)
     np.testing.assert_array_equal(given, up)  # what was given is left as it is
-
-
-def test_right_names_of_near_markers_lose_by_differences_and_exchanged_ones_gain_as_much():
-    """Also where the body is 6 % larger than the template, which moves all distances to both alike."""
-    template = learn_template(walk(1)).of_another(1.0)
-    pairs, D = PairScore.of_template(template), template.distance + np.diag(np.full(39, np.inf))
-    twos = np.array([sorted((a, int(D[a].argmin()))) for a in range(39)])
-    order = [walk(7).names.index(name) for name in template.names]
-    for size in (1.0, 1.06):
-        y = size * np.moveaxis(walk(7).xyz[order], 1, 0)[::20]
-        right = losses(y, pairs, template, twos)
-        assert np.median(right) > 4 and (right > 0).mean() > 0.95
-        for k in range(0, 39, 6):
-            turn = np.arange(39)
-            turn[twos[k]] = twos[k, ::-1]
-            wrong = losses(y[:, turn], pairs, template, twos[k : k + 1])
-            np.testing.assert_allclose(wrong, -right[k], rtol=1e-6)
-
-
-def test_differences_of_markers_that_are_not_seen_tell_nothing_and_each_neighbour_tells_no_more_than_the_floor():
-    template = learn_template(walk(1)).of_another(1.0)
-    pairs = PairScore.of_template(template)
-    order = [walk(7).names.index(name) for name in template.names]
-    y = np.moveaxis(walk(7).xyz[order], 1, 0)[::20].copy()
-    few = learn_template(walk(1).select(template.names[:6])).of_another(1.0)
-    told = losses(y[:, :6], PairScore.of_template(few), few, np.array([[0, 1], [2, 3]]))
-    assert (np.abs(told) <= -FLOOR * 4 + 1e-9).all()  # by four neighbours
-    y[:, 3] = np.nan
-    assert np.isinf(losses(y, pairs, template, np.array([[3, 4]]))).all()
-    far = y.copy()
-    far[:, 5] += 1e4
-    assert np.isfinite(losses(far, pairs, template, np.array([[4, 6]]))).all()
 
 
 def test_a_piece_without_name_goes_on_as_its_marker_and_a_ghost_does_not():

@@ -60,21 +60,21 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
         return label
     markers = markers_of(stretches, label, L)
     now, best = markers.label, markers.label
-    most = _sum(markers, now, shapes, pairs)
+    most = sum_of(markers, now, shapes, pairs)
     for share in ROUNDS:
         now = _assigned(
-            _nats(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share),
+            nats_of(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share),
             FLOOR if share == 0 else -ABSENT,
         )
-        total = _sum(markers, now, shapes, pairs)
+        total = sum_of(markers, now, shapes, pairs)
         if total > most + 1e-6:
             best, most = now, total
     few = markers._replace(xyz=markers.xyz[:: max(1, len(markers.xyz) // CHAIN_FRAMES)])
     known = np.where(shapes.known, 0.0, -np.inf)
     best = rechained(
         best,
-        lambda now: _nats(few, now, shapes, pairs, 0.0) + known,
-        lambda now: _sum(markers, now, shapes, pairs),
+        lambda now: nats_of(few, now, shapes, pairs, 0.0) + known,
+        lambda now: sum_of(markers, now, shapes, pairs),
         least=TRUSTED,
         absent=ABSENT,
     )
@@ -114,7 +114,7 @@ def _clearly_best(group: Ints, nats: Floats) -> NDArray[np.bool_]:
     return out
 
 
-def _nats(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, share: float) -> Floats:
+def nats_of(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, share: float) -> Floats:
     """(M, L) of (1), 0.1 being `share`; the names of now tell where labels are."""
     K, L = len(markers.xyz), len(shapes.sigma)
     y = np.full((K, L, 3), np.nan, np.float32)
@@ -132,7 +132,7 @@ def _nats(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, share: 
 
 def _trusted(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> Ints:
     """(M) the labels of now without those of markers that are far from where they should be."""
-    own = _nats(markers, now, shapes, pairs, 0.0)[np.arange(len(now)), np.maximum(now, 0)]
+    own = nats_of(markers, now, shapes, pairs, 0.0)[np.arange(len(now)), np.maximum(now, 0)]
     return np.where((now >= 0) & (own > TRUSTED), now, -1)
 
 
@@ -146,8 +146,8 @@ def _assigned(nats: Floats, least: float) -> Ints:
     return out
 
 
-def _sum(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> float:
+def sum_of(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> float:
     """Nats of a labelling; a marker that is there in some of the frames counts, and costs, by these."""
-    nats, own = _nats(markers, now, shapes, pairs, TEMPER), np.flatnonzero(now >= 0)
+    nats, own = nats_of(markers, now, shapes, pairs, TEMPER), np.flatnonzero(now >= 0)
     share = np.isfinite(markers.xyz[:, own, 0]).mean(0)
     return float((share * nats[own, now[own]]).sum()) - ABSENT * float(len(shapes.sigma) - share.sum())

@@ -26,7 +26,7 @@ of it is by the template as it was given, as what is known after the trial was l
 
     p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h) )                   (4)
 
-with y the loss by `differences` (1) and h how well the four stiffest distances hold (`held`): these two are told by
+with y the loss by `rivals` (1) and h how well the four stiffest distances hold (`held`): these two are told by
 another subject's template, whose β differ, as fits are lower there; F is not.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
@@ -44,10 +44,10 @@ from numpy.typing import NDArray
 from ..data.array_types import Floats, Ints
 from .anatomy import Anatomy
 from .claims import lost_to_claims
-from .differences import losses
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .held import stiffness_kept
+from .rivals import lost_to_rivals
 from .stretches import Stretches
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
@@ -56,7 +56,7 @@ BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
 BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0)
 """Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last two."""
-BETA_OTHER = (-4.21, 1.46, 0.9, 1.3, 0.0, 0.7, 1.39, 1.78)
+BETA_OTHER = (-4.06, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38)
 """Of (4), of another subject's template, without F; logits;
 measured on 132 trials of other subjects and static ones, see docs/theory/label.md."""
 NEAR = 4
@@ -73,6 +73,7 @@ class Margins(NamedTuple):
     Attributes:
         track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. beside: f_t − f_a.
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
+        rival: y, 0 where the template is the subject's own. stiff: h.
     """
 
     track: Floats
@@ -85,7 +86,7 @@ class Margins(NamedTuple):
     near_fit: Floats
     present: Floats
     frame_fit: Floats
-    difference: Floats
+    rival: Floats
     stiff: Floats
 
 
@@ -113,14 +114,15 @@ def margins(
         share = _share(nats, stretches, label, after)
         own_fit, _ = _of_labels(stretches, t, a, share, L)
     some = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
-    none = np.zeros(L), np.zeros(L)
-    lost, by_difference = _exchanges(some, template, pairs, stretches.fixed) if exchanges else none
+    lost = _exchanges(some, template, pairs, stretches.fixed) if exchanges else np.zeros(L)
+    doubted = exchanges and bool(np.any(template.doubt))
+    rival = lost_to_rivals(stretches, label, template, pairs) if doubted else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats[t])
     found = Margins(
         least, second, share, share - own_fit[a], continuity(stretches, label, L)[t, a], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
-        _fit_meanwhile(stretches, t, y, pairs), by_difference[a],
+        _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiffness_kept(some, pairs)[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
@@ -180,24 +182,20 @@ def _fit_meanwhile(stretches: Stretches, t: Ints, y: Single, pairs: PairScore) -
     return np.asarray((here * fit).sum(1) / np.maximum(here.sum(1), 1))
 
 
-def _exchanges(y: Single, template: Template, pairs: PairScore, fixed: Ints) -> tuple[Floats, Floats]:
-    """(L) the least that an exchange of two, with each label, loses, nats, and (L) by differences alone.
+def _exchanges(y: Single, template: Template, pairs: PairScore, fixed: Ints) -> Floats:
+    """(L) the least that an exchange of two, with each label, loses, nats.
 
     Negative where it gains, 0 where a label has none. Labels that were stated of tracks, `fixed` (T), have none.
     """
     exchanger, every = Exchanger.of(template, pairs).keeping(fixed), np.arange(len(template))
     anatomy = Anatomy.of(template.names)
-    lost, by_difference = np.full(len(template), np.inf), np.full(len(template), np.inf)
+    lost = np.full(len(template), np.inf)
     for (was, to), gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
         turn = every.copy()
         turn[list(was)] = to
         told = anatomy.gain(y, turn) if anatomy.tells(was) else 0.0
         lost[list(was)] = np.minimum(lost[list(was)], -gain - told)
-    twos = np.array([was for was, _ in exchanger.twos], np.int64).reshape(-1, 2)
-    by = losses(y, pairs, template, twos)
-    for k in (0, 1):
-        np.minimum.at(by_difference, twos[:, k], by)
-    return np.where(np.isfinite(lost), lost, 0.0), np.where(np.isfinite(by_difference), by_difference, 0.0)
+    return np.where(np.isfinite(lost), lost, 0.0)
 
 
 def track_features(found: Margins, weight: Floats) -> Floats:
@@ -219,7 +217,7 @@ def label_features(found: Margins) -> Floats:
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
     parts = (
         _log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present),
-        _log(found.difference), found.stiff,
+        _log(found.rival), found.stiff,
     )  # fmt: skip
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 

@@ -47,8 +47,12 @@ class Shapes(NamedTuple):
     base: Floats
 
     @classmethod
-    def of(cls, template: Template) -> Shapes:
-        """Of all labels; with fewer than `LEAST` neighbours, or where no quadruple tells the hand, unknown."""
+    def of(cls, template: Template, *, by_body: bool = False) -> Shapes:
+        """Of all labels; with fewer than `LEAST` neighbours, or where no quadruple tells the hand, unknown.
+
+        Args:
+            by_body: where no quadruple lies within a shape, the figure of the whole body tells.
+        """
         L = len(template)
         spread = np.hypot(WIDER * template.spread, np.asarray(template.doubt))
         rank = np.where(np.isfinite(template.distance), spread, np.inf) + np.diag(np.full(L, np.inf))
@@ -58,6 +62,8 @@ class Shapes(NamedTuple):
         D = template.distance[whole[:, :, None], whole[:, None]]
         place = _scaled(np.where(np.isfinite(D), D, np.nanmean(D, axis=(1, 2), keepdims=True)))
         vote = np.array([_vote(template, own, xyz) for own, xyz in zip(whole, place, strict=True)])
+        if by_body and (vote == 0).any() and np.isfinite(template.distance).all():
+            vote = np.where(vote == 0, _votes_of_body(template, whole, place), vote)
         place[vote < 0] *= [1.0, 1.0, -1.0]
         around = np.take_along_axis(rank, near, axis=1)
         known = np.isfinite(around).all(1) & (vote != 0) & (M >= LEAST)
@@ -91,6 +97,14 @@ def _scaled(D: Floats) -> Floats:
     J = np.eye(D.shape[1]) - 1 / D.shape[1]
     values, vectors = np.linalg.eigh(-0.5 * J @ (D**2) @ J)
     return np.asarray(vectors[..., -3:] * np.sqrt(np.maximum(values[:, None, -3:], 0.0)))
+
+
+def _votes_of_body(template: Template, whole: Ints, place: Floats) -> Floats:
+    """(L) 1 where shapes (L, n, 3) of the labels (L, n) have the hand of the whole body's figure, −1 otherwise."""
+    body = _scaled(template.distance[None])[0]
+    body[:, 2] *= 1 if _vote(template, np.arange(len(body)), body) >= 0 else -1
+    own, of_body = (xyz - xyz.mean(1, keepdims=True) for xyz in (place, body[whole]))
+    return np.sign(np.linalg.det(np.swapaxes(own, 1, 2) @ of_body))
 
 
 def _vote(template: Template, own: Ints, xyz: Floats) -> float:

@@ -1,7 +1,7 @@
 """Makes the pictures of the operator's manual, docs/images/day/*.webp: one day in the studio, on simulated recordings.
 
-Needs Chromium, Playwright and the built page (`python3 dev.py studio`). `python docs/images/day.py morning` makes those of
-the morning alone.
+Needs Chromium, Playwright and the built page (`python3 dev.py studio`). `python docs/images/day.py morning` makes those
+of the morning alone.
 """
 
 from __future__ import annotations

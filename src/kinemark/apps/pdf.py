@@ -61,8 +61,8 @@ def print_pdf(page: Path, target: Path) -> Path:
     browser = find_browser()
     if browser is None:
         raise KinemarkError(
-            "A PDF is printed by a browser, and neither Chromium, Chrome nor Edge was found. Install one, or name it by "
-            "KINEMARK_BROWSER=/path/to/it; or open the page in the browser that you have and print it to a file there."
+            "A PDF is printed by a browser, and neither Chromium, Chrome nor Edge was found. Install one, or name it "
+            "by KINEMARK_BROWSER=/path/to/it; or open the page in another browser and print it to a file there."
         )
     with tempfile.TemporaryDirectory(prefix="kinemark-pdf-", ignore_cleanup_errors=True) as folder:
         printed = Path(folder, "page.pdf")

@@ -1,6 +1,5 @@
 """Pages printed to PDF: A4, of what the page draws by its scripts; and what is said where that cannot be."""
 
-import re
 import stat
 import sys
 from pathlib import Path
@@ -11,16 +10,10 @@ from kinemark.apps.commands.pdf import pdf
 from kinemark.apps.pdf import print_pdf
 from kinemark.data import KinemarkError
 from support.browser import chromium
+from support.paper import A4_PT, sizes
 
-A4_PT = (595, 842)
 PAGE = """<!DOCTYPE html><title>a</title><style>@page { size: A4 } h1 { break-before: page }</style><p>one</p>
 <script>setTimeout(() => document.body.append(document.createElement("h1")), 500);</script>"""
-
-
-def sizes(pdf):
-    """pt of each page; browsers write these uncompressed."""
-    boxes = re.findall(rb"/MediaBox \[\s*0 0 ([\d.]+) ([\d.]+)\s*\]", pdf)
-    return [(round(float(w)), round(float(h))) for w, h in boxes]
 
 
 def test_a_page_is_printed_on_a4_when_its_scripts_have_drawn(tmp_path):

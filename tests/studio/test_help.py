@@ -6,6 +6,7 @@ import re
 import pytest
 
 from support.axe import needed_axe, violations
+from support.paper import A4_PT, sizes
 from support.studio_page import ROOT, Studio, served, window
 
 TABLE = json.loads((ROOT / "ui" / "keys.json").read_text("utf-8"))
@@ -131,3 +132,35 @@ def test_a_screen_that_cannot_be_loaded_says_so(studio):
     studio.page.unroute(re.compile("History-"))
     studio.page.get_by_role("button", name="Load the page again").click()
     studio.page.get_by_role("heading", name="History").wait_for()
+
+
+def test_screens_are_printed_light_on_a4(folder, chromium_running):
+    """Text upright, over as many pages as it needs; what is drawn on one page across, as large as on the screen."""
+    with served(folder) as server:
+        context = window(chromium_running)
+        context.add_init_script("window.print = () => (window.printed = document.documentElement.dataset.theme)")
+        studio = Studio(context, server, theme="dark").enter(server.address)
+        page = studio.page
+        page.get_by_role("button", name="walk01", exact=True).wait_for()
+        assert set(sizes(page.pdf(prefer_css_page_size=True))) == {A4_PT}
+        page.emulate_media(media="print")
+        assert page.get_by_role("button", name="walk01", exact=True).is_visible(), "names are buttons"
+        assert not page.get_by_role("button", name="New session …").is_visible()
+        page.emulate_media(media="screen")
+        for screen in ("tracks", "gaps"):
+            go(studio.open() if screen == "tracks" else studio, screen)
+            shown = page.locator("main canvas").first.bounding_box()
+            studio.press("Shift+P")
+            for _ in range(100):
+                if page.evaluate("window.printed") == "light":
+                    break
+                page.wait_for_timeout(50)
+            assert page.evaluate("window.printed") == "light"
+            assert page.locator(":root").get_attribute("data-theme") == "dark", "afterwards it is as it was"
+            assert sizes(page.pdf(prefer_css_page_size=True)) == [A4_PT[::-1]]
+            page.emulate_media(media="print")
+            printed = page.locator("main canvas").first.bounding_box()
+            assert printed["width"] / printed["height"] == pytest.approx(shown["width"] / shown["height"], rel=0.02)
+            page.emulate_media(media="screen")
+        assert studio.errors == []
+        context.close()

@@ -10,7 +10,7 @@ from kinemark.data import KinemarkError, Validity
 from kinemark.data.masks import rasterised
 from kinemark.detect import Centroids, Masks, combined_masks, detect, detect_frames, learn_masks
 from kinemark.detect.masks import masked, rectangles
-from kinemark.io.masks_toml import read_masks, write_masks
+from kinemark.io.masks_toml import change_masks, read_masks, write_masks
 from support.examples import examples
 
 W, H = 90, 60
@@ -175,6 +175,66 @@ def test_the_file_reads_back_the_same(tmp_path_factory, seed, names):
         if width * height < 10**6:
             np.testing.assert_array_equal(after.pixels(name), before.pixels(name))
     assert [len(own) for own in after.polygons] == [len(own) for own in before.polygons]
+
+
+WRITTEN = """# masks of the knee study
+[[camera]] # by the window
+name = "c1"
+size = [240, 180]
+# what shines there
+polygons = [
+    [[1.0, 2.0], [3.0, 4], [5, 6]],  # the lamp
+    # the sign, since March
+    [[10, 2], [3, 4], [5, 6]],
+]
+
+[[camera]]  # nobody moves this one
+name = "c2"
+size = [240, 180]
+polygons = [[[0, 0], [1, 0], [1, 1]]]
+"""
+LAMP, SIGN, BOX = [[1, 2], [3, 4], [5, 6]], [[10, 2], [3, 4], [5, 6]], [[0, 0], [1, 0], [1, 1]]
+NEW = [[7.5, 7], [8, 8], [9, 7]]
+
+
+@pytest.mark.parametrize("line", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {"c1": [LAMP, SIGN], "c2": [BOX]},
+        {"c1": [SIGN, NEW], "c2": [BOX]},
+        {"c1": [LAMP, NEW, SIGN], "c2": []},
+        {"c3": [NEW, LAMP]},
+        {},
+    ],
+)
+def test_a_file_that_is_changed_says_what_is_wanted_and_keeps_its_comments(tmp_path, wanted, line):
+    path = tmp_path / "masks.toml"
+    path.write_bytes(WRITTEN.replace("\n", line).encode())
+    polygons = tuple(tuple(np.array(one, float) for one in own) for own in wanted.values())
+    change_masks(path, Masks(tuple(wanted), np.array([[240, 180]] * len(wanted)).reshape(-1, 2), polygons))
+    after = read_masks(path)
+    said = {name: sorted(p.tolist() for p in own) for name, own in zip(after.cameras, after.polygons, strict=True)}
+    assert said == {"c1": [], "c2": []} | {name: sorted(own) for name, own in wanted.items()}
+    text = path.read_bytes().decode()
+    for comment in ("# masks of the knee study", "# by the window", "# what shines there", "# nobody moves this one"):
+        assert comment in text
+    assert ("# the lamp" in text) == (LAMP in wanted.get("c1", []))
+    if wanted == {"c1": [LAMP, SIGN], "c2": [BOX]}:
+        assert text == WRITTEN.replace("\n", line)
+
+
+def test_a_file_that_is_not_there_is_written_and_one_that_is_none_is_refused(tmp_path):
+    one = Masks(("c1",), np.array([[9, 9]]), ((np.array(NEW),),))
+    change_masks(tmp_path / "masks.toml", one)
+    assert read_masks(tmp_path / "masks.toml").cameras == ("c1",)
+    (tmp_path / "none.toml").write_text("camera = 3", "utf-8")
+    with pytest.raises(KinemarkError, match="must be tables"):
+        change_masks(tmp_path / "none.toml", one)
+    (tmp_path / "empty.toml").write_text("# nothing yet\n", "utf-8")
+    change_masks(tmp_path / "empty.toml", one)
+    assert read_masks(tmp_path / "empty.toml").cameras == ("c1",)
+    assert (tmp_path / "empty.toml").read_text("utf-8").startswith("# nothing yet")
 
 
 GOOD = '[[camera]]\nname = "a"\nsize = [9, 9]\npolygons = [[[0, 0], [5, 0], [5, 5]]]\n'

@@ -40,6 +40,20 @@ def test_pages_are_drawn_without_complaint_and_do_not_scroll_sideways(folder, na
         assert page.ask("document.getElementById('undrawn')?.hidden ?? true")
 
 
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_are_printed_within_the_margins_of_their_paper(folder, name):
+    """As wide as A4 without its margins nothing is cut off, and no drawing or row of a table is divided."""
+    with opened(folder / f"{name}.html", width=703, height=1000) as page:
+        page.ask("dispatchEvent(new Event('beforeprint'))")
+        page.send("Emulation.setEmulatedMedia", media="print")
+        wide = "Math.max(0, ...[...document.querySelectorAll('.plot svg.main-svg')].map(one => one.clientWidth))"
+        page.until(f"{wide} === 0 || {wide} === PRINTED")
+        every = "[...document.querySelectorAll('.card, table, td, .plot, p')]"
+        assert page.ask(f"Math.max(...{every}.map(one => one.getBoundingClientRect().right))") <= 703
+        divided = "one => getComputedStyle(one).breakInside !== 'avoid'"
+        assert page.ask(f"[...document.querySelectorAll('.plot, tr')].filter({divided}).length") == 0
+
+
 def test_a_page_in_a_folder_of_its_own_finds_the_library_and_plays(folder):
     with opened(folder / "walk 01/report.html") as page:
         dots = "document.getElementById('scene').data.at(-1)"

@@ -2,7 +2,30 @@
 
 import pytest
 
+from support.effort import EFFORT
 from support.studio_page import Studio, browser, copied, needed, served, walked, window
+
+
+@pytest.fixture(autouse=True)
+def effort(record_property):
+    """What the flow of a test costs a person is told at the end of the run."""
+    EFFORT.begin()
+    yield
+    if EFFORT.keys + EFFORT.clicks:
+        record_property("effort", EFFORT.said())
+
+
+def pytest_terminal_summary(terminalreporter):
+    told = {
+        report.nodeid: value
+        for report in terminalreporter.getreports("passed")
+        for name, value in report.user_properties
+        if name == "effort"
+    }
+    if told:
+        terminalreporter.section("what the flows cost a person, by the keystroke-level model")
+    for name, value in told.items():
+        terminalreporter.write_line(f"{value}  {name}")
 
 
 @pytest.fixture(scope="session")

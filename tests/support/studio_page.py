@@ -15,6 +15,7 @@ import pytest
 from filelock import FileLock
 
 from support.browser import chromium
+from support.effort import EFFORT
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -154,6 +155,7 @@ class Studio:
     def __init__(self, context, server, *, theme="light", still=True):
         self.page, self.server, self.errors = context.new_page(), server, []
         self.page.set_default_timeout(PATIENCE_MS)
+        EFFORT.watch(self.page)
         self.asked = f"?aa=0&theme={theme}{'&still=1' if still else ''}"
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._said)

@@ -3,6 +3,7 @@ import { App } from "./App";
 import { connect } from "./api/live";
 import { onKey } from "./keys/bind";
 import { arrive } from "./state/load";
+import { fitPaper } from "./state/print";
 import { followTheme } from "./state/theme";
 import "./colours.css";
 import "./tokens.css";
@@ -10,6 +11,7 @@ import "./base.css";
 
 followTheme();
 addEventListener("keydown", onKey);
+addEventListener("beforeprint", fitPaper);
 addEventListener("hashchange", () => void arrive());
 createRoot(document.getElementById("root")!).render(<App />);
 connect();

@@ -26,6 +26,7 @@ COMMANDS = {
     "commands/fill.py": ("fill",),
     "commands/studio.py": ("studio",),
     "commands/files.py": ("info", "convert"),
+    "commands/pdf.py": ("pdf",),
     "commands/plan.py": ("plan",),
     "commands/analysis.py": ("angles", "velocities", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),

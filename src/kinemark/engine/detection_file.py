@@ -12,7 +12,7 @@ import tomlkit
 from ..data.array_types import Floats
 from ..data.masks import Masks
 from ..io.files import replacing
-from ..io.masks_toml import write_masks
+from ..io.masks_toml import change_masks
 from .open_detection import Draft, OpenDetection
 from .session_file_text import parsed, table_in
 from .session_name import FILE
@@ -92,6 +92,6 @@ def _write_masks(file: Path, opened: OpenDetection, tried: Mapping[str, tuple[Fl
     polygons |= {name: tuple(of) for name, of in tried.items()}
     sizes |= {name: list(opened.size(name)) for name in tried}
     names = tuple(name for name in polygons if polygons[name])
-    write_masks(
+    change_masks(
         file, Masks(names, np.array([sizes[n] for n in names]).reshape(-1, 2), tuple(polygons[n] for n in names))
     )

@@ -28,12 +28,70 @@ def write_masks(path: Path | str, masks: Masks) -> None:
     document = tomlkit.document()
     document.add(tomlkit.comment("What is masked in the images of each camera, px; see docs/how-to/masks.md."))
     document["camera"] = tables = tomlkit.aot()
-    for name, size, polygons in zip(masks.cameras, masks.sizes, masks.polygons, strict=True):
-        lines = tomlkit.array().multiline(True)
-        lines.extend(polygon.tolist() for polygon in polygons)
-        tables.append(tomlkit.item({"name": name, "size": size.tolist(), "polygons": lines}))
+    for name, size, polygons in _of(masks):
+        tables.append(_table(name, size, polygons))
+    _write(path, document)
+
+
+def change_masks(path: Path | str, masks: Masks) -> None:
+    """Make a file of masks say these, where it says others; its comments, and what is the same, stay as they are.
+
+    A camera that has no masks any more keeps its table, and a polygon that goes takes the comment of its line with it.
+    A file that is not there yet is written.
+
+    Raises:
+        KinemarkError: the file is no file of masks, or cannot be written.
+    """
+    if not Path(path).is_file():
+        write_masks(path, masks)
+        return
+    read_masks(path)  # tells what is wrong with it
+    document = tomlkit.parse(read_text(path))
+    if not document.get("camera"):
+        document["camera"] = tomlkit.aot()
+    tables: Any = document["camera"]
+    there = {str(table["name"]): table for table in tables}
+    wanted = {name: (size, polygons) for name, size, polygons in _of(masks)}
+    for name, (size, polygons) in wanted.items():
+        if name not in there:
+            tables.append(_table(name, size, polygons))
+            continue
+        if there[name]["size"] != size:
+            there[name]["size"] = size
+        _change(there[name], polygons)
+    for name in there.keys() - wanted.keys():
+        _change(there[name], [])
+    _write(path, document)
+
+
+def _of(masks: Masks) -> list[tuple[str, list[int], list[Any]]]:
+    return [
+        (name, size.tolist(), [polygon.tolist() for polygon in polygons])
+        for name, size, polygons in zip(masks.cameras, masks.sizes, masks.polygons, strict=True)
+    ]
+
+
+def _table(name: str, size: list[int], polygons: list[Any]) -> Any:
+    lines = tomlkit.array().multiline(True)
+    lines.extend(polygons)
+    return tomlkit.item({"name": name, "size": size, "polygons": lines})
+
+
+def _change(table: Any, polygons: list[Any]) -> None:
+    """The polygons of a table: those that go are taken out, those that come stand last, in their order."""
+    lines, left = table["polygons"], list(polygons)
+    for k in range(len(lines) - 1, -1, -1):
+        if lines[k].unwrap() in left:
+            left.remove(lines[k].unwrap())
+        else:
+            del lines[k]
+    for polygon in left:
+        lines.append(polygon)
+
+
+def _write(path: Path | str, document: tomlkit.TOMLDocument) -> None:
     with replacing(path) as beside:
-        beside.write_text(tomlkit.dumps(document), encoding="utf-8")
+        beside.write_bytes(tomlkit.dumps(document).encode())  # its ends of lines are the document's
 
 
 def read_masks(path: Path | str) -> Masks:

@@ -73,6 +73,12 @@ def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
     assert b'src="../assets' not in answer.body and len(answer.body) > 1_000_000
 
 
+def test_without_a_browser_a_pdf_of_the_report_is_refused_in_words(studio, monkeypatch):
+    monkeypatch.setenv("KINEMARK_BROWSER", "")
+    answer = studio.page.get(f"{studio.trial}/report.pdf")
+    assert answer.status == 422 and "print it to a file there" in answer.json()["words"]
+
+
 def test_a_trial_without_images_says_so(studio):
     assert studio.page.get(f"{studio.trial}/mosaic/1").json()["words"] == "This trial has no images."
 

@@ -9,7 +9,8 @@ import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
-import { goTo, print, writePdf } from "../state/load";
+import { goTo, writePdf } from "../state/load";
+import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import { currentProblem, get, keep, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
@@ -133,7 +134,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
   { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
   { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: (s) => s.id !== null, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
-  { id: "print", keys: ["Shift+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" ? "the report alone, to print" : "print this page"), run: print },
+  { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" ? "the report alone, to print" : "print this page"), run: print },
   // Go to
   ...SESSION_COMMANDS,
   ...UM2AS_COMMANDS,

@@ -35,7 +35,7 @@ const LISTS = ["home", "new"] as const;
 const many = (s: State): boolean => listed(s).length > 0;
 
 export const SESSION_COMMANDS: readonly Command[] = [
-  { id: "trial-open", keys: ["Enter"], title: "Open the trial or folder that is marked", group: "Go to", screens: LISTS, when: many, foot: 1, hint: (s) => `open ${marked(s)!.name}`, run: openMarked },
+  { id: "trial-open", keys: ["Enter"], title: "Open the trial or folder that is marked", group: "Go to", screens: LISTS, when: many, foot: 1, hint: (s) => (s.screen === "home" ? `open ${marked(s)!.name}` : s.marked ? "look at this folder" : "look at the first folder"), run: openMarked },
   { id: "trial-next", keys: ["N"], title: "Next trial or folder", group: "Go to", screens: LISTS, when: many, foot: 2, hint: (s) => (s.screen === "home" ? "next trial" : "next folder"), run: () => mark(1) },
   { id: "trial-before", keys: ["Shift+N"], title: "Trial or folder before", group: "Go to", screens: LISTS, when: many, run: () => mark(-1) },
   { id: "session-make", keys: ["Shift+Enter"], title: "Make the session", group: "Cameras", screens: ["new"], when: () => now().proposed?.lacking === "", foot: 1, hint: () => `make the session ${now().proposed?.name ?? ""}`, run: () => void makeSession(false) },
@@ -50,7 +50,7 @@ export const SESSION_COMMANDS: readonly Command[] = [
   { id: "play-angles", keys: ["P"], title: "Play or pause", group: "Time", screens: ["angles"], foot: 4, hint: () => "play or pause", run: () => playhead.toggle() },
   { id: "spike-look", keys: ["Enter"], title: "Look at the marker that made the leap", group: "Time", screens: ["angles"], when: () => now().spike !== null, foot: 1, hint: () => `look at ${now().spike!.marker} in frame ${now().spike!.frame}`, run: lookAtSpike },
   { id: "euler", keys: ["Shift+E"], title: "Write the three Euler files", group: "Trial", screens: ["angles"], when: () => now().angles?.euler === true, foot: 6, hint: () => "write .shd .elb .wst", run: () => void writeEuler() },
-  { id: "new", keys: ["Alt+Shift+N"], title: "New session from recordings", group: "Go to", hint: () => "new session", run: () => void (location.hash = "#/new") },
+  { id: "new", keys: ["Alt+Shift+N"], title: "New session from recordings", group: "Go to", foot: 58, hint: () => "new session", run: () => void (location.hash = "#/new") },
   { id: "cameras", keys: ["Shift+C"], title: "Cameras & calibration", group: "Go to", when: () => sessionOf() !== null, run: () => void (location.hash = `#/session/${encodeURIComponent(sessionOf()!)}/cameras`) },
 ];
 

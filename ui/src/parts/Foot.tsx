@@ -10,7 +10,7 @@ const ICON = { done: CircleCheck, refused: CircleAlert, news: Info };
 const ALWAYS: readonly string[] = ["help", "up"];
 
 const key = ({ key, words, id }: ReturnType<typeof footLine>[number]): React.JSX.Element => (
-  <li key={id}><button type="button" onClick={byId(id).run}><kbd>{shownKey(key)}</kbd>{words}</button></li>
+  <li key={id}><button type="button" onClick={byId(id).run}><kbd>{shownKey(key)}</kbd><span>{words}</span></button></li>
 );
 
 /** What the next key would do, and what the last one did. */

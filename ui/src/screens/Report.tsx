@@ -1,6 +1,7 @@
 import { ExternalLink, FileDown } from "lucide-react";
 import { reportAddress } from "../api/client";
-import { print, writePdf } from "../state/load";
+import { writePdf } from "../state/load";
+import { print } from "../state/print";
 import { useStore } from "../state/store";
 import styles from "./Report.module.css";
 

@@ -71,13 +71,6 @@ export async function arrive(): Promise<void> {
   await fresh();
 }
 
-/** Print what is shown; of a report, its own page. */
-export function print(): void {
-  const { screen, id } = get();
-  if (screen === "report" && id) window.open(api.reportAddress(id), "_blank", "noreferrer");
-  else window.print();
-}
-
 /** The report as a PDF, which the browser then keeps. */
 export async function writePdf(): Promise<void> {
   const { id, header } = get();

@@ -1,18 +1,20 @@
-"""What leaves the studio: the edited file, and the report."""
+"""What leaves the studio: the edited file, and the report as a page and on paper."""
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 from fastapi import APIRouter
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, Response
 
 from ...data import KinemarkError
 from ...engine.edit_files import write_edited
 from ...engine.trial_graph import REPORT
 from ...io.notes import file_note_text
 from ...report.drawing_library import ASSETS, self_contained
-from .desk import OpenDocument
+from ..pdf import print_pdf
+from .desk import Desk, OpenDocument
 from .home import newer
 from .home_routes import TheDesk
 from .messages import ExportBody, Exported
@@ -65,9 +67,22 @@ def free_name(given: Path, ending: str) -> Path:
 @router.get("/report", response_class=HTMLResponse)
 def get_report(trial: str, desk: TheDesk) -> HTMLResponse:
     """The report of the last run, with all that it draws with."""
+    page = _report(desk, trial)
+    return HTMLResponse(self_contained(page, page.parents[1] / ASSETS), headers={"Content-Security-Policy": SANDBOX})
+
+
+@router.get("/report.pdf", response_class=Response, responses={200: {"content": {"application/pdf": {}}}})
+def get_report_pdf(trial: str, desk: TheDesk) -> Response:
+    """The report of the last run on A4 pages, printed by a browser of this computer; 422 where there is none."""
+    page = _report(desk, trial)
+    with tempfile.TemporaryDirectory(prefix="kinemark-") as folder:
+        printed = print_pdf(page, Path(folder, "report.pdf")).read_bytes()
+    return Response(printed, media_type="application/pdf")
+
+
+def _report(desk: Desk, trial: str) -> Path:
     place = desk.place(trial)
-    results = place.path / "results"
-    page = results / str(place.trial) / REPORT
+    page = place.path / "results" / str(place.trial) / REPORT
     if place.trial is None or not page.is_file():
         raise NotThere("There is no report yet: run the trial.")
-    return HTMLResponse(self_contained(page, results / ASSETS), headers={"Content-Security-Policy": SANDBOX})
+    return page

@@ -27,6 +27,7 @@ COMMANDS = {
     "commands/studio.py": ("studio",),
     "commands/files.py": ("info", "convert"),
     "commands/plan.py": ("plan",),
+    "commands/aspect.py": ("aspect",),
     "commands/analysis.py": ("angles", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),
 }

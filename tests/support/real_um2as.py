@@ -61,7 +61,7 @@ def _still(values):
 
 LONG = 12
 """Frames in which the program itself follows LEDs, to know where they are; those that are digitised come first."""
-POSES = (640, 200)
+POSES = (600, 80)
 """Frames of the footage from which on the plate is held in two ways, so that LEDs of both do not lie in a plane."""
 
 
@@ -108,7 +108,8 @@ def _leds(folder, rig, images):
         'name = "known"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "leds"\nimages = "{camera}.mkv"\n'
     )
     xyz = Session.open(folder).trial("leds").run(to="track").trajectories.xyz
-    return xyz[np.isfinite(xyz).all((1, 2)), :FRAMES]
+    xyz = xyz[:, :FRAMES]
+    return xyz[np.isfinite(xyz).all((1, 2))]
 
 
 def _apart(xyz, n):

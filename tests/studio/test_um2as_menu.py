@@ -16,6 +16,7 @@ from kinemark.data.answers import Point
 from kinemark.io.answers_csv import read_answers
 from support.axe import needed_axe, violations
 from support.digitising_person import Person
+from support.feeding import feeding_in
 from support.studio_page import Studio, needed, served, window
 from support.um2as_guide import Guide, entered
 from support.um2as_lab import laboratory_in
@@ -174,6 +175,11 @@ def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_runn
         guide = entered(context, server, theme=theme)
         guide = guide.open("monday") if (folder / "session.toml").is_file() else guide.make("monday")
         found = {"top": violations(guide.page)}
+        guide.choose("Camera Information", "Aspect Ratio")
+        guide.page.get_by_role("button", name="Measure").click()
+        guide.page.locator("[data-camera=cam3]").wait_for()
+        found["aspect"] = violations(guide.page)
+        guide.up("Camera Information").up("UM²AS")
         for (above, level), tasks in LEVELS.items():
             guide.choose(above, level)
             found[level] = violations(guide.page)
@@ -183,4 +189,40 @@ def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_runn
                 guide.up(level)
             guide.up(above).up("UM²AS")
         context.close()
-    assert {name: of for name, of in found.items() if of} == {} and len(found) == 1 + 4 + 9
+    assert {name: of for name, of in found.items() if of} == {} and len(found) == 2 + 4 + 9
+
+
+def test_the_menu_is_gone_through_by_keys_alone(tmp_path, chromium_running):
+    """The entry that is next is highlighted; Escape and the box go up, level by level; printed, the menu is left out."""
+    with served(feeding_in(tmp_path / "feeding", 3)) as server:
+        context = window(chromium_running)
+        guide = entered(context, server).open("feeding study")
+        page = guide.page
+        page.get_by_role("button", name="Home", exact=True).click()  # at the top it may be left
+        page.locator("main[data-screen=home]").wait_for()
+        guide.open("feeding study")
+        for key, title in ("Enter", "Camera Information"), ("Enter", "Calibration Parameters"):
+            guide.key(key)
+            page.get_by_role("heading", name=title, exact=True, level=1).wait_for()
+            guide.idle()
+        assert page.locator("[data-entry=calibration-process]:focus").count() == 1, "what is to be done comes first"
+        guide.key("ArrowUp")
+        assert page.locator("[data-entry=calibration-digitise]:focus").count() == 1
+        guide.key("ArrowDown")
+        guide.key("Enter")
+        page.locator("[data-task=calibration-process]").wait_for()
+        guide.idle().process()
+        assert page.locator("footer").get_by_text("Process L Parameters").count() == 1, "the foot says what Enter does"
+        page.keyboard.press("Alt+Shift+H")
+        page.get_by_text("UM²AS is left from the top of its menu").wait_for()
+        page.emulate_media(media="print")
+        assert not page.get_by_role("button", name="Home", exact=True).is_visible()
+        assert page.get_by_text("box.cp1, box.cp2, box.cp3 are written").last.is_visible()
+        page.emulate_media(media="screen")
+        guide.up("Calibration Parameters")
+        page.get_by_role("button", name="One level up").click()
+        page.get_by_role("heading", name="Camera Information", exact=True, level=1).wait_for()
+        guide.idle().up("UM²AS").key("Escape")
+        page.locator("main[data-screen=home]").wait_for()
+        assert guide.studio.errors == []
+        context.close()

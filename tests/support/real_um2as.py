@@ -61,7 +61,7 @@ def _still(values):
 
 LONG = 12
 """Frames in which the program itself follows LEDs, to know where they are; those that are digitised come first."""
-POSES = (600, 80)
+POSES = (440, 80)
 """Frames of the footage from which on the plate is held in two ways, so that LEDs of both do not lie in a plane."""
 
 

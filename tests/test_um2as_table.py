@@ -13,7 +13,7 @@ ELSEWHERE = {"View Angles"}
 
 
 def test_every_test_that_a_table_names_exists():
-    named = NAMED.findall(PAGE)
+    named = [(file.removeprefix("tests/"), test) for file, test in NAMED.findall(PAGE)]
     lacking = [
         f"{file}::{test}" for file, test in named
         if not (ROOT / "tests" / file).is_file()

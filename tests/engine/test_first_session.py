@@ -244,5 +244,5 @@ def test_stills_that_are_called_as_measured_places_show_them(tmp_path, stills, r
         write_video(tmp_path / f"walk_{name}.mkv", np.zeros((4, 6, 8), np.uint8), 50.0)
     proposal = propose_session(tmp_path)
     assert next(one.role for one in proposal.recordings if one.path.startswith(stills + "_")) is role
-    assert ("images" in session_text(proposal).split("[[trials]]")[0]) == (role is Role.CONTROL_POINTS)
+    assert ('images = "box_' in session_text(proposal).split("[[trials]]")[0]) == (role is Role.CONTROL_POINTS)
     assert [one.name for one in proposal.trials][-1] == "walk"

@@ -3239,7 +3239,8 @@ export interface components {
          * SetupBody
          * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
          *
-         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
+         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all;
+         *     `recorded`, the day of the recording, where nobody says it.
          */
         SetupBody: {
             /**
@@ -3256,6 +3257,8 @@ export interface components {
             last_frame?: number | null;
             /** Markers */
             markers: string[];
+            /** Recorded */
+            recorded?: string | null;
             /** Reference */
             reference?: string | null;
             /** Reference Files */

@@ -21,6 +21,7 @@ from kinemark.engine.session import Session
 from kinemark.engine.simulate import Scene, simulate
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.images import write_png
+from kinemark.io.um2as import write_msr
 from kinemark.io.video import write_video
 from support.laboratory import observe, ring
 from support.motions import swarm
@@ -232,3 +233,16 @@ def test_at_a_terminal_roles_are_confirmed_and_questions_asked(waved, monkeypatc
     assert "from 1 to 3" in said and "'king' is no role" in said and "is not made of numbers" in said
     text = (waved / "session.toml").read_text("utf-8")
     assert "static" in text and "lengths_mm = [500]" in text and "# ? l_frame" in text, found
+
+
+@pytest.mark.parametrize(("stills", "role"), [("box", Role.CONTROL_POINTS), ("feeding", Role.TRIAL)])
+def test_stills_that_are_called_as_measured_places_show_them(tmp_path, stills, role):
+    """`box.msr` beside `box_cam1.png`; others are a trial, as before."""
+    write_msr(tmp_path / "box.msr", np.arange(24.0).reshape(8, 3))
+    for name in ("cam1", "cam2"):
+        write_png(tmp_path / f"{stills}_{name}.png", np.zeros((6, 8), np.uint8))
+        write_video(tmp_path / f"walk_{name}.mkv", np.zeros((4, 6, 8), np.uint8), 50.0)
+    proposal = propose_session(tmp_path)
+    assert next(one.role for one in proposal.recordings if one.path.startswith(stills + "_")) is role
+    assert ('images = "box_' in session_text(proposal).split("[[trials]]")[0]) == (role is Role.CONTROL_POINTS)
+    assert [one.name for one in proposal.trials][-1] == "walk"

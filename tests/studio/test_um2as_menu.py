@@ -16,6 +16,7 @@ from kinemark.data.answers import Point
 from kinemark.io.answers_csv import read_answers
 from support.axe import needed_axe, violations
 from support.digitising_person import Person
+from support.feeding import feeding_in
 from support.studio_page import Studio, needed, served, window
 from support.um2as_guide import Guide, entered
 from support.um2as_lab import laboratory_in
@@ -37,57 +38,6 @@ def recorded(tmp_path_factory):
     needed()
     folder = tmp_path_factory.mktemp("lab") / "monday"
     return folder, *laboratory_in(folder, FRAMES)
-
-
-def click_ball(page, uv, size=512):
-    box = page.locator("canvas[data-camera^=cam]").bounding_box()
-    scale = box["width"] / size
-    page.mouse.click(box["x"] + (uv[0] + 0.5) * scale, box["y"] + (uv[1] + 0.5) * scale)
-
-
-def point_at_balls(guide, balls):
-    """All balls of all cameras, each camera's reference marker last; the first wrong, and taken back."""
-    page, studio = guide.page, guide.studio
-    page.locator("canvas[data-camera=cam1]").wait_for()
-    page.get_by_role("slider", name=re.compile("^Threshold")).fill(str(THRESHOLD))
-    guide.click(page.get_by_role("button", name="Keep for all"))
-    page.get_by_text(f"The threshold of all cameras is {THRESHOLD}").wait_for()
-    click_ball(page, balls[0, 3])  # ball 4 is none that was asked for
-    page.locator("[data-ball='cam1 1'][data-seen=true]").wait_for()
-    studio.idle().press("Backspace")
-    page.locator("[data-ball='cam1 1'][data-seen=asked][aria-current=step]").wait_for()
-    for c in range(3):
-        page.locator(f"canvas[data-camera=cam{c + 1}]").wait_for()
-        for n, name in enumerate((*map(str, range(1, 9)), "reference marker")):
-            ball = page.locator(f"[data-ball='cam{c + 1} {name}']")
-            page.locator(f"[data-ball='cam{c + 1} {name}'][aria-current=step]").wait_for()
-            studio.idle()
-            guide.effort.click(decide=True)
-            click_ball(page, balls[c, n])
-            ball.and_(page.locator("[data-seen=true]")).wait_for()
-    studio.idle()
-
-
-def made_session(guide):
-    page = guide.page
-    guide.click(page.get_by_role("button", name="New session …"))
-    guide.click(page.get_by_role("button", name=re.compile("monday")))
-    guide.click(page.get_by_role("button", name="Make it, then calibrate"))
-    page.get_by_role("heading", name="Cameras & calibration").wait_for()
-    guide.click(page.get_by_role("button", name="UM²AS", exact=True))
-    page.get_by_role("heading", name="UM²AS", exact=True).wait_for()
-    return guide.idle()
-
-
-def set_up(guide):
-    """Start-up of digitising: eight markers, the last is the reference."""
-    page = guide.page
-    page.get_by_label("Markers, in the order").fill("8")
-    page.get_by_label("Reference marker, which").select_option("8")
-    page.get_by_label("ask in every frame").uncheck()
-    guide.click(page.get_by_role("button", name="Begin to digitise"))
-    page.locator("[data-phase=point]").wait_for()
-    guide.idle()
 
 
 def by_commands(folder, made):
@@ -122,7 +72,7 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
     folder, balls, seen = recorded
     with served(folder.parent) as server:
         context = window(chromium_running)
-        guide = made_session(entered(context, server))
+        guide = entered(context, server).make("monday")
         page, studio = guide.page, guide.studio
         guide.choose("Camera Information", "Calibration Parameters", "Start Up Information")
         page.get_by_label("Date, for camera 1's file").fill("1992-11-27")
@@ -130,7 +80,10 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
         assert guide.state("Process L Parameters") == "waits" and "cam1 0 of 8" in guide.words("Digitize Image")
         assert page.get_by_role("button", name="Home", exact=True).is_disabled(), "it is left from the top alone"
         guide.choose("Digitize Image")
-        point_at_balls(guide, balls)
+        guide.threshold(THRESHOLD).click_ball(balls[0, 3])  # ball 4 is none that was asked for
+        page.locator("[data-ball='cam1 1'][data-seen=true]").wait_for()
+        studio.idle().press("Backspace")
+        guide.point_at_balls(balls)
         guide.up("Calibration Parameters")
         assert guide.state("Digitize Image") == "done"
         guide.choose("Process L Parameters").process()
@@ -142,7 +95,7 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
         assert guide.state("Save Data") == "waits"
         guide.choose("Start Up Information")
         page.get_by_role("heading", name="Digitise & verify").wait_for()
-        set_up(guide)
+        guide.set_up("8", "8")
         person = Person(studio, seen, MARKERS, effort=guide.effort)
         person.until("cam2", 1, "point")
         stood = person.stands()
@@ -220,8 +173,13 @@ def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_runn
     with served(folder.parent) as server:
         context = window(chromium_running, bypass_csp=True)  # axe is put in by evaluation, which the policy forbids
         guide = entered(context, server, theme=theme)
-        guide = guide.open("monday") if (folder / "session.toml").is_file() else made_session(guide)
+        guide = guide.open("monday") if (folder / "session.toml").is_file() else guide.make("monday")
         found = {"top": violations(guide.page)}
+        guide.choose("Camera Information", "Aspect Ratio")
+        guide.page.get_by_role("button", name="Measure").click()
+        guide.page.locator("[data-camera=cam3]").wait_for()
+        found["aspect"] = violations(guide.page)
+        guide.up("Camera Information").up("UM²AS")
         for (above, level), tasks in LEVELS.items():
             guide.choose(above, level)
             found[level] = violations(guide.page)
@@ -231,4 +189,40 @@ def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_runn
                 guide.up(level)
             guide.up(above).up("UM²AS")
         context.close()
-    assert {name: of for name, of in found.items() if of} == {} and len(found) == 1 + 4 + 9
+    assert {name: of for name, of in found.items() if of} == {} and len(found) == 2 + 4 + 9
+
+
+def test_the_menu_is_gone_through_by_keys_alone(tmp_path, chromium_running):
+    """The entry that is next is highlighted; Escape and the box go up, level by level; printed, the menu is left out."""
+    with served(feeding_in(tmp_path / "feeding", 3)) as server:
+        context = window(chromium_running)
+        guide = entered(context, server).open("feeding study")
+        page = guide.page
+        page.get_by_role("button", name="Home", exact=True).click()  # at the top it may be left
+        page.locator("main[data-screen=home]").wait_for()
+        guide.open("feeding study")
+        for key, title in ("Enter", "Camera Information"), ("Enter", "Calibration Parameters"):
+            guide.key(key)
+            page.get_by_role("heading", name=title, exact=True, level=1).wait_for()
+            guide.idle()
+        assert page.locator("[data-entry=calibration-process]:focus").count() == 1, "what is to be done comes first"
+        guide.key("ArrowUp")
+        assert page.locator("[data-entry=calibration-digitise]:focus").count() == 1
+        guide.key("ArrowDown")
+        guide.key("Enter")
+        page.locator("[data-task=calibration-process]").wait_for()
+        guide.idle().process()
+        assert page.locator("footer").get_by_text("Process L Parameters").count() == 1, "the foot says what Enter does"
+        page.keyboard.press("Alt+Shift+H")
+        page.get_by_text("UM²AS is left from the top of its menu").wait_for()
+        page.emulate_media(media="print")
+        assert not page.get_by_role("button", name="Home", exact=True).is_visible()
+        assert page.get_by_text("box.cp1, box.cp2, box.cp3 are written").last.is_visible()
+        page.emulate_media(media="screen")
+        guide.up("Calibration Parameters")
+        page.get_by_role("button", name="One level up").click()
+        page.get_by_role("heading", name="Camera Information", exact=True, level=1).wait_for()
+        guide.idle().up("UM²AS").key("Escape")
+        page.locator("main[data-screen=home]").wait_for()
+        assert guide.studio.errors == []
+        context.close()

@@ -5,6 +5,8 @@ import re
 from support.digitising_person import Effort
 from support.studio_page import Studio
 
+BALLS = 8
+
 
 class Guide:
     """Only what the screen shows is used: entries by their titles, Escape, the space bar."""
@@ -18,6 +20,55 @@ class Guide:
         self.page.locator("main[data-screen=cameras]").wait_for()
         self.click(self.page.get_by_role("button", name="UM²AS", exact=True))
         self.page.get_by_role("heading", name="UM²AS", exact=True).wait_for()
+        return self.idle()
+
+    def make(self, folder):
+        """A session from the recordings of a folder, as they are proposed; then its menu."""
+        self.click(self.page.get_by_role("button", name="New session …"))
+        self.click(self.page.get_by_role("button", name=re.compile(folder)))
+        self.click(self.page.get_by_role("button", name="Make it, then calibrate"))
+        self.page.get_by_role("heading", name="Cameras & calibration").wait_for()
+        self.click(self.page.get_by_role("button", name="UM²AS", exact=True))
+        self.page.get_by_role("heading", name="UM²AS", exact=True).wait_for()
+        return self.idle()
+
+    def threshold(self, level):
+        """Of all cameras, on the screen where balls are pointed at."""
+        self.page.locator("canvas[data-camera=cam1]").wait_for()
+        self.page.get_by_role("slider", name=re.compile("^Threshold")).fill(str(level))
+        self.click(self.page.get_by_role("button", name="Keep for all"))
+        self.page.get_by_text(f"The threshold of all cameras is {level}").wait_for()
+        return self.idle()
+
+    def click_ball(self, uv, size=512):
+        """A place of the square image of balls that is shown."""
+        box = self.page.locator("canvas[data-camera^=cam]").bounding_box()
+        scale = box["width"] / size
+        self.page.mouse.click(box["x"] + (uv[0] + 0.5) * scale, box["y"] + (uv[1] + 0.5) * scale)
+
+    def point_at_balls(self, places, size=512):
+        """All balls of all cameras at (C, N, 2) px; a row more than there are balls is the reference marker's."""
+        for c, own in enumerate(places):
+            self.page.locator(f"canvas[data-camera=cam{c + 1}]").wait_for()
+            for n, uv in enumerate(own):
+                ball = f"[data-ball='cam{c + 1} {n + 1 if n < BALLS else 'reference marker'}']"
+                self.page.locator(f"{ball}[aria-current=step]").wait_for()
+                self.idle().effort.click(decide=True)
+                self.click_ball(uv, size)
+                self.page.locator(f"{ball}[data-seen=true]").wait_for()
+            if len(own) == BALLS:
+                self.page.locator(f"[data-ball='cam{c + 1} reference marker'][aria-current=step]").wait_for()
+                self.idle().key("b")
+        return self.idle()
+
+    def set_up(self, markers, reference=None):
+        """Start-up of digitising: so many markers, or names, and which of them is the reference marker."""
+        self.page.get_by_label("Markers, in the order").fill(markers)
+        if reference is not None:
+            self.page.get_by_label("Reference marker, which").select_option(reference)
+            self.page.get_by_label("ask in every frame").uncheck()
+        self.click(self.page.get_by_role("button", name="Begin to digitise"))
+        self.page.locator("[data-phase=point]").wait_for()
         return self.idle()
 
     def idle(self):

@@ -344,6 +344,50 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session}/um2as/aspect": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Bars
+         * @description Recordings that may be of the bar.
+         */
+        get: operations["get_bars_api_sessions__session__um2as_aspect_get"];
+        put?: never;
+        /**
+         * Post Bar
+         * @description What a recording of the bar says; nothing is written.
+         */
+        post: operations["post_bar_api_sessions__session__um2as_aspect_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/um2as/aspect/factor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Factor
+         * @description State it; files are made anew with it.
+         */
+        post: operations["post_factor_api_sessions__session__um2as_aspect_factor_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session}/um2as/coordinates": {
         parameters: {
             query?: never;
@@ -418,6 +462,30 @@ export interface paths {
          * @description Process L Parameters.
          */
         post: operations["post_parameters_api_sessions__session__um2as_parameters_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/ways": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Ways
+         * @description The recordings that could calibrate the session.
+         */
+        get: operations["get_ways_api_sessions__session__ways_get"];
+        put?: never;
+        /**
+         * Post Way
+         * @description Calibrate by another one from now on, in session.toml.
+         */
+        post: operations["post_way_api_sessions__session__ways_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1290,6 +1358,55 @@ export interface components {
             v?: number | null;
         };
         /**
+         * BarBody
+         * @description A recording of the bar, and the threshold; each image's own where it is null.
+         */
+        BarBody: {
+            /** Images */
+            images: string;
+            /**
+             * Inverted
+             * @default false
+             */
+            inverted: boolean;
+            /** Threshold */
+            threshold?: number | null;
+        };
+        /**
+         * BarMeasured
+         * @description Of all cameras, and their mean.
+         */
+        BarMeasured: {
+            /** Cameras */
+            cameras: components["schemas"]["BarRow"][];
+            /** Factor */
+            factor: number | null;
+        };
+        /**
+         * BarRow
+         * @description What the bar says of a camera's pixels; `factor` is null where it says nothing, and `words` then why.
+         */
+        BarRow: {
+            /** Camera */
+            camera: string;
+            /** Factor */
+            factor: number | null;
+            /** Sd */
+            sd: number | null;
+            /** Words */
+            words: string;
+        };
+        /**
+         * Bars
+         * @description Recordings that may show the bar, as patterns; and what V is multiplied by now, null for nothing.
+         */
+        Bars: {
+            /** Factor */
+            factor: number | null;
+            /** Images */
+            images: string[];
+        };
+        /**
          * CalibrationShown
          * @description A calibration with its judgement; `made` is local time; `current` whether a run would take it as it is.
          */
@@ -1995,6 +2112,14 @@ export interface components {
              * @default []
              */
             words: string[];
+        };
+        /**
+         * FactorBody
+         * @description What V is multiplied by from now on; null for nothing.
+         */
+        FactorBody: {
+            /** Factor */
+            factor: number | null;
         };
         /**
          * Fault
@@ -3114,7 +3239,8 @@ export interface components {
          * SetupBody
          * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
          *
-         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
+         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all;
+         *     `recorded`, the day of the recording, where nobody says it.
          */
         SetupBody: {
             /**
@@ -3131,6 +3257,8 @@ export interface components {
             last_frame?: number | null;
             /** Markers */
             markers: string[];
+            /** Recorded */
+            recorded?: string | null;
             /** Reference */
             reference?: string | null;
             /** Reference Files */
@@ -3563,6 +3691,45 @@ export interface components {
             kind: "undo";
             /** Of */
             of?: number | null;
+        };
+        /**
+         * WayBody
+         * @description The recording that shall calibrate from now on, as what; answers as typed, by the keys of its questions.
+         */
+        WayBody: {
+            /** Answers */
+            answers?: {
+                [key: string]: string;
+            };
+            /** Path */
+            path: string;
+            role: components["schemas"]["Role"];
+        };
+        /**
+         * WayRow
+         * @description A recording that could calibrate the session, as what, why, and what is asked for it; `now` where it does.
+         */
+        WayRow: {
+            /** Now */
+            now: boolean;
+            /** Path */
+            path: string;
+            /** Questions */
+            questions: components["schemas"]["Asked"][];
+            /** Role */
+            role: string;
+            /** Why */
+            why: string;
+            /** Words */
+            words: string;
+        };
+        /**
+         * Ways
+         * @description All of them.
+         */
+        Ways: {
+            /** Ways */
+            ways: components["schemas"]["WayRow"][];
         };
         /**
          * WhitePixels
@@ -4179,6 +4346,107 @@ export interface operations {
             };
         };
     };
+    get_bars_api_sessions__session__um2as_aspect_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Bars"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_bar_api_sessions__session__um2as_aspect_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BarBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BarMeasured"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_factor_api_sessions__session__um2as_aspect_factor_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["FactorBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Bars"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
     post_coordinates_api_sessions__session__um2as_coordinates_post: {
         parameters: {
             query?: never;
@@ -4306,6 +4574,72 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Written"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_ways_api_sessions__session__ways_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Ways"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_way_api_sessions__session__ways_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["WayBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionCameras"];
                 };
             };
             /** @description Unprocessable Entity */

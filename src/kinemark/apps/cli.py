@@ -28,6 +28,7 @@ COMMANDS = {
     "commands/files.py": ("info", "convert"),
     "commands/pdf.py": ("pdf",),
     "commands/plan.py": ("plan",),
+    "commands/aspect.py": ("aspect",),
     "commands/analysis.py": ("angles", "velocities", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),
 }

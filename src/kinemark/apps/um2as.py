@@ -32,6 +32,7 @@ WhitePixels = Annotated[
     bool,
     Parameter(negative="", help="Centroids are the means of the white pixels, as those of UM²AS; no disc is fitted."),
 ]
+Aspect = Annotated[float, Parameter(help="What V is multiplied by to make pixels square; see kinemark aspect.")]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the figures for a machine.")]
 Many = Parameter(consume_multiple=True, negative="")
 WHITE = 253  # grey level of 8 bits of a marker in the picture; chosen
@@ -75,6 +76,7 @@ def reference(
     threshold: Threshold = 60.0,
     inverted: Inverted = False,
     white_pixels: WhitePixels = False,
+    aspect_ratio: Aspect = 1.0,
 ) -> None:
     """Reference Marker: digitise the marker that never moves, and keep its place.
 
@@ -90,6 +92,7 @@ def reference(
 
     camera_number(output, "rf")
     uv = pointed(_image_markers(image, frame, threshold, inverted, white_pixels), "the reference marker", at)
+    uv = uv * _square(aspect_ratio)
     write_rf(output, uv)
     say(f"{output} is written: {uv[0]:.7f} {uv[1]:.7f}")
 
@@ -106,6 +109,7 @@ def calibrate(
     threshold: Threshold = 60.0,
     inverted: Inverted = False,
     white_pixels: WhitePixels = False,
+    aspect_ratio: Aspect = 1.0,
 ) -> None:
     """Calibration Parameters: point at the control balls, and get the eleven parameters of the camera.
 
@@ -127,7 +131,7 @@ def calibrate(
     found = _image_markers(image, frame, threshold, inverted, white_pixels)
     n = len(at) if at else len(table(measured)[1])
     uv = np.array([pointed(found, f"control ball {i + 1}", at[i] if at else None) for i in range(n)]).reshape(-1, 2)
-    _, off = calibrate_file(measured, output, uv, made=_date(made) if camera == 1 else None)
+    _, off = calibrate_file(measured, output, uv * _square(aspect_ratio), made=_date(made) if camera == 1 else None)
     rms = float(np.sqrt((off**2).sum(1).mean()))
     say(f"{output} is written. The balls are {rms:.2f} px off on average (RMS), at most {np.hypot(*off.T).max():.2f}.")
 
@@ -151,6 +155,7 @@ def digitise_file(
     calibration: Annotated[list[Path] | None, Many] = None,
     others: Annotated[list[Path] | None, Many] = None,
     take_proposals: Annotated[bool, Parameter(negative="")] = False,
+    aspect_ratio: Aspect = 1.0,
     json: Json = False,
 ) -> None:
     """Motion Data Acquisition: digitise the markers of one camera, frame by frame.
@@ -184,6 +189,7 @@ def digitise_file(
     from ..io.um2as import camera_number, read_rf, write_da
 
     method = _semi_automatic(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
+    square = _square(aspect_ratio)
     camera = camera_number(output, "da")
     detection = _centroids(threshold, inverted, white_pixels)
     reel = DigitisedFrames(open_images(images), method=detection, every=every, last=last_frame)
@@ -194,10 +200,10 @@ def digitise_file(
         operator=Terminal(reel),
         refuse=lambda error: say(f"  {error}"),
         save_all=save_all,
-        constant=read_rf(reference_file) if reference_file and reference else None,
-        views=_views(camera, calibration or [], others or [], len(method.markers)),
+        constant=read_rf(reference_file) / square if reference_file and reference else None,
+        views=_views(camera, calibration or [], others or [], len(method.markers), square),
     )
-    write_da(output, done.uv)
+    write_da(output, done.uv * square)
     say(done.figures if json else _said(output, done, reel.n_frames))
 
 
@@ -303,8 +309,17 @@ def _semi_automatic(markers: list[str], reference: str | None, **options: bool) 
         raise KinemarkError(f"{error}.") from error
 
 
-def _views(camera: int, calibration: list[Path], others: list[Path], markers: int) -> OtherViews | None:
-    """What other cameras know, where their files are given."""
+def _square(aspect_ratio: float) -> Floats:
+    """(2,) what U and V of the images are multiplied by in the files."""
+    if not 0.1 < aspect_ratio < 10:
+        raise KinemarkError(f"{aspect_ratio:g} is no aspect ratio of pixels. Measure it: kinemark aspect")
+    return np.array([1.0, aspect_ratio])
+
+
+def _views(
+    camera: int, calibration: list[Path], others: list[Path], markers: int, square: Floats
+) -> OtherViews | None:
+    """What other cameras know, where their files are given, in the pixels of the images."""
     from ..digitise import OtherViews
     from ..engine.calibration.from_known_points import rig_of_cp
     from ..io.um2as import read_da_set
@@ -316,7 +331,9 @@ def _views(camera: int, calibration: list[Path], others: list[Path], markers: in
     wanted = [f"cam{n}" for n in sorted({camera, *numbers})]
     if rig is None or not set(wanted) <= set(rig.names):
         raise KinemarkError(f"To ask other cameras, --calibration must name the .cp files of {', '.join(wanted)}.")
-    rig = rig.select(wanted)
+    own = rig.select(wanted)
+    rig = replace(own, cameras=tuple(replace(one, K=np.diag([*(1 / square), 1.0]) @ one.K) for one in own))
+    uv = uv / square
     whole = np.full((len(rig), *uv.shape[1:]), np.nan)
     for own, n in zip(uv, numbers, strict=True):
         whole[wanted.index(f"cam{n}")] = own

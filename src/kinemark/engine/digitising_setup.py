@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,7 @@ class DigitisingSetup:
         last_frame: that is digitised, counted from 1; None for all.
         reference_files: what UM²AS's files of the reference marker are called before `.rf1` …; None: the first frame
             says where it is.
+        recorded: the day of the recording, which stands on every page; None where nobody says it.
     """
 
     markers: tuple[str, ...]
@@ -46,6 +48,7 @@ class DigitisingSetup:
     history: int = 2
     last_frame: int | None = None
     reference_files: str | None = None
+    recorded: date | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,11 +75,12 @@ def choices(root: Path, trial: str) -> DigitisingChoices:
     sources = open_cameras(root, session.settings, str(entry.images), cameras)
     method = session.settings.digitise
     last = entry.frames[1] if entry.frames else None
-    now = DigitisingSetup((), last_frame=last)
+    now = DigitisingSetup((), last_frame=last, recorded=entry.date or session.settings.date)
     if method is not None:
-        now = DigitisingSetup(
-            method.markers, method.reference, method.confirm_reference, method.take_proposals, method.history, last
-        )
+        now = replace(
+            now, markers=method.markers, reference=method.reference, confirm_reference=method.confirm_reference,
+            take_proposals=method.take_proposals, history=method.history,
+        )  # fmt: skip
     shortest = min(source.n_frames for source in sources.values())
     return DigitisingChoices(shortest, _reference_sets(root, len(cameras)), now, entry.answers is not None)
 
@@ -107,6 +111,8 @@ def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
         own["frames"] = [1, setup.last_frame]
     else:
         own.pop("frames", None)
+    if setup.recorded not in (None, session.settings.date):
+        own["date"] = setup.recorded
     _write(root, document)
 
 

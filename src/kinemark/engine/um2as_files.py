@@ -79,6 +79,11 @@ class Um2asFiles:
             return file.stem
         return self.measured.stem if self.measured else BOX
 
+    @property
+    def square(self) -> Floats:
+        """(2,) what u and v are multiplied by in the files, so that pixels are square (UM²AS eq. 4.2)."""
+        return np.array([1.0, self.session.settings.cameras.aspect_ratio or 1.0])
+
     def numbered(self, stem: str, letters: str, cameras: Sequence[str] = ()) -> list[Path]:
         """The files of some cameras, of all where none are named: `box.cp1`, `box.cp2`, …"""
         chosen = cameras or self.cameras
@@ -122,7 +127,7 @@ class Um2asFiles:
             written = self._of_rig(self.session.calibrate().rig, made)
         for name, path in zip(self.cameras, self.numbered(self.box, "rf"), strict=True):
             if places := (calibration.reference_marker or {}).get(name):
-                write_rf(path, np.array(places[0]))
+                write_rf(path, np.array(places[0]) * self.square)
                 written.append(path)
         return written
 
@@ -137,7 +142,7 @@ class Um2asFiles:
             raise KinemarkError(f"Saved frames: {', '.join(left)}. Digitise the others first.")
         self.folder.mkdir(parents=True, exist_ok=True)
         for path, name in zip(self.das(), self.cameras, strict=True):
-            write_da(path, opened.uv[opened.task.rig.names.index(name)])
+            write_da(path, opened.uv[opened.task.rig.names.index(name)] * self.square)
         return self.das()
 
     def process_coordinates(self, cameras: Sequence[str]) -> Path:
@@ -167,7 +172,7 @@ class Um2asFiles:
             write_msr(self.folder / f"{BOX}.msr", balls.points.xyz)
             measured = self.folder / f"{BOX}.msr"
         for c, path in enumerate(self.cps()):
-            calibrate_file(measured, path, uv[c], made=made if c == 0 else None)
+            calibrate_file(measured, path, uv[c] * self.square, made=made if c == 0 else None)
         return self.cps()
 
     def _of_rig(self, rig: Rig, made: date) -> list[Path]:
@@ -177,7 +182,8 @@ class Um2asFiles:
                 "balls, or calculate by the session: Run, then Angles."
             )
         for c, (path, name) in enumerate(zip(self.cps(), self.cameras, strict=True)):
-            write_cp(path, to_dlt(rig.select([name]).P)[0], made=made if c == 0 else None)
+            P = np.diag([*self.square, 1.0]) @ rig.select([name]).P
+            write_cp(path, to_dlt(P)[0], made=made if c == 0 else None)
         return self.cps()
 
 

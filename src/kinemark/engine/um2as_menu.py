@@ -55,6 +55,8 @@ MENU = (
               "balls at measured places.", "3.4", "menu"),
     MenuEntry("digitising", "camera", "Marker Coordinate Digitizing", "The markers' centroids in every frame of every "
               "camera.", "3.5", "menu"),
+    MenuEntry("aspect", "camera", "Aspect Ratio", "By a bar of markers that is turned before each camera: what V is "
+              "multiplied by in all files.", "4.1", "here"),
     MenuEntry("xyz", "data", "X, Y, Z Coordinate Calculation", "Places of the markers in space, by two cameras or "
               "more.", "3.6", "menu"),
     MenuEntry("euler", "data", "Calculate Euler Angles", "Angles of shoulder, elbow and wrist.", "3.7", "menu"),
@@ -104,7 +106,8 @@ MENU = (
     MenuEntry("euler-curves", "euler", "Curves", "Curves, smoothing and the limb from any side, of the trial as it was "
               "run.", "5, recommendation 3", "angles"),
 )  # fmt: skip
-"""By definition: chapter 3 of the thesis. Figures are its own; `View Angles` and `Curves` are ours."""
+"""By definition: chapter 3 of the thesis. Figures are its own; `Aspect Ratio` as an entry, `View
+Angles` and `Curves` are ours."""
 
 
 def standings(
@@ -126,7 +129,9 @@ def standings(
     digitised = saved is not None and all(n == of for n, of in saved.values())
     made = written(cps, tuple(balls_of(files)), "Process L Parameters first.")
     marked = written(das, tuple(answers_of(files)) if digitised else (), "Save Data first.")
+    factor = files.session.settings.cameras.aspect_ratio
     return {
+        "aspect": Standing("", "Pixels count as square." if factor is None else f"V × {factor:g} in all files."),
         "calibration-start": Standing("", ""),
         "calibration-files": Standing("", "", (*([files.measured] if files.measured else []), *cps)),
         "calibration-threshold": _threshold(files),

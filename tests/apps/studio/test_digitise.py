@@ -258,6 +258,7 @@ def test_the_last_frame_and_the_files_of_the_thesis(tmp_path):
     start = studio.page.get(f"{studio.address}/setup").json()
     assert (start["frames"], start["reference_files"]) == (FRAMES, ["box"])
     wanted = {"markers": list(NAMES), "reference": "REF", "confirm_reference": False, "last_frame": 3}
+    wanted["recorded"] = "1992-11-27"
     refused = studio.page.post(f"{studio.address}/setup", wanted | {"reference_files": "../box"})
     assert refused.status == 422 and "there are box" in refused.json()["words"]
     now = studio.page.post(f"{studio.address}/setup", wanted | {"reference_files": "box"}).json()
@@ -268,6 +269,7 @@ def test_the_last_frame_and_the_files_of_the_thesis(tmp_path):
     assert again == wanted | {"take_proposals": False, "history": 2, "reference_files": None}
     digitise_trial(task, operator=operators())
     done = Session.open(folder).run()["feeding"]
+    assert str(Session.open(folder).trial("feeding").entry.date) == "1992-11-27"
     assert done.trajectories.n_frames == 3 and done.trajectories.names == NAMES
     assert read_da(folder / "results" / "feeding" / "feeding.da1").shape == (8, 3, 2)
     assert now_of(studio)["finished"]

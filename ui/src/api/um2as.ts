@@ -19,3 +19,8 @@ export const coordinates = (session: string, said: Schemas["CoordinatesBody"]): 
 export const angles = (session: string, said: Schemas["EulerBody"]): Promise<Written> => json(`${of(session)}/angles`, body(said));
 export const page = (session: string, trial: string, name: string, frame: number): Promise<FilePage> =>
   json(`${of(session)}/files/${part(name)}?trial=${part(trial)}&frame=${frame}`);
+export type Bars = Schemas["Bars"];
+export type BarMeasured = Schemas["BarMeasured"];
+export const bars = (session: string): Promise<Bars> => json(`${of(session)}/aspect`);
+export const bar = (session: string, images: string, threshold: number | null): Promise<BarMeasured> => json(`${of(session)}/aspect`, body({ images, threshold }));
+export const factor = (session: string, value: number | null): Promise<Bars> => json(`${of(session)}/aspect/factor`, body({ factor: value }));

@@ -50,6 +50,7 @@ function Form({ choices, done }: { choices: Choices; done: () => void }): React.
       <label className={styles.check}><input type="checkbox" checked={said.take_proposals} onChange={(e) => say({ take_proposals: e.target.checked })} />take what the other cameras say without asking</label>
       <label>remember a hidden marker for <input className={`field ${styles.short}`} type="number" min={2} max={100} value={said.history} onChange={(e) => say({ history: e.target.valueAsNumber || 2 })} /> frames</label>
       <label>last frame to be digitised <input className={`field ${styles.short}`} type="number" min={1} max={choices.frames} value={said.last_frame ?? choices.frames} onChange={(e) => say({ last_frame: e.target.valueAsNumber >= choices.frames ? null : e.target.valueAsNumber || null })} /> of {choices.frames}</label>
+      <label>recorded on <input className="field" type="date" value={said.recorded ?? ""} onChange={(e) => say({ recorded: e.target.value || null })} /></label>
       <div className={styles.row}>
         <button type="submit" className="button strong" disabled={!names.length}>Begin to digitise</button>
         {choices.operated && <button type="button" className="button" onClick={() => void leaveOff()}>Find them by themselves</button>}

@@ -6,6 +6,7 @@ import type { CalibrationShown, SessionCameras } from "../api/sessions";
 import { Flat } from "../draw/Flat";
 import { rigDrawn, span } from "../draw/rig";
 import { mm } from "../model/format";
+import { ChangeWay } from "../parts/ChangeWay";
 import { ControlView } from "../parts/ControlView";
 import { Findings, WordTable } from "../parts/Tables";
 import { say, tried } from "../state/load";
@@ -14,7 +15,7 @@ import { useStore } from "../state/store";
 import styles from "./Cameras.module.css";
 
 export function Cameras(): React.JSX.Element {
-  const { cameras, control, pointing } = useSessions(), open = pointing === true;
+  const { cameras, control, pointing } = useSessions(), open = pointing === true, [changing, setChanging] = useState(false);
   if (!cameras) return <div className={styles.waiting}><h1>Cameras & calibration</h1><p role="status">The calibration is read …</p></div>;
   return (
     <div className={styles.screen}>
@@ -22,8 +23,10 @@ export function Cameras(): React.JSX.Element {
         <h1>Cameras & calibration</h1><span className="soft">{cameras.title} · by {cameras.way_words}</span>
         {control && <button type="button" className="button" aria-pressed={open} onClick={() => put({ pointing: !open })}><Crosshair size={14} aria-hidden />Point at the balls</button>}
         {cameras.calibration && <a className="button" href={api.calibrationPage(cameras.id)} target="_blank" rel="noreferrer">Whole page, to print</a>}
+        <button type="button" className="button" aria-expanded={changing} onClick={() => setChanging(!changing)}>Another way …</button>
         <Run id={cameras.id} />
       </header>
+      {changing && <ChangeWay id={cameras.id} done={() => setChanging(false)} />}
       {open && control ? <ControlView /> : <Judged of={cameras} />}
     </div>
   );

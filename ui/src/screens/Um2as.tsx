@@ -2,6 +2,7 @@
 import { CircleAlert, CircleCheck, CircleDashed, CircleDot, CornerUpLeft, Play, RotateCw } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { MenuRow } from "../api/um2as";
+import { AspectBar } from "../parts/AspectBar";
 import { FilePageView } from "../parts/FilePageView";
 import { choose, enter, menuUp, pathTo, process, rowOf, rowsIn, shownFile, useMenu } from "../state/um2as";
 import { useStore } from "../state/store";
@@ -124,6 +125,7 @@ function Task({ row }: { row: MenuRow }): React.JSX.Element {
 function Choices({ task }: { task: string }): React.JSX.Element | null {
   const { menu, made, inverse, tdc } = useMenu();
   if (task === "calibration-start" || task === "calibration-process") return <label className={styles.line}>Date, for camera 1's file <input type="date" className="field" value={made} onChange={(e) => e.target.value && void choose({ made: e.target.value })} /></label>;
+  if (task === "aspect") return <AspectBar />;
   if (task === "xyz-start" || task === "xyz-process") return <Cameras />;
   if (task === "euler-process") return <label className={styles.line}><input type="checkbox" checked={inverse} onChange={(e) => void choose({ inverse: e.target.checked })} /> By inverse cosines, without the sign of the first and third angle, as UM²AS has them</label>;
   if (task !== "euler-input" || !menu!.tdcs.length) return null;

@@ -17,6 +17,7 @@ from ...engine.open_digitising import OpenDigitising
 from ...version import __version__
 from . import (
     angle_routes,
+    aspect_routes,
     camera_routes,
     detect_routes,
     digitise_routes,
@@ -29,6 +30,7 @@ from . import (
     standing,
     trial_routes,
     um2as_routes,
+    way_routes,
 )
 from .desk import Desk, NotRun
 from .digitise import AnsweredMeanwhile
@@ -60,6 +62,8 @@ def studio_app(desk: Desk) -> FastAPI:
     app.include_router(angle_routes.router)
     app.include_router(standing.router)
     app.include_router(um2as_routes.router)
+    app.include_router(aspect_routes.router)
+    app.include_router(way_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

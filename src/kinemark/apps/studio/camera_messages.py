@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .messages import CameraRow, Message, Vector
+from .new_session_messages import Asked, Role, Text
 
 Grade = Literal["green", "amber", "red"]
 
@@ -177,3 +178,28 @@ class ThresholdBody(Message):
     camera: Annotated[str, Field(max_length=100)] | None = None
     threshold: Annotated[float, Field(ge=0, le=255)] | None = None
     inverted: bool = False
+
+
+class WayRow(Message):
+    """A recording that could calibrate the session, as what, why, and what is asked for it; `now` where it does."""
+
+    path: str
+    role: str
+    words: str
+    why: str
+    now: bool
+    questions: list[Asked]
+
+
+class Ways(Message):
+    """All of them."""
+
+    ways: list[WayRow]
+
+
+class WayBody(Message):
+    """The recording that shall calibrate from now on, as what; answers as typed, by the keys of its questions."""
+
+    path: Annotated[str, Field(max_length=500)]
+    role: Role
+    answers: dict[str, Text] = Field(default_factory=dict)

@@ -5,6 +5,7 @@ Pixels are those of the image, (0, 0) the centre of the first; frames are number
 
 from __future__ import annotations
 
+from datetime import date
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -223,7 +224,8 @@ class AnswerBody(Message):
 class SetupBody(Message):
     """The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
 
-    `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
+    `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all;
+    `recorded`, the day of the recording, where nobody says it.
     """
 
     markers: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(max_length=30)
@@ -233,6 +235,7 @@ class SetupBody(Message):
     history: int = 2
     last_frame: int | None = None
     reference_files: str | None = Field(default=None, max_length=200)
+    recorded: date | None = None
 
 
 class StartUp(Message):

@@ -70,7 +70,7 @@ def form(key: str, folder: Path, said: SaidOfRecordings) -> ProposedSession:
         recordings=[_row(one) for one in proposal.recordings],
         roles=[RoleRow(key=role, words=ROLES[role]) for role in Role],
         way="" if proposal.way is None else _id(proposal.way),
-        questions=[_asked(one, said.answers.get(one.key, ""), wrong.get(one.key, "")) for one in proposal.questions],
+        questions=[asked_row(one, said.answers.get(one.key, ""), wrong.get(one.key, "")) for one in proposal.questions],
         notes=[reason_text(note) for note in proposal.notes],
         text=session_text(proposal),
         lacking=lacking(proposal, wrong),
@@ -115,7 +115,8 @@ def _row(one: FoundRecording) -> RecordingRow:
     )
 
 
-def _asked(question: Question, answer: str, wrong: str) -> Asked:
+def asked_row(question: Question, answer: str, wrong: str) -> Asked:
+    """A question as the page shows it."""
     return Asked(
         key=question.key,
         words=question_text(question),

@@ -85,3 +85,40 @@ class FilePage(Message):
     rows: list[list[float | None]]
     frame: int
     frames: int
+
+
+class Bars(Message):
+    """Recordings that may show the bar, as patterns; and what V is multiplied by now, null for nothing."""
+
+    images: list[str]
+    factor: float | None
+
+
+class BarBody(Message):
+    """A recording of the bar, and the threshold; each image's own where it is null."""
+
+    images: Name
+    threshold: Annotated[float, Field(ge=0, le=255)] | None = None
+    inverted: bool = False
+
+
+class BarRow(Message):
+    """What the bar says of a camera's pixels; `factor` is null where it says nothing, and `words` then why."""
+
+    camera: str
+    factor: float | None
+    sd: float | None
+    words: str
+
+
+class BarMeasured(Message):
+    """Of all cameras, and their mean."""
+
+    cameras: list[BarRow]
+    factor: float | None
+
+
+class FactorBody(Message):
+    """What V is multiplied by from now on; null for nothing."""
+
+    factor: Annotated[float, Field(gt=0.1, lt=10)] | None

@@ -3,7 +3,7 @@
 from .calibration_way import answered, with_facts, with_role
 from .proposal import FoundRecording, Question, Reason, Role, SessionProposal
 from .propose import propose_session
-from .session_text import session_text, write_first_session
+from .session_text import calibration_table, session_text, write_first_session
 
 __all__ = [
     "FoundRecording",
@@ -12,6 +12,7 @@ __all__ = [
     "Role",
     "SessionProposal",
     "answered",
+    "calibration_table",
     "propose_session",
     "session_text",
     "with_facts",

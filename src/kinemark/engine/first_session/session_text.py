@@ -36,7 +36,7 @@ def session_text(proposal: SessionProposal) -> str:
     _add_rate(document, proposal)
     document.add(tomlkit.nl())
     document["cameras"] = _cameras(proposal)
-    document["calibration"] = _calibration(proposal)
+    document["calibration"] = calibration_table(proposal)
     if proposal.trials:
         document["trials"] = _trials(proposal.trials)
     text = tomlkit.dumps(document).rstrip("\n") + "\n"
@@ -54,8 +54,7 @@ def write_first_session(proposal: SessionProposal) -> Path:
     text = session_text(proposal)
     if path.exists():
         raise existing(path)
-    if proposal.way is not None and proposal.way.path.endswith(MEASURED):
-        _write_points(proposal.folder / proposal.way.path)
+    points_of_measured(proposal)
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -76,8 +75,11 @@ def points_file(path: str) -> str:
     return path.removesuffix(MEASURED) + ".csv" if path.endswith(MEASURED) else path
 
 
-def _write_points(measured: Path) -> None:
-    """Measured places as the control points of a session, unless they are there already."""
+def points_of_measured(proposal: SessionProposal) -> None:
+    """Measured places that calibrate are written as the control points of a session, unless they are there already."""
+    if proposal.way is None or not proposal.way.path.endswith(MEASURED):
+        return
+    measured = proposal.folder / proposal.way.path
     target = measured.with_suffix(".csv")
     if not target.exists():
         xyz = read_msr(measured)
@@ -111,7 +113,7 @@ def _cameras(proposal: SessionProposal) -> Table:
     return table
 
 
-def _calibration(proposal: SessionProposal) -> Table:
+def calibration_table(proposal: SessionProposal) -> Table:
     """The way, and beside it what is known whole; the rest is commented out."""
     table = tomlkit.table()
     rows = [*([proposal.way] if proposal.way else []), *proposal.beside]

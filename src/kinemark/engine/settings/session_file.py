@@ -78,6 +78,14 @@ class Cameras(Strict):
         description="images a second of each camera named that has another rate than the frames, Hz",
     )
 
+    aspect_ratio: float | None = Field(
+        default=None,
+        gt=0.1,
+        lt=10,
+        description="what v is multiplied by in UM²AS's files, to make pixels square; Kinemark's own calibrations "
+        "find it by themselves",
+    )
+
     @field_validator("names")
     @classmethod
     def distinct(cls, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -17,8 +17,8 @@ LOST, BACK = 120, 180
 def with_piece(*lost, of, seed=0):
     """Two bodies of five markers; markers `lost` end, and one of them goes on as the track *9."""
     rng = np.random.default_rng(seed)
-    one, other = moving(markers=5, soft=1.0, seed=seed), moving(markers=5, soft=1.0, seed=seed + 20)
-    xyz = np.concatenate([one.xyz, other.xyz + [0.0, 600.0, 0.0]]) + rng.normal(0, 0.2, (10, 300, 3))
+    one, other = moving(markers=5, soft=0.5, seed=seed), moving(markers=5, soft=0.5, seed=seed + 20)
+    xyz = np.concatenate([one.xyz, other.xyz + np.array([0.0, 600.0, 0.0])]) + rng.normal(0, 0.2, (10, 300, 3))
     piece = np.full((300, 3), np.nan)
     piece[BACK:] = xyz[of, BACK:]
     xyz[list(lost), LOST:] = np.nan
@@ -29,7 +29,7 @@ def with_piece(*lost, of, seed=0):
 @pytest.mark.parametrize("seed", range(4))
 def test_a_piece_is_likely_the_marker_whose_fill_it_lies_on(seed):
     found = piece_matches(with_piece(0, 1, 7, of=1, seed=seed), "*9")
-    assert [one.name for one in found][0] == "M1" and {one.name for one in found} == {"M0", "M1", "M7"}
+    assert found[0].name == "M1" and {one.name for one in found} == {"M0", "M1", "M7"}
     assert found[0].likely and found[0].off_mm < 5 < found[1].off_mm
     assert found[0].gap == BACK - LOST and not any(one.likely for one in found[1:])
 
@@ -37,7 +37,7 @@ def test_a_piece_is_likely_the_marker_whose_fill_it_lies_on(seed):
 def test_a_piece_that_lies_on_no_fill_is_nobody():
     lost = with_piece(0, 1, of=2)
     ghost = lost["*9"]
-    away = replace(ghost, xyz=ghost.xyz + [0.0, 0.0, 150.0])
+    away = replace(ghost, xyz=ghost.xyz + np.array([0.0, 0.0, 150.0]))
     found = piece_matches(replace(lost, paths=(*lost.paths[:-1], away)), "*9")
     assert found and not any(one.likely for one in found)
 

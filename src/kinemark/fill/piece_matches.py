@@ -1,14 +1,14 @@
 """Which marker a piece of track is, by where filling puts the markers that are missing then (Swamidas 1997, 2.5 (12)).
 
 "If you can reconstruct the marker position … find where a marker should be. If you have a data segment that is similar
-to the reconstruction, it may be a match" (Olree, in the appendix). Every marker that is seen in no frame of the piece is
-filled there, the piece left out, and compared with its first samples x(t). With the fill x̂ and its covariance P, and C
-of the samples,
+to the reconstruction, it may be a match" (Olree, in the appendix). Every marker that is seen in no frame of the piece
+is filled there, the piece left out, and compared with its first samples x(t). With the fill x̂ and its covariance P,
+and C of the samples,
 
     off = median |x − x̂|,     deviations = median √((x − x̂)ᵀ (P + C)⁻¹ (x − x̂))                          (1)
 
-A piece within `SURE` of one marker, and of no other within `APART` times as many millimetres, is likely that one. Nothing is
-joined: a claim does that.
+A piece within `SURE` of one marker, and of no other within `APART` times as many millimetres, is likely that one.
+Nothing is joined: a claim does that.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from .methods.stage import FillMethod, filler_of
 LOOK_S = 0.3
 """s of the piece that are compared; chosen: more costs time, and tells little more."""
 SURE = 3.5
-"""Deviations at most; chosen: of three axes 1 in 100 is farther by chance. With `APART`, of four neighbours hidden at once
-for 0.3 to 1.5 s in two walks and acrobatics, 144 pieces, the nearest marker was the right one for 129; 62 were called
-likely, none wrongly (chosen on 72 others)."""
+"""Deviations at most; chosen: of three axes 1 in 100 is farther by chance. With `APART`, of four neighbours hidden at
+once for 0.3 to 1.5 s in two walks and acrobatics, 144 pieces, the nearest marker was the right one for 129; 62 were
+called likely, none wrongly (chosen on 72 others)."""
 APART = 3.0
 """Times as far off as the best that the next one must be; chosen."""
 USUAL_MM = 1.0

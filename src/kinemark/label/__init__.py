@@ -1,5 +1,6 @@
 """Tracks become markers: names from a subject's template, each with a probability."""
 
+from .by_location import Located, label_by_location
 from .check import Exchanged, find_exchanges
 from .check_sides import SideSwap, find_side_swaps
 from .check_stretches import Mislabelled, find_mislabelled
@@ -30,6 +31,7 @@ __all__ = [
     "LabelScore",
     "Labelling",
     "Labels",
+    "Located",
     "Mislabelled",
     "Reliability",
     "Shredded",
@@ -46,6 +48,7 @@ __all__ = [
     "find_mislabelled",
     "find_side_swaps",
     "label",
+    "label_by_location",
     "label_subjects",
     "label_switching",
     "learn_marker_set",

@@ -14,6 +14,7 @@ from kinemark.label import (
     find_mislabelled,
     find_side_swaps,
     label,
+    label_by_location,
     label_subjects,
     label_switching,
     learn_marker_set,
@@ -165,6 +166,13 @@ def _(by):
     whose = label_subjects(seen, {"A": learnt}).labels
     rest = learnt, found, cut.labels, cut.switches, whose, find_exchanges(replace(seen, paths=turned), learnt)
     return Answer(named(seen, found).xyz, rest)
+
+
+@law(label_by_location, share=1e-6)
+def _(by):
+    """The vertical and the way of the subject alone are read."""
+    shown = moved(trial(gaps=False), by)
+    return Answer(rest=[tuple(one) for one in label_by_location(moved(trial(), by), shown)])
 
 
 @law(learn_marker_set, static_template, find_side_swaps, find_mislabelled, share=1e-6)

@@ -77,14 +77,14 @@ def _panel(figure: Figure, axis: int) -> str:
     frame = _frame(figure, axis)
     size = f'width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}"'
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif" font-size="11">']
-    parts += [*_ground(figure, frame, axis), _line(frame.x, frame.y(figure.truth[:, axis]), "#000", 1.0)]
+    parts += [*_ground(figure, frame, axis), polyline(frame.x, frame.y(figure.truth[:, axis]), "#000", 1.0)]
     for first, last in _runs(figure.hidden):
         x = frame.x[first:last]
-        parts.append(_line(x, frame.y(figure.truth[first:last, axis]), "#000", 2.4))
+        parts.append(polyline(x, frame.y(figure.truth[first:last, axis]), "#000", 2.4))
         for curve in figure.curves:
             own = curve.path[first:last, axis]
             if np.isfinite(own).all():
-                parts.append(_line(x, frame.y(own), curve.colour, 1.5))
+                parts.append(polyline(x, frame.y(own), curve.colour, 1.5))
     return "".join([*parts, *_words(frame, axis), "</svg>"])
 
 
@@ -121,6 +121,7 @@ def _points(pairs: list[tuple[float, float]]) -> str:
     return " ".join(f"{a:.1f},{b:.1f}" for a, b in pairs)
 
 
-def _line(x: Floats, y: Floats, colour: str, width: float) -> str:
+def polyline(x: Floats, y: Floats, colour: str, width: float) -> str:
+    """Through points x, y (F) px."""
     pairs = _points([*zip(x, y, strict=True)])
     return f'<polyline points="{pairs}" fill="none" stroke="{colour}" stroke-width="{width}"/>'

@@ -1,7 +1,7 @@
 """Which marker is it that comes back? Walks with occlusions of 0.3 to 2 s, tracked, and named by another walk.
 
-Groups of one, two, three or eight neighbouring markers are hidden from all cameras for a while, and come back together. After each
-occlusion it is asked, by the points of the first fifth of a second in which the marker is seen again,
+Groups of one, two, three or eight neighbouring markers are hidden from all cameras for a while, and come back together.
+After each occlusion it is asked, by the points of the first fifth of a second in which the marker is seen again,
 
     tracker   whether they go on the marker's track (right), begin one of their own (new), or belong to a track that was
               another marker's, or whose marker's track now is another's (wrong)

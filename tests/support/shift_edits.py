@@ -6,14 +6,16 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
 from kinemark.edit import connection, cropped, difference, replay, stretch_of
 from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
-from kinemark.fill import Linear, prepare
+from kinemark.fill import Linear, piece_matches, prepare
 from support.edited import entries, paths_without_images
+from support.filling import swaying
 from support.shift_law import Answer, law, moved
 
 
@@ -58,6 +60,17 @@ def _(by):
     missing = np.arange(len(one)) >= 90
     first = replace(one, xyz=np.where(missing[:, None], np.nan, one.xyz), origin=np.where(missing, 0, one.origin))
     return Answer(rest=connection(first, other, rate=100.0)._asdict())
+
+
+@law(piece_matches, share=1e-5)
+def _(by):
+    whole = swaying(markers_=6, frames=200)[0]
+    lost, piece = whole.xyz.copy(), np.full((200, 3), np.nan)
+    piece[120:] = lost[0, 120:]
+    lost[:2, 90:] = np.nan
+    paths = [MarkerTrajectory.measured(name, xyz) for name, xyz in zip(whole.names, lost, strict=True)]
+    pieces = Trajectories((*paths, MarkerTrajectory.measured("*7", piece)), 100.0)
+    return Answer(rest=[one[2:4] for one in piece_matches(moved(pieces, by), "*7")])
 
 
 @law(difference, mm=1e-6)

@@ -15,6 +15,7 @@ from kinemark.label import (
     find_mislabelled,
     find_side_swaps,
     label,
+    label_by_location,
     label_subjects,
     label_switching,
     learn_marker_set,
@@ -172,6 +173,13 @@ def _(by):
 @law(computed_points)
 def _(by):
     return Answer(rest=computed_points(moved(with_computed(walker(duration_s=1.0)), by)))
+
+
+@law(label_by_location, share=1e-6)
+def _(by):
+    """The vertical and the way of the subject alone are read."""
+    shown = moved(trial(gaps=False), by)
+    return Answer(rest=[tuple(one) for one in label_by_location(moved(trial(), by), shown)])
 
 
 @law(learn_marker_set, static_template, find_side_swaps, find_mislabelled, share=1e-6)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
 from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, SmoothingFunction, Trim, facts_of
 from ..edit import Connection, Edited, connection, replay
+from ..fill import PieceMatch, piece_matches
 from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
 from ..track.simultaneous import AmbiguousDecision
@@ -185,6 +186,17 @@ class Editing:
             return None
         try:
             return connection(now[name], now[track], rate=now.rate)
+        except (KeyError, ValueError) as error:
+            raise KinemarkError(f"{error.args[0]}.") from error
+
+    def matches(self, track: str) -> tuple[PieceMatch, ...]:
+        """The markers that a piece of track may be, by where filling puts those that are missing then.
+
+        Raises:
+            KinemarkError: there is no such trajectory, or it has no sample.
+        """
+        try:
+            return piece_matches(self.edited().trajectories, track)
         except (KeyError, ValueError) as error:
             raise KinemarkError(f"{error.args[0]}.") from error
 

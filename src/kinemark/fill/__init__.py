@@ -21,6 +21,7 @@ from .methods.quintic import Quintic
 from .methods.relational import Relational
 from .methods.rigid_body import RigidBody
 from .methods.stage import FILL
+from .piece_matches import PieceMatch, piece_matches
 from .prepared import GapFill, PreparedFill, prepare
 from .rays import Rays
 from .static import FromStatic, PlacedMarker, place_absent
@@ -51,6 +52,7 @@ __all__ = [
     "LowRankKalman",
     "MarkerArray",
     "Pattern",
+    "PieceMatch",
     "PlacedMarker",
     "Prediction",
     "PreparedFill",
@@ -66,6 +68,7 @@ __all__ = [
     "find_gaps",
     "fit_model",
     "model_events",
+    "piece_matches",
     "place_absent",
     "prepare",
     "trim_edges",

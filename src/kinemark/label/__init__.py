@@ -1,5 +1,6 @@
 """Tracks become markers: names from a subject's template, each with a probability."""
 
+from .by_location import Located, label_by_location
 from .check import Exchanged, find_exchanges
 from .check_sides import SideSwap, find_side_swaps
 from .check_stretches import Mislabelled, find_mislabelled
@@ -31,6 +32,7 @@ __all__ = [
     "LabelScore",
     "Labelling",
     "Labels",
+    "Located",
     "Mislabelled",
     "Reliability",
     "Shredded",
@@ -48,6 +50,7 @@ __all__ = [
     "find_mislabelled",
     "find_side_swaps",
     "label",
+    "label_by_location",
     "label_subjects",
     "label_switching",
     "learn_marker_set",

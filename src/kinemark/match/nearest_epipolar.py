@@ -34,9 +34,10 @@ import numpy as np
 
 from ..data import Detections, KinemarkError, Matches, Rig
 from ..data.array_types import Floats, Ints
-from ..data.method import Method, parameter
+from ..data.method import ONE, Method, parameter
 from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
+from .distinguishing import Distinguishing, distinguished
 from .epipolar_triplets import costs
 from .stage import MATCH
 
@@ -61,9 +62,32 @@ class NearestEpipolar(Method):
         "perpendicular",
         meaning="from the line: perpendicular to it; or vertical, along v, as the document says",
     )
+    size_spread: float | None = parameter(
+        None, unit=ONE, above=0,
+        meaning="markers of different sizes: share by which the sizes of one marker by its two images differ; None: "
+        "sizes are not compared, as in the document",
+    )  # fmt: skip
+    brightness_spread: float | None = parameter(
+        None, unit=ONE, above=0,
+        meaning="markers of different brightness: share by which the brightnesses of one marker's two images differ, "
+        "each as a share of its camera's median; None: not compared",
+    )  # fmt: skip
+    banks: tuple[tuple[float, ...], ...] = parameter(
+        (), unit="mm", above=0,
+        meaning="banks of three markers, of each the three distances between them, or segments, of each its length; "
+        "empty: none",
+    )  # fmt: skip
+    bank_tolerance: float = parameter(10.0, unit="mm", above=0, meaning="by which these distances may be off")
+    line_sd: float = parameter(
+        1.0, unit="px", above=0,
+        meaning="standard deviation of a right match's distance from the line, against which sizes, brightness and "
+        "banks are weighed",
+    )  # fmt: skip
 
     def check_together(self) -> None:
-        """Refuse any other number of cameras than two."""
+        """Refuse any other number of cameras than two, and of distances in a bank than one or three."""
+        if wrong := [bank for bank in self.banks if len(bank) not in (1, 3)]:
+            raise ValueError(f"banks has {wrong[0]}, wanted the length of a segment or the three distances of a bank")
         if len(self.cameras) not in (0, 2) or len(set(self.cameras)) != len(self.cameras):
             raise ValueError(f"cameras are {list(self.cameras)}, wanted two different names, or none")
 
@@ -80,7 +104,7 @@ def match_nearest(detections: Detections, rig: Rig, *, method: NearestEpipolar =
     r, s = two = _two_cameras(rig, method.cameras)
     uv = ideal_pixels(detections, rig, cameras=two)
     F = fundamental(rig.P[r], rig.P[s])
-    found = [_frame_pairs(detections, uv, f, two, F, method) for f in range(detections.n_frames)]
+    found = [_frame_pairs(detections, uv, f, two, rig, F, method) for f in range(detections.n_frames)]
     frame = np.repeat(np.arange(detections.n_frames), [len(i) for i, _ in found])
     detection = np.full((len(frame), len(rig)), -1)
     detection[:, r] = np.concatenate([i for i, _ in found] or [np.zeros(0, np.int64)])
@@ -102,7 +126,13 @@ def _two_cameras(rig: Rig, names: tuple[str, ...]) -> tuple[int, int]:
 
 
 def _frame_pairs(
-    detections: Detections, uv: Floats, f: int, cameras: tuple[int, int], F: Floats, method: NearestEpipolar
+    detections: Detections,
+    uv: Floats,
+    f: int,
+    cameras: tuple[int, int],
+    rig: Rig,
+    F: Floats,
+    method: NearestEpipolar,
 ) -> tuple[Ints, Ints]:
     """Rows of the base and of the other camera that belong together in frame f."""
     i, j = (np.arange(*detections.start[c, f : f + 2]) for c in cameras)
@@ -111,7 +141,11 @@ def _frame_pairs(
     if method.distance == "vertical":
         distance = distance / np.maximum(np.abs(line[:, 1:2]), UPRIGHT)  # (4)
     band = np.inf if method.search_band is None else method.search_band
-    a, b = nearest_pairs(np.where(distance <= band, distance, np.inf))
+    by = Distinguishing(
+        method.line_sd, method.size_spread, method.brightness_spread, method.banks, method.bank_tolerance
+    )
+    cost = distinguished(distance, (uv[i], uv[j]), (i, j), detections, rig, cameras, by)
+    a, b = nearest_pairs(np.where(distance <= band, cost, np.inf))
     return i[a], j[b]
 
 

@@ -43,6 +43,29 @@ def list_entries(trial: Path, *, json: Json = False) -> None:
 
 
 @edits.command
+def matches(trial: Path, *, track: str, json: Json = False) -> None:
+    """Say which markers a piece of track may be: those that are missing then are filled, and compared with it.
+
+    Args:
+        trial: SESSION/NAME or a file.
+        track: the piece, as it is called now, such as '*12'.
+        json: print it for a machine.
+    """
+    from ...engine.edit_files import open_editing
+
+    found = open_editing(trial).matches(track)
+    if json:
+        print_result([one._asdict() for one in found])
+        return
+    lines = [
+        f"{one.name:10s} {one.off_mm:7.1f} mm off, {one.deviations:5.1f} standard deviations, "
+        f"after {one.gap} frames{'  likely' if one.likely else ''}"
+        for one in found
+    ]
+    print_result("\n".join(lines) or f"no marker that is missing while {track} is seen can be filled there")
+
+
+@edits.command
 def check(trial: Path, *, json: Json = False) -> None:
     """Apply the journal, and say of each entry what became of it; ends with status 1 where lines are damaged.
 

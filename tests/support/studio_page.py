@@ -175,6 +175,11 @@ class Studio:
         self.page.locator(f"main:not([data-head='{before}'])[data-busy=no]").wait_for()
         return self
 
+    def ran(self):
+        """Until a run that was asked for is over, and the trial is there again."""
+        self.page.locator("main[data-stale=no][data-busy=no]").wait_for()
+        return self
+
     def note(self):
         return self.page.locator("footer [role=status]").inner_text()
 

@@ -151,7 +151,7 @@ def _piece(context: Context, piece: Piece) -> Problem:
     name = context.marker(q) if is_named(tracks[1]) else context.marker(p)
     join = context.alternative(
         "join", tracks, last, wrong, (1 - wrong) * n * GHOST_MM,
-        [*context.claim(p, name), *context.claim(q, name), context.verdict("join", (p, q), low, high, right=False)],
+        [*context.claim(p, name, again=True), *context.claim(q, name, again=True), context.verdict("join", (p, q), low, high, right=False)],
         mm=mm,
     )  # fmt: skip
     return Problem(

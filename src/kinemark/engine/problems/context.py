@@ -71,7 +71,7 @@ class Context:
     def claim(
         self, path: int, name: str | None, first: int | None = None, last: int | None = None, *, again: bool = False
     ) -> Iterator[Claim]:
-        """The claim of a stretch, none where there is nothing to claim: no sample, or, unless `again`, the name it has."""
+        """The claim of a stretch, none where there is no sample, or it has the name, unless it is said `again`."""
         whole = first is None and last is None
         if (whole and not again and name == self.name(path)) or not self._any(path, first, last):
             return

@@ -9,6 +9,9 @@ from kinemark.data import MarkerTrajectory, Trajectories, same
 from kinemark.data.edits import MOST_WITNESSES, Claim, Undo
 from kinemark.data.track_trajectories import trajectories_of
 from kinemark.edit import replay, stretch_of
+from kinemark.engine.edit_makers import claim as claim_of
+from kinemark.engine.editing import Editing
+from kinemark.engine.journal import Journal
 from kinemark.engine.keys import world_key
 from kinemark.track.simultaneous import track_detections
 from support.edited import FRAMES, entries, paths_without_images, samples, scene
@@ -223,3 +226,34 @@ def test_no_sample_is_lost_or_doubled_by_claims(seed):
     found = replay(whole, entries(*said)).trajectories
     before, after = (np.sort(t.xyz[np.isfinite(t.xyz[..., 0])], axis=0) for t in (whole, found))
     assert np.array_equal(before, after) and len(set(found.names)) == len(found)
+
+
+def test_a_joined_trajectory_is_renamed_whole_though_its_pieces_overlap(tmp_path):
+    """Nothing keeps what it was called between, and what a name was joined to is claimed as well."""
+    whole = paths_without_images(n=3)
+    path, rng = whole.paths[0], np.random.default_rng(1)
+    one, other = path.xyz.copy(), path.xyz + [6.0, 0, 0] + rng.normal(0, 0.2, path.xyz.shape)
+    one[104:], other[:100] = np.nan, np.nan
+    pieces = MarkerTrajectory.measured("*1", one), MarkerTrajectory.measured("*9", other)
+    editing = Editing(
+        "t", Journal.of(tmp_path, "t"), replace(whole, paths=(*pieces, *whole.paths[1:])), None, None, "op"
+    )
+    editing.say(*claim_of(editing, "*1", "track1"), *claim_of(editing, "*9", "track1"))
+    editing.claim("track1", "LKNE")
+    names = editing.edited().trajectories
+    assert "track1" not in names.names and (names["LKNE"].origin > 0).all()
+    rest = [path for path in names if path.name not in ("LKNE", "*2", "*3")]
+    assert sum(int((path.origin > 0).sum()) for path in rest) == 4, "one sample of each frame in which both were there"
+
+
+def test_who_claims_a_piece_for_a_name_claims_what_has_it_and_goes_on(tmp_path):
+    whole = paths_without_images(n=3)
+    one, other = whole.paths[0].xyz.copy(), whole.paths[0].xyz.copy()
+    one[100:], other[:101] = np.nan, np.nan
+    pieces = MarkerTrajectory.measured("LKNE", one), MarkerTrajectory.measured("*9", other)
+    editing = Editing(
+        "t", Journal.of(tmp_path, "t"), replace(whole, paths=(*pieces, *whole.paths[1:])), None, None, "op"
+    )
+    assert [edit.name for edit in claim_of(editing, "*9", "LKNE")] == ["LKNE", "LKNE"]
+    assert len(claim_of(editing, "*2", "LKNE")) == 1, "a marker elsewhere is not the same one"
+    assert len(claim_of(editing, "*9", "RKNE")) == 1

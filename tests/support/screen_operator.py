@@ -62,6 +62,33 @@ class Operator:
             self.act("Enter" if proposed else "Delete", row.inner_text().replace("\n", " "))
         raise AssertionError("tracks without a name never ended")
 
+    def proposed_names(self):
+        """Tracks for which a name is proposed; what has none is left out at the end."""
+        self.key("Shift+L")
+        self.page.locator("main[data-screen=labels]").wait_for()
+        self.studio.idle()
+        for _ in range(MOST):
+            if not self.page.locator("[data-track]").get_by_text("→").count():
+                return
+            self.key("n")
+            row = self.page.locator("[data-track][aria-current=true]")
+            row.wait_for()
+            if "→" in row.inner_text():
+                self.act("Enter", row.inner_text().replace("\n", " "))
+        raise AssertionError("names that are proposed never ended")
+
+    def finish(self, file):
+        """All to one length, the rest left out; the trial is run and its file is named."""
+        self.key("Shift+F", decide=True)
+        self.page.get_by_role("button", name="Finish and write").click()
+        self.actions, self.seconds = self.actions + 1, self.seconds + POINT_S + LOOK_S
+        self.did.append("Finish and write")
+        self.studio.ran()
+        self.key("Shift+F")
+        self.page.get_by_role("button", name="Only write").click()
+        self.actions, self.seconds = self.actions + 1, self.seconds + POINT_S + LOOK_S
+        self.page.get_by_text(f"Written: {file}").wait_for()
+
     def gaps(self):
         """All below the limit at once, and the rest one by one, by the best there is."""
         self.key("Shift+D")

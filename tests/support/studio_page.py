@@ -36,15 +36,20 @@ def needed():
 
 
 def walked(shared):
-    """The folder of a session: a walk of 15 markers before 5 cameras, rendered and run; made once for all processes."""
+    """The folder of a session: a walk of 15 markers before 5 cameras, rendered and run; made once for all processes.
+
+    Every image says the number of its frame.
+    """
     from kinemark.engine.session import Session
     from kinemark.engine.simulate import Scene, simulate
+    from support.numbered_session import burn
 
     folder = shared / "walk"
     with FileLock(shared / "walk.lock"):
         if not (folder / "results").is_dir():
             scene = Scene(cameras=5, seconds=2.4, focal_px=500.0, size_px=(488, 378), noise=1.0)
             simulate(folder, scene=scene)
+            burn(folder)
             Session.open(folder).run()
     return folder
 
@@ -199,6 +204,11 @@ class Studio:
     def acted(self, before):
         """Until an act has changed the head."""
         self.page.locator(f"main:not([data-head='{before}'])[data-busy=no]").wait_for()
+        return self
+
+    def ran(self):
+        """Until a run that was asked for is over, and the trial is there again."""
+        self.page.locator("main[data-stale=no][data-busy=no]").wait_for()
         return self
 
     def note(self):

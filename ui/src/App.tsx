@@ -27,7 +27,7 @@ export function App(): React.JSX.Element {
     <div className={styles.app} onClick={blurClicked}>
       <Head />
       <Rail />
-      <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-busy={busy > 0 ? "yes" : "no"}>
+      <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-stale={header ? (header.stale ? "yes" : "no") : ""} data-busy={busy > 0 ? "yes" : "no"}>
         {!connected && <p role="alert" className={styles.lost}>The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again.</p>}
         <WayBack />
         <Shown key={screen} screen={screen} />

@@ -10,6 +10,11 @@ it("asks first for tracks without a name, though nothing is proposed for them, t
   expect(asked(labelRows(HEADER, labels)).map((p) => p.track)).toEqual(["*3", "RKNE"]);
 });
 
+it("asks for tracks with another name proposed before those with none", () => {
+  const more = { ...labels, proposals: [...labels.proposals, { track: "extra", name: "RHEE", probability: 0.8, runner_up: null, state: "unsure" as const }] };
+  expect(asked(labelRows(HEADER, more)).map((p) => p.track)).toEqual(["extra", "*3", "RKNE"]);
+});
+
 it("lists all tracks before anything is proposed", () => {
   expect(labelRows(HEADER, null)).toHaveLength(4);
 });

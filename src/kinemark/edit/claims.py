@@ -113,8 +113,12 @@ def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, kn
 
 
 def _refuted(said: Votes, claims: Sequence[Claim]) -> Bools:
-    """(N) witnesses of claims that a later one contradicts (6)."""
-    out = np.zeros(len(said.frame), bool)
+    """(N) witnesses of claims that a later one contradicts (6).
+
+    Where pieces of one marker overlap, one's witnesses there give way to the other's, but still part the path from what
+    it was called before.
+    """
+    out, elsewhere = np.zeros((2, len(said.frame)), bool)
     if len(claims) < 2:
         return out
     voting = np.flatnonzero(said.path >= 0)
@@ -125,18 +129,19 @@ def _refuted(said: Votes, claims: Sequence[Claim]) -> Bools:
             of_path.setdefault(p, set()).add(k)
         of_name.setdefault(claims[k].name or "", set()).add(k)
     for later in reversed(range(len(claims))):
-        own = rows[later][~out[rows[later]]]
+        all_own = rows[later][~out[rows[later]]]
+        own = all_own[~elsewhere[all_own]]
         paths, name = set(said.path[own].tolist()), claims[later].name
         for p in paths:
-            at = said.frame[own[said.path[own] == p]]
+            at = said.frame[all_own[said.path[all_own] == p]]
             for k in of_path[p]:
                 if k < later and claims[k].name != name:
                     out[rows[k][(said.path[rows[k]] == p) & _within(said.frame[rows[k]], at)]] = True
         for k in of_name[name] if name is not None and len(own) else ():
             if k < later:
-                elsewhere = ~np.isin(said.path[rows[k]], list(paths))
-                out[rows[k][elsewhere & _within(said.frame[rows[k]], said.frame[own])]] = True
-    return out
+                away = ~np.isin(said.path[rows[k]], list(paths))
+                elsewhere[rows[k][away & _within(said.frame[rows[k]], said.frame[own])]] = True
+    return out | elsewhere
 
 
 def _within(frame: Ints, ends: Ints) -> Bools:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from ..data import KinemarkError, Origin, Rig, Trajectories
-from ..data.array_types import Floats
+from ..data import KinemarkError, MarkerTrajectory, Origin, Rig, Trajectories
+from ..data.array_types import Bools, Floats
 from ..data.edits import (
     Claim,
     DropUnnamed,
@@ -18,6 +18,7 @@ from ..data.edits import (
     Put,
     Smooth,
     SmoothingFunction,
+    Stretch,
     TrackAgain,
     Trim,
     Verdict,
@@ -47,18 +48,67 @@ def claim(
     first: int | None = None,
     last: int | None = None,
     at: int | None = None,
-) -> Claim:
+) -> tuple[Claim, ...]:
     """A stretch of a trajectory is the marker of this name, or no marker where that is None.
+
+    Of a trajectory that was joined, each piece is claimed by itself, so that none keeps what it was called before. What
+    has the name already and goes on with the trajectory is claimed as well: whoever names the trial anew then knows
+    both.
 
     Raises:
         KinemarkError: there is no such trajectory or no sample of it, or the name is none.
     """
     now = of.edited().trajectories
+
+    def stretch(trajectories: Trajectories, path: str, within: tuple[int, int] | None = None) -> Stretch:
+        near = at if at is not None and (within is None or within[0] <= at <= within[1]) else None
+        return stretch_of(
+            trajectories, path, first=first, last=last, at=near, within=within, detections=of.detections, world=of.world
+        )
+
     try:
-        where = stretch_of(now, track, first=first, last=last, at=at, detections=of.detections, world=of.world)
-        return Claim(where, name)
+        where = stretch(now, track)
+        pieces = _pieces(of.trajectories, now, track, (where.witnesses[0].frame, where.witnesses[-1].frame))
+        stretches = [stretch(of.trajectories, *piece) for piece in pieces] if len(pieces) > 1 else [where]
+        said = tuple(Claim(one, name) for one in stretches)
     except (KeyError, ValueError) as error:
         raise KinemarkError(f"{error.args[0]}.") from error
+    if name is None or first is not None or last is not None:
+        return said
+    other = of.connection(track, name)
+    return said if other is None or not other.connectable else (*claim(of, name, name), *said)
+
+
+def _pieces(
+    given: Trajectories, now: Trajectories, track: str, span: tuple[int, int]
+) -> list[tuple[str, tuple[int, int]]]:
+    """The trajectories of before the edits that a path was joined of, with their first and last frames in a span.
+
+    Samples beside them that gave way to those of another piece belong to them.
+    """
+    path, found = now[track], []
+    part = slice(span[0] - given.first_frame, span[1] - given.first_frame + 1)
+    for piece in given.paths if all(path is not one for one in given) else ():
+        own = _same(piece, path, part)
+        if not own.any():
+            continue
+        others = [one for one in now if is_named(one.name) and one is not path]
+        free = (piece.origin[part] != Origin.MISSING) & (path.origin[part] != Origin.MISSING)
+        for other in others:
+            free &= ~_same(piece, other, part)
+        first, last = np.flatnonzero(own)[[0, -1]].tolist()
+        while first > 0 and free[first - 1]:
+            first -= 1
+        while last < len(own) - 1 and free[last + 1]:
+            last += 1
+        found.append((piece.name, (first + span[0], last + span[0])))
+    return found
+
+
+def _same(one: MarkerTrajectory, other: MarkerTrajectory, part: slice) -> Bools:
+    """(F) the frames of a part in which two paths have the same sample."""
+    same: Bools = (one.xyz[part] == other.xyz[part]).all(1)
+    return same
 
 
 def exchange(
@@ -72,7 +122,7 @@ def exchange(
     pairs = [(a, b) for a, b in ((one, other), (other, one)) if is_named(b)]
     if not pairs:
         raise KinemarkError(f"Neither {one} nor {other} has a marker's name. Claim one of them for a marker first.")
-    return tuple(claim(of, a, b, first=first, last=last) for a, b in pairs)
+    return tuple(said for a, b in pairs for said in claim(of, a, b, first=first, last=last))
 
 
 def erase(of: Editing, marker: str, first: int, last: int) -> Erase:

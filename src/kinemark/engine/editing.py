@@ -163,7 +163,7 @@ class Editing:
             first, last: frames, numbers in the recording; None where it follows the path as far as that goes.
             at: the frame that somebody pointed at. why: in their words.
         """
-        return self.say(edit_makers.claim(self, track, name, first=first, last=last, at=at), why=why)
+        return self.say(*edit_makers.claim(self, track, name, first=first, last=last, at=at), why=why)
 
     def exchange(
         self, one: str, other: str, *, first: int | None = None, last: int | None = None, why: str = ""

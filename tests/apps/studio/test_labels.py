@@ -1,5 +1,6 @@
 """Names that are not sure are proposed for the tracks that they are of."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -28,9 +29,16 @@ def test_an_unsure_name_stands_beside_its_track():
         "state": tuple("unsure" if name in short else one for name, one in zip(found.names, found.state, strict=True))
     })  # fmt: skip
     figures = label_figures(tracks, unsure, tracks, whole.names, ())
+    assert proposed(figures, tracks, tracks) == {(f"*{whole.names.index(name) + 1}", name) for name in short}
+    joined = Trajectories(tuple(replace(path, name=f"track{path.name[1:]}") for path in paths), whole.rate, 31)
+    assert proposed(figures, tracks, joined) == {(f"track{whole.names.index(name) + 1}", name) for name in short}
+    assert not proposed(figures, tracks, tracks.select([path.name for path in paths if path.origin.all()]))
+
+
+def proposed(figures, before, now):
+    """Track and name that are proposed when some trajectories have become others."""
     document = SimpleNamespace(
         records={"label": SimpleNamespace(figures=figures, findings=())}, marker_set=None, head="",
-        now=SimpleNamespace(trajectories=tracks),
+        editing=SimpleNamespace(trajectories=before), now=SimpleNamespace(trajectories=now),
     )  # fmt: skip
-    proposed = {(one.track, one.name) for one in labels(document).proposals if one.state == "unsure"}
-    assert proposed == {(f"*{whole.names.index(name) + 1}", name) for name in short}
+    return {(one.track, one.name) for one in labels(document).proposals if one.state == "unsure"}

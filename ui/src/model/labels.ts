@@ -1,9 +1,9 @@
 /** Tracks and their names, in the order in which they are asked about. */
 import type { Labels, Proposal, TrialHeader } from "../api/types";
 
-const rank = (p: Proposal): number => (p.track.startsWith("*") ? 0 : p.state === "unsure" ? 1 : 2);
+const rank = (p: Proposal): number => (p.name !== null && p.name !== p.track ? 0 : p.track.startsWith("*") ? 1 : p.state === "unsure" ? 2 : 3);
 
-/** A row for each track that has samples: those without a name first, then unsure ones, the least probable first. */
+/** A row for each track that has samples: those with another name proposed, without any, unsure ones; the least probable first. */
 export function labelRows(header: TrialHeader, labels: Labels | null): Proposal[] {
   const known = new Map(labels?.proposals.map((p) => [p.track, p]));
   const rows = header.tracks
@@ -13,4 +13,4 @@ export function labelRows(header: TrialHeader, labels: Labels | null): Proposal[
 }
 
 /** Those that somebody should be asked about. */
-export const asked = (rows: readonly Proposal[]): Proposal[] => rows.filter((p) => rank(p) < 2);
+export const asked = (rows: readonly Proposal[]): Proposal[] => rows.filter((p) => rank(p) < 3);

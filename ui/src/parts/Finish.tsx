@@ -1,14 +1,17 @@
 import * as api from "../api/client";
 import { many } from "../model/format";
 import { act } from "../state/acts";
-import { say, tried } from "../state/load";
+import { runTrial, say, tried } from "../state/load";
 import { get, set, useStore } from "../state/store";
 import { Modal } from "./Modal";
 import styles from "./Modal.module.css";
 
-/** Write a file of the trial as it is; nothing that was given is written over. */
+/** Write a file of the trial as it is, that of a session's by a run; nothing that was given is written over. */
 export async function write(): Promise<void> {
-  const id = get().id, written = id && (await tried(() => api.exportTrial(id)));
+  const { id, header } = get();
+  if (!id || !header) return;
+  if (header.session_id && header.stale) return runTrial();
+  const written = await tried(() => api.exportTrial(id));
   if (written) say("done", [`Written: ${written.name}`, ...written.words].join(". "));
 }
 

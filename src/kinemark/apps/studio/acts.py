@@ -126,7 +126,7 @@ def _of_trial(of: Editing, said: Act) -> tuple[Edit, ...]:
     """Edits of identities and of the whole."""
     match said:
         case ClaimAct():
-            return (make.claim(of, said.track, said.name, first=said.first, last=said.last, at=said.at),)
+            return make.claim(of, said.track, said.name, first=said.first, last=said.last, at=said.at)
         case ExchangeAct():
             return make.exchange(of, said.a, said.b, first=said.first, last=said.last)
         case TrimAct():

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...data import MarkerSet, Trajectories
+from ...data import MarkerSet, MarkerTrajectory, Trajectories
 from ...report.words import text_of
 from .desk import OpenDocument
 from .edit_messages import Labels, LinkFound, Proposal
@@ -52,36 +52,47 @@ def _sure(figures: Any, document: OpenDocument) -> list[Proposal]:
 
 
 def _unsure(figures: Any, document: OpenDocument) -> list[Proposal]:
-    """Tracks without a name that labelling has one for, by the track that has their samples now."""
-    found: list[Proposal] = []
-    for one in figures["unsure"]:
-        track = _track_at(document.now.trajectories, one, {other.track for other in found})
-        if track is not None:
-            found.append(
-                Proposal(
-                    track=track,
-                    name=one["name"],
-                    probability=one["probability"],
-                    runner_up=one["runner_up"],
-                    state="unsure",
-                )
-            )
-    return found
+    """Tracks without a marker's name that labelling has one for, by the track that has most of their samples now.
+
+    A track that was joined of several has the proposal of the longest.
+    """
+    markers = set() if document.marker_set is None else set(document.marker_set.names)
+    found: dict[str, tuple[int, Proposal]] = {}
+    given = [path for path in document.editing.trajectories if path.name.startswith("*")]
+    for one in figures["unsure"]:  # in the order of the paths
+        extent = one["first_frame"], one["last_frame"]
+        piece = next((path for path in given if _extent(path) == extent), None)
+        if piece is None:
+            continue
+        given = [path for path in given if path is not piece]
+        track, samples = _has_most(piece, document.now.trajectories)
+        if track is None or track in markers or samples <= found.get(track, (0, None))[0]:
+            continue
+        found[track] = (
+            samples,
+            Proposal(
+                track=track,
+                name=one["name"],
+                probability=one["probability"],
+                runner_up=one["runner_up"],
+                state="unsure",
+            ),
+        )
+    return [proposal for _, proposal in found.values()]
 
 
-def _track_at(trajectories: Trajectories, one: Any, taken: set[str]) -> str | None:
-    """The unnamed trajectory whose samples are those of a proposal, by first and last frame; both are in one order."""
-    wanted = one["first_frame"], one["last_frame"]
-    for path in trajectories:
-        seen = np.flatnonzero(path.origin)
-        if (
-            path.name.startswith("*")
-            and path.name not in taken
-            and len(seen)
-            and (int(seen[0]), int(seen[-1])) == wanted
-        ):
-            return path.name
-    return None
+def _has_most(piece: MarkerTrajectory, trajectories: Trajectories) -> tuple[str | None, int]:
+    """The trajectory that has most samples of a path, and how many; None where none has any."""
+    here = np.flatnonzero(piece.origin)
+    shared = [(int((path.xyz[here] == piece.xyz[here]).all(1).sum()), path.name) for path in trajectories]
+    samples, name = max(shared, default=(0, ""))
+    return (name, samples) if samples else (None, 0)
+
+
+def _extent(path: MarkerTrajectory) -> tuple[int, int]:
+    """First and last frame that are there, from 0; −1 where none is."""
+    seen = np.flatnonzero(path.origin)
+    return (int(seen[0]), int(seen[-1])) if len(seen) else (-1, -1)
 
 
 def _links(marker_set: MarkerSet | None, trajectories: Trajectories) -> list[LinkFound]:

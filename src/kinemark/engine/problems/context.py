@@ -68,10 +68,12 @@ class Context:
         e = self.editing
         return stretch_of(self.now, self.name(path), first=a, last=b, detections=e.detections, world=e.world)
 
-    def claim(self, path: int, name: str | None, first: int | None = None, last: int | None = None) -> Iterator[Claim]:
-        """The claim of a stretch, none where there is nothing to claim: no sample, or the name it has."""
+    def claim(
+        self, path: int, name: str | None, first: int | None = None, last: int | None = None, *, again: bool = False
+    ) -> Iterator[Claim]:
+        """The claim of a stretch, none where there is no sample, or it has the name, unless it is said `again`."""
         whole = first is None and last is None
-        if (whole and name == self.name(path)) or not self._any(path, first, last):
+        if (whole and not again and name == self.name(path)) or not self._any(path, first, last):
             return
         yield Claim(self.stretch(path, first, last), name)
 

@@ -149,10 +149,10 @@ def _piece(context: Context, piece: Piece) -> Problem:
         [context.verdict("join", (p, q), low, high, right=True)],
     )  # fmt: skip
     name = context.marker(q) if is_named(tracks[1]) else context.marker(p)
+    both = [claim for path in (p, q) for claim in context.claim(path, name, again=True)]
     join = context.alternative(
         "join", tracks, last, wrong, (1 - wrong) * n * GHOST_MM,
-        [*context.claim(p, name), *context.claim(q, name), context.verdict("join", (p, q), low, high, right=False)],
-        mm=mm,
+        [*both, context.verdict("join", (p, q), low, high, right=False)], mm=mm,
     )  # fmt: skip
     return Problem(
         context.id("join", p, piece.last), "join", tracks, first, last, last, wrong, n, wrong * n * GHOST_MM,

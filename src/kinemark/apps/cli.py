@@ -17,7 +17,7 @@ COMMANDS = {
     "commands/new_session.py": ("init",),
     "commands/session.py": ("run", "status", "calibrate"),
     "commands/listings.py": ("methods", "schema", "cite"),
-    "commands/detect.py": ("detect",),
+    "commands/detect.py": ("detect", "white-pixels"),
     "commands/label.py": ("label",),
     "commands/marker_set.py": ("marker-set",),
     "commands/template.py": ("template",),

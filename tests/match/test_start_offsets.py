@@ -1,9 +1,15 @@
 """Recordings that were started at different times are put together by what their markers show."""
 
+import json
+
 import numpy as np
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import Detections, KinemarkError
+from kinemark.engine.start_files import starts_of_files
+from kinemark.io.detections_csv import write_detections_csv
+from kinemark.io.rig_toml import write_rig_toml
 from kinemark.match import start_offsets
 from kinemark.synth import observe, ring, stationary, walking
 
@@ -45,3 +51,17 @@ def test_a_start_farther_off_than_asked_for_is_refused():
     seen = observe(rig, walking(duration_s=3.0), noise_px=0.2).detections
     with pytest.raises(KinemarkError, match="cam2"):
         start_offsets(shifted(seen, (0, 60, 0), 80), rig, most=20)
+
+
+def test_the_command_says_what_to_write(tmp_path, capsys):
+    rig = ring(3)
+    seen = observe(rig, walking(duration_s=3.0), noise_px=0.2).detections
+    write_detections_csv(tmp_path / "d.csv", shifted(seen, (10, 40, 0), 90))
+    write_rig_toml(tmp_path / "rig.toml", rig)
+    command = ["starts", str(tmp_path / "d.csv"), str(tmp_path / "rig.toml"), "--most-s", "1", "--rate-hz", "50"]
+    app([*command, "--json"], result_action="return_value")
+    assert json.loads(capsys.readouterr().out)["delays_ms"] == {"cam1": 0.0, "cam2": 600.0, "cam3": -200.0}
+    app(command, result_action="return_value")
+    assert "delays_ms = { cam1 = 0, cam2 = 600, cam3 = -200 }" in capsys.readouterr().out
+    with pytest.raises(KinemarkError, match="no cameras"):
+        starts_of_files(tmp_path / "d.csv", tmp_path / "d.csv", most_s=1.0, rate_hz=50.0)

@@ -25,7 +25,7 @@ COMMANDS = {
     "commands/audit.py": ("audit",),
     "commands/fill.py": ("fill",),
     "commands/studio.py": ("studio",),
-    "commands/files.py": ("info", "convert"),
+    "commands/files.py": ("info", "convert", "starts"),
     "commands/plan.py": ("plan",),
     "commands/analysis.py": ("angles", "velocities", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),

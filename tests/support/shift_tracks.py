@@ -38,6 +38,12 @@ def first_cameras(n):
     return seen.select(seen.cameras[:n])
 
 
+@law(match.start_offsets, share=1e-8)
+def _(by):
+    seen = observed().detections
+    return Answer(rest=match.start_offsets(seen, moved(rig(), by), most=10))
+
+
 @law(match.match, share=1e-8, each={name: declared.kind() for name, declared in MATCH.items()})
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, NearestEpipolar) else observed().detections

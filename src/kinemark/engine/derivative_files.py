@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..data import KinemarkError
+from ..data.derivatives import MarkerDerivatives
 from ..data.finding import plain_value
 from ..io.derivatives_csv import write_derivatives_csv
 from ..io.trial import read_trial
-from ..kinematics import MarkerDerivatives, marker_derivatives
+from ..kinematics import marker_derivatives
 
 
 def derivatives_of_file(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..kinematics import MarkerDerivatives
+from ..data.derivatives import MarkerDerivatives
 from .csv_table import cell, write_table
 from .number_text import plain
 

@@ -1,12 +1,13 @@
 """Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
 
 from ..data.cycles import Cycles
+from ..data.derivatives import MarkerDerivatives
 from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from ..data.normal_ranges import NamedAngle, named_angles, outside
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import cycles, resampled, spans_of
-from .derivatives import MarkerDerivatives, marker_derivatives
+from .derivatives import marker_derivatives
 from .helical import HelicalAxis, helical_axes, helical_axis
 from .knee import KneeMotion, knee_motion
 from .marker_noise import estimated_sd, with_marker_sd

@@ -21,12 +21,11 @@ smaller elsewhere. Errors that change slowly, as of a calibration or of skin, ar
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Floats
+from ..data.derivatives import MarkerDerivatives
 from ..signal.smoother import filter_positions, smooth_positions
 
 RATIOS = np.geomspace(1e-3, 30.0, 24)
@@ -39,27 +38,6 @@ TOGETHER = 8
 """Markers worked on at once, a number; chosen for memory: 24 ratios and 3 axes of each."""
 START = 3
 """Samples that only find the start, a number; by definition: position, velocity and acceleration."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MarkerDerivatives:
-    """Of M markers in F frames; NaN where a marker has no position, or too few.
-
-    Attributes:
-        names: (M) of the markers.
-        rate: frames a second, Hz.
-        velocity: (M, F, 3) mm/s; velocity_sd: (M, F) mm/s of each component.
-        acceleration: (M, F, 3) mm/s²; acceleration_sd: (M, F) mm/s² of each component.
-        noise_sd: (M) σ mm, the noise of a position along an axis that the paths themselves show.
-    """
-
-    names: tuple[str, ...]
-    rate: float
-    velocity: Floats
-    velocity_sd: Floats
-    acceleration: Floats
-    acceleration_sd: Floats
-    noise_sd: Floats
 
 
 def marker_derivatives(trajectories: Trajectories) -> MarkerDerivatives:

@@ -6,5 +6,15 @@ from .kiss_triplets import KissTriplets
 from .methods import match
 from .nearest_epipolar import NearestEpipolar
 from .stage import MATCH
+from .start_offsets import StartOffsets, start_offsets
 
-__all__ = ["MATCH", "EpipolarTriplets", "KissTriplets", "NearestEpipolar", "check_cameras", "match"]
+__all__ = [
+    "MATCH",
+    "EpipolarTriplets",
+    "KissTriplets",
+    "NearestEpipolar",
+    "StartOffsets",
+    "check_cameras",
+    "match",
+    "start_offsets",
+]

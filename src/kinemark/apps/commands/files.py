@@ -1,4 +1,4 @@
-"""`kinemark info` and `convert`: what is in files, and their other formats."""
+"""`kinemark info`, `convert` and `starts`: what is in files, their other formats, when cameras were started."""
 
 from __future__ import annotations
 
@@ -72,3 +72,24 @@ def convert(
     for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial):
         print_result(f"note: {file_note_text(note)}")
     print_result(f"{target} is written. What it holds: kinemark info {target}")
+
+
+def starts(detections: Path, cameras: Path, *, most_s: float = 10.0, rate_hz: Rate = None, json: Json = False) -> None:
+    """When each camera of a recording was started, from the markers that they show: what to write as delays_ms.
+
+    Args:
+        detections: a file of detections, the images of each camera numbered from its own start.
+        cameras: a file of the calibrated cameras, TOML.
+        most_s: seconds that two cameras may be apart.
+        json: print the figures for a machine.
+    """
+    from ...engine.start_files import starts_of_files
+
+    found = starts_of_files(detections, cameras, most_s=most_s, rate_hz=rate_hz)
+    if json:
+        print_result(found)
+        return
+    late = [f"  {name:16} {images:6d} images later than the first" for name, images in found["images"].items()]
+    delays = ", ".join(f"{name} = {ms:g}" for name, ms in found["delays_ms"].items())
+    doubt = [f"  {' and '.join(pair)} say otherwise" for pair in found["disagreeing"]]
+    print_result("\n".join([*late, *doubt, "In session.toml:  [cameras]", f"  delays_ms = {{ {delays} }}"]))

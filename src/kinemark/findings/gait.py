@@ -231,14 +231,9 @@ def _of_axes(axes: StaticAxes) -> Iterator[Finding]:
         unit = SIZE_OF.get(doubt.what, "deg")
         mm, share, deg = (doubt.value if unit == one else None for one in ("mm", "share", "deg"))
         yield make_finding(
-            "gait_axes_doubtful",
-            trial=axes.trial,
-            side=doubt.side,
-            what=doubt.what,
-            by_mm=mm,
-            by_share=share,
+            "gait_axes_doubtful", trial=axes.trial, side=doubt.side, what=doubt.what, by_mm=mm, by_share=share,
             by_deg=deg,
-        )
+        )  # fmt: skip
 
 
 def _findings(

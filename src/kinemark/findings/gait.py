@@ -29,10 +29,8 @@ FAR_MS = 50.0
 """Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
 OTHER_MS = 200.0
 """Difference from which it is another event, ms; chosen: a step takes 500."""
-SIZES: dict[str, float | None] = {"by_mm": None, "by_share": None, "by_deg": None}
-"""In which units a doubt about a static trial is said."""
-SIZE_OF = {"knee_width": "by_mm", "ankle_width": "by_mm", "device": "by_share"}
-"""In which of them; else in degrees."""
+SIZE_OF = {"knee_width": "mm", "ankle_width": "mm", "device": "share"}
+"""In which unit a doubt about a static trial is said; else in degrees."""
 TURN_DEG = 30.0
 """By which the pelvis faces another way than where it walks, deg; chosen: in straight walks it was below 20."""
 
@@ -230,8 +228,12 @@ def _of_axes(axes: StaticAxes) -> Iterator[Finding]:
     """By what axes are shown, and what of it cannot be."""
     yield make_finding("gait_axes_from_static", trial=axes.trial, way=axes.way)
     for doubt in axes.doubts:
-        size = {SIZE_OF.get(doubt.what, "by_deg"): doubt.value}
-        yield make_finding("gait_axes_doubtful", trial=axes.trial, side=doubt.side, what=doubt.what, **SIZES | size)
+        unit = SIZE_OF.get(doubt.what, "deg")
+        mm, share, deg = (doubt.value if unit == one else None for one in ("mm", "share", "deg"))
+        yield make_finding(
+            "gait_axes_doubtful", trial=axes.trial, side=doubt.side, what=doubt.what, by_mm=mm, by_share=share,
+            by_deg=deg,
+        )  # fmt: skip
 
 
 def _findings(

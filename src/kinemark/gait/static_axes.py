@@ -63,7 +63,8 @@ def with_knees(static: Mapping[str, Floats]) -> dict[str, Floats]:
         inner = {letter + name for name in ("ASI", "ANK")}
         if device_worn(static, letter) and inner <= set(static) and not _seen(static, letter + "KNE"):
             middle = np.mean([static[name] for name in inner], axis=0)
-            out[letter + "KNE"] = _apex(*(static[letter + name] for name in DEVICE), middle)
+            kax, kd1, kd2 = (static[letter + name] for name in DEVICE)
+            out[letter + "KNE"] = _apex(kax, kd1, kd2, middle)
     return out
 
 

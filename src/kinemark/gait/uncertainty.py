@@ -177,7 +177,9 @@ def _placement(
             walk = sd * _segment(limbs, name).R[..., axis]
             still = None if stood is None else sd * _segment(stood, name).R[..., axis]
             yield _shifting(model, name, walk, still)
-    for name in _only_standing(model) if stood is not None and static else ():
+    if stood is None:
+        return
+    for name in _only_standing(model):
         for axis in range(3):
             yield _shifting(model, name, None, sd * _segment(stood, name).R[..., axis])
 

@@ -13,7 +13,7 @@ from support.studio_page import Studio, needed_by, window
 SEEKS = 40  # the benchmark has a thousand
 SCREENS = ("home", "new", "cameras", "tracks", "detect", "labels", "gaps", "angles", "report", "history")
 DIALOGS = {
-    "?": "Keys",
+    "?": "Help",
     "Control+k": "Search or command",
     "Shift+W": "Why",
     "Shift+S": "Sign",

@@ -1,6 +1,6 @@
 /** Printing what is shown: light in either theme, as it stands on the screen where that is drawn, else as a page of text. */
 import * as api from "../api/client";
-import { get } from "./store";
+import { get, set, type Theme } from "./store";
 import { showTheme } from "./theme";
 
 /** px of A4 across, at 96 a inch, within margins of 10 mm. */
@@ -12,11 +12,17 @@ const DRAWN_MS = 150;
 export function print(): void {
   const { screen, id, theme } = get();
   if (screen === "report" && id) return void window.open(api.reportAddress(id), "_blank", "noreferrer");
-  showTheme("light");
+  paint("light");
   setTimeout(() => {
     window.print();
-    showTheme(theme);
+    paint(theme);
   }, DRAWN_MS);
+}
+
+/** For the time of printing; what the person chose is kept elsewhere. */
+function paint(theme: Theme): void {
+  set({ theme });
+  showTheme(theme);
 }
 
 /** Before it is printed, what is drawn keeps the size that it has on the screen, and is made smaller as a whole. */

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations, takewhile
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -159,7 +159,7 @@ def _means(p: Floats, exact: float) -> Bools:
         return found
     tree = scipy.spatial.cKDTree(p[there, frame])
     middle = 0.5 * (p[twos[:, 0]] + p[twos[:, 1]])
-    near: list[list[int]] = list(tree.query_ball_point(middle[:, frame], exact))
+    near: Any = tree.query_ball_point(middle[:, frame], exact)  # a list a place
     for pair in [k for k, some in enumerate(near) if some]:
         apart = np.linalg.norm(np.diff(p[twos[pair]], axis=0)[0], axis=-1)
         for m in there[near[pair]].tolist():

@@ -223,7 +223,9 @@ def whole_files() -> Iterator[Row]:
 
 
 def _without_computed(file: str) -> Trajectories:
-    return only(read(file), [name for name in put_aside(read_trial(ROOT / file)).rest.names if not name.startswith("*")])
+    return only(
+        read(file), [name for name in put_aside(read_trial(ROOT / file)).rest.names if not name.startswith("*")]
+    )
 
 
 def static_trials() -> Iterator[Row]:

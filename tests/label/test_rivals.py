@@ -1,6 +1,7 @@
 """What else names of whole markers could be: chains and rings, and what they lose."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_names_that_moved_up_to_one_that_is_absent_lose_nothing():
     for _ in range(3):
         chain.append(int(np.argmin(np.where(np.isin(np.arange(39), chain), np.inf, d[chain[-1]]))))
     there = [k for k in range(39) if k != chain[-1]]  # the last of the chain has no marker: each takes the next one's
-    label = np.array([dict(zip(chain, chain[1:], strict=False)).get(k, k) for k in there])
+    label = np.array([dict(pairwise(chain)).get(k, k) for k in there])
     found = lost(label, [names[k] for k in there])
     assert found[chain[1:]].max() == 0 and np.isinf(found[chain[0]])
     assert np.median(np.delete(found, chain)) > 5

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations, takewhile
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -159,8 +159,8 @@ def _means(p: Floats, exact: float) -> Bools:
         return found
     tree = scipy.spatial.cKDTree(p[there, frame])
     middle = 0.5 * (p[twos[:, 0]] + p[twos[:, 1]])
-    near = tree.query_ball_point(middle[:, frame], exact)
-    for pair in np.flatnonzero([len(some) > 0 for some in near]):
+    near: Any = tree.query_ball_point(middle[:, frame], exact)  # a list a place
+    for pair in [k for k, some in enumerate(near) if some]:
         apart = np.linalg.norm(np.diff(p[twos[pair]], axis=0)[0], axis=-1)
         for m in there[near[pair]].tolist():
             off = np.linalg.norm(p[m] - middle[pair], axis=-1)
@@ -180,7 +180,7 @@ def _still(p: Floats, names: Sequence[str], exact: float, moves: float) -> Bools
         return found
     flat = fixed.any(1) & travels
     found |= (fixed.sum(1) > 1) | flat
-    for m in np.flatnonzero(flat):
+    for m in np.flatnonzero(flat).tolist():
         above = np.nanmax(np.abs(p - p[m])[:, :, ~fixed[m]], axis=(1, 2), initial=0.0) < exact
         found |= above & np.array([names[m].startswith(name) for name in names])
     return found

@@ -58,7 +58,7 @@ BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0)
 """Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last two."""
 BETA_OTHER = (-4.06, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38)
 """Of (4), of another subject's template, without F; logits;
-measured on 132 trials of other subjects and static ones, see docs/theory/label.md."""
+measured on 52 shredded trials of other children, see docs/theory/label.md."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
 FIT_HIGH = 1.3

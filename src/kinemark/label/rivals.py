@@ -3,8 +3,8 @@
 Where a marker sits far from where the template foretells it, its neighbour can take its name, the next one the
 neighbour's, and so on to a label that is absent: each name is wrong, and each supports the next, so that no exchange of
 two shows it. So each marker in turn is denied the name that it has. The best assignment of names to all markers by
-`arrange` (1) without that one tells, of what hangs on that marker, who takes its name, whose name it takes, and so on, to
-a label or a marker that had none, or back to where it began; this alone is changed. A label loses
+`arrange` (1) without that one tells, of what hangs on that marker, who takes its name, whose name it takes, and so on,
+to a label or a marker that had none, or back to where it began; this alone is changed. A label loses
 
     r = min over the labellings that change it of  S(as it is) − S(changed),   at least 0,                          (1)
 
@@ -80,7 +80,7 @@ def _hanging_on(m: int, now: Ints, new: Ints) -> Ints:
     out, at = now.copy(), m
     while at >= 0:  # m takes a name, who had it the next
         out[at] = new[at]
-        had = np.flatnonzero(now == new[at]) if new[at] >= 0 else ()
+        had = np.flatnonzero((now == new[at]) & (new[at] >= 0))
         at = int(had[0]) if len(had) else -1
         if at == m:
             return out

@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from ...engine.first_session import Role
 from .messages import CameraRow, Message, Vector
-from .new_session_messages import Asked, Role, Text
+from .new_session_messages import Asked, Text
 
 Grade = Literal["green", "amber", "red"]
 

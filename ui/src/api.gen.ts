@@ -1659,11 +1659,8 @@ export interface components {
          * @description The cameras that places are calculated by; all where none are named.
          */
         CoordinatesBody: {
-            /**
-             * Cameras
-             * @default []
-             */
-            cameras: string[];
+            /** Cameras */
+            cameras?: string[];
             /** Trial */
             trial: string;
         };

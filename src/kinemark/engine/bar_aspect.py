@@ -46,8 +46,8 @@ class BarAspect(NamedTuple):
         f = self.figures()
         return (
             f"V × {f['factor']:.4f} ± {f['sd']:.4f} makes pixels square: a bar of {f['markers']} markers in "
-            f"{f['used']} of {f['images']} images. Distances that should be equal differ by up to {f['spread_before_px']:.2f} px "
-            f"before, {f['spread_after_px']:.2f} px after."
+            f"{f['used']} of {f['images']} images. Distances that should be equal differ by up to "
+            f"{f['spread_before_px']:.2f} px before, {f['spread_after_px']:.2f} px after."
         )
 
 

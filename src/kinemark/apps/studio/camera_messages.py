@@ -204,3 +204,29 @@ class WayBody(Message):
     path: Annotated[str, Field(max_length=500)]
     role: Role
     answers: dict[str, Text] = Field(default_factory=dict)
+
+
+class Targets(Message):
+    """What calibrates and has images, by the keys of `[calibration]`, each in words."""
+
+    kinds: dict[str, str]
+
+
+class TargetPoint(Message):
+    """A marker of a target, px."""
+
+    name: str
+    u: float
+    v: float
+
+
+class FoundInImage(Message):
+    """A target in an image: its markers, which are joined, all that is bright, and in words what is found or why not."""
+
+    width: int
+    height: int
+    frames: int
+    points: list[TargetPoint]
+    lines: list[tuple[int, int]]
+    spots: list[tuple[float, float]]
+    words: str

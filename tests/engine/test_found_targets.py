@@ -32,7 +32,7 @@ def test_rods_are_where_the_calibration_has_them(tmp_path):
 
 def test_wand_and_l_frame_lie_on_bright_spots(tmp_path):
     """Of the wand the outer markers are apart by the stated lengths' proportions; the L-frame wants a calibration."""
-    simulate(tmp_path / "wand", scene=Scene(**SMALL | {"calibration": "wand", "seconds": 1.0}))
+    simulate(tmp_path / "wand", scene=Scene(**SMALL | {"calibration": "wand"}))
     session = Session.open(tmp_path / "wand")
     kinds, n = targets_of(session.settings), 0
     assert "wand" in kinds

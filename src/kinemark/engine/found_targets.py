@@ -1,8 +1,7 @@
 """Calibration targets as they are found in a session's images: to look at, beside the calibration that is made of them.
 
-Rods, a grid and a wand are recognised as a calibration does it, each image by itself (the wand with those after it, by
-which its ends agree). The L-frame is where the last calibration says that it lies: over its image, it shows whether that
-is right.
+Rods, a grid and a wand are recognised as a calibration does it, each image by itself (the wand with those about it, by
+which its ends agree). The L-frame is where the last calibration has it: over its image, it shows whether that is right.
 """
 
 from __future__ import annotations
@@ -112,7 +111,7 @@ def _recognised(
     if rig is None or camera not in rig.names:
         raise KinemarkError("The L-frame is shown where the calibration puts it: calibrate the cameras first.")
     long, short = way.arms_mm
-    xyz = np.array([[long, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, short, 0.0]]) + [0.0, 0.0, way.height_mm]
+    xyz = [*np.array([[long, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, short, 0.0]]), 0.0, 0.0, way.height_mm]
     return ["X", "corner", "Y"], project_all(rig.select([camera]), xyz)[0], _rows(1, 3)
 
 

@@ -15,11 +15,11 @@ from kinemark.engine.session import Session
 from kinemark.engine.session_changes import change_session
 from kinemark.engine.um2as import calibrated
 from kinemark.engine.um2as_files import Um2asFiles
+from kinemark.geometry import to_dlt
 from kinemark.io.images import write_png
 from kinemark.io.um2as import read_cp, read_da, read_rf, read_tdc, write_cp, write_da
-from kinemark.geometry import to_dlt
-from kinemark.synth import Optics, look_at, render
 from kinemark.io.video import write_video
+from kinemark.synth import Optics, look_at, render
 from support.boxed import BALLS, seen_balls, seen_meal
 from support.eating import footage
 from support.feeding import feeding_in
@@ -100,7 +100,7 @@ def test_files_of_a_session_are_corrected_and_places_stay(tmp_path):
     square.process_parameters(made=date(2026, 1, 2))
     assert read_rf(square.folder / "box.rf1") == pytest.approx(marks * [1, 0.85], abs=1e-6)
     scale = np.array([1, 1, 1, 1, 0.85, 0.85, 0.85, 0.85, 1, 1, 1])
-    assert read_cp(square.folder / "box.cp1").L == pytest.approx(L * scale, abs=1e-5)
+    assert pytest.approx(L * scale, abs=1e-5) == read_cp(square.folder / "box.cp1").L
     for c, path in enumerate(square.das()):
         write_da(path, uv[c] * square.square)
     assert np.nanmax(np.abs(read_tdc(square.process_coordinates(())) - before)) < 0.2

@@ -15,7 +15,6 @@ from kinemark.engine.simulate import Scene, simulate
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.video import write_video
 
-
 SCENE = Scene(seconds=0.4, size_px=(376, 292), focal_px=385.0, noise=1.0, cameras=3)
 COMMENT = "# of the knee study"
 

@@ -7,9 +7,9 @@ import pytest
 from kinemark.engine.session import Session
 from kinemark.io.answers_csv import read_answers
 from support.axe import needed_axe, violations
+from support.digitising_person import Person
 from support.eating import footage
 from support.feeding import NAMES, feeding_in, not_set_up
-from support.digitising_person import Person
 from support.studio_page import Studio, needed, served, window
 
 FRAMES = 4

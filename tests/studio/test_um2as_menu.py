@@ -125,7 +125,9 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
         guide.idle().up("X, Y, Z Coordinate Calculation").choose("Process Coordinates").process()
         page.get_by_role("checkbox", name="cam2").check()
         page.get_by_text("3 of 3 cameras").first.wait_for()
-        guide.idle().click(page.get_by_role("group", name="Process Coordinates").get_by_role("button", name=re.compile("^Process")))
+        guide.idle().click(
+            page.get_by_role("group", name="Process Coordinates").get_by_role("button", name=re.compile("^Process"))
+        )
         page.get_by_text("Written: feeding.tdc").wait_for()
         guide.idle().choose("Display Coordinates")
         view = page.locator("[data-file='feeding.tdc']")
@@ -149,7 +151,11 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
     print(f"{FRAMES} frames of 3 cameras: {guide.effort.actions} actions, {guide.effort.seconds:.0f} s")
     made = folder / "results" / "um2as"
     wanted = by_commands(folder, "1992-11-27")
-    same = {path.name: path.read_bytes() == (made / path.name).read_bytes() for path in wanted.iterdir() if "csv" not in path.suffix}
+    same = {
+        path.name: path.read_bytes() == (made / path.name).read_bytes()
+        for path in wanted.iterdir()
+        if "csv" not in path.suffix
+    }
     assert all(same.values()) and len(same) == 3 + 3 + 3 + 2 + 3, same
     assert Path(made / "box.cp1").read_text("utf-8").startswith("YEAR: 92 MONTH: 11 DAY: 27")
     kinds = [type(one.answer) for one in read_answers(folder / "answers" / "feeding" / "cam1.csv")]
@@ -157,7 +163,11 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
 
 
 LEVELS = {
-    ("Camera Information", "Calibration Parameters"): ("Start Up Information", "Process L Parameters", "View L Parameters"),
+    ("Camera Information", "Calibration Parameters"): (
+        "Start Up Information",
+        "Process L Parameters",
+        "View L Parameters",
+    ),
     ("Camera Information", "Marker Coordinate Digitizing"): ("View Data", "Image Threshold"),
     ("Data Calculation", "X, Y, Z Coordinate Calculation"): ("Start Up Information", "Display Coordinates"),
     ("Data Calculation", "Calculate Euler Angles"): ("Input File", "Process"),
@@ -193,7 +203,7 @@ def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_runn
 
 
 def test_the_menu_is_gone_through_by_keys_alone(tmp_path, chromium_running):
-    """The entry that is next is highlighted; Escape and the box go up, level by level; printed, the menu is left out."""
+    """The entry that is next is highlighted; Escape and the box go up a level; printed, the rail is left out."""
     with served(feeding_in(tmp_path / "feeding", 3)) as server:
         context = window(chromium_running)
         guide = entered(context, server).open("feeding study")

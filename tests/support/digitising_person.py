@@ -78,9 +78,7 @@ class Person:
         if phase == "review":
             assert asked.startswith("Have successfully detected all markers")
             self.press("Enter")
-        elif phase in ("reference", "verify"):
-            self.press("y")
-        elif "The other cameras say: here" in asked:
+        elif phase in ("reference", "verify") or "The other cameras say: here" in asked:
             self.press("y")
         else:
             name = re.match(r"Where is (?:the reference marker, |marker )?(\w+)\?", asked)[1]

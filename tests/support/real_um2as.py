@@ -88,7 +88,9 @@ def infrared_in(folder):
 
 def _published(config):
     """The cameras as the project's JSON files give them: OpenCV's K and lens terms, x_cam = R X + t in mm."""
-    inside, outside = (json.loads((config / f"config_camera-{one}.json").read_text()) for one in ("intrinsic", "extrinsic"))
+    inside, outside = (
+        json.loads((config / f"config_camera-{one}.json").read_text()) for one in ("intrinsic", "extrinsic")
+    )
     cameras = []
     for a, b in zip(inside, outside, strict=True):
         U, _, Vt = np.linalg.svd(b["R"])  # printed digits: not quite a rotation

@@ -84,7 +84,9 @@ class Guide:
         self.page.keyboard.press(key)
 
     def entry(self, title):
-        return self.page.get_by_role("navigation", name="Menu").get_by_role("button", name=re.compile(f"^{re.escape(title)}"))
+        return self.page.get_by_role("navigation", name="Menu").get_by_role(
+            "button", name=re.compile(f"^{re.escape(title)}")
+        )
 
     def choose(self, *titles):
         """Entries one below the other."""

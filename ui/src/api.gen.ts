@@ -284,6 +284,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session}/targets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Targets
+         * @description What can be looked at.
+         */
+        get: operations["get_targets_api_sessions__session__targets_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/targets/{kind}/{camera}/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Found
+         * @description A target in an image; the L-frame where the last calibration has it.
+         */
+        get: operations["get_found_api_sessions__session__targets__kind___camera___frame__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session}/targets/{kind}/{camera}/{frame}/image": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Image
+         * @description The image.
+         */
+        get: operations["get_image_api_sessions__session__targets__kind___camera___frame__image_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session}/threshold": {
         parameters: {
             query?: never;
@@ -1659,11 +1719,8 @@ export interface components {
          * @description The cameras that places are calculated by; all where none are named.
          */
         CoordinatesBody: {
-            /**
-             * Cameras
-             * @default []
-             */
-            cameras: string[];
+            /** Cameras */
+            cameras?: string[];
             /** Trial */
             trial: string;
         };
@@ -2178,6 +2235,32 @@ export interface components {
             kind: "finish";
             /** Last */
             last?: number | null;
+        };
+        /**
+         * FoundInImage
+         * @description A target in an image: its markers, which are joined, all that is bright, and in words what is found or why not.
+         */
+        FoundInImage: {
+            /** Frames */
+            frames: number;
+            /** Height */
+            height: number;
+            /** Lines */
+            lines: [
+                number,
+                number
+            ][];
+            /** Points */
+            points: components["schemas"]["TargetPoint"][];
+            /** Spots */
+            spots: [
+                number,
+                number
+            ][];
+            /** Width */
+            width: number;
+            /** Words */
+            words: string;
         };
         /**
          * FrameSaid
@@ -3434,6 +3517,28 @@ export interface components {
             title: string;
         };
         /**
+         * TargetPoint
+         * @description A marker of a target, px.
+         */
+        TargetPoint: {
+            /** Name */
+            name: string;
+            /** U */
+            u: number;
+            /** V */
+            v: number;
+        };
+        /**
+         * Targets
+         * @description What calibrates and has images, by the keys of `[calibration]`, each in words.
+         */
+        Targets: {
+            /** Kinds */
+            kinds: {
+                [key: string]: string;
+            };
+        };
+        /**
          * ThresholdBody
          * @description The threshold that detection shall have from now on: of one camera, or of all where none is named.
          */
@@ -4228,6 +4333,105 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SessionCameras"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_targets_api_sessions__session__targets_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Targets"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_found_api_sessions__session__targets__kind___camera___frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                kind: string;
+                camera: string;
+                frame: number;
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundInImage"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_image_api_sessions__session__targets__kind___camera___frame__image_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                kind: string;
+                camera: string;
+                frame: number;
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
                 };
             };
             /** @description Unprocessable Entity */

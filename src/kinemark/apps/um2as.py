@@ -316,9 +316,7 @@ def _square(aspect_ratio: float) -> Floats:
     return np.array([1.0, aspect_ratio])
 
 
-def _views(
-    camera: int, calibration: list[Path], others: list[Path], markers: int, square: Floats
-) -> OtherViews | None:
+def _views(camera: int, calibration: list[Path], others: list[Path], markers: int, square: Floats) -> OtherViews | None:
     """What other cameras know, where their files are given, in the pixels of the images."""
     from ..digitise import OtherViews
     from ..engine.calibration.from_known_points import rig_of_cp

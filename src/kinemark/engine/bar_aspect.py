@@ -45,9 +45,9 @@ class BarAspect(NamedTuple):
         """In words."""
         f = self.figures()
         return (
-            f"V × {f['factor']:.4f} ± {f['sd']:.4f} makes pixels square: a bar of {f['markers']} markers in {f['used']} "
-            f"of {f['images']} images. Distances that should be equal differ by up to {f['spread_before_px']:.2f} px "
-            f"before, {f['spread_after_px']:.2f} px after."
+            f"V × {f['factor']:.4f} ± {f['sd']:.4f} makes pixels square: a bar of {f['markers']} markers in "
+            f"{f['used']} of {f['images']} images. Distances that should be equal differ by up to "
+            f"{f['spread_before_px']:.2f} px before, {f['spread_after_px']:.2f} px after."
         )
 
 
@@ -76,8 +76,8 @@ def bar_aspect(source: ImageSource, *, method: Centroids) -> BarAspect:
     if len(bars) < FEWEST:
         found = ", ".join(f"{n} markers in {counts.count(n)}" for n in sorted(set(counts))) or "no markers"
         raise KinemarkError(
-            f"{len(bars)} of {source.n_frames} images show a bar: {found}. Wanted: the same markers on a line in {FEWEST} "
-            "or more. Change the threshold, and take away what else is bright."
+            f"{len(bars)} of {source.n_frames} images show a bar: {found}. Wanted: the same markers on a line "
+            f"in {FEWEST} or more. Change the threshold, and take away what else is bright."
         )
     uv = np.stack(bars)
     if most % 2:

@@ -6,7 +6,7 @@ calibrations are kept among the results.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from pathlib import Path
 
 import tomlkit
@@ -15,7 +15,15 @@ from tomlkit import TOMLDocument
 from ..data import KinemarkError
 from ..io.files import replacing
 from ..report.words.first_session import question_text
-from .first_session import FoundRecording, Role, SessionProposal, answered, calibration_table, propose_session, with_role
+from .first_session import (
+    FoundRecording,
+    Role,
+    SessionProposal,
+    answered,
+    calibration_table,
+    propose_session,
+    with_role,
+)
 from .first_session.calibration_way import MOVING, WAYS
 from .first_session.session_text import points_of_measured
 from .session import Session
@@ -85,7 +93,7 @@ def change_way(root: Path, path: str, role: Role, answers: Mapping[str, str]) ->
     _write(root / FILE, document)
 
 
-def _roles(one: FoundRecording, contents: set[str]) -> tuple[Role, ...]:
+def _roles(one: FoundRecording, contents: Set[str]) -> tuple[Role, ...]:
     """What a recording may be as a calibration."""
     if one.content == "rig":
         return (Role.RIG,)

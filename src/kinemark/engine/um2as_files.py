@@ -32,7 +32,7 @@ FOLDER = "um2as"
 BOX = "box"
 """What the calibration's files are called where no file of measured places gives a name."""
 SAME_MM = 1e-6
-"""Places of a file and of a session that differ by no more are the same; below what the files can say, by definition."""
+"""Places of a file and of a session that differ by no more are the same; below what files can say, by definition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +137,9 @@ class Um2asFiles:
         Raises:
             KinemarkError: frames of a camera are still to be digitised.
         """
-        left = [f"{name} {opened.saved(name)} of {opened.n_frames}" for name in opened.names if not opened.finished(name)]
+        left = [
+            f"{name} {opened.saved(name)} of {opened.n_frames}" for name in opened.names if not opened.finished(name)
+        ]
         if left:
             raise KinemarkError(f"Saved frames: {', '.join(left)}. Digitise the others first.")
         self.folder.mkdir(parents=True, exist_ok=True)

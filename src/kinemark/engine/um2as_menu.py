@@ -1,7 +1,7 @@
 """The menu of UM²AS over a session: its entries as the thesis has them, and how far each is.
 
-An entry is a level of the menu or a task of it. What a task needs and whether it was done is read from the files: one is
-older than what it was made of where that was changed since, and has then to be made again.
+An entry is a level of the menu or a task of it. What a task needs and whether it was done is read from the files: one
+that is older than what it was made of has to be made again.
 """
 
 from __future__ import annotations
@@ -51,60 +51,65 @@ class Standing:
 MENU = (
     MenuEntry("camera", "", "Camera Information", "Calibrate the cameras, and digitise the markers.", "3.3", "menu"),
     MenuEntry("data", "", "Data Calculation", "From digitised markers to places and angles.", "3.3", "menu"),
-    MenuEntry("calibration", "camera", "Calibration Parameters", "Eleven L parameters of each camera from control "
-              "balls at measured places.", "3.4", "menu"),
-    MenuEntry("digitising", "camera", "Marker Coordinate Digitizing", "The markers' centroids in every frame of every "
-              "camera.", "3.5", "menu"),
-    MenuEntry("aspect", "camera", "Aspect Ratio", "By a bar of markers that is turned before each camera: what V is "
-              "multiplied by in all files.", "4.1", "here"),
-    MenuEntry("xyz", "data", "X, Y, Z Coordinate Calculation", "Places of the markers in space, by two cameras or "
-              "more.", "3.6", "menu"),
+    MenuEntry("calibration", "camera", "Calibration Parameters",
+              "Eleven L parameters of each camera from control balls at measured places.", "3.4", "menu"),
+    MenuEntry("digitising", "camera", "Marker Coordinate Digitizing",
+              "The markers' centroids in every frame of every camera.", "3.5", "menu"),
+    MenuEntry("aspect", "camera", "Aspect Ratio",
+              "By a bar of markers that is turned before each camera: what V is multiplied by in all files.",
+              "4.1", "here"),
+    MenuEntry("xyz", "data", "X, Y, Z Coordinate Calculation",
+              "Places of the markers in space, by two cameras or more.", "3.6", "menu"),
     MenuEntry("euler", "data", "Calculate Euler Angles", "Angles of shoulder, elbow and wrist.", "3.7", "menu"),
-    MenuEntry("calibration-start", "calibration", "Start Up Information", "The date of camera 1's file, today unless it "
-              "is said; black markers on white ground are chosen beside the threshold.", "3.6", "here"),
-    MenuEntry("calibration-files", "calibration", "Input & Output Data Files", "Measured places of the balls are read, "
-              "L parameters written.", "3.7", "here"),
-    MenuEntry("calibration-threshold", "calibration", "Image Threshold", "White pixels are shown on the image while it "
-              "is moved.", "3.8", "cameras"),
-    MenuEntry("calibration-snap", "calibration", "Snap Image", "The image of the balls, black and white.", "3.4",
-              "cameras"),
-    MenuEntry("calibration-reference", "calibration", "Reference Marker", "Asked for after the last ball of each "
-              "camera: clicked, or of a file.", "3.9", "cameras"),
-    MenuEntry("calibration-digitise", "calibration", "Digitize Image", "Click any white pixel of each ball, in their "
-              "order.", "3.10", "cameras"),
-    MenuEntry("calibration-process", "calibration", "Process L Parameters", "Writes the files of all cameras.", "3.4",
-              "here"),
+    MenuEntry("calibration-start", "calibration", "Start Up Information",
+              "The date of camera 1's file, today unless it is said; black markers on white ground are chosen "
+              "beside the threshold.", "3.6", "here"),
+    MenuEntry("calibration-files", "calibration", "Input & Output Data Files",
+              "Measured places of the balls are read, L parameters written.", "3.7", "here"),
+    MenuEntry("calibration-threshold", "calibration", "Image Threshold",
+              "White pixels are shown on the image while it is moved.", "3.8", "cameras"),
+    MenuEntry("calibration-snap", "calibration", "Snap Image",
+              "The image of the balls, black and white.", "3.4", "cameras"),
+    MenuEntry("calibration-reference", "calibration", "Reference Marker",
+              "Asked for after the last ball of each camera: clicked, or of a file.", "3.9", "cameras"),
+    MenuEntry("calibration-digitise", "calibration", "Digitize Image",
+              "Click any white pixel of each ball, in their order.", "3.10", "cameras"),
+    MenuEntry("calibration-process", "calibration", "Process L Parameters",
+              "Writes the files of all cameras.", "3.4", "here"),
     MenuEntry("calibration-view", "calibration", "View L Parameters", "What is in the files.", "3.5", "here"),
-    MenuEntry("digitising-start", "digitising", "Start Up Information", "Markers, which of them is the reference, first "
-              "and last frame, frames skipped, date.", "3.13", "digitise"),
-    MenuEntry("digitising-output", "digitising", "Output File", "What the digitised markers are written to.", "3.12",
-              "here"),
-    MenuEntry("digitising-reference", "digitising", "Reference Marker", "In the start-up: by files, or the first frame "
-              "says it.", "3.9", "digitise"),
-    MenuEntry("digitising-threshold", "digitising", "Image Threshold", "Tried on any frame, white pixels shown, then "
-              "applied to all.", "3.8", "detect"),
+    MenuEntry("digitising-start", "digitising", "Start Up Information",
+              "Markers, which of them is the reference, first and last frame, frames skipped, date.",
+              "3.13", "digitise"),
+    MenuEntry("digitising-output", "digitising", "Output File",
+              "What the digitised markers are written to.", "3.12", "here"),
+    MenuEntry("digitising-reference", "digitising", "Reference Marker",
+              "In the start-up: by files, or the first frame says it.", "3.9", "digitise"),
+    MenuEntry("digitising-threshold", "digitising", "Image Threshold",
+              "Tried on any frame, white pixels shown, then applied to all.", "3.8", "detect"),
     MenuEntry("digitising-snap", "digitising", "Snap Image", "Any frame of any camera.", "3.5", "digitise"),
-    MenuEntry("digitising-digitise", "digitising", "Digitize Image", "Two frames by hand, then the program asks for what "
-              "it does not find.", "3.14", "digitise"),
-    MenuEntry("digitising-verify", "digitising", "Verify Digitization", "Marker by marker, yes or no, before a frame is "
-              "saved: V.", "3.15", "digitise"),
-    MenuEntry("digitising-save", "digitising", "Save Data", "Frames are kept when they are saved; this writes the files "
-              "of all cameras.", "3.5", "here"),
+    MenuEntry("digitising-digitise", "digitising", "Digitize Image",
+              "Two frames by hand, then the program asks for what it does not find.", "3.14", "digitise"),
+    MenuEntry("digitising-verify", "digitising", "Verify Digitization",
+              "Marker by marker, yes or no, before a frame is saved: V.", "3.15", "digitise"),
+    MenuEntry("digitising-save", "digitising", "Save Data",
+              "Frames are kept when they are saved; this writes the files of all cameras.", "3.5", "here"),
     MenuEntry("digitising-view", "digitising", "View Data", "What is in the files, frame by frame.", "3.12", "here"),
-    MenuEntry("xyz-start", "xyz", "Start Up Information", "Which cameras are used: two, three or all.", "3.16", "here"),
+    MenuEntry("xyz-start", "xyz", "Start Up Information",
+              "Which cameras are used: two, three or all.", "3.16", "here"),
     MenuEntry("xyz-calibration", "xyz", "Calibration Input Files", "One a camera.", "3.19", "here"),
     MenuEntry("xyz-data", "xyz", "Marker Data Files", "One a camera.", "3.19", "here"),
     MenuEntry("xyz-output", "xyz", "Output File", "What the places are written to.", "3.17", "here"),
-    MenuEntry("xyz-process", "xyz", "Process Coordinates", "Every pair of cameras gives a place; the mean of those that "
-              "agree counts.", "3.16", "here"),
-    MenuEntry("xyz-display", "xyz", "Display Coordinates", "One frame at a time: the space bar goes on, Backspace "
-              "back.", "3.6", "here"),
+    MenuEntry("xyz-process", "xyz", "Process Coordinates",
+              "Every pair of cameras gives a place; the mean of those that agree counts.", "3.16", "here"),
+    MenuEntry("xyz-display", "xyz", "Display Coordinates",
+              "One frame at a time: the space bar goes on, Backspace back.", "3.6", "here"),
     MenuEntry("euler-input", "euler", "Input File", "Places, by all cameras or some.", "3.20", "here"),
     MenuEntry("euler-output", "euler", "Output Files", "Of shoulder, elbow and wrist.", "3.21", "here"),
     MenuEntry("euler-process", "euler", "Process", "Angles about z, x' and y''.", "3.20", "here"),
     MenuEntry("euler-view", "euler", "View Angles", "What is in the files, frame by frame.", "3.21", "here"),
-    MenuEntry("euler-curves", "euler", "Curves", "Curves, smoothing and the limb from any side, of the trial as it was "
-              "run.", "5, recommendation 3", "angles"),
+    MenuEntry("euler-curves", "euler", "Curves",
+              "Curves, smoothing and the limb from any side, of the trial as it was run.",
+              "5, recommendation 3", "angles"),
 )  # fmt: skip
 """By definition: chapter 3 of the thesis. Figures are its own; `Aspect Ratio` as an entry, `View
 Angles` and `Curves` are ours."""
@@ -183,7 +188,9 @@ def written(files: tuple[Path, ...], sources: tuple[Path, ...], otherwise: str) 
     newer = [path.name for path in sources if path.is_file() and path.stat().st_mtime_ns > oldest]
     if newer:
         return Standing("again", f"{newer[0]} was changed since: do it again.", files)
-    return Standing("done", f"{', '.join(path.name for path in files)} {'is' if len(files) == 1 else 'are'} written.", files)
+    return Standing(
+        "done", f"{', '.join(path.name for path in files)} {'is' if len(files) == 1 else 'are'} written.", files
+    )
 
 
 def balls_of(files: Um2asFiles) -> list[Path]:
@@ -215,7 +222,9 @@ def _balls(files: Um2asFiles) -> tuple[Standing, Standing]:
     if asked == n:
         absent = int(np.isnan(points.uv[..., 0]).sum())
         return Standing("done", f"All {n} are said{f', {absent} not seen' if absent else ''}."), marked
-    each = ", ".join(f"{name} {int(own.sum())} of {len(own)}" for name, own in zip(points.cameras, points.asked, strict=True))
+    each = ", ".join(
+        f"{name} {int(own.sum())} of {len(own)}" for name, own in zip(points.cameras, points.asked, strict=True)
+    )
     return Standing("open", f"Balls said: {each}."), marked
 
 
@@ -224,7 +233,9 @@ def _threshold(files: Um2asFiles) -> Standing:
     method = files.session.settings.detect
     ground = ", black on white" if getattr(method, "inverted", False) else ""
     level = getattr(method, "threshold", None)
-    return Standing("", f"White above {level:g}{ground}." if level is not None else f"Of each image's own grey{ground}.")
+    return Standing(
+        "", f"White above {level:g}{ground}." if level is not None else f"Of each image's own grey{ground}."
+    )
 
 
 def _marks(files: Um2asFiles) -> Standing:
@@ -260,5 +271,7 @@ def _seen(own: Standing) -> Standing:
 def _there(files: tuple[Path, ...], otherwise: str) -> Standing:
     missing = [path.name for path in files if not path.is_file()]
     if missing:
-        return Standing("waits", f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not there. {otherwise}", files)
+        return Standing(
+            "waits", f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not there. {otherwise}", files
+        )
     return Standing("done", ", ".join(path.name for path in files), files)

@@ -17,7 +17,9 @@ from support.studio import Studio
 @pytest.fixture
 def folder(tmp_path):
     folder = feeding_in(tmp_path / "feeding", 3)
-    (folder / "points.csv").write_text("name,x_mm,y_mm,z_mm\n" + "\n".join(f"{n},{n},{n},{n}" for n in range(8)), "utf-8")
+    (folder / "points.csv").write_text(
+        "name,x_mm,y_mm,z_mm\n" + "\n".join(f"{n},{n},{n},{n}" for n in range(8)), "utf-8"
+    )
     return folder
 
 

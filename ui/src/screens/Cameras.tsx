@@ -1,5 +1,5 @@
 /** The cameras of a session: how they are calibrated, how good that is, what is lost with a camera, and control balls. */
-import { Crosshair, Gauge, Loader2 } from "lucide-react";
+import { Crosshair, Gauge, Loader2, ScanSearch } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import * as api from "../api/sessions";
 import type { CalibrationShown, SessionCameras } from "../api/sessions";
@@ -7,6 +7,7 @@ import { Flat } from "../draw/Flat";
 import { rigDrawn, span } from "../draw/rig";
 import { mm } from "../model/format";
 import { ChangeWay } from "../parts/ChangeWay";
+import { FoundTarget } from "../parts/FoundTarget";
 import { ControlView } from "../parts/ControlView";
 import { Findings, WordTable } from "../parts/Tables";
 import { say, tried } from "../state/load";
@@ -15,7 +16,7 @@ import { useStore } from "../state/store";
 import styles from "./Cameras.module.css";
 
 export function Cameras(): React.JSX.Element {
-  const { cameras, control, pointing } = useSessions(), open = pointing === true, [changing, setChanging] = useState(false);
+  const { cameras, control, pointing } = useSessions(), open = pointing === true, [changing, setChanging] = useState(false), [looking, setLooking] = useState(false);
   if (!cameras) return <div className={styles.waiting}><h1>Cameras & calibration</h1><p role="status">The calibration is read …</p></div>;
   return (
     <div className={styles.screen}>
@@ -23,11 +24,12 @@ export function Cameras(): React.JSX.Element {
         <h1>Cameras & calibration</h1><span className="soft">{cameras.title} · by {cameras.way_words}</span>
         {control && <button type="button" className="button" aria-pressed={open} onClick={() => put({ pointing: !open })}><Crosshair size={14} aria-hidden />Point at the balls</button>}
         {cameras.calibration && <a className="button" href={api.calibrationPage(cameras.id)} target="_blank" rel="noreferrer">Whole page, to print</a>}
+        <button type="button" className="button" aria-pressed={looking} onClick={() => setLooking(!looking)}><ScanSearch size={14} aria-hidden />As found</button>
         <button type="button" className="button" aria-expanded={changing} onClick={() => setChanging(!changing)}>Another way …</button>
         <Run id={cameras.id} />
       </header>
       {changing && <ChangeWay id={cameras.id} done={() => setChanging(false)} />}
-      {open && control ? <ControlView /> : <Judged of={cameras} />}
+      {looking ? <FoundTarget id={cameras.id} cameras={cameras.names} /> : open && control ? <ControlView /> : <Judged of={cameras} />}
     </div>
   );
 }

@@ -28,6 +28,7 @@ from . import (
     new_session_routes,
     page_routes,
     standing,
+    target_routes,
     trial_routes,
     um2as_routes,
     way_routes,
@@ -64,6 +65,7 @@ def studio_app(desk: Desk) -> FastAPI:
     app.include_router(um2as_routes.router)
     app.include_router(aspect_routes.router)
     app.include_router(way_routes.router)
+    app.include_router(target_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

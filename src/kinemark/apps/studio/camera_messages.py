@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from ...engine.first_session import Role
 from .messages import CameraRow, Message, Vector
-from .new_session_messages import Asked, Role, Text
+from .new_session_messages import Asked, Text
 
 Grade = Literal["green", "amber", "red"]
 
@@ -203,3 +204,29 @@ class WayBody(Message):
     path: Annotated[str, Field(max_length=500)]
     role: Role
     answers: dict[str, Text] = Field(default_factory=dict)
+
+
+class Targets(Message):
+    """What calibrates and has images, by the keys of `[calibration]`, each in words."""
+
+    kinds: dict[str, str]
+
+
+class TargetPoint(Message):
+    """A marker of a target, px."""
+
+    name: str
+    u: float
+    v: float
+
+
+class FoundInImage(Message):
+    """A target in an image: its markers, which are joined, all that is bright, and in words what is found or why not."""
+
+    width: int
+    height: int
+    frames: int
+    points: list[TargetPoint]
+    lines: list[tuple[int, int]]
+    spots: list[tuple[float, float]]
+    words: str

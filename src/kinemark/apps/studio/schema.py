@@ -24,7 +24,15 @@ from .shelf import Shelf
 
 FILE = Path(__file__).parents[4] / "ui" / "openapi.json"
 REF = "#/components/schemas/{model}"
-MODULES = (messages, edit_messages, new_session_messages, camera_messages, detect_messages, angle_messages, um2as_messages)
+MODULES = (
+    messages,
+    edit_messages,
+    new_session_messages,
+    camera_messages,
+    detect_messages,
+    angle_messages,
+    um2as_messages,
+)
 RECORDS = [
     one for module in MODULES for one in vars(module).values()
     if isinstance(one, type) and issubclass(one, messages.Message)

@@ -59,7 +59,7 @@ class CoordinatesBody(Message):
     """The cameras that places are calculated by; all where none are named."""
 
     trial: Name
-    cameras: Cameras = []
+    cameras: Cameras = Field(default_factory=list)
 
 
 class EulerBody(Message):

@@ -47,7 +47,7 @@ OWN_NOTES = ("no_target_file", "also_calibrates", "no_calibration", "no_trials")
 
 
 def _sided(recordings: Iterable[FoundRecording]) -> Iterator[FoundRecording]:
-    """Pictures that are called a calibration, or as a file of points is, go with the file of rods or control points that is there."""
+    """Pictures that are called a calibration, or as a file of points is, go with the file of rods or points."""
     found = tuple(recordings)
     contents = {one.content for one in found}
     points = {PurePosixPath(one.path).stem: one.path for one in found if one.content == "points"}

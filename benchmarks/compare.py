@@ -28,6 +28,8 @@ import labelling
 import pages
 import recording
 import startup
+import studio
+import studio_browser
 import tomlkit
 import tracking
 import tracking_scenes
@@ -47,6 +49,8 @@ SUITE: dict[str, Callable[[], list[Metric]]] = {
     "labelling": labelling.metrics,
     "startup": startup.metrics,
     "pages": pages.metrics,
+    "studio": studio.metrics,
+    "studio_browser": studio_browser.metrics,
 }
 Entries = dict[str, dict[str, dict[str, str | float]]]
 

@@ -28,13 +28,13 @@ import labelling
 import pages
 import recording
 import startup
-import studio
 import studio_browser
 import tomlkit
 import tracking
 import tracking_scenes
 from metrics import Metric, is_worse
 
+import studio
 from kinemark.version import __version__
 
 BASELINE = Path(__file__).with_name("baseline.toml")

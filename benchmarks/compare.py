@@ -28,11 +28,13 @@ import labelling
 import pages
 import recording
 import startup
+import studio_browser
 import tomlkit
 import tracking
 import tracking_scenes
 from metrics import Metric, is_worse
 
+import studio
 from kinemark.version import __version__
 
 BASELINE = Path(__file__).with_name("baseline.toml")
@@ -47,6 +49,8 @@ SUITE: dict[str, Callable[[], list[Metric]]] = {
     "labelling": labelling.metrics,
     "startup": startup.metrics,
     "pages": pages.metrics,
+    "studio": studio.metrics,
+    "studio_browser": studio_browser.metrics,
 }
 Entries = dict[str, dict[str, dict[str, str | float]]]
 

@@ -123,9 +123,7 @@ def judged(seen: Seen, tracks: Tracks, said: list[Entry], markers: tuple[int, in
 
 def main(first: int = 0, last: int = 17) -> None:
     """Print a line for each seed and way of pointing, and the sums."""
-    print(
-        f"{'seed':>4}{'cameras':>8}{'pointed':>9}   journal alone: right wrong others   tracked again: right wrong others"
-    )
+    print(f"{'seed':>4}{'cameras':>8}{'pointed':>9}   right, wrong, others: by the journal alone, and tracked again")
     worse, sums = 0, np.zeros((2, 3), int)
     for seed in range(first, last + 1):
         seen = recorded(seed)

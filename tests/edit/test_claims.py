@@ -232,7 +232,7 @@ def test_a_joined_trajectory_is_renamed_whole_though_its_pieces_overlap(tmp_path
     """Nothing keeps what it was called between, and what a name was joined to is claimed as well."""
     whole = paths_without_images(n=3)
     path, rng = whole.paths[0], np.random.default_rng(1)
-    one, other = path.xyz.copy(), path.xyz + [6.0, 0, 0] + rng.normal(0, 0.2, path.xyz.shape)
+    one, other = path.xyz.copy(), path.xyz + rng.normal(3.0, 0.2, path.xyz.shape)
     one[104:], other[:100] = np.nan, np.nan
     pieces = MarkerTrajectory.measured("*1", one), MarkerTrajectory.measured("*9", other)
     editing = Editing(

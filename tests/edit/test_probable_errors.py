@@ -5,7 +5,7 @@ import pytest
 
 from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
-from kinemark.edit.probable_errors.paths import HALF, ends, meeting
+from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from support.walked import clean, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
 
 
@@ -93,3 +93,13 @@ def test_what_is_found_hangs_neither_on_the_origin_nor_on_the_axes():
     moved = with_xyz(trial, {k: path.xyz @ turn.T + [4e5, -3e5, 1e4] for k, path in enumerate(trial)})
     one, other = (sorted(round(c.wrong, 4) for c in changes_of(t)[0]) for t in (trial, moved))
     assert one == pytest.approx(other, abs=2e-3)
+
+
+def test_a_minute_after_the_last_sample_of_a_smooth_path_nothing_is_known_and_nothing_fails():
+    """As of a file without noise in which a marker is missing for long."""
+    frame = np.arange(5.0)[None]
+    end = Ends(frame, np.zeros((1, 5, 3)), np.full((1, 5), 0.05**2))
+    place, variance = continued(end, np.array([12_000.0]), 100.0, 4000.0)
+    assert np.isfinite(place).all() and variance[0] > 1e6
+    near, _ = continued(end, np.array([6.0]), 100.0, 4000.0)
+    assert np.abs(near).max() < 0.01

@@ -27,7 +27,8 @@ READ = """
   const x = canvas.width / 2 - w / 2 * scale, y = canvas.height / 2 - h / 2 * scale;
   const row = canvas.getContext("2d").getImageData(0, Math.round(y + ROWS / 2 * h * scale), canvas.width, 1).data;
   let number = 0;
-  for (let b = 0; b < BITS; b++) if (row[4 * Math.round(x + (b + 0.5) / BITS * w * scale)] > LEVEL / 2) number += 1 << b;
+  const level = (b) => row[4 * Math.round(x + (b + 0.5) / BITS * w * scale)];
+  for (let b = 0; b < BITS; b++) if (level(b) > LEVEL / 2) number += 1 << b;
   return number;
 })
 """

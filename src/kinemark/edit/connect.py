@@ -32,6 +32,8 @@ PROCESS_NOISE = 40_000.0
 """q, mm/s² per √s; chosen, as in tracking."""
 SPEED, ACCELERATION = 1500.0, 15_000.0
 """mm/s and mm/s²: standard deviations of each component of v and a; chosen, as in tracking."""
+ROUNDED = 1e-12
+"""Of a variance, added to it: a minute after the last sample the noise is lost by rounding; by double precision."""
 USUAL_MM = 1.0
 """mm, standard deviation of a sample that states none, per axis; chosen."""
 LEAST_MM = 1.0
@@ -115,7 +117,7 @@ def _continued(path: MarkerTrajectory, frames: Ints, to: float, rate: float) -> 
     m, d = np.minimum(t, t[:, None]), np.abs(t - t[:, None])
     cov = PROCESS_NOISE**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (3)
     cov += np.outer(t, t) * SPEED**2 + np.outer(t**2, t**2) / 4 * ACCELERATION**2
-    cov += np.diag(_variance(path, near) / 3)
+    cov += np.diag(_variance(path, near) / 3 + ROUNDED * np.diagonal(cov))
     weight = np.linalg.solve(cov, np.ones(len(t)))
     origin = path.xyz[near[0]]
     place = origin + weight @ (path.xyz[near] - origin) / weight.sum()

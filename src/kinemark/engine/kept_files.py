@@ -72,7 +72,7 @@ class KeptFiles:
 
 def _too_many(sizes: dict[Name, int], most: int) -> list[Name]:
     """The first of them that must go for the rest to be as small; never the last."""
-    total, names = sum(sizes.values()), []
+    total, names = sum(sizes.values()), list[Name]()
     for name, size in list(sizes.items())[:-1]:
         if total <= most:
             break

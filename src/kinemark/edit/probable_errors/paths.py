@@ -38,6 +38,8 @@ LEAST_Q, MOST_Q = 4_000.0, 400_000.0
 """What a trial may make of it; chosen: a tenth of what is usual, and ten times."""
 LEAST_SD, MOST_SD = 0.05, 5.0
 """mm, noise of a sample per axis; chosen: below any system's, and above what a marker's size allows."""
+ROUNDED = 1e-12
+"""Of a variance, added to it: a minute after the last sample the noise is lost by rounding; by double precision."""
 HELD = 0.1
 """s; of (4). Chosen: as long as a gap that is judged by motion alone."""
 TESTS = 400
@@ -131,7 +133,8 @@ def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Flo
     cov = q**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (1)
     cov += s * u * SPEED**2 + s**2 * u**2 / 4 * ACCELERATION**2
     both = known[:, :, None] & known[:, None, :]
-    cov = np.where(both, cov, 0.0) + np.eye(t.shape[1]) * np.where(known, end.variance, 1.0)[:, None, :]
+    own = np.where(known, end.variance + ROUNDED * np.diagonal(cov, axis1=1, axis2=2), 1.0)
+    cov = np.where(both, cov, 0.0) + np.eye(t.shape[1]) * own[:, None, :]
     weight = np.linalg.solve(cov, known[..., None].astype(np.float64))[..., 0]
     total = weight.sum(1)
     origin = end.xyz[np.arange(len(t)), known.argmax(1)][:, None]

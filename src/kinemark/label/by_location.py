@@ -95,7 +95,7 @@ def _places(trial: Trajectories, up: int) -> _Places:
             q.append((along - centre) / H)
     location = np.stack(q, -1)
     n = np.maximum(seen.sum(1), 1)[:, None]
-    mean = np.where(seen.any(1)[:, None], np.nansum(location, axis=1) / n, np.nan)
+    mean = np.where(seen.any(axis=1, keepdims=True), np.nansum(location, axis=1) / n, np.nan)
     return _Places(mean, np.nansum((location - mean[:, None]) ** 2, axis=1) / n)
 
 

@@ -101,13 +101,13 @@ class Seen(NamedTuple):
 def walks(seed: int) -> Iterator[Walk]:
     """All that there are, with noise and simulated bodies of this seed."""
     for n, rate, noise in WALKERS:
-        one, other = (
+        one, later = (
             walking(duration_s=5.0, rate=rate, seed=s, wobble_mm=3.0, marker_radius_mm=7.0, speed_mm_s=v, phase=p)
             for s, v, p in ((seed, 800.0, 0.8), (seed + 50, 700.0, 0.3))
         )
-        subject, named = with_markers(one, n, seed=seed), with_markers(other, n, seed=seed)
-        template = SessionTemplate(learn_template(named.trajectories), ("another walk",))
-        yield Walk(f"simulated, {n} markers", subject, template, noise, 6)
+        again = with_markers(later, n, seed=seed).trajectories
+        template = SessionTemplate(learn_template(again), ("another walk",))
+        yield Walk(f"simulated, {n} markers", with_markers(one, n, seed=seed), template, noise, 6)
     for name, (folder, walk, other) in CHILDREN.items():
         files = [ROOT / folder / f"{name}{number}.c3d" for number in (walk, other)]
         if all(file.is_file() for file in files):

@@ -162,8 +162,8 @@ def main() -> None:
         print(f"  {window:7d}   {rough:27.2f}   {off:22.2f}   {bent:39.1f}")
     print("Noisy reconstruction (figure 4.12), run 1: RMS distance from the truth, mm, markers A, B, C")
     for percent in (5, 10):
-        off = noisy_tracks(1, percent) - recorded(1, 0.0).xyz
-        print(f"  {percent:2d} % noise:" + "".join(f"{v:8.1f}" for v in np.sqrt((off**2).sum(-1).mean(1))))
+        wrong = noisy_tracks(1, percent) - recorded(1, 0.0).xyz
+        print(f"  {percent:2d} % noise:" + "".join(f"{v:8.1f}" for v in np.sqrt((wrong**2).sum(-1).mean(1))))
     if "--figures" in sys.argv:
         file = Path(sys.argv[sys.argv.index("--figures") + 1])
         file.write_text(page(), encoding="utf-8")

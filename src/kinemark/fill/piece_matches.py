@@ -108,7 +108,7 @@ def _match(motion: MarkerArray, gap: Gap, said: Prediction, piece: MarkerTraject
 def _covariance(piece: MarkerTrajectory, frames: Ints) -> Floats:
     """(n, 3, 3) mm² of samples; a usual one of those that state none."""
     cov = piece.cov[frames]
-    return np.where(np.isfinite(cov).all((1, 2))[:, None, None], cov, USUAL_MM**2 * np.eye(3))
+    return np.where(np.isfinite(cov).all(axis=(1, 2), keepdims=True), cov, USUAL_MM**2 * np.eye(3))
 
 
 def _judged(found: list[PieceMatch]) -> tuple[PieceMatch, ...]:

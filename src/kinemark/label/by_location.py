@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, Trajectories
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 
 SPREAD = 0.02
 """s, as a share of the height; chosen: 3.5 cm of an adult."""
@@ -80,7 +80,7 @@ def _places(trial: Trajectories, up: int) -> _Places:
     if not np.isfinite(xyz).any():
         raise KinemarkError("There are no samples to tell a marker's location by. Track the recording first.")
     level = [(up + 1) % 3, (up + 2) % 3]  # so that up × the first is the second
-    seen = np.isfinite(xyz[..., 0])
+    seen: Bools = np.isfinite(xyz[..., 0])
     known = np.flatnonzero(seen.any(0))
     low, high = np.nanpercentile(xyz[..., up], (100 * TAIL, 100 - 100 * TAIL))
     H = float(high - low)
@@ -93,13 +93,13 @@ def _places(trial: Trajectories, up: int) -> _Places:
             centre = np.full(xyz.shape[1], np.nan)
             centre[known] = np.nanmedian(along[:, known], axis=0)
             q.append((along - centre) / H)
-    q = np.stack(q, -1)
+    location = np.stack(q, -1)
     n = np.maximum(seen.sum(1), 1)[:, None]
-    mean = np.where(seen.any(1)[:, None], np.nansum(q, axis=1) / n, np.nan)
-    return _Places(mean, np.nansum((q - mean[:, None]) ** 2, axis=1) / n)
+    mean = np.where(seen.any(axis=1, keepdims=True), np.nansum(location, axis=1) / n, np.nan)
+    return _Places(mean, np.nansum((location - mean[:, None]) ** 2, axis=1) / n)
 
 
-def _named(cost: Floats, seen: np.ndarray, names: tuple[str, ...]) -> tuple[Located, ...]:
+def _named(cost: Floats, seen: Bools, names: tuple[str, ...]) -> tuple[Located, ...]:
     """The cheapest pair first; a name serves one track a frame."""
     taken = np.zeros((len(names), seen.shape[1]), bool)
     found = [Located(None, False)] * len(cost)

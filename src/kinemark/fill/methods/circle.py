@@ -91,8 +91,8 @@ def _carried(
             continue
         best = min(some, key=lambda pair: float(np.trace(pair.cov)))
         frames, part = np.arange(start, stop), slice(start - span.start, stop - span.start)
-        ends = np.array([span.edges[0], span.edges[-1]])
-        place = on_circle(known, span.marker, best.pair, *ends[:, None], frames)
+        first, last = np.array(span.edges[:1]), np.array(span.edges[-1:])
+        place = on_circle(known, span.marker, best.pair, first, last, frames)
         bow = (span.bow()[part] ** 2)[:, None, None]
         out.xyz[part] = place.xyz
         out.cov[part] = place.axes @ (bow * best.cov + best.noise) @ place.axes.mT

@@ -171,7 +171,7 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
         if guide:
             said = np.where(hit[:, None], points[taken], expected.xyz) if len(points) else expected.xyz
             guide.advance(frames[-1].id, said, mine, points)
-    use = guide and ModelUse(guide.track is not None, missing, placed)
+    use = ModelUse(guide.track is not None, missing, placed) if guide else None
     return SwamidasResult(Tracks(cloud, identity), by, frames, use)
 
 

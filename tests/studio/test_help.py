@@ -146,7 +146,7 @@ def test_screens_are_printed_light_on_a4(folder, chromium_running):
         page.emulate_media(media="print")
         assert page.get_by_role("button", name="walk01", exact=True).is_visible(), "names are buttons"
         assert not page.get_by_role("button", name="New session …").is_visible()
-        page.emulate_media(media="screen")
+        page.emulate_media(media="null")
         for screen in ("tracks", "gaps"):
             go(studio.open() if screen == "tracks" else studio, screen)
             shown = page.locator("main canvas").first.bounding_box()
@@ -161,6 +161,6 @@ def test_screens_are_printed_light_on_a4(folder, chromium_running):
             page.emulate_media(media="print")
             printed = page.locator("main canvas").first.bounding_box()
             assert printed["width"] / printed["height"] == pytest.approx(shown["width"] / shown["height"], rel=0.02)
-            page.emulate_media(media="screen")
+            page.emulate_media(media="null")
         assert studio.errors == []
         context.close()

@@ -20,7 +20,7 @@ def test_rods_are_shown_as_found_and_another_way_is_offered(folder, chromium_run
         page.get_by_role("button", name="As found").click()
         page.locator("[data-found='control_frame cam1 1']").wait_for()
         assert int(page.locator("[data-points]").get_attribute("data-points")) > 10
-        page.get_by_label("Camera", exact=True).select_option("cam2")
+        page.locator("[data-points] select").select_option("cam2")
         page.locator("[data-found='control_frame cam2 1']").wait_for()
         found = violations(page)
         page.get_by_role("button", name="As found").click()

@@ -2238,7 +2238,7 @@ export interface components {
         };
         /**
          * FoundInImage
-         * @description A target in an image: its markers, which are joined, all that is bright, and in words what is found or why not.
+         * @description A target in an image: its markers, which are joined, all that is bright, and what is found or why not.
          */
         FoundInImage: {
             /** Frames */

@@ -111,7 +111,7 @@ def _recognised(
     if rig is None or camera not in rig.names:
         raise KinemarkError("The L-frame is shown where the calibration puts it: calibrate the cameras first.")
     long, short = way.arms_mm
-    xyz = [*np.array([[long, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, short, 0.0]]), 0.0, 0.0, way.height_mm]
+    xyz = np.array([[long, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, short, 0.0]]) + np.array([0.0, 0.0, way.height_mm])
     return ["X", "corner", "Y"], project_all(rig.select([camera]), xyz)[0], _rows(1, 3)
 
 

@@ -221,7 +221,7 @@ class TargetPoint(Message):
 
 
 class FoundInImage(Message):
-    """A target in an image: its markers, which are joined, all that is bright, and in words what is found or why not."""
+    """A target in an image: its markers, which are joined, all that is bright, and what is found or why not."""
 
     width: int
     height: int

@@ -19,7 +19,7 @@ whole grid shifted by one or two places move as evenly as the right ones. At 100
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -43,8 +43,9 @@ WITHIN = 10.0  # mm; less than half of the pitch, so that a point is one marker'
 
 def child(seconds: float, rate: float) -> Subject:
     """The walking child with a grid of markers on each foot."""
-    size = {"height_mm": HEIGHT_MM, "marker_radius_mm": RADIUS_MM}
-    body = walking(duration_s=seconds, rate=rate, speed_mm_s=SPEED_MM_S, **size)
+    body = walking(
+        duration_s=seconds, rate=rate, speed_mm_s=SPEED_MM_S, height_mm=HEIGHT_MM, marker_radius_mm=RADIUS_MM
+    )
     xyz, names = list(body.xyz), list(body.names)
     for side in ("L", "R"):
         heel, toe = (body.xyz[body.names.index(side + name)] for name in ("HEE", "TOE"))
@@ -63,7 +64,7 @@ def _axes(heel: Floats, toe: Floats) -> tuple[Floats, Floats]:
     return along, across / np.linalg.norm(across, axis=1, keepdims=True)
 
 
-def found(images: list[GreyLevels], rig: Rig, rate: float, method: Centroids | KissScanning) -> Detections:
+def found(images: Sequence[GreyLevels], rig: Rig, rate: float, method: Centroids | KissScanning) -> Detections:
     """The detections of all cameras."""
     blobs = [detect_frames(each, method=method) for each in images]
     uv, cov, area, validity, merged = (
@@ -73,18 +74,18 @@ def found(images: list[GreyLevels], rig: Rig, rate: float, method: Centroids | K
     return Detections.build(rig.names, rate, counts, uv, cov, area=area, validity=validity, merged=merged)
 
 
-def kiss(images: list[GreyLevels], rig: Rig, rate: float) -> Tracks:
+def kiss(images: Sequence[GreyLevels], rig: Rig, rate: float) -> Tracks:
     low, high = ((float(a), float(b), float(c)) for a, b, c in rig.volume)
     detections = found(images, rig, rate, KissScanning(threshold=60.0, min_area=2))
     cloud = reconstruct(match(detections, rig, method=KissTriplets()), detections, rig, method=LeastSquares())
     return track(cloud, method=KissTracking(volume=(low, high)))
 
 
-def kinemark(images: list[GreyLevels], rig: Rig, rate: float) -> Tracks:
+def kinemark(images: Sequence[GreyLevels], rig: Rig, rate: float) -> Tracks:
     return track_detections(found(images, rig, rate, Centroids(threshold=60.0, min_area=2)), rig, method=Simultaneous())
 
 
-CHAINS: dict[str, Callable[[list[GreyLevels], Rig, float], Tracks]] = {"KISS": kiss, "Kinemark": kinemark}
+CHAINS: dict[str, Callable[[Sequence[GreyLevels], Rig, float], Tracks]] = {"KISS": kiss, "Kinemark": kinemark}
 
 
 def rows(subject: Subject, rig: Rig, seed: int) -> dict[str, tuple[float, ...]]:
@@ -92,7 +93,7 @@ def rows(subject: Subject, rig: Rig, seed: int) -> dict[str, tuple[float, ...]]:
     images = [np.stack(list(film(c, subject, optics=Optics(subsamples=2), seed=seed + i))) for i, c in enumerate(rig)]
     feet = np.array(["F" in name or "TOE" in name for name in subject.names])
     shown = (truth(rig, subject).visible > 0.5).sum(0) >= 2
-    out = {}
+    out: dict[str, tuple[float, ...]] = {}
     for name, chain in CHAINS.items():
         tracks = chain(images, rig, subject.rate)
         result = score(tracks, subject.xyz, within=WITHIN)

@@ -33,7 +33,7 @@ PROCESS_NOISE = 40_000.0
 SPEED, ACCELERATION = 1500.0, 15_000.0
 """mm/s and mm/s²: standard deviations of each component of v and a; chosen, as in tracking."""
 ROUNDED = 1e-12
-"""Of a variance, added to it: a minute after the last sample the noise is lost by rounding; by double precision."""
+"""Share of a variance that is added to it; chosen: a minute after the last sample double precision loses the noise."""
 USUAL_MM = 1.0
 """mm, standard deviation of a sample that states none, per axis; chosen."""
 LEAST_MM = 1.0

@@ -14,19 +14,14 @@ const BESIDE_S = 1.2;
 
 let queue: Promise<unknown> = Promise.resolve();
 
-/** What an act did, and what is asked for after it, which the next act does not wait for. */
-interface Sent { done: ActDone; rest: Promise<unknown> }
-
 /** Say an act. Gives what it did, null where it was refused. */
-export async function act(what: Act, words = ""): Promise<ActDone | null> {
+export function act(what: Act, words = ""): Promise<ActDone | null> {
   const next = queue.then(() => send(what, words));
   queue = next.catch(() => null);
-  const sent = await next;
-  await sent?.rest;
-  return sent?.done ?? null;
+  return next;
 }
 
-async function send(what: Act, words: string): Promise<Sent | null> {
+async function send(what: Act, words: string): Promise<ActDone | null> {
   const { id, header, why } = get();
   if (!id || !header) return null;
   set((s) => ({ busy: s.busy + 1 }));
@@ -36,18 +31,15 @@ async function send(what: Act, words: string): Promise<Sent | null> {
     take(done.header);
     set({ instead: null, detected: null, why: "", join: null, savedAt: new Date().toISOString() });
     said(done, words);
-    playhead.draw();
-    return { done, rest: Promise.all([refreshProblems(), fresh()]).catch(refused).finally(idle) };
+    await Promise.all([refreshProblems(), fresh()]);
+    return done;
   } catch (error) {
     await refused(error);
-    idle();
     return null;
+  } finally {
+    set((s) => ({ busy: s.busy - 1 }));
+    playhead.draw();
   }
-}
-
-function idle(): void {
-  set((s) => ({ busy: s.busy - 1 }));
-  playhead.draw();
 }
 
 function said(done: ActDone, words: string): void {

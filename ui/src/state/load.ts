@@ -127,7 +127,7 @@ function takeGaps(gaps: Gaps, id: string): void {
 export async function refreshProblems(): Promise<void> {
   const id = get().id;
   const problems = id && (await tried(() => api.problems(id)));
-  if (problems && get().id === id && problems.head === get().header?.head) set({ problems }); // else newer ones come
+  if (problems && get().id === id) set({ problems });
 }
 
 /** The trial as it is now on the server, where the journal has gone on without this page. */

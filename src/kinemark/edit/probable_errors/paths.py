@@ -39,7 +39,7 @@ LEAST_Q, MOST_Q = 4_000.0, 400_000.0
 LEAST_SD, MOST_SD = 0.05, 5.0
 """mm, noise of a sample per axis; chosen: below any system's, and above what a marker's size allows."""
 ROUNDED = 1e-12
-"""Of a variance, added to it: a minute after the last sample the noise is lost by rounding; by double precision."""
+"""Share of a variance that is added to it; chosen: a minute after the last sample double precision loses the noise."""
 HELD = 0.1
 """s; of (4). Chosen: as long as a gap that is judged by motion alone."""
 TESTS = 400

@@ -59,8 +59,10 @@ def made(declared, p, value):
 
 
 def wrapped(p, value):
-    """A number as the parameter has it: a list of one number where it is a list."""
-    return value if p.kind != "list" else ((value, 1),) if p.name == "links" else (value,)
+    """A number as the parameter has it: a list of one number where it is a list, or of a list of one."""
+    if p.kind != "list":
+        return value
+    return {"links": ((value, 1),), "banks": ((value,),)}.get(p.name, (value,))
 
 
 def stepped(p, bound, towards):

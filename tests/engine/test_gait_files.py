@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import Events, KinemarkError, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
@@ -204,3 +205,13 @@ def test_a_foot_beside_the_plates_has_no_moments(tmp_path):
     whole = np.isfinite(stance).all(1)
     assert whole.any() and not whole.all()
     assert np.nanmin(np.nanmax(stance[whole], axis=1)) > 1.0  # N·m/kg of push-off, in every stride that has one
+
+
+@pytest.mark.parametrize(("asked", "status"), [((), 3), (("--fail-on", "never"), 0)])
+def test_a_script_sees_that_there_is_no_result(tmp_path, asked, status):
+    leg = LegMeasures(leg_mm=890.0, knee_mm=105.0, ankle_mm=72.0)
+    body = WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0))
+    write_c3d(tmp_path / "standing.c3d", gait_laboratory(body, seed=1).static)
+    with pytest.raises(SystemExit) as ended:
+        app(["gait", str(tmp_path / "standing.c3d"), "--no-uncertainty", *asked])
+    assert (ended.value.code or 0) == status

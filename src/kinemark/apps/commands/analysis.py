@@ -11,7 +11,7 @@ from ...data import KinemarkError
 from ...engine.angle_settings import AngleSettings
 from ...engine.gait_settings import GaitSettings
 from ...io.notes import file_note_text
-from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
+from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
 
 
@@ -24,6 +24,7 @@ def angles(
     functional: Path | None = None,
     settings: Annotated[AngleSettings | None, Parameter(name="*")] = None,
     self_contained: SelfContained = False,
+    fail_on: FailOn = "red",
     json: Json = False,
 ) -> None:
     """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
@@ -36,6 +37,7 @@ def angles(
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
         self_contained: put the drawing library into the page, for mailing.
+        fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
     from ...engine.trial_angles import angles_of_file
@@ -47,9 +49,10 @@ def angles(
     )  # fmt: skip
     if json:
         print_result(result.figures)
-        return
-    notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
-    print_result(f"{angle_summary(result.figures)}{notes}\nresults:  {result.folder}")
+    else:
+        notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
+        print_result(f"{angle_summary(result.figures)}{notes}\nresults:  {result.folder}")
+    exit_by_verdict([result.figures["verdict"]["grade"]], fail_on)
 
 
 def velocities(
@@ -142,6 +145,7 @@ def gait(
     exports: str = "",
     settings: Annotated[GaitSettings | None, Parameter(name="*")] = None,
     self_contained: SelfContained = False,
+    fail_on: FailOn = "red",
     json: Json = False,
 ) -> None:
     """Gait of walks with named markers: angles, moments, powers, events, time and distance, with error bars.
@@ -158,6 +162,7 @@ def gait(
         exports: for other programs, as "trc,mot,sto,gcd".
         settings: how gait is computed.
         self_contained: put the drawing library into the page, for mailing.
+        fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
     from ...engine.gait_files import gait_of_files
@@ -169,9 +174,10 @@ def gait(
     )  # fmt: skip
     if json:
         print_result(result.figures)
-        return
-    notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
-    print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
+    else:
+        notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
+        print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
+    exit_by_verdict([result.figures["verdict"]["grade"]], fail_on)
 
 
 def _pairs(markers: tuple[str, ...]) -> dict[str, str]:

@@ -81,6 +81,10 @@ def test_the_foot_says_what_the_next_key_does_on_every_screen(folder, chromium_r
         page.get_by_role("button", name=re.compile("^Cameras of")).click()
         page.locator("[data-grade]").wait_for()
         said["cameras"] = foot(studio.idle().page)
+        page.get_by_role("navigation", name="Steps").get_by_role("button", name="UM²AS").click()
+        page.locator("main[data-screen=um2as] [data-level]").wait_for()
+        said["um2as"] = foot(studio.idle().page)
+        assert said["um2as"]["Esc"] == "leave UM²AS"
         studio.press("Escape")
         page.locator("main[data-screen=home] h1").wait_for()
         studio.open()
@@ -150,6 +154,7 @@ def test_screens_are_printed_light_on_a4(folder, chromium_running):
         for screen in ("tracks", "gaps"):
             go(studio.open() if screen == "tracks" else studio, screen)
             shown = page.locator("main canvas").first.bounding_box()
+            page.evaluate("window.printed = null")
             studio.press("Shift+P")
             for _ in range(100):
                 if page.evaluate("window.printed") == "light":

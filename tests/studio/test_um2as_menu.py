@@ -186,7 +186,7 @@ def test_axe_finds_nothing_in_any_level_and_kind_of_task(recorded, chromium_runn
         guide = guide.open("monday") if (folder / "session.toml").is_file() else guide.make("monday")
         found = {"top": violations(guide.page)}
         guide.choose("Camera Information", "Aspect Ratio")
-        guide.page.get_by_role("button", name="Measure").click()
+        guide.page.get_by_role("button", name="Measure", exact=True).click()
         guide.page.locator("[data-camera=cam3]").wait_for()
         found["aspect"] = violations(guide.page)
         guide.up("Camera Information").up("UM²AS")
@@ -230,7 +230,7 @@ def test_the_menu_is_gone_through_by_keys_alone(tmp_path, chromium_running):
         assert page.get_by_text("box.cp1, box.cp2, box.cp3 are written").last.is_visible()
         page.emulate_media(media="screen")
         guide.up("Calibration Parameters")
-        page.get_by_role("button", name="One level up").click()
+        page.get_by_role("button", name="One level up Esc").click()
         page.get_by_role("heading", name="Camera Information", exact=True, level=1).wait_for()
         guide.idle().up("UM²AS").key("Escape")
         page.locator("main[data-screen=home]").wait_for()

@@ -177,9 +177,9 @@ export interface Level { words: string; run: () => void }
 
 /** Escape: what is open closes, then marks, then the selection, then the screen; null on Home, the top. */
 function levelUp(s: State): Level | null {
-  const open = imageUp(s) ?? sessionUp(s) ?? trialUp(s);
-  if (open) return open;
   const { from, level, task } = useMenu.getState();
+  const open = imageUp(s) ?? sessionUp(s, from !== "") ?? trialUp(s);
+  if (open) return open;
   if (s.screen === "um2as") return { words: task || level ? "one level up" : "leave UM²AS", run: menuUp };
   if (from) return { words: "back to the menu of UM²AS", run: backToMenu };
   if (s.screen === "home") return null;

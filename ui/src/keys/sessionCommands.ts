@@ -55,11 +55,11 @@ export const SESSION_COMMANDS: readonly Command[] = [
 ];
 
 /** What Escape closes on these screens first. */
-export function sessionUp({ screen }: State): Level | null {
+export function sessionUp({ screen }: State, guided: boolean): Level | null {
   const { folder, pointing, control, lost, spike } = now();
   if (screen === "new" && folder) return { words: "another folder", run: () => void (location.hash = "#/new") };
   if (screen === "angles" && spike) return { words: "close the answer", run: () => put({ spike: null }) };
   if (screen !== "cameras") return null;
-  if (control && pointing) return { words: "the verdict", run: () => put({ pointing: false }) };
+  if (control && pointing && !guided) return { words: "the verdict", run: () => put({ pointing: false }) };
   return lost ? { words: "all cameras again", run: () => put({ lost: null }) } : null;
 }

@@ -107,7 +107,9 @@ class Guide:
 
     def up(self, screen_or_title):
         """Escape, once more out of a field that is typed into, until the level or screen is shown."""
-        if self.page.evaluate("document.activeElement?.matches('input:not([type=checkbox], [type=range]), textarea, select')"):
+        if self.page.evaluate(
+            "document.activeElement?.matches('input:not([type=checkbox], [type=range]), textarea, select')"
+        ):
             self.key("Escape")
         self.key("Escape")
         self.page.get_by_role("heading", name=screen_or_title, exact=True, level=1).wait_for()

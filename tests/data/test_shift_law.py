@@ -64,7 +64,8 @@ NO_POSITIONS = {
         io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of io.modeled_points
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da
-        engine.answered engine.calibration_table engine.beside_key engine.earlier_calibrations engine.last_calibration engine.with_facts
+        engine.answered engine.beside_key engine.earlier_calibrations engine.last_calibration engine.with_facts
+        engine.calibration_table
         engine.identifies engine.propose_session engine.recorded_beside
         engine.session_text engine.with_role
         engine.write_first_session engine.method_of engine.methods_text engine.check_camera_names

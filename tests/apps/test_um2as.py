@@ -22,17 +22,11 @@ from kinemark.io.video import write_video
 from kinemark.report.terminal_summary import summary
 from kinemark.synth import Optics, render
 from support.boxed import BALLS, MARKERS, files
+from support.command_line import command
 from support.eating import POST, Knowing, footage, image_source
 from support.schema import check_quality
 
 FRAMES = 6
-
-
-def command(*words):
-    try:
-        app([str(word) for word in words])
-    except SystemExit as stop:
-        assert not stop.code
 
 
 @pytest.fixture(scope="module")

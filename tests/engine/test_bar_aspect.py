@@ -21,17 +21,11 @@ from kinemark.io.um2as import read_cp, read_da, read_rf, read_tdc, write_cp, wri
 from kinemark.io.video import write_video
 from kinemark.synth import Optics, look_at, render
 from support.boxed import BALLS, seen_balls, seen_meal
+from support.command_line import command
 from support.eating import footage
 from support.feeding import feeding_in
 
 BRIGHT = Centroids(threshold=60)
-
-
-def command(*words):
-    try:
-        app([str(word) for word in words])
-    except SystemExit as stop:
-        assert not stop.code
 
 
 def bar_in(folder, *, aspect, angles, markers=14, seed=0, lamp=False):

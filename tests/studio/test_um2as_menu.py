@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinemark.apps.cli import app
 from kinemark.data.answers import Point
 from kinemark.io.answers_csv import read_answers
 from support.axe import needed_axe, violations
+from support.command_line import command
 from support.digitising_person import Person
 from support.feeding import feeding_in
 from support.studio_page import Studio, needed, served, window
@@ -24,13 +24,6 @@ from support.um2as_lab import laboratory_in
 FRAMES = 4
 MARKERS = ("1", "2", "3", "4", "5", "6", "7", "8")
 THRESHOLD = 60
-
-
-def command(*words):
-    try:
-        app([str(word) for word in words])
-    except SystemExit as stop:
-        assert not stop.code
 
 
 @pytest.fixture(scope="module")

@@ -78,7 +78,7 @@ MENU = (
               "Writes the files of all cameras.", "3.4", "here"),
     MenuEntry("calibration-view", "calibration", "View L Parameters", "What is in the files.", "3.5", "here"),
     MenuEntry("digitising-start", "digitising", "Start Up Information",
-              "Markers, which of them is the reference, first and last frame, frames skipped, date.",
+              "Markers, which of them is the reference, first and last frame, date.",
               "3.13", "digitise"),
     MenuEntry("digitising-output", "digitising", "Output File",
               "What the digitised markers are written to.", "3.12", "here"),

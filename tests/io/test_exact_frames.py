@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from kinemark import KinemarkError
+from kinemark.io import exact_video
 from kinemark.io.exact_frames import ExactImages
+from kinemark.io.exact_video import frame_index
 from kinemark.io.images import open_images, write_png
+from kinemark.io.video import opened, probe_video, stored_times
 from support.numbered_video import bars, interlaced, number, write_numbered
 
 FRAMES, SEEKS = 300, 100
@@ -23,6 +26,8 @@ VIDEOS = {
     "avi, reordered": ("a.avi", {"rate": NTSC}),
     "avi, in order": ("a.avi", {"reordered": 0, "group": 30}),
     "avi, still images": ("a.avi", {"codec": "mjpeg", "options": {"qmin": "2", "qmax": "3"}}),
+    "mkv, uncompressed": ("a.mkv", {"codec": "rawvideo", "rate": Fraction(239760, 1001)}),
+    "avi, uncompressed": ("a.avi", {"codec": "rawvideo", "rate": NTSC}),
     "mpeg stream": ("a.ts", {"group": 50}),
 }
 
@@ -45,6 +50,21 @@ def test_every_seek_gives_the_frame_of_its_number(kind, tmp_path):
     assert [number(image) for image in shown] == near.tolist()
 
 
+@pytest.mark.parametrize("kind", ["mkv, uncompressed", "avi, uncompressed", "avi, still images"])
+def test_the_containers_own_index_is_that_of_its_packets(kind, tmp_path, monkeypatch):
+    """And spares reading them all, which of uncompressed video are as large as the film."""
+    name, options = VIDEOS[kind]
+    path = write_numbered(tmp_path / name, FRAMES, **options)
+    info = probe_video(path)
+    with opened(path) as container:
+        assert len(stored_times(path, container)) == FRAMES
+    own = frame_index(path, info)
+    monkeypatch.setattr(exact_video, "stored_times", lambda path, container: None)
+    listed = frame_index(path, info)
+    np.testing.assert_array_equal(own.time, listed.time)
+    np.testing.assert_array_equal(own.key, listed.key)
+
+
 @pytest.mark.parametrize("first", ["top", "bottom"])
 @pytest.mark.parametrize("name", ["a.mkv", "a.avi"])
 def test_fields_are_frames_of_their_own(name, first, tmp_path):
@@ -55,10 +75,11 @@ def test_fields_are_frames_of_their_own(name, first, tmp_path):
         assert number(images.frame(n)) == n // 2 * 2 + rows[n % 2]
 
 
-def test_uneven_times_do_not_move_frames(tmp_path):
+@pytest.mark.parametrize("codec", ["ffv1", "rawvideo"])
+def test_uneven_times_do_not_move_frames(codec, tmp_path):
     """As of a camera that dropped frames, or a part that was cut out: the number counts what is there."""
     with av.open(str(tmp_path / "a.mkv"), "w") as container:
-        stream = container.add_stream("ffv1", rate=Fraction(100))
+        stream = container.add_stream(codec, rate=Fraction(100))
         stream.height, stream.width = bars(0).shape
         stream.pix_fmt = "gray"
         for n in range(80):
@@ -66,6 +87,8 @@ def test_uneven_times_do_not_move_frames(tmp_path):
             frame.pts, frame.time_base = n * 10 + 500 * (n > 30) + 37 * (n > 60), Fraction(1, 1000)
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
+    with opened(tmp_path / "a.mkv") as container:
+        assert stored_times("a.mkv", container) is None  # an index with holes may be one of some frames only
     images = ExactImages(open_images(tmp_path / "a.mkv"))
     assert [number(images.frame(n)) for n in (79, 31, 30, 32, 0, 61, 60)] == [79, 31, 30, 32, 0, 61, 60]
     some = np.array([0, 29, 31, 60, 61, 79])

@@ -36,13 +36,13 @@ def write_numbered(
     path, frames, *, codec="libx264", rate=Fraction(100), group=250, reordered=2, image=bars, options=None
 ):
     """A video of so many frames; `group` from key frame to key frame, `reordered` of them in a row."""
-    pixels = {"mjpeg": "yuvj420p", "ffv1": "gray"}.get(codec, "yuv420p")
+    pixels = {"mjpeg": "yuvj420p", "ffv1": "gray", "rawvideo": "gray"}.get(codec, "yuv420p")
     with av.open(str(path), "w") as container:
         stream = container.add_stream(codec, rate=rate)
         stream.height, stream.width = image(0).shape
         stream.pix_fmt, stream.options = pixels, options or {}
         stream.codec_context.gop_size = group
-        if codec not in ("mjpeg", "ffv1"):
+        if codec not in ("mjpeg", "ffv1", "rawvideo"):
             stream.codec_context.max_b_frames = reordered
         for n in range(frames):
             frame = av.VideoFrame.from_ndarray(image(n), format="gray").reformat(format=pixels)

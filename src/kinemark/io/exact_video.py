@@ -20,7 +20,7 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Ints
 from .pixels import Image, check_pixels, grey
-from .video import VideoInfo, decode_video, opened, video_stream
+from .video import VideoInfo, decode_video, opened, stored_times, video_stream
 
 CHECKED = 100
 """Frames that are decoded to see whether times are true, where a container has none of its own for each frame; chosen:
@@ -44,6 +44,9 @@ class FrameIndex(NamedTuple):
 def frame_index(path: Path, info: VideoInfo) -> FrameIndex | None:
     """The index of a video; None where its packets are not one a frame, each with a time of its own."""
     times, keys = [], []
+    with opened(path) as container:
+        if (stored := stored_times(path, container)) is not None and len(stored) == info.n_frames:
+            return FrameIndex(stored, np.arange(len(stored)))
     with opened(path) as container:
         for packet in container.demux(video_stream(path, container)):
             if not packet.size or packet.is_discard:

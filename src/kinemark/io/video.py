@@ -13,6 +13,7 @@ import av
 import numpy as np
 
 from ..data import KinemarkError
+from ..data.array_types import Ints
 from .ffv1 import intact
 from .files import replacing
 from .pixels import Image, check_pixels, grey
@@ -22,6 +23,8 @@ CONTAINERS = (
     "matroska,webm,mov,mp4,m4a,3gp,3g2,mj2,avi,mpeg,mpegts,mxf,dv,h264,hevc,m4v,mjpeg,ogg,flv,asf,yuv4mpegpipe,nut"
 )
 ROUNDING = 1.5e-3  # Matroska counts in ms; of the format
+INDEXED = ("matroska", "avi")
+"""Containers whose own index says when a frame is shown; edit lists of others may cut some off."""
 STRICT = {"err_detect": "explode"}  # a damaged frame must fail, not be painted over
 GREY = {np.dtype(np.uint8): "gray", np.dtype(np.uint16): "gray16le"}
 
@@ -89,12 +92,9 @@ def counted(path: Path | str, container: av.container.InputContainer) -> int:
     Raises:
         KinemarkError: frames are evenly spaced, and too few for that duration.
     """
-    times = sorted(
-        float(packet.pts * packet.time_base) if packet.pts is not None and packet.time_base else np.nan
-        for packet in container.demux(container.streams.video[0])
-        if packet.size
-    )
-    n, stated, rate = len(times), container.duration, container.streams.video[0].average_rate
+    stream = container.streams.video[0]
+    times = _times(path, container, stream)
+    n, stated, rate = len(times), container.duration, stream.average_rate
     if n == 0 or not np.isfinite(times).all() or not stated or not rate or len(container.streams) > 1:
         return n
     step = (times[-1] - times[0]) / (n - 1) if n > 1 else float(1 / rate)
@@ -103,6 +103,35 @@ def counted(path: Path | str, container: av.container.InputContainer) -> int:
     if even and promised > n + 0.5 + ROUNDING / step:
         raise truncated(path, n, round(promised))
     return n
+
+
+def _times(path: Path | str, container: av.container.InputContainer, stream: av.VideoStream) -> list[float]:
+    """When the frames are shown, s, rising; NaN where a packet does not say it."""
+    if (stored := stored_times(path, container)) is not None and stream.time_base:
+        return np.asarray(stored * float(stream.time_base), float).tolist()
+    return sorted(
+        float(packet.pts * packet.time_base) if packet.pts is not None and packet.time_base else np.nan
+        for packet in container.demux(stream)
+        if packet.size
+    )
+
+
+def stored_times(path: Path | str, container: av.container.InputContainer) -> Ints | None:
+    """The rising times that the container's own index has of frames that are all key frames, and shown as they come.
+
+    Uncompressed video is such, and listing its packets would read all of it. None where this index has other frames,
+    or not one in each period of the frame rate: an index may name some frames only.
+    """
+    stream = video_stream(path, container)
+    if not (stream.codec.intra_only and any(name in container.format.name for name in INDEXED)):
+        return None
+    container.seek(0, stream=stream)  # the index of Matroska is read at the first
+    entries = list(stream.index_entries)
+    time = np.array([entry.timestamp for entry in entries], np.int64)
+    if not (len(time) > 1 and stream.time_base and stream.average_rate and all(entry.is_keyframe for entry in entries)):
+        return None
+    periods = np.diff(time) * float(stream.time_base * stream.average_rate)
+    return time if ((periods > 0.5) & (periods < 1.5)).all() else None
 
 
 def truncated(path: Path | str, found: int, stated: int) -> KinemarkError:

@@ -73,14 +73,22 @@ static double both(const Fit *fit, double h, double k, double of_h, double of_k,
     return product + end / 6.283185307179586 * sum;
 }
 
-/* (4): U at a pixel, and its derivatives by the discs' x, y, r and by w. */
+/* (4): U at a pixel, and its derivatives by the discs' x, y, r and by w, which are not set where U is 0. */
 static inline double discs(const Fit *fit, int k, const double *p, double w, double x, double y, double *J)
 {
-    int a = 0, b = -1; /* the two outlines that are nearest or deepest */
-    double s[MOST / 3], gx[MOST / 3], gy[MOST / 3], f[2], slope[2], by[2] = {1, 1}, U, scale = 1 / w;
+    int a = 0, b = -1, near = 0; /* the two outlines that are nearest or deepest */
+    double s[MOST / 3], gx[MOST / 3], gy[MOST / 3], square[MOST / 3];
+    double f[2], slope[2], by[2] = {1, 1}, U, scale = 1 / w, reach = FAR * w;
     for (int i = 0; i < k; i++) {
-        double dx = x - p[3 * i], dy = y - p[3 * i + 1], far = sqrt(dx * dx + dy * dy) + TINY, unit = 1 / far;
-        s[i] = p[3 * i + 2] - far, gx[i] = dx * unit, gy[i] = dy * unit;
+        double dx = x - p[3 * i], dy = y - p[3 * i + 1], out = p[3 * i + 2] + reach;
+        gx[i] = dx, gy[i] = dy, square[i] = dx * dx + dy * dy;
+        near |= out > 0 && square[i] < out * out;
+    }
+    if (!near) /* what most pixels are, and no root is needed to see it */
+        return square[0] != square[0] ? square[0] : 0;
+    for (int i = 0; i < k; i++) {
+        double far = sqrt(square[i]) + TINY, unit = 1 / far;
+        s[i] = p[3 * i + 2] - far, gx[i] *= unit, gy[i] *= unit;
         J[3 * i] = J[3 * i + 1] = J[3 * i + 2] = 0;
         if (i > 0 && s[i] > s[a])
             b = a, a = i;
@@ -126,7 +134,10 @@ static inline double motion(const Fit *fit, const double *p, double w, double x,
         J[i] = 0;
     for (int i = 0; i < NODES; i++) {
         double t = fit->t[i], share = fit->t_weight[i], moved[3] = {p[0] + t * p[3], p[1] + t * p[4], p[2]};
-        U += share * discs(fit, 1, moved, w, x, y, part);
+        double of = discs(fit, 1, moved, w, x, y, part);
+        if (of == 0)
+            continue;
+        U += share * of;
         J[0] += share * part[0], J[1] += share * part[1], J[2] += share * part[2];
         J[3] += share * t * part[0], J[4] += share * t * part[1], J[5] += share * part[3];
     }

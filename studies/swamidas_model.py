@@ -9,6 +9,9 @@ observed". A test passes when every point has the identity of its marker. The wa
     measured   as a position measured with the model's variance
     own        measured, with the model made of the same recording with its gaps; "-" from a phase where too little of
                the motion is left to learn from
+    meeting    as measured, forwards and backwards, joined where both meet in the middle of a gap (5.2)
+    meet, own  the same with the model made of the same recording
+    none, meet the predictor alone, forwards and backwards
 
 The model of `position` and `measured` is that of another recording of the same motion, begun elsewhere in the cycle and
 with other unsteadiness. The phase is found from what is visible; the thesis is given it.
@@ -20,6 +23,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 
 from missing_markers import model_of
 from swamidas import LETTERS, TESTS, outcome
@@ -28,19 +32,25 @@ from swamidas_runs import gap_frames, recorded
 from kinemark.data import KinemarkError
 from kinemark.track.swamidas import Swamidas
 
-WAYS = ("none", "position", "measured", "own")
+WAYS = ("none", "position", "measured", "own", "none, meet", "meeting", "meet, own")
 
 
 def passed(number: int, test: int, phase: float, way: str) -> bool | None:
     """Whether a test passes from a phase; None where no model can be made."""
-    if way in ("none", "own"):
-        method = Swamidas(angle_model=None if way == "none" else way)
-    else:
-        method = Swamidas(model=model_of(number, phase), feedback="position" if way == "position" else "measured")
     try:
-        return outcome(recorded(number, phase), test, method=method).passed
+        return outcome(recorded(number, phase), test, method=method_of(way, number, phase)).passed
     except KinemarkError:
         return None
+
+
+def method_of(way: str, number: int, phase: float) -> Swamidas:
+    """The tracker of one of the ways, for a run from a phase."""
+    plain = Swamidas(direction="meeting" if "meet" in way else "forward")
+    if "none" in way:
+        return plain
+    if "own" in way:
+        return replace(plain, angle_model="own")
+    return replace(plain, model=model_of(number, phase), feedback="position" if way == "position" else "measured")
 
 
 def table(number: int, phases: list[float], ways: tuple[str, ...] = WAYS) -> Iterator[str]:

@@ -102,3 +102,24 @@ def test_what_is_missing_is_said(files):
         app(["label", str(files / "bare.c3d"), "-o", str(files / "out.c3d")])
     with pytest.raises(KinemarkError, match="--check"):
         app(["label", str(files / "bare.c3d"), "-t", str(files / "known.c3d")])
+
+
+def test_tracks_are_named_by_height_side_and_front(files, capsys):
+    """All that are sure are right, of another walk; where left is right the labelled trial is wrong, and so are the names."""
+    truth = dict(zip(read_trial(files / "bare.c3d").trajectories.names, walk(2).names, strict=True))
+    assert (
+        run("label", files / "bare.c3d", "--by-location", files / "known.c3d", "-o", files / "named.c3d", "--json") == 0
+    )
+    rows = json.loads(capsys.readouterr().out)["tracks"]
+    sure = [row for row in rows if row["state"] == "sure"]
+    assert len(sure) >= 8 and all(row["name"] == truth[row["track"]] for row in sure)
+    written = read_trial(files / "named.c3d").trajectories
+    assert {row["name"] for row in sure} == {name for name in written.names if not name.startswith("*")}
+    assert (
+        run("label", files / "bare.c3d", "--by-location", files / "known.c3d", "-o", files / "all.c3d", "--unsure") == 0
+    )
+    assert f"sure:     {len(sure)} of 15 tracks, by height, side and front" in capsys.readouterr().out
+    for wrong, words in ((["--up", "w"], "wanted: x, y or z"), (["-o", str(files / "named.c3d")], "overwritten")):
+        target = [] if "-o" in wrong else ["-o", str(files / "other.c3d")]
+        with pytest.raises(KinemarkError, match=words):
+            app(["label", str(files / "bare.c3d"), "--by-location", str(files / "known.c3d"), *target, *wrong])

@@ -148,6 +148,22 @@ def test_all_is_done_by_keyboard_alone(folder, studio):
     ]
 
 
+def test_the_function_that_smooths_a_stretch_is_chosen(folder, studio):
+    page = studio.open().page
+    studio.press("ArrowRight", "[", ".", "ArrowRight")
+    page.get_by_label("Frame", exact=True).fill("40")
+    page.keyboard.press("Enter")
+    studio.idle().press("]", "m")
+    dialog = page.get_by_role("dialog", name=re.compile("^Smooth "))
+    assert dialog.get_by_label("Function").locator("option").count() == 3
+    dialog.get_by_label("Function").select_option("woltring")
+    dialog.get_by_label("Cut-off, Hz").fill("9.5")
+    before = studio.head
+    studio.press("Enter").acted(before)
+    edit = lines(folder)[-1]["edits"][0]
+    assert (edit["kind"], edit["function"], edit["cutoff_hz"], edit["last"]) == ("smooth", "woltring", 9.5, 40)
+
+
 def test_a_name_is_given_and_the_join_is_shown_before(folder, faulty_studio):
     studio, page = faulty_studio.open(), faulty_studio.page
     studio.press("Control+k")

@@ -3393,13 +3393,19 @@ export interface components {
         };
         /**
          * SmoothAct
-         * @description A stretch is low-pass filtered.
+         * @description A stretch is low-pass filtered, by a Butterworth filter where no function is said.
          */
         SmoothAct: {
             /** Cutoff Hz */
             cutoff_hz: number;
             /** First */
             first: number;
+            /**
+             * Function
+             * @default butterworth
+             * @enum {string}
+             */
+            function: "butterworth" | "woltring" | "moving_average";
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}

@@ -67,6 +67,7 @@ def test_every_kind_of_act_stands_in_the_journal_as_the_library_says_it(studio, 
         {"kind": "exchange", "a": "LKNE", "b": "RKNE", "first": 100},
         {"kind": "put", "marker": "T10", "frame": 7, "xyz": [1.0, 2.0, 3.0], "sd": 0.5},
         {"kind": "smooth", "marker": "RKNE", "first": 20, "last": 60, "cutoff_hz": 10},
+        {"kind": "smooth", "marker": "LKNE", "first": 20, "last": 60, "cutoff_hz": 8, "function": "woltring"},
         {"kind": "erase", "marker": "RKNE", "first": 150, "last": 152},
         {"kind": "gap", "marker": "RKNE", "first": 150, "last": 152, "method": "linear"},
         {"kind": "event", "label": "Foot Strike", "side": "Left", "time_s": 0.5},
@@ -85,7 +86,9 @@ def test_every_kind_of_act_stands_in_the_journal_as_the_library_says_it(studio, 
     assert open_editing(file).journal.head == header["head"]
     history = studio.page.get(f"{studio.trial}/history").json()["entries"]
     assert len(history) == len(acts) and history[-1]["signed"] and not any(row["undone"] for row in history)
-    assert len(history[7]["outcomes"]) == 2 and all(row["by"] == "op" for row in history)
+    assert len(history[8]["outcomes"]) == 2 and all(row["by"] == "op" for row in history)
+    said = [edit.function for entry in journal_at(file).entries for edit in entry.edits if edit.kind == "smooth"]
+    assert said == ["butterworth", "woltring"]
     filled = _until(lambda: studio.page.get(f"{studio.trial}/paths?view=filled&marker=RKNE"))
     assert np.isfinite(np.frombuffer(filled.body[: 200 * 12], "<f4").reshape(200, 3)[149:152]).all()
 

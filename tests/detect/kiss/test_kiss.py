@@ -1,6 +1,7 @@
 """KISS's detection: the grouping against its definition, each test on what it is for, errors, and the study."""
 
 import importlib
+import re
 from dataclasses import replace
 from xml.etree import ElementTree
 
@@ -403,7 +404,13 @@ def test_the_study_has_the_papers_numbers(tmp_path):
     assert int(table["detections of no marker"][0]) <= 2
     assert float(table["seconds"][0]) < 1.0
     assert 0.2 < float(table["time by the time of the former method"][0]) < 0.9
-    assert len(list(tmp_path.glob("*.png"))) == 6
+    assert len(list(tmp_path.glob("*.png"))) == 5
+    five = next(name for name in table if name.startswith("fig. 12, five fields"))
+    assert table[five][0] == five.split()[-1]
+    figure = (tmp_path / "gait.svg").read_text("utf-8")
+    assert figure.count("<image") == 5 and figure.count("<rect") - 1 == sum(
+        map(int, re.findall(r": (\d+) markers, \d+ invalid</text>", figure))
+    )
     assert ElementTree.parse(tmp_path / "steps.svg").getroot().tag.endswith("svg")
 
 

@@ -50,6 +50,32 @@ def test_backwards_the_model_is_of_the_motion_reversed():
     np.testing.assert_array_equal(own.reversed().reversed().direction, own.direction)
 
 
+def test_with_a_model_predictions_meet_where_the_predictor_alone_is_lost():
+    """Two markers hidden for two seconds: by both ends of the gap alone they are exchanged, with the model they are not,
+    and each half of a gap is what that pass expects of it."""
+    cloud, marker = hidden((0, 1, 2))
+    alone = follow_points(cloud, method=Swamidas(direction="meeting"))
+    assert (alone.tracks.id != marker).any()
+    for own in (Swamidas(model=model(), direction="meeting"), Swamidas(angle_model="own", direction="meeting")):
+        met = follow_points(cloud, method=own)
+        np.testing.assert_array_equal(met.tracks.id, marker)
+        assert (met.by == Constraint.MEETING).sum() == 2 and not [*diagnose_model(met.model)]
+    guided = {d: follow_points(cloud, method=Swamidas(model=model(), direction=d)) for d in ("forward", "backward")}
+    met = follow_points(cloud, method=Swamidas(model=model(), direction="meeting"))
+    for k in (0, 1):
+        back = next(i for i in range(3) if set(guided["backward"].tracks.id[marker == k]) == {i})
+        np.testing.assert_allclose(met.path(k)[40:69], guided["forward"].path(k)[40:69])
+        np.testing.assert_allclose(met.path(k)[71:100], guided["backward"].path(back)[71:100])
+
+
+def test_a_model_that_knows_none_of_the_markers_leaves_the_meeting_as_it_is():
+    cloud, _ = hidden((0, 1, 2))
+    strange = follow_points(cloud, method=Swamidas(model=model().turned(90.0), direction="meeting"))
+    plain = follow_points(cloud, method=Swamidas(direction="meeting"))
+    np.testing.assert_array_equal(strange.tracks.id, plain.tracks.id)
+    assert [one.values["why"] for one in diagnose_model(strange.model)] == ["unrecognised"]
+
+
 def test_a_file_of_a_model_is_read_for_the_session_and_its_absence_is_said(tmp_path):
     write_angle_model(tmp_path / "arm.csv", model())
     read = with_angle_model(Swamidas(angle_model="arm.csv"), tmp_path)

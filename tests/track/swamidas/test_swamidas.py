@@ -439,8 +439,3 @@ def test_the_longest_gap_that_is_joined_is_said_and_late_beginnings_count_only_w
     assert set(found.tracks.id[marker == 1]) == {-1} and len(set(found.tracks.id[marker == 0])) == 1
     found = follow_points(cloud, method=Swamidas(direction="meeting", max_coasting=0.3, initiate_from="any"))
     assert len(set(found.tracks.id[marker == 0])) == 2 and len(set(found.tracks.id[marker == 1])) == 1
-
-
-def test_meeting_and_a_model_are_not_asked_for_together():
-    with pytest.raises(ValueError, match=r"meeting.*angle model, wanted one"):
-        Swamidas(direction="meeting", angle_model="own")

@@ -33,6 +33,7 @@ export type History = Schemas["History"];
 export type HistoryRow = Schemas["HistoryRow"];
 export type Difference = Schemas["Difference"];
 export type Job = Schemas["Job"];
+export type SmoothingFunction = NonNullable<Schemas["SmoothAct"]["function"]>;
 export type Live = Schemas["Live"]["said"];
 export type PathsHeader = Schemas["PathsHeader"];
 export type DetectionsHeader = Schemas["DetectionsHeader"];

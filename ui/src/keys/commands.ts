@@ -99,7 +99,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "gap-next", keys: ["N"], title: "Next gap", group: "Gaps and places", screens: ["gaps"], foot: 4, hint: () => "next gap", run: () => nextGap(1) },
   { id: "gap-previous", keys: ["Shift+N"], title: "Previous gap", group: "Gaps and places", screens: ["gaps"], run: () => nextGap(-1) },
   { id: "put", keys: ["P"], title: "Put a point: by its coordinates, or by clicks in two images", group: "Gaps and places", screens: EDITOR, when: selected, foot: 30, hint: (s) => (s.clicks ? "no longer put" : `put ${s.selected[0]} in this frame`), run: () => set((s) => ({ clicks: s.clicks ? null : [] })) },
-  { id: "smooth", keys: ["M"], title: "Smooth the marked stretch", group: "Gaps and places", screens: EDITOR, when: (s) => selected(s) && s.first !== null && s.last !== null, run: acts.smooth },
+  { id: "smooth", keys: ["M"], title: "Smooth the marked stretch …", group: "Gaps and places", screens: EDITOR, when: (s) => selected(s) && s.first !== null && s.last !== null, run: acts.smooth },
   { id: "mark-first", keys: ["["], title: "Mark from here", group: "Gaps and places", screens: EDITOR, hint: () => "mark from here", run: () => set((s) => ({ first: playhead.frame, last: s.last !== null && s.last < playhead.frame ? null : s.last })) },
   { id: "mark-last", keys: ["]"], title: "Mark to here", group: "Gaps and places", screens: EDITOR, hint: () => "mark to here", run: () => set((s) => ({ last: playhead.frame, first: s.first !== null && s.first > playhead.frame ? null : s.first })) },
   { id: "event", keys: ["K"], title: "Add an event here", group: "Gaps and places", screens: EDITOR, run: () => set({ dialog: "event" }) },

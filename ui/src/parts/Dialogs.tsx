@@ -5,11 +5,12 @@ import { Finish } from "./Finish";
 import { NameDialog } from "./NameDialog";
 import { Palette } from "./Palette";
 import { Sign } from "./Sign";
+import { SmoothForm } from "./SmoothForm";
 import { Why } from "./Why";
 
 /** With all that it says, which is needed only then. */
 const Help = lazy(async () => ({ default: (await import("./Help")).Help }));
-const SHOWN: Record<Exclude<Dialog, null>, React.ComponentType> = { help: Help, commands: Palette, name: NameDialog, why: Why, finish: Finish, sign: Sign, event: EventForm };
+const SHOWN: Record<Exclude<Dialog, null>, React.ComponentType> = { help: Help, commands: Palette, name: NameDialog, why: Why, finish: Finish, sign: Sign, event: EventForm, smooth: SmoothForm };
 
 export function Dialogs(): React.JSX.Element | null {
   const dialog = useStore((s) => s.dialog);

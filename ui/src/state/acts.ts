@@ -1,6 +1,6 @@
 /** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
 import * as api from "../api/client";
-import type { Act, ActDone, GapRow, Problem } from "../api/types";
+import type { Act, ActDone, GapRow, Problem, SmoothingFunction } from "../api/types";
 import { percent } from "../model/format";
 import { decodePaths, type PathSet } from "../model/paths";
 import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem } from "../model/problems";
@@ -286,8 +286,15 @@ export function putHere(xyz: [number, number, number] | null): void {
   void act({ kind: "put", marker, frame: playhead.frame, ...where }, `${marker} put in frame ${playhead.frame}`).then((done) => done && set({ clicks: null }));
 }
 
+/** Ask by which function and below what; the stretch is the marked one. */
 export function smooth(): void {
+  const { selected, first, last } = get();
+  if (!selected[0] || first === null || last === null) return say("news", "Select a marker and mark a stretch with [ and ] first.");
+  set({ dialog: "smooth" });
+}
+
+export function smoothBy(way: SmoothingFunction, cutoff_hz: number): void {
   const { selected, first, last } = get(), marker = selected[0];
-  if (!marker || first === null || last === null) return say("news", "Select a marker and mark a stretch with [ and ] first.");
-  void act({ kind: "smooth", marker, first, last, cutoff_hz: 6 }, `${marker} smoothed below 6 Hz in frames ${first}–${last}`);
+  if (!marker || first === null || last === null) return;
+  void act({ kind: "smooth", marker, first, last, cutoff_hz, function: way }, `${marker} smoothed below ${cutoff_hz} Hz in frames ${first}–${last}`);
 }

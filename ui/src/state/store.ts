@@ -14,7 +14,7 @@ export type Screen = (typeof SCREENS)[number];
 export const TITLES: Record<Screen, string> = {
   home: "Home", new: "New session", cameras: "Cameras", detect: "Detect", digitise: "Digitise", tracks: "Tracks", labels: "Labels", gaps: "Gaps", angles: "Angles", report: "Report", history: "History", um2as: "UM²AS",
 };
-export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
+export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | "smooth" | null;
 export type Theme = "auto" | "light" | "dark";
 export type Layout = 1 | 2 | 3 | 4;
 

@@ -1,4 +1,4 @@
-"""`kinemark detect` and `white-pixels`: parameters that images propose, masks, and recordings in black and white."""
+"""`kinemark detect` and `white-pixels`: proposed parameters, masks, pictures, recordings in black and white."""
 
 from __future__ import annotations
 
@@ -9,21 +9,40 @@ from ...data import KinemarkError
 from ..output import Json, Rate, print_result
 
 
-def detect(source: Path, *, propose: bool = False, masks: Path | None = None, json: Json = False) -> None:
-    """Propose parameters for [detect] from images, or learn the masks of a session.
+def detect(
+    source: Path,
+    *,
+    propose: bool = False,
+    masks: Path | None = None,
+    pictures: Path | None = None,
+    trial: str | None = None,
+    frames: str = "",
+    json: Json = False,
+) -> None:
+    """Propose parameters for [detect] from images, learn the masks of a session, or show what is detected.
 
     Args:
         source: a session, images or a video.
         propose: say what the images propose, and why.
         masks: a new TOML file for what the session's [masks] leave out, drawn and learned.
-        json: print the proposed parameters for a machine.
+        pictures: a new HTML page with the images of all cameras of a session's trial and what is detected in them,
+            invalid spots with their reason.
+        trial: of the pictures; the session's first with images where none is given.
+        frames: of the pictures, as 10,40,80; five spread over the trial where none are given.
+        json: print the proposed parameters for a machine, or how many spots the pictures have.
     """
     from ...engine.detection_proposals import learn_session_masks, propose_detection
     from ...report.proposal_text import proposal_text
     from ...report.words import with_words
 
-    if propose == (masks is not None):
-        raise KinemarkError("Say what is wanted, --propose or --masks FILE; kinemark run detects markers in a session.")
+    if sum((propose, masks is not None, pictures is not None)) != 1:
+        raise KinemarkError(
+            "Say what is wanted, one of --propose, --masks FILE and --pictures FILE; kinemark run detects markers in a "
+            "session."
+        )
+    if pictures is not None:
+        _show(source, pictures, trial, frames, json=json)
+        return
     if masks is not None:
         n = learn_session_masks(source, masks)
         print_result(f'{masks} is written, {n} polygons. To use it: [masks] file = "{masks.name}"')
@@ -39,6 +58,36 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
         )
     else:
         print_result("\n".join(f"# {name}: {proposal_text(proposal)}" for name, proposal in found.items()))
+
+
+def _show(source: Path, page: Path, trial: str | None, frames: str, *, json: bool) -> None:
+    """Write the page of `--pictures`, and say what is on it."""
+    from ...engine.detected_frames import detected_frames
+    from ...report.field_pictures import FieldPicture, write_fields_page
+
+    if page.exists():
+        raise KinemarkError(f"{page} exists, and nothing is overwritten. Name another file or remove it.")
+    found = detected_frames(source, trial, _numbers(frames))
+    rows = [[FieldPicture(one.camera, f, one.image, one.blobs, one.tall) for one in row] for f, row in found.frames]
+    write_fields_page(page, rows, heading=found.trial, below=f"What is detected · Session {found.session}")
+    counts = [
+        {"frame": one.frame, "camera": one.camera, "valid": one.valid, "invalid": one.invalid}
+        for row in rows
+        for one in row
+    ]
+    if json:
+        print_result({"page": str(page), "pictures": counts})
+        return
+    total, invalid = sum(one.valid for row in rows for one in row), sum(one.invalid for row in rows for one in row)
+    print_result(f"{page} is written: {len(counts)} images with {total} markers and {invalid} invalid spots.")
+
+
+def _numbers(frames: str) -> list[int]:
+    """Frames as a list."""
+    try:
+        return [int(one) for one in frames.split(",")] if frames else []
+    except ValueError:
+        raise KinemarkError(f'--frames is "{frames}"; wanted: numbers of frames, as 10,40,80.') from None
 
 
 def white_pixels(

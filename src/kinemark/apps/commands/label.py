@@ -36,6 +36,8 @@ def label(
     names: Path | None = None,
     unsure: bool = False,
     computed: bool = False,
+    by_location: Path | None = None,
+    up: str = "z",
     check: bool = False,
     json: Json = False,
 ) -> None:
@@ -60,6 +62,9 @@ def label(
         unsure: also take names that are not sure.
         computed: also learn and name points that were computed of markers, as segments' axes and joint centres are;
             without it they stay as they are, with the names that they have.
+        by_location: a labelled trial of whatever subject with the same markers, instead of a template: tracks are named
+            by height, side and front alone, which asks nothing of distances between markers.
+        up: the axis that points upwards, for that: x, y or z.
         check: write nothing; list exchanged markers, swapped sides and stretches with a wrong name in files that have
             names; status 3 where there are any.
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
@@ -68,6 +73,9 @@ def label(
     from ...engine.label_files import LabelledFile, label_files, label_text, template_of
     from ...engine.subject_templates import Known, templates_of_subjects
 
+    if by_location is not None:
+        _label_by_location((source, *sources), by_location, output, up=up, unsure=unsure, json=json)
+        return
     worn = read_marker_set(marker_set) if marker_set else None
     known = Known(
         worn,
@@ -102,6 +110,20 @@ def label(
     else:
         print_result("\n\n".join(label_text(one) for one in found.values()))
     _exit_by_errors({str(path): one for path, one in done.items() if isinstance(one, KinemarkError)})
+
+
+def _label_by_location(
+    sources: tuple[Path, ...], shown: Path, output: Path | None, *, up: str, unsure: bool, json: bool
+) -> None:
+    """Name the tracks of one file by where they are."""
+    from ...engine.fill_files import own_name
+    from ...engine.label_location import label_file_by_location, location_text
+
+    if output is None or len(sources) > 1:
+        raise KinemarkError("By location one file is named at a time. Give one, and the file to write with -o.")
+    target = output / own_name(sources[0]) if output.is_dir() or not output.suffix else output
+    found = label_file_by_location(sources[0], target, shown, up=up, unsure=unsure)
+    print_result(found.figures if json else location_text(found))
 
 
 def _print_checks(done: dict[Path, CheckedNames | KinemarkError], json: bool) -> None:

@@ -151,7 +151,7 @@ def _of_marker(of: Editing, said: Act) -> Edit:
         case GapAct():
             return make.gap(of, said.marker, said.first, said.last, said.method)
         case SmoothAct():
-            return make.smooth(of, said.marker, said.first, said.last, said.cutoff_hz)
+            return make.smooth(of, said.marker, said.first, said.last, said.cutoff_hz, function=said.function)
         case ImageAct():
             return make.image(of, said.camera, said.frame, said.u, said.v, said.marker)
         case _:

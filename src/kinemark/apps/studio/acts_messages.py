@@ -9,6 +9,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ...data.edits import SmoothingFunction
+
 Name = Annotated[str, Field(min_length=1, max_length=256)]
 Frame = Annotated[int, Field(ge=-(10**9), le=10**9)]
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
@@ -89,13 +91,14 @@ class GapAct(Said):
 
 
 class SmoothAct(Said):
-    """A stretch is low-pass filtered."""
+    """A stretch is low-pass filtered, by a Butterworth filter where no function is said."""
 
     kind: Literal["smooth"]
     marker: Name
     first: Frame
     last: Frame
     cutoff_hz: Annotated[float, Field(gt=0, le=1e6)]
+    function: SmoothingFunction = "butterworth"
 
 
 class ImageAct(Said):

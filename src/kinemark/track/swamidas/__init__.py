@@ -4,8 +4,9 @@ from ...signal.kalman import KalmanState, initial_state, predict, update
 from .constraints import Constraint
 from .diagnostics import diagnose_model
 from .distance_only import DistanceOnly, track_distance
+from .predictions import ModelUse, SwamidasResult
 from .swamidas_method import Swamidas
-from .tracking import ModelUse, SwamidasResult, follow_points, track_swamidas
+from .tracking import follow_points, track_swamidas
 
 __all__ = [
     "Constraint",

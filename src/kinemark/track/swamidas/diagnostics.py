@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ...data import Finding
 from ...data.finding_kinds import make_finding
-from .tracking import ModelUse
+from .predictions import ModelUse
 
 
 def diagnose_model(use: ModelUse | None) -> Iterator[Finding]:

@@ -13,10 +13,14 @@ the variance P₁ of each coordinate, and the other at x₂ with P₂. Up to a c
 is −2 times the log-likelihood that they are one marker. Pieces are joined so that as many as possible are, at the least
 sum of (1): each end with one beginning. The constraints of the forward tracking have no part in it. Velocities at m are
 left out: by constant acceleration they are so far off that they do more harm than good (studies/swamidas.py).
+
+With an angle model that has placed the marker from both ends (`guided_meeting`), places are known all through the gap,
+and not only in its middle, where two markers may cross: (1) is then the mean over the frames that both have.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -54,6 +58,34 @@ class Piece(NamedTuple):
     after: KalmanState
 
 
+class Way(NamedTuple):
+    """What is predicted from one end of a gap: xyz (n, 3) mm, frame by frame away from the end, and the variance (n, 3)
+    mm²; NaN in frames that it says nothing of."""
+
+    xyz: Floats
+    variance: Floats
+
+    def on(self, n: int) -> Way:
+        """Of so many frames, NaN beyond what it says."""
+        more = np.full((n - len(self.xyz), 3), np.nan)
+        return Way(np.concatenate([self.xyz, more]), np.concatenate([self.variance, more]))
+
+    def reversed(self) -> Way:
+        """The frames in the reverse order."""
+        return Way(self.xyz[::-1], self.variance[::-1])
+
+
+Guide = Callable[[Piece, int], Way | None]
+"""What an angle model says of so many frames beyond a piece; None where its pass takes a point in them."""
+
+
+class Guides(NamedTuple):
+    """The model's words beyond the last frame of a piece, and before its first."""
+
+    forward: Guide
+    backward: Guide
+
+
 def pieces_of(tracks: Tracks, sd: float, process_sd: float) -> list[Piece]:
     """The tracks that have three points in a row; σ and U of the predictor, mm and mm/frame²."""
     cloud, found = tracks.cloud, []
@@ -70,26 +102,30 @@ def pieces_of(tracks: Tracks, sd: float, process_sd: float) -> list[Piece]:
     return found
 
 
-def joins(pieces: list[Piece], process_sd: float, *, longest: float) -> list[Join]:
-    """Which pieces go on with which, over gaps of at most `longest` frames."""
+def joins(pieces: list[Piece], process_sd: float, *, longest: float, guides: Guides | None = None) -> list[Join]:
+    """Which pieces go on with which, over gaps of at most `longest` frames; `guides` are those of a model."""
     cost = np.full((len(pieces), len(pieces)), np.inf)
     for i, one in enumerate(pieces):
         for j, other in enumerate(pieces):
             if 0 < other.first - one.last - 1 <= longest:
-                cost[i, j] = _cost(one, other, process_sd)
+                cost[i, j] = _cost(one, other, process_sd, guides)
     finite = np.isfinite(cost)
     if not finite.any():
         return []
     cost -= cost[finite].min()  # of a likelihood only differences count, and the assignment wants none below 0
     rows, columns = assign(cost, np.full(len(pieces), np.finfo(float).max))
     return [
-        Join(i, j, pieces[i].last, pieces[j].first, _bridge(pieces[i], pieces[j], process_sd))
+        Join(i, j, pieces[i].last, pieces[j].first, _bridge(pieces[i], pieces[j], process_sd, guides))
         for i, j in zip(rows.tolist(), columns.tolist(), strict=True)
     ]
 
 
-def _halves(one: Piece, other: Piece, process_sd: float) -> tuple[list[KalmanState], list[KalmanState]]:
-    """States from e + 1 to m forwards, and from s − 1 down to m backwards."""
+def _ways(one: Piece, other: Piece, process_sd: float, guides: Guides | None) -> tuple[Way, Way]:
+    """By the model all through the gap; else from e + 1 to m forwards, and from s − 1 down to m backwards."""
+    n = other.first - one.last - 1
+    if guides and (there := guides.forward(one, n)) and (back := guides.backward(other, n)):
+        if np.isfinite(there.variance + back.reversed().variance).any():
+            return there, back
     middle = (one.last + other.first) // 2
     return (
         _coasting(one.after, max(middle - one.last, 1), process_sd),
@@ -97,27 +133,29 @@ def _halves(one: Piece, other: Piece, process_sd: float) -> tuple[list[KalmanSta
     )
 
 
-def _coasting(state: KalmanState, n: int, process_sd: float) -> list[KalmanState]:
+def _coasting(state: KalmanState, n: int, process_sd: float) -> Way:
     states = [state]
     for _ in range(n - 1):
         states.append(predict(states[-1], process_sd))
-    return states
+    variance = [np.full(3, one.P[0, 0, 0]) for one in states]
+    return Way(np.array([one.x[0, 0] for one in states]), np.array(variance))
 
 
-def _cost(one: Piece, other: Piece, process_sd: float) -> float:
-    """(1)."""
-    forward, backward = (states[-1] for states in _halves(one, other, process_sd))
-    d, V = forward.x[0, 0] - backward.x[0, 0], float(forward.P[0, 0, 0] + backward.P[0, 0, 0])
-    return float(d @ d) / V + 3 * float(np.log(V))
-
-
-def _bridge(one: Piece, other: Piece, process_sd: float) -> Floats:
-    """(L, 3) mm what is predicted of the frames between."""
-    forward, backward = _halves(one, other, process_sd)
+def _cost(one: Piece, other: Piece, process_sd: float, guides: Guides | None) -> float:
+    """(1), summed over the coordinates, whose variances may differ; the mean over the frames that both ways have."""
     n = other.first - one.last - 1
-    there = [state.x[0, 0] for state in forward][:n]
-    back = [state.x[0, 0] for state in backward][: n - len(there)]
-    return np.array([*there, *back[::-1]]).reshape(n, 3)
+    forward, backward = _ways(one, other, process_sd, guides)
+    there, back = forward.on(n), backward.on(n).reversed()
+    V = there.variance + back.variance  # NaN but in the middle, where no model speaks
+    each = ((there.xyz - back.xyz) ** 2 / V + np.log(V)).sum(1)
+    return float(np.nanmean(each))
+
+
+def _bridge(one: Piece, other: Piece, process_sd: float, guides: Guides | None) -> Floats:
+    """(L, 3) mm what is predicted of the frames between: the first half forwards, the second backwards."""
+    forward, backward = _ways(one, other, process_sd, guides)
+    n, half = other.first - one.last - 1, max((one.last + other.first) // 2 - one.last, 1)
+    return np.concatenate([forward.xyz[:half], backward.xyz[: n - half][::-1]])
 
 
 def joined(cloud: Cloud, pieces: list[Piece], found: list[Join], *, begun_by: int | None) -> NDArray[np.int64]:
@@ -138,4 +176,5 @@ def joined(cloud: Cloud, pieces: list[Piece], found: list[Join], *, begun_by: in
 
 def without_coasting(method: Swamidas, rate: float) -> Swamidas:
     """The method whose tracks are the pieces."""
-    return replace(method, direction="forward", initiate_from="any", max_coasting=0.5 / rate)
+    alone = replace(method, angle_model=None, model=None)
+    return replace(alone, direction="forward", initiate_from="any", max_coasting=0.5 / rate)

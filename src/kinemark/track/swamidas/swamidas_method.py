@@ -87,13 +87,7 @@ class Swamidas(Method):
     )  # fmt: skip
 
     def check_together(self) -> None:
-        """Refuse links of a track with itself, lengths that are not one a link, a model beside its own, and meeting
-        with a model."""
-        if self.direction == "meeting" and (self.angle_model or self.model):
-            raise ValueError(
-                'direction is "meeting" and there is an angle model, wanted one of them: with a model the places of a '
-                "gap are known all through it; say forward or backward"
-            )
+        """Refuse links of a track with itself, lengths that are not one a link, and a model beside its own."""
         if self.angle_model == "own" and self.model is not None:
             raise ValueError('angle_model is "own" and there is a model, wanted one of them')
         if self.lengths and len(self.lengths) != len(self.links):

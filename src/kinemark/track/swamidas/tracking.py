@@ -7,8 +7,6 @@ or, for as long as none is found, with its own prediction; so the identity outli
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,8 +18,10 @@ from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, p
 from .angle_guide import AngleGuide, Corrected
 from .constraints import Constraint, PredictedPoints, in_region, match_points
 from .learning import LearnedParameters, stated_parameters
-from .meeting import Join, Piece, joined, joins, pieces_of, without_coasting
+from .guided_meeting import guides_of
+from .meeting import Guides, Join, Piece, joined, joins, pieces_of, without_coasting
 from .own_model import own_model
+from .predictions import ModelUse, PredictedFrame, SwamidasResult
 from .reversal import numbered_as_they_begin, reversed_cloud, reversed_rows
 from .segments import allowed_points
 from .swamidas_method import DEFAULT, Swamidas
@@ -29,45 +29,6 @@ from .swamidas_method import DEFAULT, Swamidas
 INITIATION_FRAMES = (
     3  # frames with points in which tracks begin where begin = "first": the first three measurements; chosen
 )
-
-
-class PredictedFrame(NamedTuple):
-    """One frame before its points were looked at: T tracks' id (T), xyz (T, 3) mm and half (T, 3) mm of the box."""
-
-    id: Ints
-    xyz: Floats
-    half: Floats
-
-
-class ModelUse(NamedTuple):
-    """What became of an angle model: whether its markers were recognised among the tracks, in how many frames one of
-    them was missing (markers times frames), and in how many of these the model placed it."""
-
-    recognised: bool
-    missing: int
-    placed: int
-
-
-class SwamidasResult(NamedTuple):
-    """Tracks, and how they came about.
-
-    tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame;
-    model: what became of the angle model, None without one.
-    """
-
-    tracks: Tracks
-    by: Ints
-    expected: list[PredictedFrame]
-    model: ModelUse | None = None
-
-    def path(self, identity: int) -> Floats:
-        """(F, 3) mm the points of a track, and its predictions where it has none; NaN before it began."""
-        xyz = np.full((len(self.expected), 3), np.nan)
-        for f, frame in enumerate(self.expected):
-            xyz[f] = next(iter(frame.xyz[frame.id == identity]), np.full(3, np.nan))
-        own = self.tracks.id == identity
-        xyz[self.tracks.cloud.frame[own]] = self.tracks.cloud.xyz[own]
-        return xyz
 
 
 @TRACK.method("swamidas", Swamidas, source="Swamidas 1997, 3.3 and 3.4", takes=CLOUD)
@@ -104,19 +65,36 @@ def _backward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
 
 
 def _meeting(cloud: Cloud, method: Swamidas) -> SwamidasResult:
-    """Pieces without a gap, joined where the predictions from both ends meet."""
+    """Pieces without a gap, joined where the predictions from both ends meet; a model guides these."""
+    guides, use = None, None
+    if method.angle_model is not None or method.model is not None:
+        guides, use = _guides(cloud, method)
     first = _forward(cloud, without_coasting(method, cloud.rate))
     sd, process_sd = stated_parameters(cloud, method).sd, method.jerk / cloud.rate**3
     pieces = pieces_of(first.tracks, sd, process_sd)
     longest = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
-    found = joins(pieces, process_sd, longest=longest)
+    found = joins(pieces, process_sd, longest=longest, guides=guides)
     with_points = np.flatnonzero(np.diff(cloud.start))[:INITIATION_FRAMES]
     begun_by = int(with_points.max(initial=-1)) if method.initiate_from == "first" else None
     identity, _ = numbered_as_they_begin(joined(cloud, pieces, found, begun_by=begun_by))
     by = np.where(identity >= 0, first.by, int(Constraint.NONE))
     for join in found:
         by[pieces[join.next].rows[0]] = Constraint.MEETING
-    return SwamidasResult(Tracks(cloud, identity), by, _expected_in_gaps(cloud, identity, pieces, found))
+    return SwamidasResult(Tracks(cloud, identity), by, _expected_in_gaps(cloud, identity, pieces, found), use)
+
+
+def _guides(cloud: Cloud, method: Swamidas) -> tuple[Guides, ModelUse]:
+    """Both passes with the model; the trial's own is made of what meets without one."""
+    method = replace(method, direction="forward")
+    if method.angle_model == "own":
+        alone = _meeting(cloud, replace(method, angle_model=None)).tracks
+        method = replace(method, angle_model=None, model=own_model(alone, method.links))
+    forward, backward = _forward(cloud, method), _backward(cloud, method)
+    assert forward.model is not None and backward.model is not None
+    passes = forward.model, backward.model
+    recognised = any(one.recognised for one in passes)
+    use = ModelUse(recognised, sum(one.missing for one in passes), sum(one.placed for one in passes))
+    return guides_of(forward, backward), use
 
 
 def _expected_in_gaps(cloud: Cloud, identity: Ints, pieces: list[Piece], found: list[Join]) -> list[PredictedFrame]:
@@ -127,7 +105,7 @@ def _expected_in_gaps(cloud: Cloud, identity: Ints, pieces: list[Piece], found: 
         for f, xyz in enumerate(join.xyz, join.last + 1):
             rows[f].append((own, xyz))
     frames = [(np.array([i for i, _ in own], np.int64), np.array([x for _, x in own]).reshape(-1, 3)) for own in rows]
-    return [PredictedFrame(id, xyz, np.full_like(xyz, np.nan)) for id, xyz in frames]
+    return [PredictedFrame(id, xyz, np.full_like(xyz, np.nan), np.zeros(len(id), bool)) for id, xyz in frames]
 
 
 def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
@@ -150,14 +128,15 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
         points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
         expected = predict_points(active, known.error, method.velocity_share)
         allowed = _allowed(active, expected, points, known, method)
+        by_model = np.zeros(len(active.id), bool)
         if guide and guide.missing(active).any():
             corrected, taken, reason = _guided(guide, active, expected, points, allowed, known)
             missing += int(guide.missing(active).sum())
-            placed += int(corrected.placed.sum())
-            active, expected = corrected.active, corrected.expected
+            active, expected, by_model = corrected.active, corrected.expected, corrected.placed
+            placed += int(by_model.sum())
         else:
             taken, reason = match_points(expected, points, allowed)
-        frames.append(PredictedFrame(active.id, expected.xyz, expected.half))
+        frames.append(PredictedFrame(active.id, expected.xyz, expected.half, by_model))
         hit = taken >= 0
         mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
         active = advance(active, taken, points, sd=known.sd, process_sd=process_sd)

@@ -25,7 +25,7 @@ class Images:
     of: Recording
 
     def key(self) -> str:
-        """Of the files, the cameras' order, the rate, the fields, fixed marks, the cameras' times, masks, and frames."""
+        """Of the files, the cameras' order, the rate, fields, fixed marks, the cameras' times, masks, and frames."""
         of, images = self.of, self.of.images()
         files = [path for source in images.values() for path in source.paths]
         fields, names = str(of.settings.cameras.first_field), of.rig.names

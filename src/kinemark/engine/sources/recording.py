@@ -45,7 +45,7 @@ class Recording:
     results: Path
 
     def rate(self, stated: float | None) -> float:
-        """Frames a second, of those that are taken: by what the settings say of the recording, else as the file does."""
+        """Frames a second that are taken: by what the settings say of the recording, else as the file does."""
         rate = self.settings.rate_hz / self.entry.every if self.settings.rate_hz else stated
         if not rate:
             raise KinemarkError(f"Trial {self.entry.name!r} does not say its frame rate. Set rate_hz in session.toml.")

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.data import KinemarkError
 from kinemark.engine.calibration_change import change_way, ways_of
-from kinemark.engine.first_session import Role
+from kinemark.engine.first_session import Role, propose
 from kinemark.engine.first_session.calibration_way import MOVING
 from kinemark.engine.session import Session
 from kinemark.engine.session_changes import change_session
@@ -47,6 +47,16 @@ def test_each_recording_that_could_calibrate_is_offered_with_what_is_asked(folde
         ("other.toml", Role.RIG): [],
         ("wand/{camera}.mkv", Role.WAND): ["calibration.wand.lengths_mm"],
     }
+
+
+def test_recordings_are_looked_at_once_as_long_as_none_changes(folder, monkeypatch):
+    looked, at = [], propose._pictured
+    monkeypatch.setattr(propose, "_pictured", lambda *given: looked.append(given) or at(*given))
+    ways_of(folder)
+    change_way(folder, "other.toml", Role.RIG, {})
+    assert len(ways_of(folder)) == 3 and len(looked) == 1, "session.toml is no recording"
+    shutil.rmtree(folder / "wand")
+    assert len(ways_of(folder)) == 2 and len(looked) == 2
 
 
 def test_the_way_is_changed_and_changed_back_and_the_rest_of_the_file_stays(folder):

@@ -322,6 +322,37 @@ def test_videos_are_processed(filmed):
     assert result.rmse < 1.5
 
 
+def test_one_frame_of_so_many_is_processed(filmed):
+    """At a rate that is so many times lower, as the videos contradict nothing; numbers of frames are of those."""
+    folder, path = filmed
+    whole = run(folder, "track").trajectories
+    trial = run(changed(folder, 'name = "one"\n', 'name = "one"\nevery = 3\n'), "quality")
+    assert (trial.trajectories.n_frames, trial.trajectories.rate) == (10, whole.rate / 3)
+    assert "detect" in trial.computed and "frame_rate_contradicted" not in kinds(trial.quality)
+    assert score(trial.tracks, path[None, ::3], within=20.0).recall == 1.0
+    source = Session.open(folder).trial("one").source(Session.open(folder).calibrate().rig)
+    np.testing.assert_array_equal(source.pictures([9, 0, 0])[0], list(open_images(folder / "one/c0.mkv"))[27])
+    part = run(changed(folder, "every = 3\n", "every = 3\nframes = [4, 10]\n"), "track").trajectories
+    assert part.n_frames == 7 and part.first_frame == 4
+
+
+def test_one_image_of_so_many_is_taken_of_a_slower_camera_too(filmed):
+    """Which has images at half as many times, and so when one of two is taken."""
+    folder, path = filmed
+    half = [image for k, image in enumerate(open_images(folder / "one/c1.mkv")) if k % 2 == 0]
+    write_video(folder / "one" / "c1.mkv", half, 25.0)
+    changed(folder, "[calibration]", "rates_hz = { c1 = 25 }\n[calibration]")
+    trial = run(changed(folder, 'name = "one"\n', 'name = "one"\nevery = 2\n'), "track")
+    assert score(trial.tracks, path[None, ::2], within=20.0).recall == 1.0
+    source = Session.open(folder).trial("one").source(Session.open(folder).calibrate().rig)
+    np.testing.assert_array_equal(source.pictures([0, 12, 0])[1], half[12])
+
+
+def test_frames_of_detections_are_not_left_out(folder):
+    with pytest.raises(KinemarkError, match="every = 2, which is of images"):
+        run(changed(folder, 'detections = "', 'every = 2\ndetections = "'))
+
+
 def test_the_report_shows_the_frames_that_it_names(filmed):
     folder, _ = filmed
     session = Session.open(folder)

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from kinemark.data import KinemarkError
+from kinemark.io.exact_frames import ExactImages
 from kinemark.io.images import open_images, write_png
 from kinemark.io.video import write_video
 
@@ -45,3 +47,35 @@ def test_a_video_with_a_single_key_frame_gives_the_wanted_frames(tmp_path):
     numbers, near = open_images(tmp_path / "a.mkv").frames_near(np.arange(0, 12, 2))
     np.testing.assert_array_equal(numbers, np.arange(0, 12, 2))
     np.testing.assert_array_equal(near, film[::2])
+
+
+@pytest.mark.parametrize("every", [1, 2, 3, 30])
+@pytest.mark.parametrize("interlaced", [False, "top", "bottom"])
+def test_one_frame_of_so_many_is_taken_however_it_is_asked_for(tmp_path, interlaced, every):
+    """All numbers are then of those, fields lie where they did, and there are so many fewer a second."""
+    film = np.random.default_rng(3).integers(0, 255, (23, 8, 12), np.uint8)
+    write_video(tmp_path / "a.mkv", film, rate=30)
+    for k, image in enumerate(film):
+        write_png(tmp_path / f"{k:03}.png", image)
+    for pattern in ("a.mkv", "*.png"):
+        all_of_it = open_images(tmp_path / pattern, interlaced=interlaced)
+        source = open_images(tmp_path / pattern, interlaced=interlaced, every=every)
+        wanted = np.stack(list(all_of_it.frames()))[::every]
+        np.testing.assert_array_equal(np.stack(list(source.frames())), wanted)
+        np.testing.assert_array_equal(np.concatenate(list(source.batches(4))), wanted)
+        some = np.unique([0, len(source) // 2, len(source) - 1])
+        np.testing.assert_array_equal(source.frames_at(some), wanted[some])
+        numbers, near = source.frames_near(some)
+        np.testing.assert_array_equal(near, wanted[numbers])
+        np.testing.assert_array_equal([ExactImages(source).frame(int(f)) for f in some], wanted[some])
+        assert len(source) == source.n_frames == len(wanted)
+        assert [source.v_offset(f) for f in range(len(source))] == [
+            all_of_it.v_offset(f) for f in range(0, len(all_of_it), every)
+        ]
+        assert source.rate == (None if all_of_it.rate is None else all_of_it.rate / every)
+
+
+def test_no_frame_of_so_many_cannot_be_taken(tmp_path):
+    write_png(tmp_path / "a.png", np.zeros((4, 4), np.uint8))
+    with pytest.raises(KinemarkError, match="Of every 0 frames none"):
+        open_images(tmp_path / "a.png", every=0)

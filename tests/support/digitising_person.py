@@ -57,7 +57,9 @@ class Person:
 
     def click(self, u, v):
         camera, frame, _, _ = self.stands()
-        self.page.locator(f"[data-shown$='/{camera}/{frame}']").wait_for()  # nobody points at what is not there yet
+        self.page.locator(
+            f"[data-shown$='/{camera}/{frame}'], [data-shown*='/{camera}/{frame}?']"
+        ).wait_for()  # nobody points at what is not there yet
         box = self.page.get_by_role("img", name=re.compile("^Image of")).bounding_box()
         (width, height), (w, h) = (box["width"], box["height"]), self.size
         scale = min(width / w, height / h)

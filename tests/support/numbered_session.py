@@ -45,7 +45,7 @@ def burn(folder, trial="walk01", rate=50):
         ending, group = KINDS[k % len(KINDS)]
         other = write_numbered(
             path.with_suffix(f".{ending}"), len(images), rate=Fraction(rate), group=group,
-            image=lambda n, images=images: images[n], options={"crf": "8"},
+            image=lambda n, images=images: images[n], options={"crf": "8", "preset": "veryfast"},
         )  # fmt: skip
         other.replace(path)
 

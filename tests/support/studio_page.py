@@ -5,8 +5,6 @@ import os
 import re
 import shutil
 import socket
-import subprocess
-import sys
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -16,9 +14,9 @@ from filelock import FileLock
 
 from support.browser import chromium
 from support.effort import EFFORT
+from support.studio_server import process_of
 
-HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
+ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "src" / "kinemark" / "apps" / "studio" / "page" / "index.html"
 AXE = ROOT / "ui" / "node_modules" / "axe-core" / "axe.min.js"
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-sync",
@@ -98,19 +96,8 @@ class Server:
         self.start()
 
     def start(self, *more):
-        environment = os.environ | {"PYTHONPATH": str(ROOT / "src"), "PYTHONUNBUFFERED": "1"}
-        self.process = subprocess.Popen(
-            [sys.executable, str(HERE / "studio_server.py"), str(self.folder), *self.options, *more],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment,
-        )  # fmt: skip
-        said = ""
-        while "token=" not in said:
-            line = self.process.stdout.readline()
-            if not line:
-                self.kill()
-                raise AssertionError(f"the server did not start: {said}")
-            said += line
-        self.address = re.search(r"http://\S+", said).group()
+        self.process, self.said = process_of(self.folder, *self.options, *more)
+        self.address = self.next_address()
         self.base = self.address.split("?")[0]
         self._listens(int(self.base.rstrip("/").rsplit(":", 1)[1]))
 
@@ -123,12 +110,12 @@ class Server:
 
     def next_address(self):
         """An address for another browser: each works once, and the server then says the next."""
-        return re.search(r"http://\S+", self.process.stdout.readline()).group()
+        return re.search(r"http://\S+", self.said.recv()).group()
 
     def kill(self):
         self.process.kill()
-        self.process.wait()
-        self.process.stdout.close()
+        self.process.join()
+        self.said.close()
 
 
 @contextmanager

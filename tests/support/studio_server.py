@@ -1,15 +1,30 @@
-"""The studio's server as a process of its own, for tests of its page: `python studio_server.py FOLDER [--faults]`.
+"""The studio's server as a process of its own, for tests of its page.
 
-With faults the trial comes as a tracker that errs would have left it.
+Processes are forked from one that has read all modules before, so that a server is there in a moment. With faults the
+trial comes as a tracker that errs would have left it.
 """
 
-import sys
+import multiprocessing
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+MODULES = ["kinemark.apps.studio.server", "kinemark.apps.studio.app", "kinemark.engine.editing", "uvicorn"]
+FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 
 
-def main(folder, *options):
+def process_of(folder, *options):
+    """A process that serves a folder, and the pipe by which it says what a terminal would show."""
+    context = multiprocessing.get_context("forkserver" if FORKS else "spawn")
+    if FORKS:
+        context.set_forkserver_preload(MODULES)
+    said, says = context.Pipe(duplex=False)
+    process = context.Process(target=serve_into, args=(says, str(folder), *options))
+    process.start()
+    says.close()  # ours, so that the pipe ends when the server does
+    return process, said
+
+
+def serve_into(says, folder, *options):
+    """Serve until the process is ended. Options: `--faults`, or the number of a port."""
     from kinemark.apps.studio.server import serve
     from kinemark.engine import editing
 
@@ -19,8 +34,4 @@ def main(folder, *options):
         measured = editing.measured_of
         editing.measured_of = lambda *given: faulty(measured(*given))
     port = next((int(option) for option in options if option.isdigit()), 0)
-    serve((Path(folder),), port=port, browser=False, say=lambda text: print(text, flush=True))
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+    serve((Path(folder),), port=port, browser=False, say=says.send)

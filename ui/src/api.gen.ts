@@ -1845,11 +1845,14 @@ export interface components {
          * Detection
          * @description How markers are detected in a trial; `words` say what there is to know before it is changed.
          *
-         *     `learned`: what is left open is learned from each camera's recording, else it is the usual value.
+         *     `learned`: what is left open is learned from each camera's recording, else it is the usual value. One frame of
+         *     `every` of the recording is taken.
          */
         Detection: {
             /** Cameras */
             cameras: components["schemas"]["DetectCamera"][];
+            /** Every */
+            every: number;
             /** First */
             first: number;
             /** Last */
@@ -1958,6 +1961,8 @@ export interface components {
         /**
          * DigitisingNow
          * @description Where an operator is: `kept` counts the answers of this camera, and must be said with the next one.
+         *
+         *     One frame of `every` of the recording is taken; `frames` and all numbers are of those.
          */
         DigitisingNow: {
             /** Camera */
@@ -1968,6 +1973,8 @@ export interface components {
             can_undo: boolean;
             /** Draft */
             draft: components["schemas"]["PlacedMarker"][];
+            /** Every */
+            every: number;
             /** Finished */
             finished: boolean;
             /** Frames */
@@ -2756,9 +2763,11 @@ export interface components {
         };
         /**
          * Mosaic
-         * @description The layout of the mosaics of a trial.
+         * @description The layout of the mosaics of a trial, of whose recording one frame of `every` is taken.
          */
         Mosaic: {
+            /** Every */
+            every: number;
             /** Height */
             height: number;
             /** Tiles */
@@ -3322,8 +3331,8 @@ export interface components {
          * SetupBody
          * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
          *
-         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all;
-         *     `recorded`, the day of the recording, where nobody says it.
+         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. One frame of `every` is taken;
+         *     `last_frame`, counted among those, is null for all; `recorded`, the day of the recording, where nobody says it.
          */
         SetupBody: {
             /**
@@ -3331,6 +3340,11 @@ export interface components {
              * @default true
              */
             confirm_reference: boolean;
+            /**
+             * Every
+             * @default 1
+             */
+            every: number;
             /**
              * History
              * @default 2
@@ -3475,7 +3489,7 @@ export interface components {
         };
         /**
          * StartUp
-         * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+         * @description What may be chosen before the first answer: of so many frames of the recording, sets of reference files; and what is chosen.
          *
          *     `operated`: whether the trial is one that an operator digitises.
          */

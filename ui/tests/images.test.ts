@@ -6,7 +6,7 @@ import { isSaved } from "../src/state/digitise";
 
 const TRIED: Tried = {
   about: {
-    trial: "one", session: "tried", method: "centroids", first: 1, last: 20, learned: true, words: "",
+    trial: "one", session: "tried", method: "centroids", first: 1, last: 20, every: 1, learned: true, words: "",
     parameters: [
       { name: "threshold", whole: false, flag: false, unit: "grey levels", low: 0, high: 255, meaning: "", stated: 90 },
       { name: "min_area", whole: true, flag: false, unit: "px²", low: 1, high: null, meaning: "", stated: null },

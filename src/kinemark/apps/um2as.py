@@ -175,7 +175,7 @@ def digitise_file(
         markers: how many there are in a frame, the reference marker included; or their names in order.
         reference: which of them is the reference marker; none without it.
         reference_file: where it was when the camera was calibrated, as box.rf1; the first frame says it without this.
-        last_frame: the last frame to be processed.
+        last_frame: the last frame to be processed, counted among those that are taken.
         every: number of frames skipped: 1 takes every frame, 2 every other one.
         answers: the file in which your answers are kept; beside the output without it.
         save_all: save frames of which all markers are settled without asking.
@@ -192,7 +192,7 @@ def digitise_file(
     square = _square(aspect_ratio)
     camera = camera_number(output, "da")
     detection = _centroids(threshold, inverted, white_pixels)
-    reel = DigitisedFrames(open_images(images), method=detection, every=every, last=last_frame)
+    reel = DigitisedFrames(open_images(images, every=every), method=detection, last=last_frame)
     done = digitise_camera(
         reel,
         method=method,

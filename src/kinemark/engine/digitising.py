@@ -49,12 +49,11 @@ KEPT = 32  # images kept ready: as far as an operator goes back without waiting;
 
 
 class DigitisedFrames:
-    """The chosen frames of a camera, ready to be pointed at, decoded when they are asked for.
+    """The frames of a camera, ready to be pointed at, decoded when they are asked for.
 
     Args:
         source: the camera's images.
         method: of detection.
-        every: one frame of so many is taken; 1 takes all.
         last: no frame after this one, counted from 1; None for all.
         mask: (H, W) where the search takes nothing.
     """
@@ -64,31 +63,29 @@ class DigitisedFrames:
         source: ImageSource,
         *,
         method: Centroids | None = None,
-        every: int = 1,
         last: int | None = None,
         mask: NDArray[np.bool_] | None = None,
     ) -> None:
-        if every < 1 or (last is not None and last < 1):
-            raise KinemarkError(f"Every {every}. frame up to frame {last} is none. Say 1 or more for both.")
+        if last is not None and last < 1:
+            raise KinemarkError(f"There is no frame up to frame {last}. Say 1 or more.")
         method = method or Centroids()
         fields = 0.5 if source.interlaced else 1.0
         self._method = replace(method, aspect=method.aspect or fields)
-        self._source, self._every, self._mask = source, every, mask
-        self.n_frames = len(range(0, min(source.n_frames, last or source.n_frames), every))
+        self._source, self._mask = source, mask
+        self.n_frames = min(source.n_frames, last or source.n_frames)
         self._ready: dict[int, ImageMarkers] = {}
         self._images, self._next = source.frames(), 0
 
     def __call__(self, f: int) -> ImageMarkers:
-        """The f-th of the chosen frames, counted from 0."""
+        """The f-th frame, counted from 0."""
         if f not in self._ready:
-            at = f * self._every
-            if at < self._next:
+            if f < self._next:
                 self._images, self._next = self._source.frames(), 0
-            image = next(islice(self._images, at - self._next, None), None)
-            self._next = at + 1
+            image = next(islice(self._images, f - self._next, None), None)
+            self._next = f + 1
             if image is None:
-                raise KinemarkError(f"{self._source.paths[0]} ends before frame {at + 1}. Copy the recording again.")
-            offset = self._source.v_offset(at)
+                raise KinemarkError(f"{self._source.paths[0]} ends before frame {f + 1}. Copy the recording again.")
+            offset = self._source.v_offset(f)
             self._ready[f] = find_markers(image, method=self._method, mask=self._mask, v_offset=offset)
             if len(self._ready) > KEPT:
                 del self._ready[next(iter(self._ready))]

@@ -35,7 +35,8 @@ class DigitisingSetup:
         confirm_reference: whether it is asked about in every frame.
         take_proposals: whether what the other cameras say is taken without a question.
         history: frames for which a hidden marker is remembered.
-        last_frame: that is digitised, counted from 1; None for all.
+        every: one frame of so many of the recording is taken.
+        last_frame: that is digitised, counted from 1 among those that are taken; None for all.
         reference_files: what UM²AS's files of the reference marker are called before `.rf1` …; None: the first frame
             says where it is.
         recorded: the day of the recording, which stands on every page; None where nobody says it.
@@ -46,6 +47,7 @@ class DigitisingSetup:
     confirm_reference: bool = True
     take_proposals: bool = False
     history: int = 2
+    every: int = 1
     last_frame: int | None = None
     reference_files: str | None = None
     recorded: date | None = None
@@ -53,7 +55,7 @@ class DigitisingSetup:
 
 @dataclass(frozen=True, slots=True)
 class DigitisingChoices:
-    """What may be chosen: of so many frames; names of sets of `.rf` files; and what is chosen now.
+    """What may be chosen: of so many frames of the recording; names of sets of `.rf` files; and what is chosen now.
 
     `operated`: whether the trial is one that an operator digitises.
     """
@@ -75,7 +77,7 @@ def choices(root: Path, trial: str) -> DigitisingChoices:
     sources = open_cameras(root, session.settings, str(entry.images), cameras)
     method = session.settings.digitise
     last = entry.frames[1] if entry.frames else None
-    now = DigitisingSetup((), last_frame=last, recorded=entry.date or session.settings.date)
+    now = DigitisingSetup((), every=entry.every, last_frame=last, recorded=entry.date or session.settings.date)
     if method is not None:
         now = replace(
             now, markers=method.markers, reference=method.reference, confirm_reference=method.confirm_reference,
@@ -107,6 +109,10 @@ def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
     own = _table_of(document, trial)
     if "answers" not in own:
         own["answers"] = f"answers/{trial}/{{camera}}.csv"
+    if setup.every > 1:
+        own["every"] = setup.every
+    else:
+        own.pop("every", None)
     if setup.last_frame is not None:
         own["frames"] = [1, setup.last_frame]
     else:

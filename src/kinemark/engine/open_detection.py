@@ -135,6 +135,7 @@ class OpenDetection:
     Attributes:
         session: that the trial is of. table: `[detect]` of its file.
         sources: the images of each camera. first: number of the first frame, n_frames: of the stretch.
+        every: one frame of so many of the recording is taken, and counted.
         operated: whether an operator digitises it, so that nothing is learned from the recording.
     """
 
@@ -150,7 +151,8 @@ class OpenDetection:
         if entry.images is None:
             raise KinemarkError(f"{trial} has no images: its detections were made elsewhere.")
         names = self.session.settings.cameras.names or self.session.calibrate().rig.names
-        self.sources = open_cameras(root, self.session.settings, entry.images, names)
+        self.every = entry.every
+        self.sources = open_cameras(root, self.session.settings, entry.images, names, every=entry.every)
         shortest = min(source.n_frames for source in self.sources.values())
         self.first, last = entry.frames or (1, shortest)
         self.n_frames = min(last, shortest) - self.first + 1

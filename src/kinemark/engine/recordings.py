@@ -29,23 +29,27 @@ class Recorded(NamedTuple):
     sizes: NDArray[np.int64]
 
 
-def open_cameras(root: Path, settings: Settings, pattern: str, names: Sequence[str]) -> dict[str, ImageSource]:
-    """The frames of each camera, by a pattern with `{camera}` in it.
+def open_cameras(
+    root: Path, settings: Settings, pattern: str, names: Sequence[str], *, every: int = 1
+) -> dict[str, ImageSource]:
+    """The frames of each camera, one of so many, by a pattern with `{camera}` in it.
 
     Raises:
         KinemarkError: the pattern means one file for all cameras, or a camera has no usable images.
     """
-    return _opened(root, settings.cameras.first_field, pattern, names)
+    return _opened(root, settings.cameras.first_field, pattern, names, every)
 
 
-def _opened(root: Path, first_field: Any, pattern: str, names: Sequence[str]) -> dict[str, ImageSource]:
+def _opened(
+    root: Path, first_field: Any, pattern: str, names: Sequence[str], every: int = 1
+) -> dict[str, ImageSource]:
     if "{camera}" not in pattern and len(names) > 1:
         raise KinemarkError(f"images = {pattern!r} has no {{camera}} in it: all cameras would be one. Put it in.")
     images = {}
     for name in names:
         try:
             path = root / pattern.replace("{camera}", name)
-            images[name] = open_images(path, interlaced=first_field)
+            images[name] = open_images(path, interlaced=first_field, every=every)
         except KinemarkError as error:
             raise KinemarkError(f"Camera {name!r} of [cameras] has no usable images: {error}") from error
     return images

@@ -26,6 +26,7 @@ from .control_balls import ControlBalls, snapped
 from .open_digitising import OpenDigitising
 from .session import Session
 from .um2as import angles_files, calibrate_file, coordinates_files
+from .um2as_basis import OF_BALLS, OF_MARK, OF_MARKERS, basis, changed, remember
 
 FOLDER = "um2as"
 """Of the files, below the session's results."""
@@ -97,6 +98,10 @@ class Um2asFiles:
         given = self.session.root / file
         return [given.with_suffix(path.suffix) for path in self.numbered(given.stem, "cp", cameras)]
 
+    def rfs(self) -> list[Path]:
+        """Files of the reference marker."""
+        return self.numbered(self.box, "rf")
+
     def das(self, cameras: Sequence[str] = ()) -> list[Path]:
         """Files of digitised markers."""
         return self.numbered(self.trial, "da", cameras)
@@ -110,6 +115,16 @@ class Um2asFiles:
     def angle_files(self, tdc: Path) -> list[Path]:
         """Those of shoulder, elbow and wrist, beside the places."""
         return [tdc.with_suffix(ending) for ending in ENDINGS.values()]
+
+    def parameters_changed(self) -> str:
+        """Why files of the calibration have to be made again, in words; empty where they need not."""
+        return changed(self.folder, self.cps(), basis(self.session, self.trial, OF_BALLS)) or changed(
+            self.folder, self.rfs(), basis(self.session, self.trial, OF_MARK)
+        )
+
+    def markers_changed(self) -> str:
+        """The same of the files of digitised markers."""
+        return changed(self.folder, self.das(), basis(self.session, self.trial, OF_MARKERS))
 
     def process_parameters(self, made: date) -> list[Path]:
         """Process L Parameters: `.cp` of all cameras, and `.rf` of the reference marker where it was pointed at.
@@ -125,11 +140,14 @@ class Um2asFiles:
             written = []
         else:
             written = self._of_rig(self.session.calibrate().rig, made)
-        for name, path in zip(self.cameras, self.numbered(self.box, "rf"), strict=True):
+        remember(self.folder, written, basis(self.session, self.trial, OF_BALLS))
+        marks = []
+        for name, path in zip(self.cameras, self.rfs(), strict=True):
             if places := (calibration.reference_marker or {}).get(name):
                 write_rf(path, np.array(places[0]) * self.square)
-                written.append(path)
-        return written
+                marks.append(path)
+        remember(self.folder, marks, basis(self.session, self.trial, OF_MARK))
+        return [*written, *marks]
 
     def save_markers(self, opened: OpenDigitising) -> list[Path]:
         """Save Data: `.da` of all cameras.
@@ -145,6 +163,7 @@ class Um2asFiles:
         self.folder.mkdir(parents=True, exist_ok=True)
         for path, name in zip(self.das(), self.cameras, strict=True):
             write_da(path, opened.uv[opened.task.rig.names.index(name)] * self.square)
+        remember(self.folder, self.das(), basis(self.session, self.trial, OF_MARKERS))
         return self.das()
 
     def process_coordinates(self, cameras: Sequence[str]) -> Path:

@@ -1,7 +1,8 @@
 """The menu of UM²AS over a session: its entries as the thesis has them, and how far each is.
 
 An entry is a level of the menu or a task of it. What a task needs and whether it was done is read from the files: one
-that is older than what it was made of has to be made again.
+that is older than what it was made of has to be made again, and so has one that depends on what the session said
+otherwise then, and all that is made of those.
 """
 
 from __future__ import annotations
@@ -78,8 +79,7 @@ MENU = (
               "Writes the files of all cameras.", "3.4", "here"),
     MenuEntry("calibration-view", "calibration", "View L Parameters", "What is in the files.", "3.5", "here"),
     MenuEntry("digitising-start", "digitising", "Start Up Information",
-              "Markers, which of them is the reference, first and last frame, date.",
-              "3.13", "digitise"),
+              "Markers, which of them is the reference, last frame, frames skipped, date.", "3.13", "digitise"),
     MenuEntry("digitising-output", "digitising", "Output File",
               "What the digitised markers are written to.", "3.12", "here"),
     MenuEntry("digitising-reference", "digitising", "Reference Marker",
@@ -132,8 +132,12 @@ def standings(
     angles = tuple(files.angle_files(tdc))
     chosen = cameras or names
     digitised = saved is not None and all(n == of for n, of in saved.values())
-    made = written(cps, tuple(balls_of(files)), "Process L Parameters first.")
-    marked = written(das, tuple(answers_of(files)) if digitised else (), "Save Data first.")
+    made = written(cps, tuple(balls_of(files)), "Process L Parameters first.", why=files.parameters_changed())
+    answers = tuple(answers_of(files)) if digitised else ()
+    marked = written(das, answers, "Save Data first.", why=files.markers_changed())
+    sources = (*files.cps(cameras), *files.das(cameras))
+    placed = written((place,), sources, "Not written yet.", why=_again(made, marked))
+    turned = written(angles, (tdc,), "Not written yet.", why=_again(made, marked, *([placed] if tdc == place else [])))
     factor = files.session.settings.cameras.aspect_ratio
     return {
         "aspect": Standing("", "Pixels count as square." if factor is None else f"V × {factor:g} in all files."),
@@ -158,11 +162,11 @@ def standings(
         "xyz-calibration": _there(tuple(files.cps(cameras)), "Process L Parameters first."),
         "xyz-data": _there(tuple(files.das(cameras)), "Save Data of Marker Coordinate Digitizing first."),
         "xyz-output": Standing("", "", (place,)),
-        "xyz-process": written((place,), (*files.cps(cameras), *files.das(cameras)), "Not written yet."),
+        "xyz-process": placed,
         "xyz-display": _there((place,), "Process Coordinates first."),
         "euler-input": _there((tdc,), "Process Coordinates first."),
         "euler-output": Standing("", "", angles),
-        "euler-process": written(angles, (tdc,), "Not written yet."),
+        "euler-process": turned,
         "euler-view": _there(angles, "Process first."),
         "euler-curves": Standing("", ""),
     }
@@ -179,8 +183,8 @@ def level_standing(key: str, of: dict[str, Standing]) -> Standing:
     return Standing(found, f"{n} of {len(counted)} done")
 
 
-def written(files: tuple[Path, ...], sources: tuple[Path, ...], otherwise: str) -> Standing:
-    """Whether files were written, after what they are made of."""
+def written(files: tuple[Path, ...], sources: tuple[Path, ...], otherwise: str, *, why: str = "") -> Standing:
+    """Whether files were written, after what they are made of; `why` they have to be again besides."""
     if not all(path.is_file() for path in files):
         there = all(path.is_file() for path in sources)
         return Standing("open" if there else "waits", otherwise, files)
@@ -188,9 +192,17 @@ def written(files: tuple[Path, ...], sources: tuple[Path, ...], otherwise: str) 
     newer = [path.name for path in sources if path.is_file() and path.stat().st_mtime_ns > oldest]
     if newer:
         return Standing("again", f"{newer[0]} was changed since: do it again.", files)
+    if why:
+        return Standing("again", why, files)
     return Standing(
         "done", f"{', '.join(path.name for path in files)} {'is' if len(files) == 1 else 'are'} written.", files
     )
+
+
+def _again(*before: Standing) -> str:
+    """Why what is made of these has to be made again, in words; empty where it need not."""
+    found = [one.files[0].name for one in before if one.state == "again"]
+    return f"{found[0]} is to be made again, and then this." if found else ""
 
 
 def balls_of(files: Um2asFiles) -> list[Path]:

@@ -25,6 +25,7 @@ class ExactImages:
         source = self.source
         if not 0 <= n < source.n_frames:
             raise KinemarkError(f"There are frames 0 to {source.n_frames - 1}, and {n} was asked for.")
+        n *= source.every
         whole, field = divmod(n, 2) if source.interlaced else (n, 0)
         image = self._video.frame(whole) if self._video else read_image(source.paths[whole])
         if not source.interlaced:

@@ -54,6 +54,7 @@ class ImageSource:
         rate: Hz; None for image files, which do not say it.
         interlaced: which field comes first, "top" or "bottom"; False for whole frames.
         video: what the video says of itself; None for image files.
+        every: one frame, or field, of so many is taken; numbers of frames, `n_frames` and `rate` are of those.
     """
 
     paths: tuple[Path, ...]
@@ -62,6 +63,7 @@ class ImageSource:
     rate: float | None
     interlaced: Interlaced = False
     video: VideoInfo | None = None
+    every: int = 1
 
     def __len__(self) -> int:
         return self.n_frames
@@ -71,7 +73,8 @@ class ImageSource:
 
     def v_offset(self, f: int) -> float:
         """What to add to v in frame f so that both fields share one image plane: 0, or 0.5 px (field lines)."""
-        bottom = (f % 2 == 0) if self.interlaced == "bottom" else (f % 2 == 1)
+        field = f * self.every % 2
+        bottom = (field == 0) if self.interlaced == "bottom" else (field == 1)
         return 0.5 if self.interlaced and bottom else 0.0
 
     def frames(self) -> Iterator[Image]:
@@ -80,6 +83,13 @@ class ImageSource:
         Raises:
             KinemarkError: an image is damaged or unlike the first, or the video ends too early.
         """
+        if self.video or self.interlaced:
+            yield from islice(self._all_frames(), 0, None, self.every)
+        else:
+            yield from decode_images(self.paths[:: self.every])
+
+    def _all_frames(self) -> Iterator[Image]:
+        """Those that are not taken, too."""
         for image in decode_video(self.paths[0], self.video) if self.video else decode_images(self.paths):
             if not self.interlaced:
                 yield image
@@ -93,7 +103,7 @@ class ImageSource:
         Raises:
             KinemarkError: as `frames`.
         """
-        fields = 2 if self.interlaced else 1
+        fields, wanted = 2 if self.interlaced else 1, wanted * self.every
         numbers = np.unique(wanted // fields).tolist()
         if self.video:
             images = frames_at(self.paths[0], self.video, numbers)
@@ -104,11 +114,14 @@ class ImageSource:
     def frames_near(self, wanted: NDArray[np.int64]) -> tuple[NDArray[np.int64], Image]:
         """Numbers (n) of frames near these rising ones, and the frames (n, H, W), at the least cost of decoding.
 
-        They are the wanted ones, or the key frames of a video where these are at least half as many.
+        They are the wanted ones, or the key frames of a video where these are at least half as many and all frames
+        are taken.
 
         Raises:
             KinemarkError: as `frames`.
         """
+        if self.every > 1:
+            return wanted, self.frames_at(wanted)
         fields = 2 if self.interlaced else 1
         found = key_frames_near(self.paths[0], self.video, np.unique(wanted // fields).tolist()) if self.video else {}
         if len(found) * 2 * fields < len(wanted):
@@ -144,20 +157,24 @@ class ImageSource:
             yield batch[:found]
 
 
-def open_images(pattern: Path | str, *, interlaced: Interlaced = False) -> ImageSource:
+def open_images(pattern: Path | str, *, interlaced: Interlaced = False, every: int = 1) -> ImageSource:
     """The frames that a pattern names.
 
     Args:
         pattern: a file (image or video); a printf pattern such as `cam1/%06d.png`, whose numbers must be without
             gaps; or a glob such as `cam1/*.png`, taken in natural order (`2.png` before `10.png`).
         interlaced: "top" or "bottom" for the field that was taken first; False for whole frames.
+        every: one frame, or field, of so many is taken, beginning with the first.
 
     Raises:
         ValueError: `interlaced` is something else.
-        KinemarkError: no file matches, a number is missing, or the first file is neither image nor video.
+        KinemarkError: no file matches, a number is missing, the first file is neither image nor video, or `every` is
+            less than 1.
     """
     if interlaced not in (False, "top", "bottom"):
         raise ValueError(f"interlaced is {interlaced!r}, wanted False, 'top' or 'bottom'")
+    if every < 1:
+        raise KinemarkError(f"Of every {every} frames none can be taken. Say 1 for all, 2 for every other one.")
     paths = files_of(Path(pattern))
     video = None if codec_of(paths[0]) else probe_video(paths[0])
     if video and len(paths) > 1:
@@ -166,11 +183,11 @@ def open_images(pattern: Path | str, *, interlaced: Interlaced = False) -> Image
         (width, height), n, rate = video.size, video.n_frames, video.rate
     else:
         (height, width), n, rate = read_image(paths[0]).shape, len(paths), None
-    if not interlaced:
-        return ImageSource(paths, (width, height), n, rate, False, video)
-    if height % 2:
+    if interlaced and height % 2:
         raise KinemarkError(f"{pattern} has {height} rows, wanted an even number: it is not interlaced.")
-    return ImageSource(paths, (width, height // 2), 2 * n, 2 * rate if rate else None, interlaced, video)
+    fields = 2 if interlaced else 1
+    own_rate, taken = fields * rate / every if rate else None, len(range(0, fields * n, every))
+    return ImageSource(paths, (width, height // fields), taken, own_rate, interlaced, video, every)
 
 
 def files_of(pattern: Path) -> tuple[Path, ...]:

@@ -2,14 +2,18 @@
 
 import time
 
+import numpy as np
 import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
+from kinemark.engine.digitising import digitise_trial
+from kinemark.engine.session import Session
 from kinemark.engine.um2as import angles_files, coordinates_files
 from kinemark.engine.um2as_menu import MENU
-from kinemark.io.um2as import read_cp, write_da
+from kinemark.io.um2as import read_cp, read_da, write_da
 from support.boxed import seen_meal
+from support.eating import Knowing, footage
 from support.feeding import feeding_in
 from support.studio import Studio
 
@@ -44,6 +48,13 @@ def states(menu):
 @pytest.fixture
 def folder(tmp_path):
     return feeding_in(tmp_path / "feeding", 3)
+
+
+def digitise_all(folder):
+    """By an operator who knows where the markers are."""
+    sight, cameras, session = footage(0.1)[2], iter(range(3)), Session.open(folder)
+    task = session.digitising("feeding", session.calibrate().rig)
+    digitise_trial(task, operator=lambda reel: Knowing(sight, next(cameras), reel))
 
 
 def test_the_menu_has_the_entries_of_the_thesis_in_their_order():
@@ -84,6 +95,39 @@ def test_each_task_waits_for_what_it_needs_and_is_done_again_where_that_changed(
     time.sleep(0.02)
     write_da(made / "feeding.da2", uv[1])
     assert states(menu_of(studio))["xyz-process"] == "again"
+
+
+def test_all_that_depends_on_the_aspect_ratio_or_the_calibration_is_to_be_done_again(folder):
+    """However new the files are; and is done when it was."""
+    studio = Studio(folder)
+    menu_of(studio)
+    digitise_all(folder)
+    made, after = folder / "results" / "um2as", ("calibration-process", "digitising-save", "xyz-process", "euler-process")
+
+    def process():
+        studio.page.post(f"{studio.address}/parameters", {"made": "1992-11-27"})
+        studio.page.post(f"{studio.address}/markers", {})
+        studio.page.post(f"{studio.address}/coordinates", {"trial": "feeding", "cameras": []})
+        studio.page.post(f"{studio.address}/angles", {"trial": "feeding", "tdc": "feeding.tdc", "inverse_cosines": False})
+        return {name: states(menu_of(studio))[name] for name in after}
+
+    assert process() == dict.fromkeys(after, "done")
+    cp, da = (made / "box.cp1").read_text("utf-8"), read_da(made / "feeding.da1")
+    assert studio.page.post(f"{studio.address}/aspect/factor", {"factor": 0.9}).status == 200
+    menu = menu_of(studio)
+    assert {name: states(menu)[name] for name in after} == dict.fromkeys(after, "again")
+    words = {row["key"]: row["words"] for row in menu["entries"]}
+    assert words["calibration-process"] == "The aspect ratio was changed since: do it again."
+    assert words["xyz-process"] == "box.cp1 is to be made again, and then this."
+    assert process() == dict.fromkeys(after, "done") and (made / "box.cp1").read_text("utf-8") != cp
+    np.testing.assert_allclose(read_da(made / "feeding.da1")[..., 1], 0.9 * da[..., 1], atol=1e-6)
+    text = (folder / "rig.toml").read_text("utf-8")
+    (folder / "rig.toml").write_text(f"# looked at again\n{text}", "utf-8")
+    menu = menu_of(studio)
+    assert {name: states(menu)[name] for name in after} == dict.fromkeys(after, "again")
+    assert process() == dict.fromkeys(after, "done")
+    (made / "made.json").write_text("{", "utf-8")  # nothing is known then
+    assert states(menu_of(studio))["calibration-process"] == "done"
 
 
 def test_a_file_is_shown_frame_by_frame_with_what_is_not_there(folder):

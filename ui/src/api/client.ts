@@ -82,11 +82,11 @@ export const drop = (file: File): Promise<{ id: string; words: string[] }> =>
 
 export const reportAddress = (id: string): string => `/api${of(id)}/report`;
 export const reportPdf = async (id: string): Promise<Blob> => (await asked(`${of(id)}/report.pdf`)).blob();
-export const mosaicAddress = (id: string, frame: number): string => `/api${of(id)}/mosaic/${frame}`;
-export const partAddress = (id: string, camera: string, frame: number, x: number, y: number, w: number, h: number): string =>
-  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}`;
-export const cropAddress = (id: string, camera: string, frame: number, box: readonly number[]): string =>
-  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${box[0]}&y=${box[1]}&w=${box[2]}&h=${box[3]}`;
+/** Numbers of frames mean other images where not all are taken: browsers keep images by their address. */
+const taken = (every: number, sign = "?"): string => (every > 1 ? `${sign}every=${every}` : "");
+export const mosaicAddress = (id: string, frame: number, every: number): string => `/api${of(id)}/mosaic/${frame}${taken(every)}`;
+export const partAddress = (id: string, camera: string, frame: number, every: number, x: number, y: number, w: number, h: number): string =>
+  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}${taken(every, "&")}`;
 
 export const detection = (id: string): Promise<Detection> => json(`${of(id)}/detect`);
 export const detectFrame = (id: string, frame: number, draft: DetectDraft): Promise<DetectFrame> => json(`${of(id)}/detect/frame`, body({ frame, draft }));
@@ -95,7 +95,7 @@ export const detectApply = (id: string, draft: DetectDraft): Promise<Detection> 
 export const digitising = (id: string): Promise<DigitisingNow> => json(`${of(id)}/digitise`);
 export const answer = (id: string, what: AnswerBody): Promise<DigitisingNow> => json(`${of(id)}/digitise/answers`, body(what));
 export const savedFrame = (id: string, frame: number): Promise<PlacedMarker[]> => json(`${of(id)}/digitise/frames/${frame}`);
-export const pictureAddress = (id: string, camera: string, frame: number): string => `/api${of(id)}/pictures/${part(camera)}/${frame}`;
+export const pictureAddress = (id: string, camera: string, frame: number, every: number): string => `/api${of(id)}/pictures/${part(camera)}/${frame}${taken(every)}`;
 export const setUpDigitising = (id: string, what: SetupBody): Promise<DigitisingNow> => json(`${of(id)}/digitise/setup`, body(what));
 export const startUp = (id: string): Promise<StartUp> => json(`${of(id)}/digitise/setup`);
 export const leaveDigitising = async (id: string): Promise<void> => void (await asked(`${of(id)}/digitise/setup`, { method: "DELETE" }));

@@ -112,7 +112,7 @@ export class Cameras {
 
   private async fetch(frame: number): Promise<void> {
     try {
-      const answer = await fetch(mosaicAddress(this.header!.id, frame));
+      const answer = await fetch(mosaicAddress(this.header!.id, frame, this.header!.mosaic!.every));
       if (!answer.ok) return;
       const bitmap = await createImageBitmap(await answer.blob());
       if (!this.bitmaps.has(frame)) return bitmap.close();
@@ -188,7 +188,7 @@ export class Cameras {
     const high = (at: number, size: number, most: number): number => Math.min(most, Math.ceil((size - at) / f.scale / STEP_PX) * STEP_PX);
     const x = low(f.x), y = low(f.y), w = high(f.x, width, tile.camera.width) - x, h = high(f.y, height, tile.camera.height) - y;
     if (w <= 0 || h <= 0) return;
-    const address = partAddress(this.header!.id, tile.camera.name, frame, x, y, w, h), { part } = tile;
+    const address = partAddress(this.header!.id, tile.camera.name, frame, this.header!.mosaic?.every ?? 1, x, y, w, h), { part } = tile;
     if (part?.address === address) return c.drawImage(part.bitmap, f.x + x * f.scale, f.y + y * f.scale, w * f.scale, h * f.scale);
     if (tile.wanted === address) return;
     tile.wanted = address;

@@ -63,7 +63,7 @@ function Tile({ name }: { name: string }): React.JSX.Element {
         {found?.ground && <span className={styles.ground} title="The static ground of this camera is subtracted before">ground subtracted</span>}
         <button type="button" className={styles.size} aria-label={t.large ? "All cameras" : `${name} alone`} title={t.large ? "All cameras" : `${name} alone`} onClick={() => d.showLarge(t.large ? null : name)}>{t.large ? <Minimize2 size={14} aria-hidden /> : <Maximize2 size={14} aria-hidden />}</button>
       </header>
-      <PictureView label={`Image of ${name}`} address={api.pictureAddress(id, name, t.frame)} tall={camera.tall ? 2 : 1} over={over(t, name, found)} onClick={(u, v) => void d.ask(name, u, v)} onBox={t.painting ? box : null} />
+      <PictureView label={`Image of ${name}`} address={api.pictureAddress(id, name, t.frame, t.about.every)} tall={camera.tall ? 2 : 1} over={over(t, name, found)} onClick={(u, v) => void d.ask(name, u, v)} onBox={t.painting ? box : null} />
       {found?.refused && <p className={styles.refused}>{found.refused}</p>}
     </section>
   );
@@ -71,7 +71,7 @@ function Tile({ name }: { name: string }): React.JSX.Element {
 
 /** White pixels, masks, marks, and the place that was asked about. */
 function over(t: d.Tried, name: string, found: CameraFound | undefined): Over {
-  const picture = api.pictureAddress(get().id!, name, t.frame);
+  const picture = api.pictureAddress(get().id!, name, t.frame, t.about.every);
   return (c, to, s, redraw) => {
     if (t.white && found && found.threshold !== null && !found.ground) whitePixels(c, picture, found.threshold, found.inverted, s, redraw);
     for (const polygon of d.masksOf(t, name)) mask(c, polygon.map(([u, v]) => to(u, v)));

@@ -25,7 +25,7 @@ export function Digitise(): React.JSX.Element {
   useEffect(() => setAt(null), [d?.now.camera, d?.now.kept]); // until the cursor moves, the loupe is where the next one is expected
   const [starting, setStarting] = useState(false), fresh = d !== null && d.now.kept === 0 && !d.now.can_undo;
   if (!d) return <Unshown title="Digitise & verify"><StartUp done={() => setStarting(false)} /></Unshown>;
-  const { now } = d, camera = now.cameras.find((c) => c.name === now.camera)!, frame = d.shown ?? now.question.frame, address = api.pictureAddress(id, now.camera, frame);
+  const { now } = d, camera = now.cameras.find((c) => c.name === now.camera)!, frame = d.shown ?? now.question.frame, address = api.pictureAddress(id, now.camera, frame, now.every);
   const click = (u: number, v: number): void => void (g.pointing(d) && g.answer({ kind: "point", u, v }));
   return (
     <div className={styles.screen} data-phase={d.shown === null ? now.question.phase : "looking"} data-frame={frame} data-camera={now.camera} data-kept={now.kept}>

@@ -43,7 +43,7 @@ def detection(opened: OpenDetection, place: Place) -> m.Detection:
     return m.Detection(
         trial=place.name, session=opened.session.settings.name, method=every.name, first=opened.first,
         last=opened.first + opened.n_frames - 1, parameters=_parameters(opened), cameras=cameras,
-        learned=not opened.operated, words=OPERATED if opened.operated else "",
+        learned=not opened.operated, every=opened.every, words=OPERATED if opened.operated else "",
     )  # fmt: skip
 
 

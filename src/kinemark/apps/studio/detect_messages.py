@@ -50,7 +50,8 @@ class DetectCamera(Message):
 class Detection(Message):
     """How markers are detected in a trial; `words` say what there is to know before it is changed.
 
-    `learned`: what is left open is learned from each camera's recording, else it is the usual value.
+    `learned`: what is left open is learned from each camera's recording, else it is the usual value. One frame of
+    `every` of the recording is taken.
     """
 
     trial: str
@@ -61,6 +62,7 @@ class Detection(Message):
     parameters: list[DetectParameter]
     cameras: list[DetectCamera]
     learned: bool
+    every: int
     words: str = ""
 
 
@@ -176,12 +178,16 @@ class DigitiseQuestion(Message):
 
 
 class DigitisingNow(Message):
-    """Where an operator is: `kept` counts the answers of this camera, and must be said with the next one."""
+    """Where an operator is: `kept` counts the answers of this camera, and must be said with the next one.
+
+    One frame of `every` of the recording is taken; `frames` and all numbers are of those.
+    """
 
     trial: str
     session: str
     cameras: list[DigitisedCamera]
     frames: int
+    every: int
     camera: str
     kept: int
     markers: list[str]
@@ -224,8 +230,8 @@ class AnswerBody(Message):
 class SetupBody(Message):
     """The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
 
-    `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all;
-    `recorded`, the day of the recording, where nobody says it.
+    `reference_files` names UM²AS's files of its place; null: the first frame says it. One frame of `every` is taken;
+    `last_frame`, counted among those, is null for all; `recorded`, the day of the recording, where nobody says it.
     """
 
     markers: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(max_length=30)
@@ -233,13 +239,14 @@ class SetupBody(Message):
     confirm_reference: bool = True
     take_proposals: bool = False
     history: int = 2
+    every: int = Field(default=1, ge=1, le=1000)
     last_frame: int | None = None
     reference_files: str | None = Field(default=None, max_length=200)
     recorded: date | None = None
 
 
 class StartUp(Message):
-    """What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+    """What may be chosen before the first answer, and what is: of so many frames of the recording, which sets of files.
 
     `operated`: whether the trial is one that an operator digitises.
     """

@@ -61,7 +61,8 @@ def now(opened: OpenDigitising, place: Place, title: str) -> m.DigitisingNow:
             )
         )
     return m.DigitisingNow(
-        trial=place.name, session=title, cameras=cameras, frames=opened.n_frames, camera=opened.camera,
+        trial=place.name, session=title, cameras=cameras, frames=opened.n_frames,
+        every=next(iter(opened.task.images.values())).every, camera=opened.camera,
         kept=opened.kept[opened.camera], markers=list(markers), reference=opened.task.method.reference,
         question=_question(opened, question), draft=_placed(opened, state.draft), can_undo=opened.can_undo,
         finished=opened.finished(opened.names[-1]),

@@ -28,7 +28,8 @@ def mosaic_of(document: OpenDocument) -> messages.Mosaic | None:
         return None
     layout = found.layout
     tiles = [messages.Tile(**tile._asdict()) for tile in layout.tiles]
-    return messages.Mosaic(width=layout.width, height=layout.height, tiles=tiles)
+    every = next(iter(found.sources.values())).every
+    return messages.Mosaic(width=layout.width, height=layout.height, tiles=tiles, every=every)
 
 
 def seen(document: OpenDocument) -> Mosaics:
@@ -47,6 +48,6 @@ def _mosaics(document: OpenDocument) -> Mosaics | None:
     except KinemarkError:  # they were moved since the trial was run
         return None
     files = [path for source in sources.values() for path in source.paths]
-    fields = [source.interlaced for source in sources.values()]
-    recording = digest(file_key(*files), list(sources), fields)
+    taken = [(source.interlaced, source.every) for source in sources.values()]
+    recording = digest(file_key(*files), list(sources), taken)
     return Mosaics(sources, document.inputs.folder / FOLDER, recording=recording)

@@ -123,11 +123,12 @@ class Tile(Message):
 
 
 class Mosaic(Message):
-    """The layout of the mosaics of a trial."""
+    """The layout of the mosaics of a trial, of whose recording one frame of `every` is taken."""
 
     width: int
     height: int
     tiles: list[Tile]
+    every: int
 
 
 class Link(Message):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,7 +18,6 @@ from ...engine.first_session import (
     with_facts,
     with_role,
 )
-from ...engine.first_session.folder_files import files_below
 from ...engine.keys import digest
 from ...engine.session_name import FILE
 from ...engine.settings import read_settings
@@ -33,7 +31,7 @@ def said_of(folder: Path, said: SaidOfRecordings) -> tuple[SessionProposal, dict
     Raises:
         KinemarkError: the folder has no recordings, or what was said cannot be.
     """
-    proposal, wrong = _proposed(folder, _stamp(folder)), dict[str, str]()
+    proposal, wrong = propose_session(folder), dict[str, str]()
     paths = {_id(one): one.path for one in proposal.recordings}
     try:
         for key, role in said.roles.items():
@@ -134,13 +132,3 @@ def _id(one: FoundRecording) -> str:
     return digest(one.path)
 
 
-def _stamp(folder: Path) -> str:
-    """Changes when the folder's files do."""
-    stats = [(path, (folder / path).stat()) for path in files_below(folder)]
-    return digest([(path, stat.st_size, stat.st_mtime_ns) for path, stat in stats])
-
-
-@lru_cache(maxsize=8)
-def _proposed(folder: Path, stamp: str) -> SessionProposal:
-    """What a folder proposes, looked at once: images are decoded for it."""
-    return propose_session(folder)

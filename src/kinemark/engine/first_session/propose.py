@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
@@ -34,6 +35,8 @@ from .roles import role_of, trial_name
 
 LOOKED_AT = 60
 """Frames of a camera in which fields are looked for; chosen: one or two seconds, in which something moves."""
+KEPT = 8
+"""Folders whose proposals are kept; chosen: those that somebody goes to and fro between."""
 CAMERAS_LOOKED_AT = 3
 """Cameras whose images are decoded for it; chosen: one of them sees the motion."""
 First = Literal[False, "top", "bottom"]
@@ -44,6 +47,8 @@ DATE = re.compile(r"(?<!\d)(20\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[0
 def propose_session(folder: Path) -> SessionProposal:
     """What the recordings of a folder propose for its first `session.toml`; nothing is written.
 
+    Images are decoded for it, once as long as no file changes.
+
     Args:
         folder: with recordings in it or in folders below.
 
@@ -51,6 +56,13 @@ def propose_session(folder: Path) -> SessionProposal:
         KinemarkError: it is no folder, or nothing in it is a recording.
     """
     paths = files_below(folder)
+    stats = [(folder / path).stat() for path in paths]
+    return _proposed(folder, paths, tuple((stat.st_size, stat.st_mtime_ns) for stat in stats))
+
+
+@lru_cache(maxsize=KEPT)
+def _proposed(folder: Path, paths: tuple[str, ...], stamps: tuple[tuple[int, int], ...]) -> SessionProposal:
+    """The same for files that are as these stamps say."""
     pictures = [path for path in paths if is_picture(path)]
     found = [one for path in paths if not is_picture(path) and (one := _other(folder, path))]
     found += camera_files(folder, paths)

@@ -163,6 +163,13 @@ class TrialEntry(Strict):
     frames: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
         default=None, description="first and last frame of the stretch to process, counted from 1; all where absent"
     )
+    every: int = Field(
+        default=1,
+        ge=1,
+        le=1000,
+        description="one frame, or field, of so many is taken of the images; all numbers of frames are then of those, "
+        "and the rate is so many times lower",
+    )
 
     @field_validator("name")
     @classmethod
@@ -188,6 +195,8 @@ class TrialEntry(Strict):
             )
         if self.answers is not None and self.images is None:
             raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
+        if self.every > 1 and self.images is None:
+            raise ValueError(f"trial {self.name!r} has every = {self.every}, which is of images, and has none")
         return self
 
     @property

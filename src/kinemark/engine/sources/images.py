@@ -25,12 +25,13 @@ class Images:
     of: Recording
 
     def key(self) -> str:
-        """Of the files, the cameras' order, the rate, the fields, fixed marks, the cameras' times and masks."""
+        """Of the files, the cameras' order, the rate, fields, fixed marks, the cameras' times, masks, and frames."""
         of, images = self.of, self.of.images()
         files = [path for source in images.values() for path in source.paths]
         fields, names = str(of.settings.cameras.first_field), of.rig.names
         masks = masks_key(of.root, of.settings, names)
-        return digest(file_key(*files), names, self._rate(images), fields, of.corrections(), masks, of.frames)
+        taken = of.frames, of.entry.every
+        return digest(file_key(*files), names, self._rate(images), fields, of.corrections(), masks, taken)
 
     def detections(self, threads: int | None = None) -> Detections:
         """By the session's `[detect]`, without what its `[masks]` cover."""

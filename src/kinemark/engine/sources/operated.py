@@ -95,8 +95,8 @@ class OperatedImages:
         files = [path for source in task.images.values() for path in source.paths]
         masks = masks_key(of.root, of.settings, of.rig.names)
         said = file_key(*files, *task.answers.values())
-        last = [] if task.last is None else [task.last]
-        return digest(said, of.rig.names, self._rate(task), task.method, task.constants, rig_key(of.rig), masks, *last)
+        taken = task.last, of.entry.every
+        return digest(said, of.rig.names, self._rate(task), task.method, task.constants, rig_key(of.rig), masks, taken)
 
     def detections(self, threads: int | None = None) -> Detections:
         """What the operator's answers give; `.da` files and figures are written beside.

@@ -45,15 +45,16 @@ class Recording:
     results: Path
 
     def rate(self, stated: float | None) -> float:
-        """Frames a second: as the settings say, else as the file does."""
-        rate = self.settings.rate_hz or stated
+        """Frames a second that are taken: by what the settings say of the recording, else as the file does."""
+        rate = self.settings.rate_hz / self.entry.every if self.settings.rate_hz else stated
         if not rate:
             raise KinemarkError(f"Trial {self.entry.name!r} does not say its frame rate. Set rate_hz in session.toml.")
         return rate
 
     def images(self) -> dict[str, ImageSource]:
-        """The frames of each camera, of the size that it was calibrated at."""
-        images = open_cameras(self.root, self.settings, str(self.entry.images), self.rig.names)
+        """The frames of each camera that are taken, of the size that it was calibrated at."""
+        entry = self.entry
+        images = open_cameras(self.root, self.settings, str(entry.images), self.rig.names, every=entry.every)
         for camera in self.rig:
             _check_size(camera, images[camera.name], self.settings.cameras.interlaced is not False)
         return images
@@ -90,7 +91,7 @@ class Recording:
                 f"{', '.join(names)}. Call them alike."
             )
         delay = [cameras.delays_ms.get(name, 0.0) / 1000 for name in names]
-        rate = [cameras.rates_hz.get(name, found.rate) for name in names]
+        rate = [self._own_rate(name, found.rate) for name in names]
         if not all(found.rate / MAX_RATE_RATIO <= own <= found.rate * MAX_RATE_RATIO for own in rate):
             raise KinemarkError(
                 f"rates_hz of [cameras] are {', '.join(f'{own:g}' for own in rate)}, and frames come at "
@@ -104,8 +105,13 @@ class Recording:
         """Number of the camera's image that is nearest in time to a frame of the stretch, both in the recording."""
         cameras, rate = self.settings.cameras, self.rate(source.rate)
         f = frame if self.frames is None else frame + self.frames[0] - 1
-        late, own = cameras.delays_ms.get(camera, 0.0) / 1000, cameras.rates_hz.get(camera, rate)
+        late, own = cameras.delays_ms.get(camera, 0.0) / 1000, self._own_rate(camera, rate)
         return int(np.clip(round((f / rate - late) * own), 0, source.n_frames - 1))
+
+    def _own_rate(self, camera: str, rate: float) -> float:
+        """Images a second of a camera that are taken, where the others have so many."""
+        stated = self.settings.cameras.rates_hz.get(camera)
+        return rate if stated is None else stated / self.entry.every
 
     def unshifted(self, found: Detections) -> Detections:
         """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given."""

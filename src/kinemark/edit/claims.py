@@ -10,7 +10,10 @@ Where two samples of one frame have one name, the later claim's stays, then the 
 nobody claimed gives way to a claimed one. What gives way becomes unnamed (4). Of what is left of an unnamed track, the
 pieces before and after a claimed one are tracks of their own (5): what is between them is another marker.
 
-A witness says nothing any more where a later claim gives its path another name in its frame, or gives its name to other
+A path that steps onto the place of another (`crossings`) goes on as another marker, or not: a claim speaks of those of
+its pieces that have a witness of it (7).
+
+A witness says nothing any more where a later claim gives its piece another name in its frame, or gives its name to other
 paths around it (6): where tracks were made again otherwise, it would stand on another marker.
 """
 
@@ -100,20 +103,20 @@ def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, kn
     """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
     shape = len(trajectories), trajectories.n_frames
     of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
-    said = said.of(~_refuted(said, claims))
+    said = said.of(~_refuted(said, claims, known.pieces))
     for p in np.unique(said.path[said.path >= 0]).tolist():
         mine = np.unique(said.stretch[said.path == p]).tolist()
         key = p, *((k, claims[k].where, said.frame[said.stretch == k].tobytes()) for k in mine)
         if key not in known.rows:
             while len(known.rows) >= MOST_ROWS:
                 del known.rows[next(iter(known.rows))]
-            known.rows[key] = _owner(trajectories, p, {k: claims[k] for k in mine}, said, known.detections)
+            known.rows[key] = _owner(known, p, {k: claims[k] for k in mine}, said)
         of[p], apart[p] = known.rows[key]
     return of, apart
 
 
-def _refuted(said: Votes, claims: Sequence[Claim]) -> Bools:
-    """(N) witnesses of claims that a later one contradicts (6).
+def _refuted(said: Votes, claims: Sequence[Claim], pieces: Ints) -> Bools:
+    """(N) witnesses of claims that a later one contradicts (6); `pieces` (P, F) of the paths, as `crossings` has them.
 
     Where pieces of one marker overlap, one's witnesses there give way to the other's, but still part the path from what
     it was called before.
@@ -123,20 +126,22 @@ def _refuted(said: Votes, claims: Sequence[Claim]) -> Bools:
         return out
     voting = np.flatnonzero(said.path >= 0)
     rows = np.split(voting, np.searchsorted(said.stretch[voting], np.arange(1, len(claims))))
-    of_path, of_name = dict[int, set[int]](), dict[str, set[int]]()
+    piece = said.path.copy()
+    piece[voting] += len(pieces) * pieces[said.path[voting], said.frame[voting]]  # one number for path and piece
+    of_piece, of_name = dict[int, set[int]](), dict[str, set[int]]()
     for k, own in enumerate(rows):
-        for p in set(said.path[own].tolist()):
-            of_path.setdefault(p, set()).add(k)
+        for p in set(piece[own].tolist()):
+            of_piece.setdefault(p, set()).add(k)
         of_name.setdefault(claims[k].name or "", set()).add(k)
     for later in reversed(range(len(claims))):
         all_own = rows[later][~out[rows[later]]]
         own = all_own[~elsewhere[all_own]]
         paths, name = set(said.path[own].tolist()), claims[later].name
-        for p in paths:
-            at = said.frame[all_own[said.path[all_own] == p]]
-            for k in of_path[p]:
+        for p in set(piece[own].tolist()):
+            at = said.frame[all_own[piece[all_own] == p]]
+            for k in of_piece[p]:
                 if k < later and claims[k].name != name:
-                    out[rows[k][(said.path[rows[k]] == p) & _within(said.frame[rows[k]], at)]] = True
+                    out[rows[k][(piece[rows[k]] == p) & _within(said.frame[rows[k]], at)]] = True
         for k in of_name[name] if name is not None and len(own) else ():
             if k < later:
                 away = ~np.isin(said.path[rows[k]], list(paths))
@@ -149,20 +154,27 @@ def _within(frame: Ints, ends: Ints) -> Bools:
     return np.asarray((frame >= ends.min()) & (frame <= ends.max()))
 
 
-def _owner(
-    trajectories: Trajectories, p: int, claims: dict[int, Claim], said: Votes, detections: Detections | None
-) -> tuple[Ints, Floats]:
+def _owner(known: KnownVotes, p: int, claims: dict[int, Claim], said: Votes) -> tuple[Ints, Floats]:
     """The same (F) of one path; `claims` that have a witness on it, by their numbers."""
+    trajectories, piece = known.trajectories, known.pieces[p]
     of, apart = np.full(trajectories.n_frames, -1, np.int64), np.full(trajectories.n_frames, np.inf)
     on = {k: said.of(said.stretch == k) for k in claims}
+    reached = {k: np.isin(piece, piece[own.frame[own.path == p]]) for k, own in on.items()}  # (7)
+    on = {k: own.of(_at(reached[k], own.frame)) for k, own in on.items()}
     for k, own in on.items():
-        denied = own.frame[denies(own, p, trajectories, detections)]
-        _nearest(of, apart, k, own.frame[own.path == p], denied, _covered(claims[k], trajectories))  # (2)
+        denied = own.frame[denies(own, p, trajectories, known.detections)]
+        _nearest(of, apart, k, own.frame[own.path == p], denied, reached[k], _covered(claims[k], trajectories))  # (2)
     for k, own in on.items():
         speaking = own.of(own.path >= 0)
-        _between(of, apart, k, speaking.frame, speaking.path == p, _covered(claims[k], trajectories))  # (1)
+        _between(of, apart, k, speaking.frame, speaking.path == p, reached[k], _covered(claims[k], trajectories))  # (1)
     of[trajectories.paths[p].origin == Origin.MISSING] = -1
     return of, apart
+
+
+def _at(mask: Bools, frame: Ints) -> Bools:
+    """A mask (F) at frames; false where the trial does not have them."""
+    inside = (frame >= 0) & (frame < len(mask))
+    return inside & mask[np.where(inside, frame, 0)]
 
 
 def _covered(claim: Claim, trajectories: Trajectories) -> slice:
@@ -179,21 +191,22 @@ def _distance(frame: Ints, at: slice, n: int) -> Floats:
     return np.minimum(np.abs(frame[after] - t), np.abs(frame[(after - 1).clip(0)] - t)).astype(np.float64)
 
 
-def _nearest(of: Ints, apart: Floats, k: int, frame: Ints, denied: Ints, at: slice) -> None:
+def _nearest(of: Ints, apart: Floats, k: int, frame: Ints, denied: Ints, reached: Bools, at: slice) -> None:
     """Claim k takes what it is nearest to, in place."""
     d = _distance(frame, at, len(of))
-    nearer = d <= apart[at]
+    nearer = reached[at] & (d <= apart[at])
     if len(denied):
         nearer &= d < _distance(denied, at, len(of))  # (3)
     of[at][nearer], apart[at][nearer] = k, d[nearer]
 
 
-def _between(of: Ints, apart: Floats, k: int, frame: Ints, here: Bools, at: slice) -> None:
+def _between(of: Ints, apart: Floats, k: int, frame: Ints, here: Bools, reached: Bools, at: slice) -> None:
     """Claim k takes what lies between witnesses that follow each other on the path, in place."""
     for i in np.flatnonzero(here[:-1] & here[1:]).tolist():
         part = slice(max(frame[i], at.start), min(frame[i + 1] + 1, at.stop))
         if part.start < part.stop:
-            of[part], apart[part] = k, _distance(frame[i : i + 2], part, len(of))
+            own = reached[part]
+            of[part][own], apart[part][own] = k, _distance(frame[i : i + 2], part, len(of))[own]
 
 
 def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, apart: Floats) -> Bools:

@@ -24,6 +24,7 @@ import numpy as np
 from ..data import Detections, Origin, Trajectories, Validity
 from ..data.array_types import Bools, Floats, Ints
 from ..data.edits import Stretch
+from .crossings import unbroken
 
 NEAR, CROWDED = 1.5, 4.5
 """px; of (1). Chosen: far above the noise of a centroid, and three times that. See studies/edits.py."""
@@ -84,6 +85,14 @@ class KnownVotes(dict[Stretch, Votes]):
         super().__init__()
         self.trajectories, self.detections, self.world = trajectories, detections, world
         self.rows: dict[object, tuple[Ints, Floats]] = {}
+        self._pieces: Ints | None = None
+
+    @property
+    def pieces(self) -> Ints:
+        """(P, F) the pieces of each path, as `crossings` has them."""
+        if self._pieces is None:
+            self._pieces = unbroken(self.trajectories.paths, self.trajectories)
+        return self._pieces
 
 
 @lru_cache(maxsize=1)  # the trial that is edited is the same at every edit

@@ -7,9 +7,13 @@ import numpy as np
 from ..data import Detections, MarkerTrajectory, Trajectories
 from ..data.array_types import Ints
 from ..data.edits import MOST_WITNESSES, Stretch, Witness
+from .crossings import unbroken
 
 DECIMALS = 3
 """Of mm and px in a witness: a thousandth, far below any noise; chosen."""
+
+MOST_PIECES = 100
+"""Pieces of a path that have a witness of their own, the longest; chosen: a path with more is no marker's."""
 
 
 def stretch_of(
@@ -22,8 +26,11 @@ def stretch_of(
     within: tuple[int, int] | None = None,
     detections: Detections | None = None,
     world: str = "",
+    among: Trajectories | None = None,
 ) -> Stretch:
     """A stretch of one trajectory, with witnesses spread evenly over its samples, always one at each end.
+
+    Where the path steps onto another's place (`crossings`), each of its pieces has a witness.
 
     Args:
         trajectories: as somebody sees them.
@@ -33,6 +40,7 @@ def stretch_of(
         within: first and last frame that witnesses are taken from, where that is less than the stretch.
         detections: behind the samples; None for a file without its images.
         world: key of the cameras whose world the places are in.
+        among: the paths of the trial before all edits, on whose places it may step; `trajectories` where None.
 
     Raises:
         KeyError: there is no such trajectory.
@@ -46,6 +54,7 @@ def stretch_of(
     if not inside.any():
         raise ValueError(f"{name} has no sample in frames {low or 'from the first'} to {high or 'the last'}")
     chosen = _spread(frames[inside], None if at is None else at - trajectories.first_frame)
+    chosen = _in_each_piece(chosen, frames[inside], unbroken([path], among or trajectories)[0])
     return Stretch(
         first, last, tuple(_witness(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world
     )
@@ -57,6 +66,14 @@ def _spread(frames: Ints, at: int | None) -> Ints:
     chosen = frames[np.unique(np.linspace(0, len(frames) - 1, min(most, len(frames))).round().astype(np.int64))]
     near = frames[:0] if at is None else frames[[np.abs(frames - at).argmin()]]
     return np.union1d(chosen, near)
+
+
+def _in_each_piece(chosen: Ints, frames: Ints, piece: Ints) -> Ints:
+    """With the middle frame of each piece that has none of them, of the longest pieces."""
+    numbers, first, count = np.unique(piece[frames], return_index=True, return_counts=True)
+    order = np.argsort(-count, kind="stable")[:MOST_PIECES]
+    left = order[~np.isin(numbers[order], piece[chosen])]
+    return np.union1d(chosen, frames[first[left] + count[left] // 2])
 
 
 def _witness(path: MarkerTrajectory, f: int, first_frame: int, detections: Detections | None) -> Witness:

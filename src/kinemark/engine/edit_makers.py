@@ -63,8 +63,9 @@ def claim(
     def stretch(trajectories: Trajectories, path: str, within: tuple[int, int] | None = None) -> Stretch:
         near = at if at is not None and (within is None or within[0] <= at <= within[1]) else None
         return stretch_of(
-            trajectories, path, first=first, last=last, at=near, within=within, detections=of.detections, world=of.world
-        )
+            trajectories, path, first=first, last=last, at=near, within=within, detections=of.detections,
+            world=of.world, among=of.trajectories,
+        )  # fmt: skip
 
     try:
         where = stretch(now, track)

@@ -7,11 +7,12 @@ import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
 import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
-import { proposed } from "../model/problems";
+import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
 import { goTo, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
+import type { Problem } from "../api/types";
 import { currentProblem, get, keep, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
@@ -26,6 +27,8 @@ export interface Command {
   screens?: readonly Screen[];
   /** Whether it can be done now. */
   when?: (s: State) => boolean;
+  /** Whether it belongs to what is looked at; the foot offers it there alone. */
+  fits?: (s: State) => boolean;
   /** What it would do now, in words, for the foot; the title where absent. */
   hint?: (s: State) => string;
   /** Written at the foot, the lower the earlier. */
@@ -38,6 +41,11 @@ const PLAYED: readonly Screen[] = [...EDITOR, "angles"];
 const hasTrial = (s: State): boolean => s.header !== null;
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
 const selected = (s: State): boolean => s.selected.length > 0;
+/** Values are said of markers; a track without a name is another one in the next run. */
+const marker = (s: State): boolean => selected(s) && !s.selected[0]!.startsWith("*");
+/** Nothing, or a problem of these kinds, is looked at. */
+const free = (s: State, ...kinds: Problem["kind"][]): boolean => kinds.includes(currentProblem(s)?.kind ?? kinds[0]!);
+const marked = (s: State): string => (s.first === null ? "from here on" : s.last === null ? `from frame ${s.first} on` : "in the marked stretch");
 const flip = (key: "lines" | "images" | "follow" | "alone" | "bands") => (): void => set((s) => ({ [key]: !s[key] }));
 const go = (screen: Screen) => (): void => goTo(screen);
 const jumpTo = (where: (s: State) => number | null | undefined) => (): void => {
@@ -77,11 +85,11 @@ export const COMMANDS: readonly Command[] = [
   { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : s.problems?.problems.length ? `look at the first of ${many(s.problems.problems.length, "problem")}` : "no problem is left"), run: () => acts.step(1) },
   { id: "previous", keys: ["Shift+N"], title: "Previous problem", group: "Problems", screens: ["tracks"], when: hasTrial, run: () => acts.step(-1) },
   ...[1, 2, 3, 4, 5].map(taken),
-  { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: onProblem, foot: 20, hint: () => "right as it is", run: acts.rightAsIs },
+  { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: (s) => onProblem(s) && keepOf(currentProblem(s)!) !== null, fits: (s) => wayTo(currentProblem(s), "keep") !== null, foot: 20, hint: (s) => keepOf(currentProblem(s)!)!.words, run: acts.rightAsIs },
   { id: "later", keys: ["-"], title: "Later", group: "Problems", screens: ["tracks"], when: onProblem, foot: 22, hint: () => "later", run: acts.putOff },
-  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => selected(s) || onProblem(s), foot: 24, hint: (s) => (s.first !== null && s.last !== null && !s.selected[0]?.startsWith("*") ? "erase the marked samples" : "not a marker"), run: acts.notAMarker },
+  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => acts.dropping(s) !== null, fits: (s) => s.screen !== "gaps" && (!onProblem(s) || s.first !== null || s.last !== null || dropOf(currentProblem(s)!) !== null), foot: 24, hint: (s) => acts.dropping(s)!.words, run: () => acts.dropping(get())?.run() },
   // Names
-  { id: "exchange", keys: ["X"], title: "Exchange two markers from here on, or in the marked stretch", group: "Names", screens: ["tracks"], when: (s) => s.selected.length > 1, foot: 26, hint: (s) => `exchange ${s.selected[0]} and ${s.selected[1]} from here on`, run: acts.exchange },
+  { id: "exchange", keys: ["X"], title: "Exchange two markers from here on, or in the marked stretch", group: "Names", screens: ["tracks"], when: (s) => s.selected.length > 1 && s.selected.slice(0, 2).some((name) => !name.startsWith("*")), fits: (s) => free(s, "swap"), foot: 26, hint: (s) => `exchange ${s.selected[0]} and ${s.selected[1]} ${marked(s)}`, run: acts.exchange },
   { id: "cut", keys: ["C"], title: "Cut here: mark from this frame to the end", group: "Names", screens: ["tracks"], when: selected, run: acts.cut },
   { id: "name", keys: ["L"], title: "Name the selected track", group: "Names", screens: ["tracks", "labels", "gaps"], when: selected, foot: 28, hint: (s) => `name ${s.selected[0]}`, run: () => set({ dialog: "name" }) },
   { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => acts.claim(null) },
@@ -91,15 +99,15 @@ export const COMMANDS: readonly Command[] = [
   { id: "label-next", keys: ["N"], title: "Next track to be asked about", group: "Names", screens: ["labels"], foot: 3, hint: () => "next track", run: () => nextProposal(1) },
   { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextProposal(-1) },
   // Gaps and places
-  { id: "fill", keys: ["G"], title: "Fill the gap here", group: "Gaps and places", screens: ["tracks"], when: (s) => selected(s), hint: () => "fill the gap here", run: () => void acts.fillGap("best") },
+  { id: "fill", keys: ["G"], title: "Fill the gap here", group: "Gaps and places", screens: ["tracks"], when: marker, hint: (s) => wayTo(currentProblem(s), "fill")?.words ?? "fill the gap here", run: () => acts.settleGap("fill") },
   { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${s.gap!.frames} frames, by ${wayOf(s.method ?? "best")}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
   { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], foot: 2, hint: (s) => `fill all ${acts.acceptable().length} below ${s.limit} mm`, run: acts.fillAll },
   { id: "method", keys: ["Shift+G"], title: "Next method", group: "Gaps and places", screens: ["gaps"], when: (s) => (s.candidates?.candidates.length ?? 0) > 1, foot: 3, hint: () => "next method", run: () => acts.nextMethod() },
-  { id: "open", keys: ["O"], title: "Leave the gap open", group: "Gaps and places", screens: EDITOR, when: (s) => (s.screen === "gaps" ? s.gap !== null : selected(s)), foot: 21, hint: () => "leave the gap open", run: () => void acts.fillGap("open") },
+  { id: "open", keys: ["O"], title: "Leave the gap open", group: "Gaps and places", screens: EDITOR, when: (s) => (s.screen === "gaps" ? s.gap !== null : marker(s)), fits: (s) => s.screen === "gaps" || wayTo(currentProblem(s), "leave_open") !== null, foot: 21, hint: () => "leave the gap open", run: () => acts.settleGap("leave_open") },
   { id: "gap-next", keys: ["N"], title: "Next gap", group: "Gaps and places", screens: ["gaps"], foot: 4, hint: () => "next gap", run: () => nextGap(1) },
   { id: "gap-previous", keys: ["Shift+N"], title: "Previous gap", group: "Gaps and places", screens: ["gaps"], run: () => nextGap(-1) },
-  { id: "put", keys: ["P"], title: "Put a point: by its coordinates, or by clicks in two images", group: "Gaps and places", screens: EDITOR, when: selected, foot: 30, hint: (s) => (s.clicks ? "no longer put" : `put ${s.selected[0]} in this frame`), run: () => set((s) => ({ clicks: s.clicks ? null : [] })) },
-  { id: "smooth", keys: ["M"], title: "Smooth the marked stretch …", group: "Gaps and places", screens: EDITOR, when: (s) => selected(s) && s.first !== null && s.last !== null, run: acts.smooth },
+  { id: "put", keys: ["P"], title: "Put a point: by its coordinates, or by clicks in two images", group: "Gaps and places", screens: EDITOR, when: marker, foot: 30, hint: (s) => (s.clicks ? "no longer put" : `put ${s.selected[0]} in this frame`), run: () => set((s) => ({ clicks: s.clicks ? null : [] })) },
+  { id: "smooth", keys: ["M"], title: "Smooth the marked stretch …", group: "Gaps and places", screens: EDITOR, when: (s) => marker(s) && s.first !== null && s.last !== null, run: acts.smooth },
   { id: "mark-first", keys: ["["], title: "Mark from here", group: "Gaps and places", screens: EDITOR, hint: () => "mark from here", run: () => set((s) => ({ first: playhead.frame, last: s.last !== null && s.last < playhead.frame ? null : s.last })) },
   { id: "mark-last", keys: ["]"], title: "Mark to here", group: "Gaps and places", screens: EDITOR, hint: () => "mark to here", run: () => set((s) => ({ last: playhead.frame, first: s.first !== null && s.first > playhead.frame ? null : s.first })) },
   { id: "event", keys: ["K"], title: "Add an event here", group: "Gaps and places", screens: EDITOR, run: () => set({ dialog: "event" }) },
@@ -209,7 +217,7 @@ export const possible = (c: Command, s: State): boolean => (!c.screens || c.scre
 
 /** What the foot says: the commands that are most likely now, with what they would do. */
 export const footLine = (s: State): { key: string; words: string; id: string }[] =>
-  COMMANDS.filter((c) => c.foot !== undefined && possible(c, s))
+  COMMANDS.filter((c) => c.foot !== undefined && possible(c, s) && (!c.fits || c.fits(s)))
     .sort((a, b) => a.foot! - b.foot!)
     .map((c) => ({ key: c.keys[0]!, words: c.hint?.(s) ?? c.title.toLowerCase(), id: c.id }));
 

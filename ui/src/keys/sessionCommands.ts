@@ -50,7 +50,7 @@ export const SESSION_COMMANDS: readonly Command[] = [
   { id: "play-angles", keys: ["P"], title: "Play or pause", group: "Time", screens: ["angles"], foot: 4, hint: () => "play or pause", run: () => playhead.toggle() },
   { id: "spike-look", keys: ["Enter"], title: "Look at the marker that made the leap", group: "Time", screens: ["angles"], when: () => now().spike !== null, foot: 1, hint: () => `look at ${now().spike!.marker} in frame ${now().spike!.frame}`, run: lookAtSpike },
   { id: "euler", keys: ["Shift+E"], title: "Write the three Euler files", group: "Trial", screens: ["angles"], when: () => now().angles?.euler === true, foot: 6, hint: () => "write .shd .elb .wst", run: () => void writeEuler() },
-  { id: "new", keys: ["Alt+Shift+N"], title: "New session from recordings", group: "Go to", foot: 58, hint: () => "new session", run: () => void (location.hash = "#/new") },
+  { id: "new", keys: ["Alt+Shift+N"], title: "New session from recordings", group: "Go to", fits: (s) => s.screen === "home", foot: 58, hint: () => "new session", run: () => void (location.hash = "#/new") },
   { id: "cameras", keys: ["Shift+C"], title: "Cameras & calibration", group: "Go to", when: () => sessionOf() !== null, run: () => void (location.hash = `#/session/${encodeURIComponent(sessionOf()!)}/cameras`) },
 ];
 

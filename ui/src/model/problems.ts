@@ -37,5 +37,8 @@ export const actOf = (p: Problem, taken: Alternative): Act => (taken.act as Act 
 /** The alternative that says that all is right as it is. */
 export const keepOf = (p: Problem): Alternative | null => p.alternatives.find(asItIs) ?? null;
 
+/** The first alternative of a kind. */
+export const wayOf = (p: Problem | null, action: Alternative["action"]): Alternative | null => p?.alternatives.find((a) => a.action === action) ?? null;
+
 /** The alternative that makes a track no marker, or takes wrong samples away. */
 export const dropOf = (p: Problem): Alternative | null => p.alternatives.find((a) => a.action === "no_marker" || a.action === "erase") ?? null;

@@ -3,6 +3,7 @@ import { ArrowLeftRight, Crosshair, Eraser, PenLine, Scissors, Spline, TagIcon, 
 import { byId, possible } from "../keys/commands";
 import { shownKey } from "../keys/bind";
 import { frames, many, percent } from "../model/format";
+import { dropping } from "../state/acts";
 import { playhead, set, useStore } from "../state/store";
 import styles from "./Inspector.module.css";
 import { PutPanel } from "./PutPanel";
@@ -30,8 +31,8 @@ export function Inspector(): React.JSX.Element {
       {selected.length > 0 && (
         <ul className={styles.tools}>
           {TOOLS.map(([id, Icon, words]) => {
-            const command = byId(id), title = id === "drop" && first !== null && last !== null && !selected[0]!.startsWith("*") ? "Erase marked" : words;
-            return <li key={id}><button type="button" className="button" title={command.title} aria-pressed={id === "put" ? clicks !== null : undefined} disabled={!possible(command, { ...state, screen: "tracks" })} onClick={command.run}><Icon size={14} aria-hidden />{title}<kbd>{shownKey(command.keys[0]!)}</kbd></button></li>;
+            const command = byId(id), does = id === "drop" ? dropping(state)?.words : undefined, title = does && !does.includes("no marker") ? "Erase" : words;
+            return <li key={id}><button type="button" className="button" title={does ?? command.title} aria-pressed={id === "put" ? clicks !== null : undefined} disabled={!possible(command, { ...state, screen: "tracks" })} onClick={command.run}><Icon size={14} aria-hidden />{title}<kbd>{shownKey(command.keys[0]!)}</kbd></button></li>;
           })}
           <li><button type="button" className="button" onClick={() => set({ first: playhead.frame })}>From here<kbd>[</kbd></button></li>
           <li><button type="button" className="button" onClick={() => set({ last: playhead.frame })}>To here<kbd>]</kbd></button></li>

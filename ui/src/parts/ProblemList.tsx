@@ -60,7 +60,7 @@ function Consequence({ of: a }: { of: Alternative }): React.JSX.Element | null {
 
 /** The problem that is looked at: what may be wrong, and the ways to go, each with its key and what it costs. */
 function Open({ problem: p, number }: { problem: Problem; number: number }): React.JSX.Element {
-  const { word, icon: Icon } = KINDS[p.kind], none = keepOf(p) !== null;
+  const { word, icon: Icon } = KINDS[p.kind], keep = keepOf(p);
   return (
     <div className={styles.open} aria-current="true">
       <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span><Weight problem={p} /></div>
@@ -77,7 +77,7 @@ function Open({ problem: p, number }: { problem: Problem; number: number }): Rea
           </li>
         ))}
       </ul>
-      <p className={styles.more}>{none && <><kbd>Y</kbd> right as it is </>}<kbd>–</kbd> later <kbd>Space</kbd> play</p>
+      <p className={styles.more}>{keep && <><kbd>Y</kbd> {keep.action === "keep" ? "right as it is" : keep.words} </>}<kbd>–</kbd> later <kbd>Space</kbd> play</p>
     </div>
   );
 }

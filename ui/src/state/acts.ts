@@ -3,9 +3,9 @@ import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, SmoothingFunction } from "../api/types";
 import { percent } from "../model/format";
 import { decodePaths, type PathSet } from "../model/paths";
-import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem } from "../model/problems";
+import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem, wayOf } from "../model/problems";
 import { fetchChanged, fresh, refetch, refreshProblems, say, take } from "./load";
-import { currentProblem, get, playhead, set, still, useStore } from "./store";
+import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
 /** s before and after a problem that playing goes round in; the design's. */
 const ROUND_S = 0.4;
@@ -123,6 +123,7 @@ function soon(by: 1 | -1): void {
 export async function choose(problem: Problem, key: string): Promise<void> {
   const taken = problem.alternatives.find((a) => a.key === key);
   if (!taken) return;
+  if (taken.action === "wait") return putOff(); // nothing is said: it stays in the list
   const before = inOrder(get().problems?.problems ?? [], get().later);
   const done = await act(actOf(problem, taken), taken.words);
   if (!done || get().problem !== problem.id) return;
@@ -151,7 +152,6 @@ export function rightAsIs(): void {
   const p = currentProblem(get());
   const keep = p && keepOf(p);
   if (p && keep) void choose(p, keep.key);
-  else if (p) void act({ kind: "review", problem: p.id, right: true }, "Right as it is").then((done) => done && step(1));
 }
 
 export function putOff(): void {
@@ -168,13 +168,14 @@ export function claim(name: string | null, track = get().selected[0]): void {
   if (track) void act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`);
 }
 
-/** Not a marker: the way the problem offers, else what is selected. */
-export function notAMarker(): void {
-  const p = currentProblem(get()), drop = p && dropOf(p), name = get().selected[0];
-  if (p && drop) return void choose(p, drop.key);
-  const { first, last } = get();
-  if (name && first !== null && last !== null && !name.startsWith("*")) void act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`);
-  else claim(null);
+/** What Delete does: the marked samples, else the way that the problem offers, else the track as a whole; null: nothing. */
+export function dropping(s: State): { words: string; run: () => void } | null {
+  const p = currentProblem(s), drop = p && dropOf(p), name = s.selected[0], { first, last } = s;
+  const own = first !== null || last !== null || (name !== undefined && !p?.tracks.includes(name)); // the person's choice
+  if (p && drop && !own) return { words: drop.words, run: () => void choose(p, drop.key) };
+  if (!name) return null;
+  if (first === null || last === null || name.startsWith("*")) return { words: `${name} is no marker${first === null && last === null ? "" : " in the marked stretch"}`, run: () => claim(null, name) };
+  return { words: `erase the marked samples of ${name}`, run: () => void act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`) };
 }
 
 export function exchange(): void {
@@ -217,6 +218,13 @@ export function gapHere(): GapRow | null {
   while (a > 0 && path.origin[a - 1] === path.origin[b]) a--;
   while (b + 1 < paths.frames && path.origin[b + 1] === path.origin[a]) b++;
   return { marker: name, first: a + paths.firstFrame, last: b + paths.firstFrame, frames: b - a + 1, method: null, expected_mm: null, others: [], cameras_alone: [], state: "open", choice: null, words: "" };
+}
+
+/** Fill the gap that the problem is about, or leave it open; else the one of the selected marker in this frame. */
+export function settleGap(action: "fill" | "leave_open"): void {
+  const p = currentProblem(get()), way = wayOf(p, action);
+  if (p && way) void choose(p, way.key);
+  else void fillGap(action === "fill" ? "best" : "open");
 }
 
 export async function fillGap(method = get().method ?? "best"): Promise<void> {

@@ -134,7 +134,7 @@ def margins(
 def _share(nats: Floats, stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
     """(n) of the tracks with a label, evidence over what is expected."""
     t = np.flatnonzero(label >= 0)
-    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs), 1e-9)[label[t]])
+    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs)[t, label[t]], 1e-9))
 
 
 def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:

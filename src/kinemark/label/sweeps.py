@@ -130,9 +130,13 @@ def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float)
 
 
 def expectation(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
-    """(L) nats that the evidence of each label is, where the template holds, from as many neighbours as there are."""
-    present = np.isfinite(places(stretches, label, len(pairs.distance))[..., 0]).mean(0)
-    return np.asarray(pairs.expected @ present)
+    """(T, L) nats that the evidence of each track as each label is where the template holds.
+
+    From as many neighbours as are seen with that track: where few cameras see a part of the body, few are.
+    """
+    present = np.isfinite(places(stretches, label, len(pairs.distance))[..., 0]).astype(float)
+    own = np.isfinite(stretches.xyz[..., 0]).astype(float)
+    return np.asarray((own @ present / np.maximum(own.sum(1), 1)[:, None]) @ pairs.expected)
 
 
 def total_score(stretches: Stretches, label: Ints, pairs: PairScore) -> tuple[float, float]:

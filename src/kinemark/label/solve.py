@@ -15,7 +15,7 @@ from .key_frames import Placing, frame_score, placings, search, settle
 from .pool import pooled
 from .side_pairs import mirrored
 from .stretches import FREE, Stretches
-from .sweeps import continuity, evidence, expectation, outwards, places, sweep, total_score
+from .sweeps import GOES_ON, continuity, evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
 SWEEPS = 6
@@ -33,9 +33,6 @@ LEAST_KNOWN = 0.5
 """Share of the samples that must have a name before a trial may tell of the subject; chosen, as for a refusal."""
 OFF = 0.3
 """The same for tracks of a marker that is known by the trial; chosen."""
-GOES_ON = 10.0
-"""Nats from which on a track goes on as another marker's, and half of it as no other's; chosen: pieces that were
-cut from a marker have more, ghosts that pass by less."""
 LONGEST_CHAIN = 8
 """Rounds of it; chosen: so many pieces one after the other."""
 TURNED = 0.7

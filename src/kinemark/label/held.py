@@ -30,18 +30,20 @@ new posture, or of another subject; of 30 pairs of different marker sets one hol
 def held(stretches: Stretches, label: Ints, pairs: PairScore) -> float:
     """The share of the stiffest distances of all that has a label which hold, 0 for those to labels that are absent.
 
+    Absent is what is so all through the trial: what is hidden for a while, as from few cameras, tells nothing.
+
     Args:
         label: (T) −1 for none.
     """
-    L = len(pairs.distance)
     near = _stiffest(pairs, NEIGHBOURS)
-    y = places(stretches, label, L)
+    y = places(stretches, label, len(pairs.distance))
+    absent = ~np.isfinite(y[..., 0]).any(0)
     holds = total = 0
     for k in np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)):
         off = np.abs(distances(y[k], y[k]) - pairs.distance) * pairs.inverse
         own = np.isfinite(y[k, :, 0])
         holds += int((np.take_along_axis(off, near, axis=1)[own] < WITHIN).sum())
-        total += int(own.sum()) * near.shape[1]
+        total += int((own | absent)[near[own]].sum())
     return holds / max(total, 1)
 
 

@@ -9,7 +9,11 @@ change, so that what u loses counts too:
 
     m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (2)
 
-and b may be "none", worth 0; e is of what is known of the subject after the trial (`pool`), as pieces of a marker are
+and b may be "none", worth 0, also where u, seen for n_u frames to n_t, takes a instead, from b or no name:
+
+    m_t ≤ e(t, a) − min(1, n_u / n_t) [ e(u, a) − max(e(u, b), 0) ]                                              (2')
+
+e is of what is known of the subject after the trial (`pool`), as pieces of a marker are
 judged by the others. With f_t = e(t, a) over what is expected, f_a the same of all tracks that are a, w independent
 frames, c how well the track goes on from others that are a, and F the fit of the frames that it is in,
 
@@ -118,7 +122,7 @@ def margins(
     doubted = exchanges and bool(np.any(template.doubt))
     rival = lost_to_rivals(stretches, label, template, pairs) if doubted else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
-    least, second = _second(stretches, t, a, nats[t])
+    least, second = _second(stretches, t, a, nats, label)
     found = Margins(
         least, second, share, share - own_fit[a], continuity(stretches, label, L)[t, a], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
@@ -134,7 +138,7 @@ def margins(
 def _share(nats: Floats, stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
     """(n) of the tracks with a label, evidence over what is expected."""
     t = np.flatnonzero(label >= 0)
-    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs), 1e-9)[label[t]])
+    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs)[t, label[t]], 1e-9))
 
 
 def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:
@@ -144,8 +148,9 @@ def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:
     return out
 
 
-def _second(stretches: Stretches, t: Ints, a: Ints, nats: Floats) -> tuple[Floats, Ints]:
-    """(n) the margin (2) of tracks t with labels a, and the label that is second."""
+def _second(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints) -> tuple[Floats, Ints]:
+    """(n) the margins (2) and (2') of tracks t with labels a, the less, and the label that is second."""
+    nats = every[t]
     own = nats[np.arange(len(t)), a]
     apart = own[:, None] - nats
     seen = stretches.seen[t].astype(np.float32)
@@ -155,10 +160,24 @@ def _second(stretches: Stretches, t: Ints, a: Ints, nats: Floats) -> tuple[Float
     lost = np.maximum(own[j] - np.maximum(nats[j, a[i]], 0.0), 0.0)
     both = np.full_like(apart, -np.inf)
     np.maximum.at(both, (i, a[j]), own[i] - nats[i, a[j]] + lost)
-    rest = np.concatenate([np.maximum(apart, both), own[:, None]], axis=1)
+    none = np.minimum(own, _taken_over(stretches, t, a, every, label))
+    rest = np.concatenate([np.maximum(apart, both), none[:, None]], axis=1)
     rest[np.arange(len(t)), a] = np.inf
     second = rest.argmin(1)
     return rest[np.arange(len(t)), second], np.where(second == nats.shape[1], -1, second)
+
+
+def _taken_over(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints) -> Floats:
+    """(n) the margin (2') of tracks t with labels a: another track takes the label, and they have none."""
+    T = len(label)
+    has = np.where(label >= 0, np.maximum(every[np.arange(T), np.maximum(label, 0)], 0.0), 0.0)
+    gain = every[:, a].T - has  # of u, (n, T)
+    n = stretches.seen.sum(1)
+    share = np.minimum(1.0, n / np.maximum(n[t], 1)[:, None])
+    together = stretches.seen[t].astype(np.float32) @ stretches.seen.astype(np.float32).T > 0
+    together[np.arange(len(t)), t] = False
+    most = np.where(together, share * gain, 0.0).max(1, initial=0.0)
+    return np.asarray(every[t, a] - np.maximum(most, 0.0))
 
 
 def _of_labels(stretches: Stretches, t: Ints, a: Ints, share: Floats, L: int) -> tuple[Floats, Floats]:

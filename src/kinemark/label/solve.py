@@ -15,7 +15,7 @@ from .key_frames import Placing, frame_score, placings, search, settle
 from .pool import pooled
 from .side_pairs import mirrored
 from .stretches import FREE, Stretches
-from .sweeps import continuity, evidence, expectation, outwards, places, sweep, total_score
+from .sweeps import GOES_ON, continuity, evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
 SWEEPS = 6
@@ -33,14 +33,17 @@ LEAST_KNOWN = 0.5
 """Share of the samples that must have a name before a trial may tell of the subject; chosen, as for a refusal."""
 OFF = 0.3
 """The same for tracks of a marker that is known by the trial; chosen."""
-GOES_ON = 10.0
-"""Nats from which on a track goes on as another marker's, and half of it as no other's; chosen: pieces that were
-cut from a marker have more, ghosts that pass by less."""
 LONGEST_CHAIN = 8
 """Rounds of it; chosen: so many pieces one after the other."""
 TURNED = 0.7
 """Score as a share of what the template scores on its own data, below which the other sides of another subject's names
 are tried as a whole; chosen: a body turned about had 0.62, right names of other children mostly have 0.7 to 1."""
+PARTS = 3
+"""Of a trial that are looked for, beside the first, that names do not reach; chosen, more cost time."""
+LEAST_DARK = 0.05
+"""Share of the frames that are such, below which none is looked for; chosen: sweeps and motion name fewer."""
+LEAST_POINTS = 4
+"""Of a key frame; by definition: three have no hand."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
@@ -71,17 +74,39 @@ def solve(
     stretches: Stretches, template: Template, pairs: PairScore, *, key_frames: int, beam: int, least_fit: float
 ) -> Solution:
     """The labelling of the greatest score that was found; without a label for any track where no frame has points."""
-    start = _start(stretches, template, pairs, key_frames, beam)
+    start = _start(stretches, template, pairs, key_frames, beam, np.ones(len(stretches.frame), bool))
     if start is None:
         return Solution(np.full(len(stretches), -1), 0.0, 0.0)
-    found = _from(
-        outwards(stretches, start.frame, start.tracks, start.labels, pairs), stretches, template, pairs, least_fit
-    )
+    label = outwards(stretches, start.frame, start.tracks, start.labels, pairs)
+    label = _further(label, stretches, template, pairs, key_frames, beam)
+    found = _from(label, stretches, template, pairs, least_fit)
     if np.any(template.doubt) and 0 < found.score < TURNED * found.expected * template.own_fit:
         found = _turned(found, stretches, template, pairs, least_fit)
     after = found.after or pairs
     kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
     return found._replace(label=_gone_on(stretches, kept, len(template)))
+
+
+def _further(
+    label: Ints, stretches: Stretches, template: Template, pairs: PairScore, key_frames: int, beam: int
+) -> Ints:
+    """(T) labels, also from key frames of the parts of the trial that a first one does not reach.
+
+    Where few cameras see the body, too few markers are seen before and after a moment to carry the names over it.
+    """
+    for _ in range(PARTS):
+        points = np.isfinite(stretches.xyz[..., 0])
+        could = np.minimum(points.sum(0), len(template))
+        dark = (could >= LEAST_POINTS) & (points[label >= 0].sum(0) < LEAST_KNOWN * could)
+        if dark.mean() < LEAST_DARK:
+            break
+        known = replace(stretches, fixed=np.where(label >= 0, label, stretches.fixed))
+        start = _start(known, template, pairs, key_frames, beam, dark)
+        new = label if start is None else outwards(known, start.frame, start.tracks, start.labels, pairs)
+        if total_score(stretches, new, pairs)[0] <= total_score(stretches, label, pairs)[0]:
+            break
+        label = new
+    return label
 
 
 def _from(label: Ints, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float) -> Solution:
@@ -196,7 +221,7 @@ def _doubtful(stretches: Stretches, label: Ints, pairs: PairScore, after: PairSc
     out = np.zeros(len(label), bool)
     for score, whole, share in ((pairs, brief, DOUBTFUL), (after, ~brief, OFF)):
         nats, expected = evidence(stretches, label, score), expectation(stretches, label, score)
-        fit = nats[named, label[named]] / np.maximum(expected[label[named]], 1e-9)
+        fit = nats[named, label[named]] / np.maximum(expected[named, label[named]], 1e-9)
         out[named] |= (fit < share * np.median(fit) if len(fit) else fit < 0) & whole[label[named]]
     return out
 
@@ -206,11 +231,13 @@ def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
     return np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
 
 
-def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> Start | None:
-    """The best of `n` key frames, evenly spread over those with points; None where there are none."""
+def _start(
+    stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools
+) -> Start | None:
+    """The best of `n` key frames, evenly spread over those with points among (K) some; None where there are none."""
     order = placings(pairs, template.handed, template.sign)
     points = np.isfinite(stretches.xyz[..., 0]).sum(0)
-    usable = np.flatnonzero(points >= min(4, points.max(initial=1)))
+    usable = np.flatnonzero((points >= min(LEAST_POINTS, points.max(initial=1))) & among)
     if not len(usable):
         return None
     stated = np.isfinite(stretches.xyz[stretches.fixed >= 0, :, 0]).sum(0)[usable]

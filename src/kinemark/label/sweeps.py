@@ -24,6 +24,9 @@ from .stretches import FREE, Stretches
 
 NONE = -1
 """The label of a track without one; by definition."""
+GOES_ON = 10.0
+"""Nats from which on a track goes on as another marker's, and half of it as no other's; chosen: pieces that were
+cut from a marker have more, ghosts that pass by less."""
 
 
 def places(stretches: Stretches, label: Ints, L: int) -> Single:
@@ -111,10 +114,15 @@ def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: 
 
 
 def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float) -> Ints:
-    """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected."""
+    """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected.
+
+    But where a track goes on as the label's own: a posture that is new for a moment is no other marker.
+    """
     nats = evidence(stretches, label, pairs)
-    score = stretches.weight[:, None] * nats + continuity(stretches, label, nats.shape[1])
-    score = np.where(nats < least_fit * expectation(stretches, label, pairs), 0.0, score)
+    goes_on = continuity(stretches, label, nats.shape[1])
+    score = stretches.weight[:, None] * nats + goes_on
+    off = (nats < least_fit * expectation(stretches, label, pairs)) & (goes_on < GOES_ON)
+    score = np.where(off, 0.0, score)
     done = Decided.nothing(stretches, score.shape[1])
     waiting = stretches.stop > stretches.start
     best = score.max(1)
@@ -130,9 +138,13 @@ def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float)
 
 
 def expectation(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
-    """(L) nats that the evidence of each label is, where the template holds, from as many neighbours as there are."""
-    present = np.isfinite(places(stretches, label, len(pairs.distance))[..., 0]).mean(0)
-    return np.asarray(pairs.expected @ present)
+    """(T, L) nats that the evidence of each track as each label is where the template holds.
+
+    From as many neighbours as are seen with that track: where few cameras see a part of the body, few are.
+    """
+    present = np.isfinite(places(stretches, label, len(pairs.distance))[..., 0]).astype(float)
+    own = np.isfinite(stretches.xyz[..., 0]).astype(float)
+    return np.asarray((own @ present / np.maximum(own.sum(1), 1)[:, None]) @ pairs.expected)
 
 
 def total_score(stretches: Stretches, label: Ints, pairs: PairScore) -> tuple[float, float]:

@@ -64,7 +64,7 @@ def find_turns(tracks: Trajectories, label: Ints, template: Template, fixed: Int
     found: list[tuple[int, int, Turn]] = []
     for t in np.flatnonzero(fixed == FREE).tolist():
         rows = np.flatnonzero(np.isfinite(nats[t, :, 0]))
-        turns = _turns(nats, t, rows, label, least) if len(rows) > 1 else []
+        turns = _turns(nats, t, rows, label, least[t]) if len(rows) > 1 else []
         found += [(t, _frame_of(tracks, stretches, t, turn, label, pairs), turn) for turn in turns]
     return [(t, _at_once(t, frame, turn, found, TOGETHER_S * tracks.rate)) for t, frame, turn in found]
 

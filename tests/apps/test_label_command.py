@@ -105,7 +105,7 @@ def test_what_is_missing_is_said(files):
 
 
 def test_tracks_are_named_by_height_side_and_front(files, capsys):
-    """All that are sure are right, of another walk; where left is right the labelled trial is wrong, and so are the names."""
+    """All that are sure are right, of another walk."""
     truth = dict(zip(read_trial(files / "bare.c3d").trajectories.names, walk(2).names, strict=True))
     assert (
         run("label", files / "bare.c3d", "--by-location", files / "known.c3d", "-o", files / "named.c3d", "--json") == 0

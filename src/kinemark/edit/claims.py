@@ -13,8 +13,8 @@ pieces before and after a claimed one are tracks of their own (5): what is betwe
 A path that steps onto the place of another (`crossings`) goes on as another marker, or not: a claim speaks of those of
 its pieces that have a witness of it (7).
 
-A witness says nothing any more where a later claim gives its piece another name in its frame, or gives its name to other
-paths around it (6): where tracks were made again otherwise, it would stand on another marker.
+A witness says nothing any more where a later claim gives its piece another name in its frame, or gives its name to
+other paths around it (6): where tracks were made again otherwise, it would stand on another marker.
 """
 
 from __future__ import annotations

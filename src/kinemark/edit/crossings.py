@@ -1,8 +1,8 @@
 """Where a path steps onto the place of another: what is said of it before is not said of what comes then.
 
-A tracker that was not sure exchanges two markers for some frames, and a path then has samples of both. With the sample x
-in frame f and the next one y in g, at most STEP frames later, and the velocities v before and w after them, motion leads
-from x to x + (g − f) v and back from y to y − (g − f) w. The path is broken between f and g where
+A tracker that was not sure exchanges two markers for some frames, and a path then has samples of both. With the sample
+x in frame f and the next one y in g, at most STEP frames later, and the velocities v before and w after them, motion
+leads from x to x + (g − f) v and back from y to y − (g − f) w. The path is broken between f and g where
 
     |y − (x + (g − f) v)|  and  |x − (y − (g − f) w)|  are above LEAST_MM                                      (1)
 
@@ -20,8 +20,8 @@ from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 
 LEAST_MM = 3.0
-"""mm, of (1); chosen: motion of a marker at 100 Hz is off as much from one frame to the next, and two markers are farther
-apart. See studies/edits.py."""
+"""mm, of (1); chosen: motion of a marker at 100 Hz is off as much from one frame to the next, and two markers are
+farther apart. See studies/edits.py."""
 STEP = 3
 """Frames; chosen: over more, velocity does not tell where a path leads. See studies/edits.py."""
 

@@ -15,6 +15,7 @@ from ..io.notes import FileNote, read_notes
 from ..io.trial import read_trial, write_trial
 from ..label import Labels, label_by_location, named
 from ..label.by_location import Located
+from ..label.labels import State
 from .put_aside import put_aside, put_back
 
 
@@ -59,13 +60,13 @@ def label_file_by_location(
 
 def _labels(found: Sequence[Located]) -> Labels:
     """As of tracks whose names have no probability: 1 where sure, ½ where another is near, 0 without a name."""
-    state = tuple("unknown" if one.name is None else "sure" if one.sure else "unsure" for one in found)
+    state: list[State] = ["unknown" if one.name is None else "sure" if one.sure else "unsure" for one in found]
     share = {"sure": 1.0, "unsure": 0.5, "unknown": 0.0}
     n, with_name = len(found), sum(one.name is not None for one in found)
     return Labels(
         names=tuple(one.name for one in found),
         probability=np.array([share[one] for one in state]),
-        state=state,
+        state=tuple(state),
         runner_up=(None,) * n,
         margin=np.full(n, np.nan),
         fit=np.nan,

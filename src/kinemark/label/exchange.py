@@ -8,6 +8,7 @@ and the score of all pairs that this touches is compared, by the template as it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -24,6 +25,8 @@ NEAR, NEAR_THREE = 8, 5
 """Nearest labels with which one is exchanged, in twos and in threes; chosen."""
 BEST = 24
 """Exchanges of two, the best, that are tried two at a time; chosen."""
+MOST_AT_ONCE = 400_000
+"""Distances that are scored at once; chosen: they stay in a processor's cache."""
 MOVES = 30
 """At most, one after the other; chosen."""
 
@@ -63,27 +66,43 @@ class Exchanger(NamedTuple):
         twos, threes = ([move for move in moves if not known & set(move[0])] for moves in (self.twos, self.threes))
         return self._replace(twos=twos, threes=threes)
 
-    def gain(self, y: Single, d: Single, move: Move) -> float:
-        """(1) in nats, mean over frames; y (K, L, 3) places and d (K, L, L) distances of the labels as they are."""
-        was, to = list(move[0]), list(move[1])
-        L = y.shape[1]
-        every = np.arange(L)
-        new = every.copy()
-        new[was] = to
-        a, b = np.array(was)[:, None], every[None]
-        each = self.pairs.at(d[:, was], new[a], new[b]) - self.pairs.at(d[:, was], a, b)
-        each[:, :, was] *= 0.5  # counted from both sides
-        quads = np.flatnonzero(np.isin(self.handed, was).any(1))
-        back = np.argsort(new)  # who is label a after the move
-        old, now = self.handed[quads], back[self.handed[quads]]
-        seen = max(1, int(np.isfinite(y[:, was, 0]).any(1).sum()))
-        hands = (_wrong(y, now, self.sign[quads]) - _wrong(y, old, self.sign[quads])).sum()
-        return float((each.sum() - WRONG_HAND * hands) / seen)
-
-    def gains(self, y: Single, moves: list[Move]) -> NDArray[np.float64]:
-        """Of many moves."""
+    def gains(self, y: Single, moves: Sequence[Move]) -> NDArray[np.float64]:
+        """(1) of moves, nats, mean over frames; y (K, L, 3) places of the labels as they are."""
         d = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1))
-        return np.array([self.gain(y, d, move) for move in moves])
+        found = np.zeros(len(moves))
+        for size in {len(was) for was, _ in moves}:
+            own = [i for i, (was, _) in enumerate(moves) if len(was) == size]
+            most = max(1, MOST_AT_ONCE // max(y.shape[0] * y.shape[1] * size, 1))
+            for some in (own[k : k + most] for k in range(0, len(own), most)):
+                found[some] = self._gains(y, d, *(np.array(part) for part in zip(*(moves[i] for i in some), strict=True)))
+        return found
+
+    def _gains(self, y: Single, d: Single, was: Ints, to: Ints) -> NDArray[np.float64]:
+        """Of M moves of as many labels, (M, n) each; d (K, L, L) distances of the labels as they are."""
+        every, rows = np.arange(y.shape[1]), np.arange(len(was))[:, None]
+        new = np.repeat(every[None], len(was), axis=0)
+        new[rows, was] = to
+        apart = d[:, was].transpose(1, 2, 0, 3)  # (M, n, K, L)
+        each = self.pairs.at(apart, to[:, :, None, None], new[:, None, None])
+        each -= self.pairs.at(apart, was[:, :, None, None], every)
+        moved = np.ones((len(was), len(every)), np.float32)
+        moved[rows, was] = 0.5  # counted from both sides
+        each *= moved[:, None, None]
+        seen = np.maximum(np.isfinite(y[:, was, 0]).any(2).sum(0), 1)
+        nats = each.reshape(len(was), -1).sum(1)
+        return np.asarray((nats - WRONG_HAND * self._hands(y, was, new)) / seen)
+
+    def _hands(self, y: Single, was: Ints, new: Ints) -> Ints:
+        """(M) how many quadruples of all frames more are turned the wrong way after each move."""
+        if not len(self.handed):
+            return np.zeros(len(was), np.int64)
+        of_quad = np.zeros((new.shape[1], len(self.handed)), bool)
+        of_quad[self.handed, np.arange(len(self.handed))[:, None]] = True
+        move, quad = np.nonzero(of_quad[was].any(1))
+        back = np.argsort(new, axis=1)  # who is label a after the move
+        now = _wrong(y, back[move[:, None], self.handed[quad]], self.sign[quad]).sum(0)
+        old = _wrong(y, self.handed, self.sign).sum(0)[quad]
+        return np.bincount(move, now - old, len(was)).astype(np.int64)
 
     def pairs_of_twos(self, gains: NDArray[np.float64]) -> list[Move]:
         """Two exchanges at once, of the best and disjoint."""
@@ -95,8 +114,9 @@ class Exchanger(NamedTuple):
 def _wrong(y: Single, quads: Ints, sign: Ints) -> NDArray[np.int64]:
     """(K, Q) one where a quadruple is turned the wrong way."""
     a = y[:, quads[:, 0]]
-    u, v, w = (y[:, quads[:, k]] - a for k in (1, 2, 3))
-    return (sign * (u * np.cross(v, w)).sum(-1) < 0).astype(np.int64)
+    (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = (np.moveaxis(y[:, quads[:, k]] - a, -1, 0) for k in (1, 2, 3))
+    triple = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
+    return (sign * triple < 0).astype(np.int64)
 
 
 def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:

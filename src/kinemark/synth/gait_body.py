@@ -43,6 +43,8 @@ ROD_MM = 100.0
 """Of a knee alignment device, from its apex to its markers; chosen."""
 BEGIN = 0.1
 """Of the left leg's stride, at the time 0; chosen."""
+GLIDE_DEG = 60.0
+"""Of knee flexion, at which a glide is as long as stated; by definition."""
 ZERO = np.zeros(3)
 """No displacement, mm; by definition."""
 
@@ -59,6 +61,7 @@ class WalkingBody:
         worn: markers that the standing trial has besides, of `STATIC_MARKERS`; with KAX it has no KNE.
         tissue_mm: likewise, how far skin has moved it over the bone; only while walking.
         hip_error_mm: (3) by side, how far the hip is from where the regression has it, in the pelvis.
+        glide_mm: how far the shank glides forward on the thigh at `GLIDE_DEG` of knee flexion, and in proportion.
         path: of the pelvis; follows from the others.
     """
 
@@ -69,6 +72,7 @@ class WalkingBody:
     placement_mm: Mapping[str, Floats] = field(default_factory=dict)
     tissue_mm: Mapping[str, Floats] = field(default_factory=dict)
     hip_error_mm: Mapping[Side, Floats] = field(default_factory=dict)
+    glide_mm: float = 0.0
     path: Stride = field(init=False)
 
     def __post_init__(self) -> None:
@@ -181,7 +185,8 @@ class WalkingBody:
         R = pelvis.R @ turned(np.stack([-flexion, -s * adduction, s * external], -1), FOOT_SEQUENCE)  # (2)
         thigh = Segment(R, hip - thigh_mm * R[..., 2])
         R = R @ turned(np.stack([knee_flexion, -s * knee_adduction, s * knee_external], -1), FOOT_SEQUENCE)
-        at_knee = Segment(R, thigh.origin - shank_mm * R[..., 2])
+        glide = (self.glide_mm * knee_flexion / GLIDE_DEG)[..., None] * thigh.R[..., 0]
+        at_knee = Segment(R, thigh.origin + glide - shank_mm * R[..., 2])
         shank = at_knee.turned_about_z(s * own.torsion_deg)  # (3)
         neutral = np.array([-TOE_MM[0], -s * TOE_MM[1], ANKLE_MM])  # from TOE to the ankle, in a shank that stands
         swing = turned(np.stack([-dorsiflexion, 0 * dorsiflexion, 0 * dorsiflexion], -1), "yxz")

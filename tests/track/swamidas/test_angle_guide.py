@@ -51,8 +51,8 @@ def test_backwards_the_model_is_of_the_motion_reversed():
 
 
 def test_with_a_model_predictions_meet_where_the_predictor_alone_is_lost():
-    """Two markers hidden for two seconds: by both ends of the gap alone they are exchanged, with the model they are not,
-    and each half of a gap is what that pass expects of it."""
+    """Two markers hidden for two seconds: by both ends of the gap alone they are exchanged, with the model not, and
+    each half of a gap is what that pass expects of it."""
     cloud, marker = hidden((0, 1, 2))
     alone = follow_points(cloud, method=Swamidas(direction="meeting"))
     assert (alone.tracks.id != marker).any()

@@ -74,22 +74,42 @@ def convert(
     print_result(f"{target} is written. What it holds: kinemark info {target}")
 
 
-def starts(detections: Path, cameras: Path, *, most_s: float = 10.0, rate_hz: Rate = None, json: Json = False) -> None:
-    """When each camera of a recording was started, from the markers that they show: what to write as delays_ms.
+def starts(
+    detections: Path,
+    cameras: Path | None = None,
+    *,
+    flash: bool = False,
+    trial: str | None = None,
+    most_s: float = 10.0,
+    rate_hz: Rate = None,
+    json: Json = False,
+) -> None:
+    """When each camera of a recording was started, from its markers or a flash: what to write as delays_ms.
 
     Args:
-        detections: a file of detections, the images of each camera numbered from its own start.
-        cameras: a file of the calibrated cameras, TOML.
-        most_s: seconds that two cameras may be apart.
+        detections: a file of detections, the images of each camera numbered from its own start; with --flash a session.
+        cameras: a file of the calibrated cameras, TOML; not with --flash.
+        flash: look in the session's images for the one that a flash lights as a whole, in every camera.
+        trial: of the session; its first with images where none is given.
+        most_s: seconds that two cameras may be apart, by their markers.
         json: print the figures for a machine.
     """
-    from ...engine.start_files import starts_of_files
+    from ...engine.start_files import starts_by_flash, starts_of_files
 
-    found = starts_of_files(detections, cameras, most_s=most_s, rate_hz=rate_hz)
+    if flash == (cameras is not None):
+        raise KinemarkError(
+            "Say by what the cameras are put together: DETECTIONS and CAMERAS, by markers, or SESSION --flash."
+        )
+    if flash:
+        found = starts_by_flash(detections, trial, rate_hz=rate_hz)
+    else:
+        assert cameras is not None
+        found = starts_of_files(detections, cameras, most_s=most_s, rate_hz=rate_hz)
     if json:
         print_result(found)
         return
     late = [f"  {name:16} {images:6d} images later than the first" for name, images in found["images"].items()]
+    late += [f"  {name:16} lit by the flash in image {image}" for name, image in found.get("flash", {}).items()]
     delays = ", ".join(f"{name} = {ms:g}" for name, ms in found["delays_ms"].items())
-    doubt = [f"  {' and '.join(pair)} say otherwise" for pair in found["disagreeing"]]
+    doubt = [f"  {' and '.join(pair)} say otherwise" for pair in found.get("disagreeing", [])]
     print_result("\n".join([*late, *doubt, "In session.toml:  [cameras]", f"  delays_ms = {{ {delays} }}"]))

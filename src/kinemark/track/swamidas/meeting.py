@@ -123,9 +123,9 @@ def joins(pieces: list[Piece], process_sd: float, *, longest: float, guides: Gui
 def _ways(one: Piece, other: Piece, process_sd: float, guides: Guides | None) -> tuple[Way, Way]:
     """By the model all through the gap; else from e + 1 to m forwards, and from s − 1 down to m backwards."""
     n = other.first - one.last - 1
-    if guides and (there := guides.forward(one, n)) and (back := guides.backward(other, n)):
-        if np.isfinite(there.variance + back.reversed().variance).any():
-            return there, back
+    there, back = (guides.forward(one, n), guides.backward(other, n)) if guides else (None, None)
+    if there and back and np.isfinite(there.variance + back.reversed().variance).any():
+        return there, back
     middle = (one.last + other.first) // 2
     return (
         _coasting(one.after, max(middle - one.last, 1), process_sd),

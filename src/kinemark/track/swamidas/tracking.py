@@ -7,6 +7,7 @@ or, for as long as none is found, with its own prediction; so the identity outli
 from __future__ import annotations
 
 from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,8 +18,8 @@ from ..stage import CLOUD, TRACK
 from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, predict_points
 from .angle_guide import AngleGuide, Corrected
 from .constraints import Constraint, PredictedPoints, in_region, match_points
-from .learning import LearnedParameters, stated_parameters
 from .guided_meeting import guides_of
+from .learning import LearnedParameters, stated_parameters
 from .meeting import Guides, Join, Piece, joined, joins, pieces_of, without_coasting
 from .own_model import own_model
 from .predictions import ModelUse, PredictedFrame, SwamidasResult

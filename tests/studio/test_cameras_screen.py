@@ -68,7 +68,7 @@ def test_a_grid_is_shown_as_found_in_every_camera_and_image(tmp_path, chromium_r
             studio.idle()
             drawn = page.get_by_role("img", name=f"Image of {camera}").evaluate(FOUND)
             assert drawn > 1000 if n else drawn == 0, (camera, frame, drawn)
-        assert "13 × 10" in page.locator("[data-points]").get_by_role("status").inner_text()
+        assert "10 rows × 13 columns has 130" in page.locator("[data-points]").get_by_role("status").inner_text()
         assert violations(page) == [] and studio.errors == []
         page.screenshot(path=f"/tmp/s18_grid_{theme}.png")
         context.close()

@@ -15,6 +15,15 @@ DIM = (180 - (FRAME - 1), 120)
 LAMP = ((186, 136), (229, 174))
 
 
+WHITE = """canvas => {
+  const at = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  let n = 0;
+  for (let i = 0; i < at.length; i += 4) n += at[i] > 150 && at[i] - at[i + 2] > 90;
+  return n;
+}"""
+"""px of an image that are drawn as white ones are."""
+
+
 @pytest.fixture
 def tried(tmp_path, chromium_running):
     needed()
@@ -49,6 +58,12 @@ def test_a_lost_dim_marker_is_found_and_the_threshold_written(tried):
     page.get_by_label("Frame", exact=True).fill(str(FRAME))
     page.keyboard.press("Enter")
     tile(page, "c0", 2).get_by_text("2 markers, 3 refused").wait_for()
+    shown = []
+    for _ in range(2):  # with white pixels, and without
+        page.wait_for_timeout(200)
+        shown.append(page.get_by_role("img", name="Image of c0").evaluate(WHITE))
+        studio.press("p")
+    assert shown[0] > shown[1] + 50
     page.mouse.click(*place(page, "c0", *DIM))
     page.get_by_text("Not white: grey level").wait_for()
     studio.press("[")

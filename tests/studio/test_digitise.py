@@ -49,7 +49,13 @@ def test_a_feeding_motion_is_digitised_verified_and_run(folder, seen, chromium_r
         person.answered(lambda: person.click(*person.place("ARM3")))  # a wrong marker, taken back
         person.answered(lambda: page.keyboard.press("Backspace"))
         assert person.asked() == "Where is ACR1?"
-        person.answered(lambda: page.get_by_role("button", name=re.compile("^Not present")).click())
+        absent, image = (
+            page.get_by_role("button", name=re.compile("^Not present")),
+            page.get_by_label("Image", exact=True),
+        )
+        (x, y), within = (absent.bounding_box()[key] for key in "xy"), image.bounding_box()
+        assert x > within["x"] + 0.7 * within["width"] and y < within["y"] + 0.2 * within["height"], "upper right"
+        person.answered(lambda: absent.click())
         person.answered(
             lambda: page.get_by_label("Question", exact=True).get_by_role("button", name=re.compile("^Undo")).click()
         )
@@ -76,7 +82,8 @@ def test_a_feeding_motion_is_digitised_verified_and_run(folder, seen, chromium_r
         person.until("cam1", 4, "reference")
         page.get_by_label("Frame", exact=True).fill("2")
         page.keyboard.press("Enter")
-        page.get_by_role("button", name=re.compile("^Change frame 2")).click()
+        page.get_by_role("button", name=re.compile("^Change frame 2")).wait_for()
+        page.keyboard.press("r")
         page.locator("[data-phase=review][data-frame='2']").wait_for()
         studio.idle()
         person.until("cam2", 1, "point")
@@ -129,7 +136,8 @@ def test_a_trial_is_set_up_and_the_other_cameras_are_believed(folder, seen, chro
         page = (studio := Studio(context, server).enter(server.address)).page
         page.get_by_role("button", name="feeding", exact=True).click()
         page.get_by_role("button", name="Digitise", exact=True).click()
-        page.get_by_text("Nobody digitises feeding by hand").first.wait_for()
+        page.get_by_text("Nobody digitises feeding by hand").wait_for()  # once: the foot does not repeat it
+        assert studio.note() == ""
         page.get_by_label("Markers, in the order").fill(" ".join(NAMES))
         page.get_by_label("Reference marker, which").select_option("REF")
         page.get_by_label("ask in every frame").uncheck()

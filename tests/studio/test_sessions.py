@@ -151,6 +151,12 @@ def test_a_click_on_a_leap_leads_to_its_marker_in_its_frame(eating, chromium_run
         page.get_by_role("button", name="Angles").click()
         page.get_by_role("button", name=".shd .elb .wst", exact=True).click()
         page.get_by_text("Written:").wait_for()
+        limb, seen = page.get_by_role("img", name="The limb in space"), set()
+        for side in ("Front", "Side", "Above"):
+            page.get_by_role("button", name=side, exact=True).click()
+            studio.idle().page.wait_for_timeout(100)
+            seen.add(limb.screenshot())
+        assert len(seen) == 3, "from any side"
         assert studio.errors == []
         context.close()
     assert {path.suffix for path in eating.parent.glob("eating.*")} == {".c3d", ".shd", ".elb", ".wst"}

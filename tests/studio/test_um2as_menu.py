@@ -6,6 +6,7 @@ Only what the screen shows is used. The files are then those that the command li
 import csv
 import re
 import tomllib
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from kinemark.io.um2as import read_cp, read_tdc
 from support.axe import needed_axe, violations
 from support.command_line import command
 from support.digitising_person import Person
-from support.eating import footage
+from support.eating import footage, pointed_at
 from support.feeding import feeding_in
 from support.studio_page import Studio, needed, served, window
 from support.um2as_guide import Guide, entered
@@ -66,6 +67,24 @@ def by_commands(folder, made, *options):
     return into
 
 
+WHITE = """canvas => {
+  const at = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  let n = 0;
+  for (let i = 0; i < at.length; i += 4) n += at[i] === 90 && at[i + 1] === 235 && at[i + 2] === 190;
+  return 4 * n / at.length;
+}"""
+
+
+def white_share(guide):
+    """Of the image of the balls, the share that is shown as white pixels, once it is drawn."""
+    canvas = guide.idle().page.locator("canvas[data-camera=cam1]")
+    for _ in range(100):
+        if share := canvas.evaluate(WHITE):
+            return share
+        guide.page.wait_for_timeout(50)
+    return 0
+
+
 def same_files(wanted, made):
     """Which of the command line's files are the menu's, to the last bit."""
     names = [path.name for path in wanted.iterdir() if "csv" not in path.suffix]
@@ -80,17 +99,25 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
         guide = entered(context, server).make("monday")
         page, studio = guide.page, guide.studio
         guide.choose("Camera Information", "Calibration Parameters", "Start Up Information")
-        page.get_by_label("Date, for camera 1's file").fill("1992-11-27")
+        made_on = page.get_by_label("Date, for camera 1's file")
+        assert made_on.input_value() == date.today().isoformat(), "as the clock has it"
+        made_on.fill("1992-11-27")
         guide.up("Calibration Parameters")
         assert guide.state("Process L Parameters") == "waits" and "cam1 0 of 8" in guide.words("Digitize Image")
         assert page.get_by_role("button", name="Home", exact=True).is_disabled(), "it is left from the top alone"
         guide.choose("Digitize Image")
+        page.locator("canvas[data-camera=cam1]").wait_for()
+        normal = white_share(guide)
+        page.get_by_label("black on white").check()
+        assert white_share(guide) > 0.9 > 0.1 > normal > 0
+        page.get_by_label("black on white").uncheck()
         guide.threshold(THRESHOLD).click_ball(balls[0, 3])  # ball 4 is none that was asked for
         page.locator("[data-ball='cam1 1'][data-seen=true]").wait_for()
         studio.idle().press("Backspace")
         guide.point_at_balls(balls)
-        guide.up("Calibration Parameters")
-        assert guide.state("Digitize Image") == "done"
+        guide.click(page.get_by_role("button", name=re.compile("^Back to the menu")))
+        page.get_by_role("heading", name="Calibration Parameters", exact=True, level=1).wait_for()
+        assert guide.idle().state("Digitize Image") == "done"
         guide.choose("Process L Parameters").process()
         assert guide.state("Process L Parameters") == "done"
         guide.choose("View L Parameters")
@@ -162,8 +189,9 @@ def test_the_whole_menu_is_followed_and_its_files_are_the_command_lines(recorded
     assert kinds.count(Point) == 16 and np.isfinite(seen[:, :7]).any()
 
 
-LONG, MOST_QUESTIONS, VERIFIED = 60, 40, 30
-"""Frames of the long motion, questions that it may cost in all three cameras, and the frame that is verified."""
+LONG, MOST_QUESTIONS, VERIFIED, HISTORY = 60, 40, 30, 10
+"""Frames of the long motion, questions that it may cost in all three cameras, the frame that is verified, and frames
+for which a hidden marker is remembered."""
 
 
 @pytest.mark.nightly
@@ -171,14 +199,16 @@ def test_sixty_frames_of_three_cameras_cost_forty_questions(tmp_path, chromium_r
     """A lamp hides markers; the third camera believes the other two."""
     needed()
     folder = tmp_path / "lab" / "monday"
-    balls, seen = laboratory_in(folder, LONG)
+    balls, _ = laboratory_in(folder, LONG)
+    _, subject, sight, images = footage(LONG / 30)
+    seen = pointed_at(sight, images)
     with served(folder.parent) as server:
         context = window(chromium_running)
         guide = entered(context, server).make("monday").choose("Camera Information", "Calibration Parameters")
         guide.choose("Digitize Image").threshold(THRESHOLD).point_at_balls(balls)
         guide.up("Calibration Parameters").choose("Process L Parameters").process()
         guide.up("Calibration Parameters").up("Camera Information").choose("Marker Coordinate Digitizing")
-        guide.choose("Start Up Information").set_up("8", "8", proposals=True)
+        guide.choose("Start Up Information").set_up("8", "8", proposals=True, history=HISTORY)
         person = Person(guide.studio, seen, MARKERS, effort=guide.effort)
         person.until("cam1", VERIFIED, "review")
         person.press("v")
@@ -197,11 +227,10 @@ def test_sixty_frames_of_three_cameras_cost_forty_questions(tmp_path, chromium_r
     record_property("questions", questions)
     print(f"{LONG} frames of 3 cameras: {questions} questions, {guide.effort.actions} actions")
     made = str(read_cp(folder / "results" / "um2as" / "box.cp1").made)
-    same = same_files(by_commands(folder, made, "--take-proposals"), folder / "results" / "um2as")
+    same = same_files(by_commands(folder, made, "--take-proposals", "--history", HISTORY), folder / "results" / "um2as")
     assert all(same.values()) and len(same) == 3 + 3 + 3 + 2 + 3 - 1, same
-    off = np.linalg.norm(
-        read_tdc(folder / "results" / "um2as" / "feeding.tdc")[:7] - footage(LONG / 30)[1].xyz[:7], axis=-1
-    )
+    found = read_tdc(folder / "results" / "um2as" / "feeding.tdc")
+    off = np.linalg.norm(found - subject.xyz, axis=-1)
     assert np.nanmean(off) < 1.0 and questions <= MOST_QUESTIONS
 
 
@@ -273,7 +302,10 @@ def test_the_menu_is_gone_through_by_keys_alone(tmp_path, chromium_running):
         assert page.get_by_text("box.cp1, box.cp2, box.cp3 are written").last.is_visible()
         page.emulate_media(media="screen")
         guide.up("Calibration Parameters")
-        page.get_by_role("button", name="One level up Esc").click()
+        box = page.get_by_role("button", name="One level up Esc")
+        place, seen = box.bounding_box(), page.viewport_size
+        assert place["x"] > 0.8 * seen["width"] and place["y"] > 0.8 * seen["height"], "at the lower right"
+        box.click()
         page.get_by_role("heading", name="Camera Information", exact=True, level=1).wait_for()
         guide.idle().up("UM²AS").key("Escape")
         page.locator("main[data-screen=home]").wait_for()

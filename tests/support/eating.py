@@ -62,6 +62,18 @@ def image_source(images, method=None):
     return at_frame
 
 
+def pointed_at(sight, images, *, least=0.35):
+    """(C, M, F, 2) px where somebody points: a marker's place, the white pixel next to it where it is partly hidden,
+    NaN where less than `least` of it is in sight."""
+    uv = np.where(sight.visible[..., None] < least, np.nan, sight.uv)
+    sources = [image_source(own) for own in images]
+    for c, m, f in np.argwhere((sight.visible >= least) & (sight.visible < 1)):
+        v, u = np.nonzero(sources[c](f).owner >= 0)
+        near = int(np.hypot(u - uv[c, m, f, 0], v - uv[c, m, f, 1]).argmin())
+        uv[c, m, f] = u[near], v[near]
+    return uv
+
+
 class Knowing:
     """An operator who sees a marker if at least this share of it is in sight, and points with an unsteady hand.
 

@@ -61,15 +61,17 @@ class Guide:
                 self.idle().key("b")
         return self.idle()
 
-    def set_up(self, markers, reference=None, *, every=1, proposals=False):
+    def set_up(self, markers, reference=None, *, every=1, proposals=False, history=2):
         """Start-up of digitising: so many markers, or names, which of them is the reference marker, one frame of so
-        many, and whether the other cameras are believed."""
+        many, whether the other cameras are believed, and for how many frames a hidden marker is remembered."""
         self.page.get_by_label("Markers, in the order").fill(markers)
         if reference is not None:
             self.page.get_by_label("Reference marker, which").select_option(reference)
             self.page.get_by_label("ask in every frame").uncheck()
         if every > 1:
             self.page.get_by_label("frames skipped").fill(str(every))
+        if history > 2:
+            self.page.get_by_label("remember a hidden marker").fill(str(history))
         if proposals:
             self.page.get_by_label("take what the other cameras say").check()
         self.click(self.page.get_by_role("button", name="Begin to digitise"))

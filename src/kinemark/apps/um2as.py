@@ -10,7 +10,7 @@ import sys
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from cyclopts import App, Parameter
@@ -155,6 +155,7 @@ def digitise_file(
     calibration: Annotated[list[Path] | None, Many] = None,
     others: Annotated[list[Path] | None, Many] = None,
     take_proposals: Annotated[bool, Parameter(negative="")] = False,
+    history: int = 2,
     aspect_ratio: Aspect = 1.0,
     json: Json = False,
 ) -> None:
@@ -183,12 +184,14 @@ def digitise_file(
         calibration: the parameters of all cameras, so that others can propose what is missing here.
         others: what is digitised of other cameras, as feeding.da2 feeding.da3.
         take_proposals: take what they propose, and do not ask.
+        history: frames for which a hidden marker is remembered; 2 as in UM²AS, where it must be seen in both before.
     """
     from ..engine.digitising import DigitisedFrames, digitise_camera
     from ..io.images import open_images
     from ..io.um2as import camera_number, read_rf, write_da
 
-    method = _semi_automatic(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
+    said = {"confirm_reference": confirm_reference, "take_proposals": take_proposals, "history": history}
+    method = _semi_automatic(markers, reference, **said)
     square = _square(aspect_ratio)
     camera = camera_number(output, "da")
     detection = _centroids(threshold, inverted, white_pixels)
@@ -298,7 +301,7 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
     say(figures if json else f"{figures['questions']} questions were asked. Next: kinemark run {session} {trial}")
 
 
-def _semi_automatic(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
+def _semi_automatic(markers: list[str], reference: str | None, **options: Any) -> SemiAutomatic:
     """How markers are followed; one that is a number says how many there are."""
     from ..digitise import SemiAutomatic
 

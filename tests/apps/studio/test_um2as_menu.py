@@ -102,13 +102,16 @@ def test_all_that_depends_on_the_aspect_ratio_or_the_calibration_is_to_be_done_a
     studio = Studio(folder)
     menu_of(studio)
     digitise_all(folder)
-    made, after = folder / "results" / "um2as", ("calibration-process", "digitising-save", "xyz-process", "euler-process")
+    made = folder / "results" / "um2as"
+    after = ("calibration-process", "digitising-save", "xyz-process", "euler-process")
 
     def process():
         studio.page.post(f"{studio.address}/parameters", {"made": "1992-11-27"})
         studio.page.post(f"{studio.address}/markers", {})
         studio.page.post(f"{studio.address}/coordinates", {"trial": "feeding", "cameras": []})
-        studio.page.post(f"{studio.address}/angles", {"trial": "feeding", "tdc": "feeding.tdc", "inverse_cosines": False})
+        studio.page.post(
+            f"{studio.address}/angles", {"trial": "feeding", "tdc": "feeding.tdc", "inverse_cosines": False}
+        )
         return {name: states(menu_of(studio))[name] for name in after}
 
     assert process() == dict.fromkeys(after, "done")

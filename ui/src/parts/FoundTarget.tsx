@@ -12,24 +12,25 @@ import styles from "./FoundTarget.module.css";
 const HERE = "#4ade9a", OTHER = "#8fc7ff";
 
 export function FoundTarget({ id, cameras }: { id: string; cameras: readonly string[] }): React.JSX.Element {
-  const [kinds, setKinds] = useState<Record<string, string> | null>(null), [kind, setKind] = useState(""), [camera, setCamera] = useState(cameras[0] ?? ""), [frame, setFrame] = useState(1), [found, setFound] = useState<FoundInImage | null>(null);
+  const [kinds, setKinds] = useState<Record<string, string> | null>(null), [kind, setKind] = useState(""), [camera, setCamera] = useState(cameras[0] ?? ""), [frame, setFrame] = useState(1), [got, setGot] = useState<{ of: string; found: FoundInImage } | null>(null);
+  const shown = `${kind} ${camera} ${frame}`, found = got?.of === shown ? got.found : null; // nothing of another image is drawn over this one
   useEffect(() => void tried(() => api.targets(id)).then((got) => (setKinds(got?.kinds ?? {}), setKind(Object.keys(got?.kinds ?? {})[0] ?? ""))), [id]);
   useEffect(() => {
     let gone = false;
-    if (kind && camera) void tried(() => api.found(id, kind, camera, frame)).then((got) => void (gone || setFound(got)));
+    if (kind && camera) void tried(() => api.found(id, kind, camera, frame)).then((one) => void (gone || !one || setGot({ of: `${kind} ${camera} ${frame}`, found: one })));
     return () => void (gone = true);
   }, [id, kind, camera, frame]);
   if (!kinds) return <p role="status">Targets are looked for …</p>;
   if (!kind) return <p className={styles.words}>Nothing that calibrates this session has images: its cameras come from a file, or its points were pointed at.</p>;
   return (
-    <div className={styles.screen} data-found={found ? `${kind} ${camera} ${frame}` : ""} data-points={found?.points.length ?? ""}>
+    <div className={styles.screen} data-found={found ? shown : ""} data-points={found?.points.length ?? ""}>
       <p className={styles.choose}>
-        {Object.entries(kinds).map(([key, words]) => <button key={key} type="button" className="button" aria-pressed={key === kind} onClick={() => (setKind(key), setFrame(1), setFound(null))}>{words}</button>)}
-        <label>Camera <select className="field" value={camera} onChange={(e) => (setCamera(e.target.value), setFound(null))}>{cameras.map((name) => <option key={name}>{name}</option>)}</select></label>
+        {Object.entries(kinds).map(([key, words]) => <button key={key} type="button" className="button" aria-pressed={key === kind} onClick={() => (setKind(key), setFrame(1))}>{words}</button>)}
+        <label>Camera <select className="field" value={camera} onChange={(e) => setCamera(e.target.value)}>{cameras.map((name) => <option key={name}>{name}</option>)}</select></label>
         <span role="status">{found?.words ?? "It is looked for …"}</span>
       </p>
       <div className={styles.image}><PictureView label={`Image of ${camera}`} address={api.targetImage(id, kind, camera, frame)} tall={1} over={over(found)} /></div>
-      {found && found.frames > 1 && <FrameBar first={1} last={found.frames} frame={frame} go={(f) => setFrame(Math.min(found.frames, Math.max(1, Math.round(f))))} />}
+      {got && got.found.frames > 1 && <FrameBar first={1} last={got.found.frames} frame={frame} go={(f) => setFrame(Math.min(got.found.frames, Math.max(1, Math.round(f))))} />}
     </div>
   );
 }

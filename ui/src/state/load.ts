@@ -31,10 +31,10 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
   }
 }
 
-/** Whether a screen of a trial can be shown; why it cannot is said. */
+/** Whether a screen of a trial can be shown; why it cannot stands where it would be. */
 export async function ready(id: string, screen: "trial" | "detect" | "digitise"): Promise<boolean> {
   const stands = await tried(() => api.standing(id, screen));
-  if (stands && !stands.ready && get().id === id) say("refused", stands.words ?? "");
+  if (stands && get().id === id) set({ unshown: stands.ready ? "" : (stands.words ?? "") });
   return stands?.ready === true;
 }
 
@@ -52,7 +52,7 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
 /** Show what the address says. */
 export async function arrive(): Promise<void> {
   const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
-  set({ dialog: null, note: null });
+  set({ dialog: null, note: null, unshown: "" });
   if (await arriveAtMenu(here.split("/"))) return;
   if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {

@@ -39,6 +39,8 @@ export interface State {
   connected: boolean;
   busy: number;
   note: Note | null;
+  /** Why the screen cannot be shown. */
+  unshown: string;
   savedAt: string | null;
 
   problem: string | null;
@@ -98,7 +100,7 @@ export const OF_TRIAL = {
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, unshown: "", limit: 5,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));

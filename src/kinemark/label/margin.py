@@ -15,7 +15,8 @@ and b may be "none", worth 0, also where u, seen for n_u frames to n_t, takes a 
 
 e is of what is known of the subject after the trial (`pool`), as pieces of a marker are
 judged by the others. With f_t = e(t, a) over what is expected, f_a the same of all tracks that are a, w independent
-frames, c how well the track goes on from others that are a, and F the fit of the frames that it is in,
+frames, c how much better the track goes on from others that are a than from any other label's, and F the fit of the
+frames that it is in,
 
     logit p_track = β · (1, log(1 + m), f_t, f_t − f_a, log w, log(1 + c), F) + δ                                (3)
 
@@ -28,10 +29,12 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h) )                   (4)
+    p_label = logistic(k x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n') )   (4)
 
-with y the loss by `rivals` (1) and h how well the four stiffest distances hold (`held`): these two are told by
-another subject's template, whose β differ, as fits are lower there; F is not.
+with y the loss by `rivals` (1), which is told by another subject's template alone, as its β differ, and h how well the
+four stiffest distances hold (`held`). An extra marker that took the name of an absent one fits fairly, but worse than
+the trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of their medians over all
+labels, and f_n' what f_n lacks of one half.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
 measured, over many templates and trials (`benchmarks/labelling.py --fit`).
@@ -58,11 +61,18 @@ from .template import Template
 
 BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
-BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0)
-"""Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last two."""
-BETA_OTHER = (-4.06, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38)
-"""Of (4), of another subject's template, without F; logits;
-measured on 52 shredded trials of other children, see docs/theory/label.md."""
+BETA_LABEL = (-6.87, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0, 2.0, 6.0, 0.0)
+"""Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last five; the
+last three, and 0.8 of the first, on 84 random shreds of 0.4 to 5 s of walks and static trials' templates."""
+BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 12.0)
+"""Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, the last
+three, and 0.8 of the first, on 25 random shreds of 0.4 to 3 s, see docs/theory/label.md."""
+GAINED, LOST = 0.25, 2.0
+"""k of (4), 1/nats, where an exchange gains and where it loses; measured on the same 109 shreds: of static trials most
+names that an exchange would gain by are right."""
+CHAIN_END = 0.5
+"""Fit of a near label below which a chain of names may end at it; measured on the same shreds: one in ten right names
+of other children, and half of the wrong ones, are near such a label."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
 FIT_HIGH = 1.3
@@ -78,6 +88,7 @@ class Margins(NamedTuple):
         track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. beside: f_t − f_a.
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
         rival: y, 0 where the template is the subject's own. stiff: h.
+        fit_beside, stiff_beside: f_a and h less their medians of all labels that are there.
     """
 
     track: Floats
@@ -92,6 +103,8 @@ class Margins(NamedTuple):
     frame_fit: Floats
     rival: Floats
     stiff: Floats
+    fit_beside: Floats
+    stiff_beside: Floats
 
 
 def margins(
@@ -123,16 +136,30 @@ def margins(
     rival = lost_to_rivals(stretches, label, template, pairs) if doubted else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats, label)
+    stiff, there = stiffness_kept(some, pairs), np.unique(a)
     found = Margins(
-        least, second, share, share - own_fit[a], continuity(stretches, label, L)[t, a], lost[a],
+        least, second, share, share - own_fit[a], _goes_on(stretches, label, L)[t], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
-        stiffness_kept(some, pairs)[a],
+        stiff[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
     full = {name: _of_all(part, t, len(label)) for name, part in found._asdict().items() if name != "runner_up"}
     return Margins(runner_up=runner_up, **full)
+
+
+def _goes_on(stretches: Stretches, label: Ints, L: int) -> Floats:
+    """(T) nats by which a track goes on from its label's others, more than from those of any other label."""
+    nats, every, of = continuity(stretches, label, L), np.arange(len(label)), np.maximum(label, 0)
+    own = nats[every, of]
+    nats[every, of] = 0.0
+    return np.asarray(own - nats.max(1, initial=0.0))
+
+
+def _beside(values: Floats, there: Ints) -> Floats:
+    """(L) less the median of the labels that are there."""
+    return values - (float(np.median(values[there])) if len(there) else 0.0)
 
 
 def _share(nats: Floats, stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
@@ -232,11 +259,12 @@ def track_features(found: Margins, weight: Floats) -> Floats:
 
 
 def label_features(found: Margins) -> Floats:
-    """(T, 8) of (4); the same for all tracks of a label, but for the fit of their frames."""
+    """(T, 11) of (4); the same for all tracks of a label, but for the fit of their frames."""
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
     parts = (
         _log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present),
         _log(found.rival), found.stiff,
+        *(np.minimum(part, 0.0) for part in (found.fit_beside, found.stiff_beside, found.near_fit - CHAIN_END)),
     )  # fmt: skip
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 
@@ -255,7 +283,8 @@ def probability(
     label: Sequence[float] = BETA_LABEL,
 ) -> Floats:
     """(T) by (1), with δ = shift; 0 for tracks without label."""
-    p_label = logistic(found.exchange) * logistic(label_features(found) @ np.asarray(label))
+    other_way = np.where(found.exchange > 0, LOST, GAINED) * found.exchange
+    p_label = logistic(other_way) * logistic(label_features(found) @ np.asarray(label))
     p = p_label * logistic(track_logit(found, weight, track) + shift)
     return np.where(np.isfinite(p), p, 0.0)
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -186,7 +187,7 @@ def leaps(xyz: NDArray[np.float64], frame: NDArray[np.int64]) -> bool:
 
 def is_name(name: str) -> bool:
     """Whether somebody gave it: tracks of the system itself are numbered."""
-    return bool(name.strip()) and not name.startswith("*") and not name.strip()[-1:].isdigit()
+    return bool(name.strip()) and not name.startswith("*") and not re.fullmatch(r"Mk\d+", name.strip())
 
 
 def between(tracks: Tracks, first: int, stop: int) -> Tracks:

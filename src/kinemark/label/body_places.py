@@ -43,6 +43,8 @@ HIGH = 0.95
 """Quantile that s is no less than by, beside the median; chosen: joints bend in a part of the frames only."""
 MEDIAN, QUANTILE = 2.366, 7.815
 """Both of χ² with three degrees of freedom; by definition."""
+MAD = 0.6745
+"""Median absolute deviation of a normal distribution, in standard deviations; by definition."""
 START_MM = 5.0
 """mm, s by which neighbours are first weighed; chosen."""
 LEAST_MM = 0.5
@@ -70,15 +72,16 @@ class Figure(NamedTuple):
 
 
 def body_places(xyz: Floats, index: Ints, template: Template, rate: float) -> BodyPlaces:
-    """The places of markers xyz (M, F, 3) mm, NaN where not seen.
+    """The places of markers xyz (M, F, 3) mm, NaN where not seen; see `figures`."""
+    return places_by(figures(xyz, index, template, rate), xyz)
 
-    Args:
-        index: (M) the label of each in the template. rate: Hz.
-    """
+
+def places_by(known: list[Figure], xyz: Floats) -> BodyPlaces:
+    """The places of markers xyz (M, F, 3) mm, NaN where not seen, by their figures."""
     M, F = xyz.shape[:2]
     place, cov = np.full((M, F, 3), np.nan), np.full((M, F, 3, 3), np.nan)
     spread = np.full(M, np.nan)
-    for figure in figures(xyz, index, template, rate):
+    for figure in known:
         m = figure.marker
         place[m], G = foretold(figure, xyz[figure.near])
         cov[m], spread[m] = figure.spread**2 * G, figure.spread
@@ -86,17 +89,22 @@ def body_places(xyz: Floats, index: Ints, template: Template, rate: float) -> Bo
 
 
 def figures(xyz: Floats, index: Ints, template: Template, rate: float) -> list[Figure]:
-    """The figure of each marker that has LEAST neighbours and more."""
+    """The figure of each marker that has LEAST neighbours and more.
+
+    Args:
+        xyz: (M, F, 3) mm, NaN where not seen. index: (M) the label of each in the template. rate: Hz.
+    """
     seen = np.isfinite(xyz[..., 0])
     together = seen.astype(np.float32) @ seen.T.astype(np.float32)
     looseness = _looseness(xyz, index, template)
     looseness[together < max(LEAST_S * rate, LEAST + 1)] = np.inf
     np.fill_diagonal(looseness, np.inf)
     found = []
+    spread = template.spread[np.ix_(index, index)]
     for m in range(len(xyz)):
         near = np.argsort(looseness[m], kind="stable")[:NEIGHBOURS]
         near = near[np.isfinite(looseness[m, near])]
-        figure = _figure(m, near, xyz) if len(near) >= LEAST else None
+        figure = _figure(m, near, xyz, float(np.nanmax(spread[m, near]))) if len(near) >= LEAST else None
         found += [figure] if figure is not None else []
     return found
 
@@ -106,11 +114,11 @@ def _looseness(xyz: Floats, index: Ints, template: Template) -> Floats:
     rows = _spread_frames(np.arange(xyz.shape[1]))
     d = np.linalg.norm(xyz[:, None, rows] - xyz[None, :, rows], axis=-1)
     n = np.isfinite(d).sum(-1)
-    mean = np.nansum(d, -1) / np.maximum(n, 1)
-    own = np.sqrt(np.nansum((d - mean[..., None]) ** 2, -1) / np.maximum(n, 1))
+    middle = np.ma.median(np.ma.masked_invalid(d), axis=-1).filled(np.nan)
+    own = np.ma.median(np.ma.masked_invalid(np.abs(d - middle[..., None])), axis=-1).filled(np.nan) / MAD
     D, spread = (one[np.ix_(index, index)] for one in (template.distance, template.spread))
     doubt = np.asarray(template.doubt)[np.ix_(index, index)]
-    agrees = np.abs(mean - D) <= AGREE * np.hypot(np.hypot(spread, own), doubt) + SLACK_MM
+    agrees = np.abs(middle - D) <= AGREE * np.hypot(np.hypot(spread, own), doubt) + SLACK_MM
     return np.where(agrees & (n > 0), np.hypot(spread, own), np.inf)
 
 
@@ -120,8 +128,11 @@ def _spread_frames(frames: Ints) -> Ints:
     return frames[np.unique(at)] if len(frames) else frames
 
 
-def _figure(marker: int, near: Ints, xyz: Floats) -> Figure | None:
-    """Learnt from frames with the marker and LEAST of its neighbours; None where there are too few."""
+def _figure(marker: int, near: Ints, xyz: Floats, known: float) -> Figure | None:
+    """Learnt from frames with the marker and LEAST of its neighbours; None where there are too few.
+
+    What the template knows of its distances, `known` mm, is the most that rare frames may add to s.
+    """
     points = xyz[[marker, *near]]
     seen = np.isfinite(points[..., 0])
     frames = _spread_frames(np.flatnonzero(seen[0] & (seen[1:].sum(0) >= LEAST)))
@@ -137,7 +148,8 @@ def _figure(marker: int, near: Ints, xyz: Floats) -> Figure | None:
         off = off[np.isfinite(off)]
         if not len(off):
             return None
-        spread = np.sqrt(max(np.median(off) / MEDIAN, np.quantile(off, HIGH) / QUANTILE))
+        rare = min(np.sqrt(np.quantile(off, HIGH) / QUANTILE), known)
+        spread = max(np.sqrt(np.median(off) / MEDIAN), rare)
         figure = figure._replace(spread=max(float(spread), LEAST_MM))
     return figure
 
@@ -154,6 +166,11 @@ def _mean_figure(mean: Floats, points: Floats) -> Floats:
 
 def foretold(figure: Figure, y: Floats) -> tuple[Floats, Floats]:
     """(F, 3) places by (1) from neighbours y (n, F, 3), NaN where too few are seen, and (F, 3, 3) of (2) without s²."""
+    return turned(figure, y)[:2]
+
+
+def turned(figure: Figure, y: Floats) -> tuple[Floats, Floats, Floats]:
+    """The same, and rotations (F, 3, 3) that turn a row of the figure's axes to the world's."""
     seen = y.transpose(1, 0, 2)
     there: Bools = np.isfinite(seen[..., 0])
     seen = np.where(there[..., None], seen, 0.0)
@@ -165,7 +182,7 @@ def foretold(figure: Figure, y: Floats) -> tuple[Floats, Floats]:
     arm = ((figure.xyz[0] - own)[:, None] @ R)[:, 0]
     G, turns = _uncertainty(arm, (a - own[:, None]) @ R, weight)
     known = (there.sum(1) >= LEAST) & turns
-    return np.where(known[:, None], arm + other, np.nan), np.where(known[:, None, None], G, np.nan)
+    return np.where(known[:, None], arm + other, np.nan), np.where(known[:, None, None], G, np.nan), R
 
 
 def _uncertainty(arm: Floats, r: Floats, weight: Floats) -> tuple[Floats, Bools]:

@@ -16,7 +16,9 @@ from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...label import Template
-from ...label.body_places import BodyPlaces, body_places
+from ...label.body_places import figures as figures_of
+from ...label.body_places import places_by
+from ...label.carried_places import carried_places
 from ...label.by_body import ASIDE_POINT, NamedPoints, judged
 from ...track.simultaneous import Simultaneous
 from ...track.simultaneous.expected_places import points_where_expected, searched
@@ -70,13 +72,16 @@ def second_pass(
     track = tracks.id
     fixed = np.zeros(len(row), bool) if fixed is None else fixed
     for _ in range(ROUNDS):
-        body = body_places(_places(cloud, marker, M), index, template, cloud.rate)
-        marker = judged(NamedPoints(cloud.frame, track, np.where(track >= 0, marker, ASIDE_POINT), cloud.xyz, cloud.cov, fixed), body)
-        body = body_places(_places(cloud, marker, M), index, template, cloud.rate)
+        xyz = _places(cloud, marker, M)
+        body = places_by(known := figures_of(xyz, index, template, cloud.rate), xyz)
+        named = np.where(track >= 0, marker, ASIDE_POINT)
+        marker = judged(NamedPoints(cloud.frame, track, named, cloud.xyz, cloud.cov, fixed), body)
         held = (marker >= 0) | ((marker == -1) & (track >= 0))
-        # ghosts
+        xyz = _places(cloud, marker, M)
         at = searched(detections, rig, Tracks(cloud, np.where(marker >= 0, marker, -1)), held, method=method)
-        new = points_where_expected(at, _known(cloud, marker), _missing(cloud, marker, body), errors=errors, volume_margin=volume_margin)
+        expected = carried_places(known, xyz, _empty(cloud, marker, M), cloud.rate)
+        places = TrackPoints(expected.frame, expected.marker, expected.xyz, expected.cov)
+        new = points_where_expected(at, _known(cloud, marker), places, errors=errors, volume_margin=volume_margin)
         found += len(new.id)
         cloud, order = _with(cloud, new.cloud)
         nothing = np.full(len(new.id), -1)
@@ -106,22 +111,21 @@ def _dense(identity: Ints, M: int) -> Ints:
 
 def _places(cloud: Cloud, marker: Ints, M: int):
     xyz = np.full((M, cloud.n_frames, 3), np.nan)
-    own = marker >= 0
+    own = (marker >= 0)
     xyz[marker[own], cloud.frame[own]] = cloud.xyz[own]
     return xyz
+
+
+def _empty(cloud: Cloud, marker: Ints, M: int):
+    out = np.ones((M, cloud.n_frames), bool)
+    own = marker >= 0
+    out[marker[own], cloud.frame[own]] = False
+    return out
 
 
 def _known(cloud: Cloud, marker: Ints) -> TrackPoints:
     own = marker >= 0
     return TrackPoints(cloud.frame[own], marker[own], cloud.xyz[own], cloud.cov[own])
-
-
-def _missing(cloud: Cloud, marker: Ints, body: BodyPlaces) -> TrackPoints:
-    want = np.isfinite(body.place[..., 0])
-    own = marker >= 0
-    want[marker[own], cloud.frame[own]] = False
-    m, f = np.nonzero(want)
-    return TrackPoints(f, m, body.place[m, f], body.cov[m, f])
 
 
 def _with(cloud: Cloud, new: Cloud):

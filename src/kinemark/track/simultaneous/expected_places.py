@@ -4,7 +4,8 @@ Whoever knows more of a scene than the tracker, as by the body that the markers 
 frames in which it has no point: places with covariances. The motion of the track before and after, as far as there are
 points within `max_gap`, and the place are independent, so the motion is updated with the place by the information
 filter: N = B⁻¹, g = N (b − x) (1). Images that are free are associated there as in `second_pass`, and two of them make
-a point. What is found tells more of the motion, so it is done ITERATIONS times.
+a point. What is found tells more of the motion, so it is done ITERATIONS times. Points that their images
+alone do not know to `uncertain_sd`, as those of two cameras that face each other, are no measurement of the place (2).
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from .tracker import Working, precise_enough, solved, solver_for
 
 ITERATIONS = 2
 """Times in turn; chosen: the third finds hardly anything new."""
+
 
 
 class Looked(NamedTuple):
@@ -75,8 +77,7 @@ def points_where_expected(
     """
     images, T = at.working.images, 1 / at.detections.rate
     free, new = at.free.copy(), np.zeros((len(images.P), 0), np.int64)
-    rows = np.arange(0)
-    left = np.arange(len(expected.id))
+    rows, left = np.arange(0), np.arange(len(expected.id))
     points = known
     for _ in range(ITERATIONS):
         motion = _motion(points, expected.take(left), T, at.method)
@@ -91,21 +92,23 @@ def points_where_expected(
         used = detection[:, good]
         free[used[used >= 0]] = False
         left = left[~good]
-    return _solved(at, points.xyz[len(known.id) :], new, expected.take(rows), errors, volume_margin)
+    of = expected.take(rows)._replace(xyz=points.xyz[len(known.id) :])
+    return _solved(at, of, new, errors, volume_margin)
 
 
 def _solved(
-    at: Searched, xyz: Floats, detection: Ints, of: TrackPoints, errors: ImageErrors, volume_margin: float | None
+    at: Searched, of: TrackPoints, detection: Ints, errors: ImageErrors, volume_margin: float | None
 ) -> Looked:
     """The points solved from their detections (C, N), those that are good enough."""
     images = at.working.images
     order = np.argsort(of.frame, kind="stable")
-    detection, ids = detection[:, order], of.id[order]
+    detection, of = detection[:, order], of.take(order)
     solver = solver_for(at.detections, np.zeros(len(at.free), bool), at.working, errors)
-    cloud = solved(of.frame[order], detection, xyz[order].T, solver)
+    cloud = solved(of.frame, detection, of.xyz.T, solver)
     own = ((detection >= 0) & ~images.merged[detection]).sum(0)
     good = usable_points(cloud, at.working.rig, margin=volume_margin) & precise_enough(cloud, own, at.method)
-    return Looked(cloud.keep(good), ids[good])
+    good &= np.trace(cloud.cov, axis1=1, axis2=2) < at.method.uncertain_sd**2  # (2)
+    return Looked(cloud.keep(good), of.id[good])
 
 
 def _motion(known: TrackPoints, expected: TrackPoints, T: float, method: Simultaneous) -> KalmanStates:

@@ -11,8 +11,8 @@ with weights against neighbours that are off. Where each lies off its place by s
 
     B = s² [ I (1 + 1/n) + K J⁻¹ Kᵀ ],   K = [R (x − ā)]×,   J = Σ |r_i|² I − r_i r_iᵀ,   r_i = R (a_i − ā)       (2)
 
-and s is what makes the distances (p − b)ᵀ B⁻¹ (p − b) of the trial's own points p have the median of χ² with three
-degrees of freedom, or its 95 % quantile, whichever asks for more. So it holds soft tissue, joints between the neighbours and errors of points alike, and a marker that
+and s is what makes the distances (p − b)ᵀ B⁻¹ (p − b) of the trial's own points p have the quantiles of χ² with three
+degrees of freedom: the lower one, and the median and the high one as far as the template's distances vary as much. So it holds soft tissue, joints between the neighbours and errors of points alike, and a marker that
 none keeps a distance to has a B that says so.
 """
 
@@ -39,10 +39,9 @@ LEARNT_FRAMES = 200
 """From which a figure is learnt, evenly spread; chosen: as many as say its mean to a tenth of its spread."""
 ROUNDS = 2
 """Of weights against neighbours that are off, and of figures laid over their mean; chosen."""
-HIGH = 0.95
-"""Quantile that s is no less than by, beside the median; chosen: joints bend in a part of the frames only."""
-MEDIAN, QUANTILE = 2.366, 7.815
-"""Both of χ² with three degrees of freedom; by definition."""
+QUANTILES = {0.25: 1.213, 0.5: 2.366, 0.95: 7.815}
+"""By which s is judged, and the same of χ² with three degrees of freedom, by definition: joints bend in a part of the
+frames only; chosen."""
 MAD = 0.6745
 """Median absolute deviation of a normal distribution, in standard deviations; by definition."""
 START_MM = 5.0
@@ -100,7 +99,7 @@ def figures(xyz: Floats, index: Ints, template: Template, rate: float) -> list[F
     looseness[together < max(LEAST_S * rate, LEAST + 1)] = np.inf
     np.fill_diagonal(looseness, np.inf)
     found = []
-    spread = template.spread[np.ix_(index, index)]
+    spread = np.hypot(template.spread, np.asarray(template.doubt))[np.ix_(index, index)]
     for m in range(len(xyz)):
         near = np.argsort(looseness[m], kind="stable")[:NEIGHBOURS]
         near = near[np.isfinite(looseness[m, near])]
@@ -131,7 +130,8 @@ def _spread_frames(frames: Ints) -> Ints:
 def _figure(marker: int, near: Ints, xyz: Floats, known: float) -> Figure | None:
     """Learnt from frames with the marker and LEAST of its neighbours; None where there are too few.
 
-    What the template knows of its distances, `known` mm, is the most that rare frames may add to s.
+    Half of the frames, and rare ones, may raise s to what the template knows of its distances, `known` mm, at most:
+    where a quarter of them holds more tightly, the others are exchanged with neighbours, not soft.
     """
     points = xyz[[marker, *near]]
     seen = np.isfinite(points[..., 0])
@@ -148,8 +148,8 @@ def _figure(marker: int, near: Ints, xyz: Floats, known: float) -> Figure | None
         off = off[np.isfinite(off)]
         if not len(off):
             return None
-        rare = min(np.sqrt(np.quantile(off, HIGH) / QUANTILE), known)
-        spread = max(np.sqrt(np.median(off) / MEDIAN), rare)
+        core, middle, rare = np.sqrt(np.quantile(off, list(QUANTILES)) / list(QUANTILES.values()))
+        spread = max(core, min(max(middle, rare), known))
         figure = figure._replace(spread=max(float(spread), LEAST_MM))
     return figure
 

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
-from .body_places import HIGH, LEAST_MM, MEDIAN, QUANTILE, Figure, turned
+from .body_places import LEAST_MM, QUANTILES, Figure, turned
 
 LONGEST_S = 0.5
 """s, the longest τ of which v is measured; chosen: by then offsets have little to do with each other."""
@@ -95,7 +95,7 @@ def _changes(figure: Figure, own: Floats, y: Floats, rate: float) -> tuple[Float
         square = square[np.isfinite(square)]
         if len(square) < LEAST_PAIRS:
             break
-        v = max(float(np.median(square)) / MEDIAN, float(np.quantile(square, HIGH)) / QUANTILE)
+        v = float((np.quantile(square, list(QUANTILES)) / list(QUANTILES.values())).max())
         lags.append(lag)
         found.append(max(v, found[-1]))
         lag *= 2

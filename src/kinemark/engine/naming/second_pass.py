@@ -75,6 +75,7 @@ def second_pass(
         xyz = _places(cloud, marker, M)
         body = places_by(known := figures_of(xyz, index, template, cloud.rate), xyz)
         named = np.where(track >= 0, marker, ASIDE_POINT)
+        was = named
         marker = judged(NamedPoints(cloud.frame, track, named, cloud.xyz, cloud.cov, fixed), body)
         held = (marker >= 0) | ((marker == -1) & (track >= 0))
         xyz = _places(cloud, marker, M)
@@ -83,6 +84,11 @@ def second_pass(
         places = TrackPoints(expected.frame, expected.marker, expected.xyz, expected.cov)
         new = points_where_expected(at, _known(cloud, marker), places, errors=errors, volume_margin=volume_margin)
         found += len(new.id)
+        taken = _empty(cloud, marker, M)
+        taken[new.id, new.cloud.frame] = False
+        back = (marker == ASIDE_POINT) & (was >= 0)
+        back[back] = taken[was[back], cloud.frame[back]]
+        marker = np.where(back, was, marker)
         cloud, order = _with(cloud, new.cloud)
         nothing = np.full(len(new.id), -1)
         row = np.concatenate([row, nothing])[order]

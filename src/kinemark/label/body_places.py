@@ -44,6 +44,8 @@ QUANTILES = {0.25: 1.213, 0.5: 2.366, 0.95: 7.815}
 frames only; chosen."""
 MAD = 0.6745
 """Median absolute deviation of a normal distribution, in standard deviations; by definition."""
+OUTLIER = 5.0
+"""Standard deviations at which a distance that is off counts no more; chosen."""
 START_MM = 5.0
 """mm, s by which neighbours are first weighed; chosen."""
 LEAST_MM = 0.5
@@ -99,12 +101,14 @@ def figures(xyz: Floats, index: Ints, template: Template, rate: float) -> list[F
     looseness[together < max(LEAST_S * rate, LEAST + 1)] = np.inf
     np.fill_diagonal(looseness, np.inf)
     found = []
-    spread = np.hypot(template.spread, np.asarray(template.doubt))[np.ix_(index, index)]
+    pick = np.ix_(index, index)
+    D, spread = template.distance[pick], np.hypot(template.spread, np.asarray(template.doubt))[pick]
     for m in range(len(xyz)):
         near = np.argsort(looseness[m], kind="stable")[:NEIGHBOURS]
         near = near[np.isfinite(looseness[m, near])]
-        figure = _figure(m, near, xyz, float(np.nanmax(spread[m, near]))) if len(near) >= LEAST else None
-        found += [figure] if figure is not None else []
+        if len(near) >= LEAST:
+            group = [m, *near.tolist()]
+            found += _figure(group, xyz[group], D[np.ix_(group, group)], spread[np.ix_(group, group)])
     return found
 
 
@@ -127,31 +131,36 @@ def _spread_frames(frames: Ints) -> Ints:
     return frames[np.unique(at)] if len(frames) else frames
 
 
-def _figure(marker: int, near: Ints, xyz: Floats, known: float) -> Figure | None:
-    """Learnt from frames with the marker and LEAST of its neighbours; None where there are too few.
+def _figure(group: list[int], points: Floats, D: Floats, spread: Floats) -> list[Figure]:
+    """The figure of a marker and its neighbours (n + 1, F, 3), in a list that is empty where they have too few frames.
 
-    Half of the frames, and rare ones, may raise s to what the template knows of its distances, `known` mm, at most:
-    where a quarter of them holds more tightly, the others are exchanged with neighbours, not soft.
+    It is learnt from the half of the frames that agrees best with the template's distances D ± spread (n + 1, n + 1),
+    as in the others markers may be exchanged. Half of the frames, and rare ones, may raise s to what the template knows
+    of the distances at most: where a quarter of them holds more tightly, the others are exchanged, not soft.
     """
-    points = xyz[[marker, *near]]
     seen = np.isfinite(points[..., 0])
     frames = _spread_frames(np.flatnonzero(seen[0] & (seen[1:].sum(0) >= LEAST)))
-    whole = frames[seen[:, frames].all(0)]
+    d = np.linalg.norm(points[:, None, frames] - points[None, :, frames], axis=-1)
+    off = np.minimum(np.abs(d - D[..., None]) / (spread[..., None] + LEAST_MM), OUTLIER)
+    off = np.nansum(off, axis=(0, 1)) / np.maximum(np.isfinite(off).sum((0, 1)), 1)
+    agreeing = frames[off <= np.median(off)] if len(frames) else frames
+    whole = agreeing[seen[:, agreeing].all(0)]
     if not len(whole):
-        return None
+        return []
     mean = points[:, whole[len(whole) // 2]]
     for _ in range(ROUNDS):
-        mean = _mean_figure(mean, points[:, frames])
-    figure = Figure(marker, near, mean, START_MM)
+        mean = _mean_figure(mean, points[:, agreeing])
+    figure = Figure(group[0], np.array(group[1:]), mean, START_MM)
+    known = float(np.nanmax(spread[0, 1:]))
     for _ in range(ROUNDS):
-        off = distance(points[0, frames], *foretold(figure, points[1:, frames]))
-        off = off[np.isfinite(off)]
-        if not len(off):
-            return None
-        core, middle, rare = np.sqrt(np.quantile(off, list(QUANTILES)) / list(QUANTILES.values()))
-        spread = max(core, min(max(middle, rare), known))
-        figure = figure._replace(spread=max(float(spread), LEAST_MM))
-    return figure
+        square = distance(points[0, frames], *foretold(figure, points[1:, frames]))
+        square = square[np.isfinite(square)]
+        if not len(square):
+            return []
+        core, middle, rare = np.sqrt(np.quantile(square, list(QUANTILES)) / list(QUANTILES.values()))
+        s = max(core, min(max(middle, rare), known))
+        figure = figure._replace(spread=max(float(s), LEAST_MM))
+    return [figure]
 
 
 def _mean_figure(mean: Floats, points: Floats) -> Floats:

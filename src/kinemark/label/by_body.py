@@ -6,8 +6,8 @@ are off or have no name, are assigned to each other so that Σ (g² − d²) ove
 markers that took each other's place change back, a piece that nobody named finds its marker, and a point that is off
 and is no other's either is put aside where the place is known well.
 
-A track without a name is a marker's only where it keeps to that marker's place as long as it lasts: markers that have
-no name pass others' places, and stay at their own.
+A track without a name gives points to markers only where most of it lies at places of such markers: a marker that has
+no name passes others' places, and stays at its own.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ apart and more."""
 ASIDE = 8.0
 """d from which on a point that is no marker's is put aside; chosen: tails of soft tissue and of steps are shorter."""
 KEEPS = 0.8
-"""Share of the frames of a track without a name in which it keeps to a marker's place, at least; chosen."""
+"""Least share of a track without a name that lies at places of markers that have no point; chosen."""
 ASIDE_POINT = -2
 """In place of a marker, of a point that is put aside; by definition."""
 
@@ -55,13 +55,12 @@ def judged(points: NamedPoints, body: BodyPlaces) -> Ints:
     has[points.marker[kept], points.frame[kept]] = True
     wanting = well & ~has
     nameless = (points.marker == -1) & ~points.fixed
-    keeps = _keeping(points, body, nameless)
-    rows = np.flatnonzero(off | nameless)
+    rows = np.flatnonzero(off | _at_places(points, body, nameless, wanting))
     wants = wanting.any(0)
     for f in np.unique(points.frame[rows]).tolist():
         own = rows[points.frame[rows] == f] if wants[f] else rows[:0]
         markers = np.flatnonzero(wanting[:, f])
-        for p, m in _assigned(points, own, markers, body, keeps):
+        for p, m in _assigned(points, own, markers, body):
             out[p] = m
     lost = off & (out == points.marker) & (points.marker >= 0)
     out[lost & ~_stays(points, body, out, lost)] = ASIDE_POINT
@@ -82,30 +81,28 @@ def _off(points: NamedPoints, body: BodyPlaces) -> Bools:
     return out
 
 
-def _keeping(points: NamedPoints, body: BodyPlaces, nameless: Bools) -> dict[int, set[int]]:
-    """The markers to whose places each track without a name keeps."""
-    M = len(body.place)
-    found = {}
-    for track in np.unique(points.track[nameless]).tolist():
-        rows = np.flatnonzero(nameless & (points.track == track))
-        square = np.array([_square(points, rows, np.full(len(rows), m), body) for m in range(M)])
-        known = np.isfinite(square)
-        share = (known & (square < GATE**2)).sum(1) / np.maximum(known.sum(1), 1)
-        found[track] = set(np.flatnonzero((share >= KEEPS) & (known.sum(1) >= len(rows) / 2)).tolist())
-    return found
+def _at_places(points: NamedPoints, body: BodyPlaces, nameless: Bools, wanting: Bools) -> Bools:
+    """(P) points of tracks without a name most of which lies at places of markers (M, F) that have no point."""
+    rows = np.flatnonzero(nameless)
+    near = np.zeros(len(rows), bool)
+    for m in np.flatnonzero(wanting.any(1)).tolist():
+        own = np.flatnonzero(wanting[m, points.frame[rows]])
+        near[own] |= np.nan_to_num(_square(points, rows[own], np.full(len(own), m), body), nan=np.inf) < GATE**2
+    track = points.track[rows]
+    n = np.bincount(track)
+    most = np.bincount(track, near, len(n)) >= KEEPS * n
+    out = np.zeros(len(nameless), bool)
+    out[rows] = near & most[track]
+    return out
 
 
-def _assigned(
-    points: NamedPoints, rows: Ints, markers: Ints, body: BodyPlaces, keeps: dict[int, set[int]]
-) -> list[tuple[int, int]]:
+def _assigned(points: NamedPoints, rows: Ints, markers: Ints, body: BodyPlaces) -> list[tuple[int, int]]:
     """Points and markers of one frame by (2)."""
     if not len(rows) or not len(markers):
         return []
-    gain = np.zeros((len(rows), len(markers)))
-    for j, m in enumerate(markers.tolist()):
-        square = _square(points, rows, np.full(len(rows), m), body)
-        may = [points.marker[p] >= 0 or m in keeps[int(points.track[p])] for p in rows.tolist()]
-        gain[:, j] = np.where(np.isfinite(square) & np.array(may), np.maximum(GATE**2 - square, 0.0), 0.0)
+    i, j = (grid.ravel() for grid in np.meshgrid(rows, markers, indexing="ij"))
+    square = np.nan_to_num(_square(points, i, j, body), nan=np.inf).reshape(len(rows), len(markers))
+    gain = np.maximum(GATE**2 - square, 0.0)
     i, j = scipy.optimize.linear_sum_assignment(gain, maximize=True)
     good = gain[i, j] > 0
     return list(zip(rows[i[good]].tolist(), markers[j[good]].tolist(), strict=True))

@@ -26,7 +26,7 @@ from ...track.simultaneous.learned_delays import VOLUME_MARGIN
 from ...track.simultaneous.neighbouring_points import TrackPoints
 from .naming import ghost_tracks
 
-ROUNDS = 2
+ROUNDS = 4
 """Of judging and looking; chosen: the third finds hardly anything new."""
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -37,7 +38,7 @@ from kinemark.io.tdf import read_tdf
 from kinemark.label import Labelling, learn_template
 from kinemark.synth import Subject, observe, ring, walking, with_markers
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from support.scenes import make, scene
+from support.scenes import Made, make, scene
 from support.scenes.bodies import walker
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data"))
@@ -96,20 +97,27 @@ def scenes(seeds: list[int]) -> Iterator[Row]:
     Scenes in which the other motion does not allow the same places of markers are left out.
     """
     for seed in seeds:
-        one = scene(seed)
-        if one.motion == "swarm":
-            continue
-        t = np.arange(round(one.seconds * one.rate)) / one.rate + LATER_S
-        other = walker(one.motion, one.markers, t, np.random.default_rng([one.seed, 16]), one.treadmill).xyz
-        seen = make(one)
-        apart = [np.linalg.norm(xyz[:, None] - xyz[None], axis=-1).mean(-1) for xyz in (seen.xyz, other)]
-        if np.abs(apart[0] - apart[1]).max() > SAME_MM:
-            continue
-        names = tuple(f"m{k}" for k in range(one.markers))
-        paths = tuple(MarkerTrajectory.measured(name, xyz) for name, xyz in zip(names, other, strict=True))
-        template = SessionTemplate(learn_template(Trajectories(paths, one.rate)), ("later",))
-        name = f"scene {seed}, {one.motion}, {one.markers} markers, {one.cameras} cameras"
-        yield Row(name, tracked(seen.detections, seen.rig), template, seen.xyz, names)
+        named = named_scene(seed)
+        if named is not None:
+            one, (seen, template, names) = scene(seed), named
+            name = f"scene {seed}, {one.motion}, {one.markers} markers, {one.cameras} cameras"
+            yield Row(name, tracked(seen.detections, seen.rig), template, seen.xyz, names)
+
+
+def named_scene(seed: int) -> tuple[Made, SessionTemplate, tuple[str, ...]] | None:
+    """A scene, the template of the same person a little later, and the names; None where that is left out."""
+    one = scene(seed)
+    if one.motion == "swarm":
+        return None
+    t = np.arange(round(one.seconds * one.rate)) / one.rate + LATER_S
+    other = walker(one.motion, one.markers, t, np.random.default_rng([one.seed, 16]), one.treadmill).xyz
+    seen = make(one)
+    apart = [np.linalg.norm(xyz[:, None] - xyz[None], axis=-1).mean(-1) for xyz in (seen.xyz, other)]
+    if np.abs(apart[0] - apart[1]).max() > SAME_MM:
+        return None
+    names = tuple(f"m{k}" for k in range(one.markers))
+    paths = tuple(MarkerTrajectory.measured(name, xyz) for name, xyz in zip(names, other, strict=True))
+    return seen, SessionTemplate(learn_template(Trajectories(paths, one.rate)), ("later",)), names
 
 
 def one_person(n: int, rate: float, seed: int) -> tuple[Subject, Subject]:
@@ -186,7 +194,7 @@ def leaps(xyz: NDArray[np.float64], frame: NDArray[np.int64]) -> bool:
 
 def is_name(name: str) -> bool:
     """Whether somebody gave it: tracks of the system itself are numbered."""
-    return bool(name.strip()) and not name.startswith("*") and not name.strip()[-1:].isdigit()
+    return bool(name.strip()) and not name.startswith("*") and not re.fullmatch(r"Mk\d+", name.strip())
 
 
 def between(tracks: Tracks, first: int, stop: int) -> Tracks:

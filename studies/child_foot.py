@@ -41,10 +41,10 @@ CASES = tuple((rate, metres) for metres in (4.2, 2.5) for rate in (50.0, 100.0))
 WITHIN = 10.0  # mm; less than half of the pitch, so that a point is one marker's; chosen
 
 
-def child(seconds: float, rate: float) -> Subject:
+def child(seconds: float, rate: float, speed: float = SPEED_MM_S) -> Subject:
     """The walking child with a grid of markers on each foot."""
     body = walking(
-        duration_s=seconds, rate=rate, speed_mm_s=SPEED_MM_S, height_mm=HEIGHT_MM, marker_radius_mm=RADIUS_MM
+        duration_s=seconds, rate=rate, speed_mm_s=speed, height_mm=HEIGHT_MM, marker_radius_mm=RADIUS_MM
     )
     xyz, names = list(body.xyz), list(body.names)
     for side in ("L", "R"):

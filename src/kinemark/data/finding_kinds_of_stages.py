@@ -19,6 +19,10 @@ LABELLING = (
          "of named ones.", {"tracks": "count"}),
     Kind("tracks_switched", "label", "info", "Tracks that went over from one marker to another, and were cut there.",
          {"switches": "count"}),
+    Kind("second_pass_by_body", "label", "info", "What the named body changed of the tracks: points found where it "
+         "expects a marker, given the name of another marker, joined to one from tracks without a name, put aside; and "
+         "tracks without a name that were taken for ghosts.",
+         {"found": "count", "renamed": "count", "joined": "count", "put_aside": "count", "ghosts": "count"}),
     Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",
          {"statements": "count"}),
     Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "

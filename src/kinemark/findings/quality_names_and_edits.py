@@ -58,6 +58,8 @@ class LabelsData(TypedDict):
     markers: list[NamedMarkerData]
     unsure: list[UnsureData]
     ghosts_removed: NotRequired[Count]
+    second_pass: NotRequired[dict[str, Count]]
+    """Points that the named body found, renamed, joined and put_aside, and ghosts, tracks that it dropped."""
     stated: NotRequired[Count]
     """Tracks whose name a person stated."""
     claimed: NotRequired[Count]

@@ -39,6 +39,11 @@ class Labelling(Method):
     names: str | None = parameter(
         None, meaning="CSV of names stated by hand: trial, frame, x_mm, y_mm, z_mm, name; they are facts"
     )
+    second_pass: bool = parameter(
+        True,
+        meaning="judge the points of tracks by the named body, and look for markers where it expects them; where "
+        "[track] has the tracker `simultaneous`",
+    )
     unsure: bool = parameter(False, meaning="also take names that are not sure")
 
     def check_together(self) -> None:

@@ -6,15 +6,22 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ...data import Detections, Tracks, Trajectories
+from ...data.array_types import Bools
 from ...data.edits import Claim
 from ...io.stated_names_csv import StatedName, read_stated_names
+from ...reconstruct import LeastSquares, image_errors
+from ...track.simultaneous import Simultaneous
 from ..keys import world_key
 from ..sources import Recording
-from .claims import claimed_tracks
+from .claims import ClaimedTracks, claimed_tracks
 from .earlier import ABSENT, Earlier, template_files_key
 from .named_tracks import NamedTracks, load_learnt
 from .naming import name_tracks, numbered, stated_by_recording
+from .second_pass import Search, second_pass
+from .statements import facts_of
 from .templates import prefix_of, templates_of_trial, worn
 
 
@@ -54,8 +61,28 @@ def name_trial(
     templates = templates_of_trial(of.root, of.settings, earlier, of.entry)
     first = of.frames[0] if of.frames else 1
     claimed = claimed_tracks(numbered(tracks, first), claims, detections, world=world_key(of.rig))
-    found = name_tracks(tracks, templates, how=label, stated=_stated(of), first_frame=first, claimed=claimed)
+    stated = _stated(of)
+    found = name_tracks(tracks, templates, how=label, stated=stated, first_frame=first, claimed=claimed)
+    if label.second_pass and isinstance(of.settings.track, Simultaneous):
+        fixed = _spoken(claimed, stated, len(tracks.cloud))
+        found = second_pass(found, tracks, templates, _search(of, detections), fixed=fixed)
     return found._replace(figures={**found.figures, "claimed": len(claimed.stated)})
+
+
+def _search(of: Recording, detections: Detections) -> Search:
+    """As the tracker had it."""
+    place = of.settings.reconstruct if isinstance(of.settings.reconstruct, LeastSquares) else LeastSquares()
+    margin = place.volume_margin if place.within_volume else None
+    return Search(detections, of.rig, of.settings.track, image_errors(place), margin)
+
+
+def _spoken(claimed: ClaimedTracks, stated: Sequence[StatedName], n_points: int) -> Bools:
+    """(P) points of tracks of which a person said what they are."""
+    out = np.zeros(n_points, bool)
+    for name in {*claimed.stated, *facts_of(claimed.tracks, stated).of}:
+        rows = claimed.tracks[name].residual
+        out[rows[np.isfinite(rows)].astype(np.int64)] = True
+    return out
 
 
 def _stated(of: Recording) -> tuple[StatedName, ...]:

@@ -69,7 +69,7 @@ def name_tracks(
         figures["subjects"], figures["undecided"] = list(by), [list(pair) for pair in undecided]
     findings = [*_lost(facts.lost), *label_findings(figures, labels, template=bool(by))]
     kept = _without(joined, ghosts)
-    names = _renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
+    names = renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
     contradicts = {s: found for s, one in by.items() if (found := _contradicts(markers_of(done, s), one, s))}
     accepted = not by or (not labels.refused and figures["sure_share"] >= ACCEPTED)
     return NamedTracks(
@@ -168,7 +168,7 @@ def _without(joined: Ints, ghosts: frozenset[int]) -> Ints:
     return number[joined]
 
 
-def _renumbered(names: Sequence[str]) -> tuple[str, ...]:
+def renumbered(names: Sequence[str]) -> tuple[str, ...]:
     """The names, and `*1`, `*2`, … for the others in their order."""
     rest = iter(range(1, len(names) + 1))
     return tuple(f"*{next(rest)}" if name.startswith("*") else name for name in names)

@@ -38,6 +38,13 @@ LABELLING_WORDS = {
         "{marker_names}; {frames}.",
         "Look at these frames in the images.",
     ),
+    "second_pass_by_body": Words(
+        "By the distances of the named body, {found} {found:point was|points were} found that the tracker had missed, "
+        "{renamed} {renamed:changes its name|change their names}, {joined} {joined:joins|join} a marker, {put_aside} "
+        "{put_aside:is|are} put aside, and {ghosts} {ghosts:track was|tracks were} taken for ghosts: {marker_names}; "
+        "{frames}.",
+        "Look at these frames in the images; second_pass = false in [label] leaves the tracks as they were.",
+    ),
     "stated_names_lost": Words(
         "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
         "State them where the marker is tracked; the frame counts from 1 in the file of names.",

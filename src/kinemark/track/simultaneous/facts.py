@@ -105,11 +105,8 @@ def mended_tracks(
     """
     if not len(tracks):
         return Mended(tracks, np.zeros(0, np.int64))
-    images, noise, method = _prepared(detections, rig, method)
-    timed = _in_time(detections, images, tracks, method)
-    if timed is not detections:
-        images, noise, method = _prepared(timed, rig, method)
-    working = Working(rig, images, noise)
+    timed, working, method = tracked_images(detections, rig, tracks, method)
+    images = working.images
     cloud, changed = _with_owned_images(tracks.cloud, facts, working, timed, errors)
     gone = (facts.marker == NO_MARKER) | facts.wrong | (tracks.id < 0) | ((cloud.detection >= 0).sum(1) < 2)
     pieces = _pieces(tracks, facts, gone)
@@ -125,6 +122,17 @@ def mended_tracks(
     touched[group[pieces.touched | (np.bincount(group, minlength=len(group))[group] > 1)]] = True
     new, ids = _good(found, touched, free, working, timed, errors, volume_margin, method)
     return _numbered(tracks, cloud.keep(left), group[pieces.id[left]], new, ids, left)
+
+
+def tracked_images(
+    detections: Detections, rig: Rig, tracks: Tracks, method: Simultaneous
+) -> tuple[Detections, Working, Simultaneous]:
+    """What tracks were made of, as the tracker sees it: detections in time, images with their noise, and motion."""
+    images, noise, method = _prepared(detections, rig, method)
+    timed = _in_time(detections, images, tracks, method)
+    if timed is not detections:
+        images, noise, method = _prepared(timed, rig, method)
+    return timed, Working(rig, images, noise), method
 
 
 def _prepared(detections: Detections, rig: Rig, method: Simultaneous) -> tuple[Images, Noise, Simultaneous]:

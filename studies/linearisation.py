@@ -252,7 +252,7 @@ PRINTED = Centroids(max_discs=1, correct_occlusion=False)
 def dot_targets() -> None:
     print("\ndot targets: dots named, RMS residual of the DLT, and how far its pixel axes are off a right angle;")
     print(
-        "residual, focal length and straightness of a camera with k1; what the calibration quoted leaves, and its focal length"
+        "residual, focal length and straightness of a camera with k1; what the one quoted leaves, and its focal length"
     )
     heads = f"{'dots':>10s}{'DLT, px':>10s}{'deg':>6s}{'k1, px':>9s}{'f, px':>12s}{'lines, px':>18s}"
     heads += f"{'quoted':>17s}"

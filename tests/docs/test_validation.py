@@ -41,9 +41,10 @@ def test_the_page_of_results_is_made_of_what_is_kept():
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_what_is_quoted_is_called_so_in_what_is_printed_and_above_it(name):
-    """Published and thesis' figures beside computed ones are never without the word; nor is the word without figures."""
+    """Figures of papers beside computed ones are never without the word; nor is the word without such figures."""
     output, above = generate.kept(name)[1], STUDIES[name].get("quoted", "")
-    assert bool(re.search("quoted|published", output)) == bool(re.search("quoted|published", above)), above
+    said, told = (bool(re.search("quoted|published", text)) for text in (output, above))
+    assert said == told, above
     assert not re.search(r"\((?:the |naive|aim|best|known|paper|thesis)[^)]*\d[^)]*\)", output)
 
 

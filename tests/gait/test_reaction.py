@@ -132,8 +132,8 @@ def test_the_same_load_by_type_2_and_by_type_4_differs_by_the_cross_talk_alone()
 
 @pytest.fixture(scope="module")
 def sheet():
-    """The spreadsheet of answers of the plates of types 2 and 4: 20 loads in counts of the converter, what a count is by
-    channel and type, the calibration matrix (there a row a channel), forces and moments (20, 6) by type."""
+    """The spreadsheet of answers of the plates of types 2 and 4: 20 loads in counts of the converter, what a count is
+    by channel and type, the calibration matrix (there a row a channel), forces and moments (20, 6) by type."""
     cells = numbers(shared_data("mocap3d/force_plate_types/TYPE-4.XLS"))
 
     def block(rows, columns):

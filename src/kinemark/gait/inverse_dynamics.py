@@ -26,13 +26,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 
 from ..data import KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..numerics.runs import true_runs
 from .lower_limb import Leg
 from .segment_inertia import SegmentInertia
@@ -94,11 +94,12 @@ def spline_acceleration(x: Floats, dt: float) -> Floats:
     without a hole, where it would follow from the spline's own end conditions."""
     flat = x.reshape(len(x), -1)
     out = np.full_like(flat, np.nan)
-    for first, stop in true_runs(np.isfinite(flat).all(1)).tolist():
+    whole: Bools = ~np.isnan(flat.sum(axis=1))
+    for first, stop in true_runs(whole).tolist():
         if stop - first <= 2 * LOST:
             continue
         still = np.zeros(flat.shape[1])
-        ends = [(3, still), (4, still)]  # natural: no third and fourth derivative
+        ends: Any = [(3, still), (4, still)]  # natural: no third and fourth derivative
         time = dt * np.arange(stop - first)
         spline = scipy.interpolate.make_interp_spline(time, flat[first:stop], k=5, bc_type=(ends, ends))
         out[first + LOST : stop - LOST] = spline(time, 2)[LOST:-LOST]

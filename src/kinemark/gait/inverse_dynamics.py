@@ -41,7 +41,7 @@ from .segments import Z_UP, Segment, mean_length
 GRAVITY = 9.81
 """m/s², downwards; conventional."""
 LOST = 4
-"""Frames at each end in which there is no acceleration; those of (4) twice."""
+"""Frames at each end in which there is no acceleration; by definition, those of (4) twice."""
 JOINTS = ("Ankle", "Knee", "Hip")
 """From the floor upwards."""
 

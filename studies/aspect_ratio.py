@@ -87,7 +87,7 @@ def spread(a: AspectRatio, factor: float) -> float:
 def jig(figure: Path | None) -> None:
     uv = pictures()
     print(f"the jig of UM²AS 4.1: {uv.shape[1]} markers at {len(uv)} steps, true factor {FACTOR}")
-    print("  largest change of a distance, px, before and after (the thesis: 71.77 and about 0.5)")
+    print("  largest change of a distance, px, before and after (quoted from the thesis: 71.77 and about 0.5)")
     heads = (
         f"{'before':>8s}{'after':>9s}{'factor':>11s}{'':10s}{'eq. 4.5':>9s}{'after':>7s}{'printed':>9s}{'after':>8s}"
     )

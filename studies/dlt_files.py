@@ -46,7 +46,7 @@ def resection(folder: Path) -> None:
     for c in range(1, 6):
         table = np.loadtxt(folder / f"cam{c}.points4cal.dat")
         residuals.append(rms_residual(fit_dlt(table[:, :3], table[:, 4:6]), table[:, :3], table[:, 4:6]))
-    print("resection_5cam: RMS residual of a fresh DLT, px (known: 0.19–0.86)")
+    print("resection_5cam: RMS residual of a fresh DLT, px (quoted: 0.19–0.86)")
     print("  " + "  ".join(f"{r:.2f}" for r in residuals))
 
 
@@ -55,7 +55,7 @@ def runner(folder: Path) -> None:
     marks = [np.loadtxt(folder / f"r1cam{c}.cal") for c in (1, 2, 3)]
     L = np.array([fit_dlt(points, m[:6]) for m in marks])
     residuals = [rms_residual(row, points, m[:6]) for row, m in zip(L, marks, strict=True)]
-    print("\nkinemat_running_3cam: RMS residual of the DLT, digitiser units (known: 0.35  1.68  1.20)")
+    print("\nkinemat_running_3cam: RMS residual of the DLT, digitiser units (quoted: 0.35  1.68  1.20)")
     print("  " + "  ".join(f"{r:.2f}" for r in residuals))
     films = [np.loadtxt(folder / f"r1cam{c}.raw").reshape(-1, MARKERS + 3, 2) for c in (1, 2, 3)]
     shifts = [
@@ -76,7 +76,7 @@ def runner(folder: Path) -> None:
     best = minimize(mean_difference, start.ravel(), method="Nelder-Mead", options={"adaptive": True})
     for text, images, known in (("as digitised", films, 5.4), ("shifted by the fixed marks", still, 1.4)):
         mean = difference(best.x, images).mean()
-        print(f"  mean difference from the stored coordinates, {text}: {mean:.2f} mm (known: {known})")
+        print(f"  mean difference from the stored coordinates, {text}: {mean:.2f} mm (quoted: {known})")
 
 
 def line_of_time(film: Floats, stored: Floats, P: Floats) -> Floats:
@@ -104,19 +104,19 @@ def bats(folder: Path) -> None:
     uv, stored = read_dltdv_xy(folder / f"{name}xypts.csv"), read_dltdv_xyz(folder / f"{name}xyzpts.csv")
     xyz = triangulate(uv.reshape(len(P), -1, 2).transpose(1, 0, 2), P).reshape(stored.shape)
     print("\ndltdv_thermal_3cam")
-    print(f"  largest difference from the stored coordinates: {np.nanmax(np.abs(xyz - stored)):.1e} m (known: 5e-7)")
+    print(f"  largest difference from the stored coordinates: {np.nanmax(np.abs(xyz - stored)):.1e} m (quoted: 5e-7)")
     easy = loadmat(folder / "round3_2018-07-28_easyWandData.mat", squeeze_me=True, struct_as_record=False)[
         "easyWandData"
     ]
     wand = easy_points(easy, easy.wandPts.reshape(-1, 2, 3, 2))
     length = np.linalg.norm(wand[:, 0] - wand[:, 1], axis=1)
     median, n = np.nanmedian(length), np.isfinite(length).sum()
-    print(f"  wand of {easy.wandLen} m: median {median:.4f} m of {n} (known: 0.6602)")
+    print(f"  wand of {easy.wandLen} m: median {median:.4f} m of {n} (quoted: 0.6602)")
     thrown = easy_points(easy, easy.axisPts.reshape(-1, 1, 3, 2))[:, 0]
     seen = np.isfinite(thrown).all(1)
     t = np.flatnonzero(seen) / 25
     g = np.linalg.norm([2 * np.polyfit(t, thrown[seen, k], 2)[0] for k in range(3)])
-    print(f"  thrown object: |g| = {g:.2f} m/s² from {seen.sum()} frames (known: 10.03)")
+    print(f"  thrown object: |g| = {g:.2f} m/s² from {seen.sum()} frames (quoted: 10.03)")
 
 
 def judgements(root: Path) -> None:

@@ -24,7 +24,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from gait_errors import ERRORS, SHOWN, analysed, compared, loaded
@@ -50,7 +50,7 @@ class Failing(NamedTuple):
     inertia: str = "winter"
 
 
-def _legs(measures: SubjectMeasures, **changed: float) -> SubjectMeasures:
+def _legs(measures: SubjectMeasures, **changed: Any) -> SubjectMeasures:
     """Both legs with other measures."""
     return replace(measures, left=replace(measures.left, **changed), right=replace(measures.right, **changed))
 

@@ -326,8 +326,8 @@ def rows(folder: Path | None, every: int) -> Iterator[Row]:
     yield from gait_trial(every, folder)
 
 
-def show(lines: Iterator[Row]) -> None:
-    print(f"{'':<56}{'quoted':>7}{'KissScanning':>16}{'KissNearest':>16}{'Centroids':>16}")
+def show(lines: Iterator[Row], first: str = "quoted") -> None:
+    print(f"{'':<56}{first:>7}{'KissScanning':>16}{'KissNearest':>16}{'Centroids':>16}")
     for row in lines:
         print(f"{row.what:<56}{row.paper:>7}" + "".join(f"{number:>16}" for number in row.ours), flush=True)
 

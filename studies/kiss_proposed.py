@@ -63,7 +63,7 @@ def both_found(blobs: Blobs, centres: Floats, reach: float) -> int:
 
 
 def real() -> Iterator[Row]:
-    """Frames of the infrared videos with all LEDs and nothing else; in the paper's place the number of frames."""
+    """Frames of the infrared videos with all LEDs and nothing else; in the first column the number of frames."""
     folder = recording("cameras/ir_4cam_footage")
     for camera in range(4):
         source = open_images(folder / f"calibration1_{camera}.mp4")
@@ -88,7 +88,7 @@ def counted(batches: Iterator[Images], methods: Sequence[Method]) -> Iterator[li
 
 
 if __name__ == "__main__":
-    show(pairs())
+    show(pairs(), "")
     if "--no-videos" not in sys.argv:
-        print("\nframes with exactly 15 LEDs, and with more; in the first column, all frames")
-        show(real())
+        print("\nframes with exactly 15 LEDs, and with more")
+        show(real(), "frames")

@@ -223,7 +223,7 @@ def chessboards(folder: Path, pictures: Path | None) -> None:
     found = sum(int(np.isfinite(view.uv[:, 0]).sum()) for view in views)
     took = (time.perf_counter() - start) / len(views)
     print(f"\nchessboard_left: {found} of {54 * len(views)} corners in {len(views)} pictures, {took:.2f} s each")
-    print("  as published (OpenCV): residual 0.409 px, f 536.1 px, k1 -0.265")
+    print("  quoted, as published (OpenCV): residual 0.409 px, f 536.1 px, k1 -0.265")
     for method in (Linearisation(1, False), Linearisation()):
         fit = linearise("left", (640, 480), views, method=method)
         (before, after), lens = fit.straightness, fit.camera.distortion
@@ -251,8 +251,11 @@ PRINTED = Centroids(max_discs=1, correct_occlusion=False)
 
 def dot_targets() -> None:
     print("\ndot targets: dots named, RMS residual of the DLT, and how far its pixel axes are off a right angle;")
-    print("residual, focal length and straightness of a camera with k1; residual and focal length as published")
-    heads = f"{'dots':>10s}{'DLT, px':>10s}{'deg':>6s}{'k1, px':>9s}{'f, px':>12s}{'lines, px':>18s}{'published':>17s}"
+    print(
+        "residual, focal length and straightness of a camera with k1; what the one quoted leaves, and its focal length"
+    )
+    heads = f"{'dots':>10s}{'DLT, px':>10s}{'deg':>6s}{'k1, px':>9s}{'f, px':>12s}{'lines, px':>18s}"
+    heads += f"{'quoted':>17s}"
     print(f"  {'':20s}{heads}")
     folder = recording("cameras/dot_target_4cam")
     clicked = np.loadtxt(folder / "man_ori.dat")

@@ -62,7 +62,7 @@ DATA = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared"
 def thesis(samples: int, picture: Path | None) -> None:
     lab, method = laboratory(), Sampling(samples=samples)
     printed = 100 * np.linalg.norm(PERTURBED_4_2 - TABLE_4_2) / np.linalg.norm(TABLE_4_2)
-    print(f"table 4.2 of the thesis by its equation 4.11: {printed:.2f} % (it says 0.70)")
+    print(f"table 4.2 of the thesis by its equation 4.11: {printed:.2f} % (quoted: 0.70)")
     print(f"\ncontrol balls moved by R: percent error of the eleven parameters (4.11), {samples} samples")
     print("  R px  camera    median   95 %   max, sampled    max possible")
     largest = [parameters(lab, c, radius, method) for radius in (0.5, 1.0, 1.5, 2.0) for c in range(3)][:3]
@@ -79,7 +79,7 @@ def thesis(samples: int, picture: Path | None) -> None:
     moved(lab, place, "largest of part one", MARKER_PX, method, L=np.array(largest))
     anew = moved(lab, place, "wrong by 0.5 px, anew", MARKER_PX, method, calibration_radius=CALIBRATION_PX)
     print(
-        "  the thesis                                           32.8 mm, 4.56 %; with wrong parameters 33.2 mm, 4.62 %"
+        "  the thesis, quoted                                   32.8 mm, 4.56 %; with wrong parameters 33.2 mm, 4.62 %"
     )
     workers(lab, place, method)
     if picture is not None:

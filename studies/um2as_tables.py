@@ -3,7 +3,7 @@
     python studies/um2as_tables.py [draws, 2000]
 
 In the laboratory that `sensitivity.um2as_experiment` puts together from what the thesis prints: eight control balls,
-three cameras 2.4 m from where their axes meet. All columns headed "thesis" are quoted from Giles (1994), chapter 4; all
+three cameras 2.4 m from where their axes meet. All columns headed "quoted" are from Giles (1994), chapter 4; all
 others are computed here. Centroids of balls and markers are off by 0.5 px in random directions, which is the thesis'
 bound of what lens and quantisation leave; control balls are measured by tape to 1 mm.
 
@@ -67,7 +67,7 @@ def bounds(lab: LinearisedErrors) -> None:
             f"{possible_of_unit_columns(camera, c):12.2f}{first_order_bound(points, uv, CALIBRATION_PX):27.3f}", end=""
         )
         print(f"{found:12.3f}")
-    print("thesis      “this condition was not met by the perturbed matrices”")
+    print("quoted      “this condition was not met by the perturbed matrices”")
 
 
 def possible_of_unit_columns(camera: LinearisedErrors, c: int) -> float:
@@ -83,10 +83,8 @@ def table_4_2() -> None:
     camera = LinearisedErrors.of_parameters(TABLE_4_2)
     changed = calibration_experiment(camera, 0, method=Sampling(samples=200_000))
     sampled = fit_parameters(camera.points, camera.uv[0] + circle(changed.sampled.largest, CALIBRATION_PX))
-    print(
-        "\nTable 4.2, parameter by parameter (px and cm): the thesis' worst case of 10⁶, ours of 2·10⁵, ours possible"
-    )
-    print(f"{'':4}{'actual':>14}{'thesis':>14}{'%':>8}{'sampled':>14}{'%':>8}{'possible':>14}{'%':>8}")
+    print("\nTable 4.2, by parameter (px and cm): the thesis' worst case of 10⁶ (quoted), ours of 2·10⁵, ours possible")
+    print(f"{'':4}{'actual':>14}{'quoted':>14}{'%':>8}{'sampled':>14}{'%':>8}{'possible':>14}{'%':>8}")
     for k, (actual, *others) in enumerate(
         zip(*((TABLE_4_2, PERTURBED_4_2, sampled, changed.max_L) / PER_MM), strict=True)
     ):
@@ -134,7 +132,7 @@ def distances(lab: LinearisedErrors, draws: int) -> None:
     )
     ways = list(found["all three"])
     print(
-        f"  all three causes{'':10}thesis" + "".join(f"{way:>16}" for way in ways) + "   (standard deviation, largest)"
+        f"  all three causes{'':10}quoted" + "".join(f"{way:>16}" for way in ways) + "   (standard deviation, largest)"
     )
     for p, ((i, j), (_, printed)) in enumerate(TABLE_4_1.items()):
         cells = "".join(f"{e[:, p].std():8.2f}{np.abs(e[:, p]).max():8.2f}" for e in found["all three"].values())
@@ -147,7 +145,7 @@ def distances(lab: LinearisedErrors, draws: int) -> None:
         worse = 100 * (alike & (mean >= 0.90)).mean()
         print(f"  {name:38}" + "".join(f"{each.std():14.2f}" for each in errors.values()), end="")
         print(f"{mean.mean():26.2f}{rule.mean():12.2f}{100 * alike.mean():10.0f} %{worse:12.1f} %")
-    print(f"  {'thesis':38}{'':56}{0.90:26.2f}{-0.90:12.2f}{'all six':>12}")
+    print(f"  {'quoted':38}{'':56}{0.90:26.2f}{-0.90:12.2f}{'all six':>12}")
     print(WHY)
 
 
@@ -197,7 +195,7 @@ def nearest_marker() -> None:
     print(f"\nA marker of {BALL_MM:g} mm at the near face of the viewing space, {near:g} mm from the camera")
     for name, focal in (("across", FOCAL_PX[0]), ("down", FOCAL_PX[1])):
         print(
-            f"  {name}: {BALL_MM * focal / near:.1f} px; {BALL_PX:g} px (thesis) at {BALL_MM * focal / BALL_PX:.0f} mm"
+            f"  {name}: {BALL_MM * focal / near:.1f} px; {BALL_PX:g} px (quoted) at {BALL_MM * focal / BALL_PX:.0f} mm"
         )
     edge = [SIZE[k] * near / FOCAL_PX[k] for k in range(2)]
     print(f"  the image is {edge[0]:.0f} × {edge[1]:.0f} mm there, and {SIZE[0] * DISTANCE_MM / FOCAL_PX[0]:.0f} × "
@@ -207,7 +205,7 @@ def nearest_marker() -> None:
     print("  share of the area hidden " + "".join(f"{100 * h:8.1f} %" for h in hidden) + f"     → {BALL_PX / 2:g} px")
     print("  px                       " + "".join(f"{segment_offset(h) * BALL_PX / 2:10.2f}" for h in hidden))
     print(
-        f"With {CALIBRATION_PX} px of lens and quantisation {BALL_PX / 2 + CALIBRATION_PX:g} px (thesis: {MARKER_PX:g})"
+        f"With {CALIBRATION_PX} px of lens and quantisation {BALL_PX / 2 + CALIBRATION_PX:g} px (quoted: {MARKER_PX:g})"
     )
 
 

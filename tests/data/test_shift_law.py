@@ -50,7 +50,7 @@ NO_POSITIONS = {
         signal.assign signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
         signal.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
-        gait.five_point gait.five_point_slope gait.gait_curves
+        gait.five_point gait.five_point_slope gait.gait_curves gait.spline_acceleration
         geometry.polar_rotations io.read_angles io.write_angles kinematics.cycles
         data.outside kinematics.inverse_cosines kinematics.principal kinematics.resampled kinematics.spans_of
         kinematics.turned sensitivity.cycle_weights""",

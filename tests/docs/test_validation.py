@@ -1,6 +1,7 @@
 """Figures that are kept say how they were made, and comparing them with new ones notices what is worse, no more."""
 
 import importlib.util
+import re
 import sys
 from pathlib import Path
 
@@ -36,6 +37,16 @@ def test_a_study_is_there_and_what_is_kept_of_it_says_how_it_was_made(name):
 
 def test_the_page_of_results_is_made_of_what_is_kept():
     assert generate.PAGE.read_text(encoding="utf-8") == generate.page()
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_what_is_quoted_is_called_so_in_what_is_printed_and_above_it(name):
+    """Figures of papers beside computed ones are never without the word; nor is the word without such figures."""
+    output, above = generate.kept(name)[1], STUDIES[name].get("quoted", "")
+    said, told = (bool(re.search("quoted|published", text)) for text in (output, above))
+    assert said == told, above
+    others = re.findall(r"\((?:the |naive|aim|best|known|paper|thesis)[^)]*\d[^)]*\)", output)
+    assert [words for words in others if "quoted" not in words] == []
 
 
 SAID = "RMSE   0.42 mm, 15 of 15 markers, 2.5e-07\ntook 3.2 s\n"

@@ -16,7 +16,7 @@ from kinemark.gait import (
     joint_loads,
     lower_limbs,
 )
-from kinemark.gait.inverse_dynamics import angular_velocity
+from kinemark.gait.inverse_dynamics import angular_velocity, spline_acceleration, twice_five_point
 from kinemark.kinematics import turned
 from support.standing import walker
 
@@ -147,3 +147,19 @@ def test_derivatives_converge_as_they_should(derivative, order):
 def test_without_a_mass_there_are_no_moments():
     with pytest.raises(KinemarkError, match="mass"):
         loads(swinging(), air(), mass_kg=np.nan)
+
+
+def test_the_acceleration_by_a_spline_is_exact_for_quintics_and_better_than_differences_where_it_shakes():
+    t = np.arange(60) / 100.0
+    cubic = np.stack([3 * t**2 - 2 * t**3, t, 5 + 0 * t], -1) * 1000
+    found = spline_acceleration(cubic, 0.01)
+    np.testing.assert_allclose(found[12:-12], np.stack([6 - 12 * t, 0 * t, 0 * t], -1)[12:-12] * 1000, atol=2.0)
+    assert np.isnan(found[:4]).all() and np.isnan(found[-4:]).all() and np.isfinite(found[4:-4]).all()
+    shaking = np.sin(2 * np.pi * 20.0 * t)[:, None]
+    true = -((2 * np.pi * 20.0) ** 2) * shaking
+    off = [np.abs(d(shaking, 0.01) - true)[20:-20].max() for d in (spline_acceleration, twice_five_point)]
+    assert off[0] < off[1] / 3
+    holed = cubic.copy()
+    holed[30] = np.nan
+    there = np.isfinite(spline_acceleration(holed, 0.01)).all(1)
+    assert there.sum() == 60 - 1 - 16 and not there[26:35].any()

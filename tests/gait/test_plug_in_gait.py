@@ -17,6 +17,7 @@ from kinemark.gait import (
     lower_limbs,
     progression,
     reaction,
+    spline_acceleration,
     with_static_offsets,
 )
 from kinemark.io.c3d.subject_measures import measures_of
@@ -64,7 +65,7 @@ def test_angles_are_the_stored_ones_from_static_trial_and_measures_alone(process
     assert compared == 10
 
 
-MOMENT_LIMIT = {"Ankle": (1, 1, 2), "Knee": (7, 13, 2), "Hip": (9, 13, 4)}
+MOMENT_LIMIT = {"Ankle": (1, 1, 2), "Knee": (7, 13, 2), "Hip": (10, 13, 4)}
 """N·mm/kg, RMS of flexion, adduction, rotation."""
 POWER_LIMIT = {"Ankle": 0.06, "Knee": 0.05, "Hip": 0.05}
 """W/kg, RMS."""
@@ -84,11 +85,11 @@ def test_reaction_moments_and_powers_are_the_stored_ones(processed):
         loads = joint_loads(
             limbs(processed).leg(side), limbs(processed).pelvis, contact, mass_kg=mass,
             foot_mm=foot_length(processed, letter), rate=rate, inertia=INERTIAS["plug_in_gait"],
-            rotation_derivative=five_point_slope,
+            rotation_derivative=five_point_slope, acceleration=spline_acceleration,
         )  # fmt: skip
         for joint, load in loads.items():
             part = f"{letter}{joint}"
-            assert (rms(clinical_force(load, joint, mass), stored(processed, part + "Force"), on) < 0.004).all()
+            assert (rms(clinical_force(load, joint, mass), stored(processed, part + "Force"), on) < 2e-4).all()
             moment = 1000 * clinical_moment(load, joint, side, mass)
             assert (rms(moment, stored(processed, part + "Moment"), on) < MOMENT_LIMIT[joint]).all(), part
             power = stored(processed, part + "Power")[:, 2:]

@@ -1,6 +1,7 @@
 """Force plates of all types: a force at a place with a free moment comes back from the channels that it makes."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from kinemark.gait import contacts, reaction
 from kinemark.gait.reaction import plate_axes
 from kinemark.io.trial import read_trial
 from support.shared import shared_data
+from support.spreadsheet import numbers
 
 CORNERS = np.array([[400.0, 0, 0], [0, 0, 0], [0, 600, 0], [400, 600, 0]])
 """x along the world's x, y against its y, z downwards."""
@@ -126,6 +128,53 @@ def test_the_same_load_by_type_2_and_by_type_4_differs_by_the_cross_talk_alone()
     np.testing.assert_allclose(a.force[both], b.force[both], atol=0.03 * np.abs(a.force).max())
     assert np.median(np.abs(a.centre - b.centre)[both]) < 10.0
     assert a.force[both, 2].mean() > 100 and (a.force[both, 2] > 0).all()
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    """The spreadsheet of answers of the plates of types 2 and 4: 20 loads in counts of the converter, what a count is
+    by channel and type, the calibration matrix (there a row a channel), forces and moments (20, 6) by type."""
+    cells = numbers(shared_data("mocap3d/force_plate_types/TYPE-4.XLS"))
+
+    def block(rows, columns):
+        return np.array([[cells[0, r, c] for c in columns] for r in rows])
+
+    rows = range(23, 43)
+    return SimpleNamespace(
+        counts=block(rows, range(1, 7)) - cells[0, 10, 4],
+        scale={2: block(range(5, 11), [13])[:, 0], 4: block(range(5, 11), [14])[:, 0]},
+        matrix=block(range(14, 20), range(9, 15)).T,
+        answers={4: block(rows, range(9, 15)), 2: block(rows, range(16, 22))},
+    )
+
+
+def loads_of(plate, channels):
+    """(N, 6) force and moment in the plate's axes, by what `reaction` says of them, and which of them are loaded."""
+    n = len(channels)
+    analog = Analog(plate.channels, ("",) * 6, 100.0, np.ascontiguousarray(channels.T))
+    found = reaction(plate, (analog,), n_frames=n, rate=100.0, threshold_n=1e-6, averaged=False)
+    R, middle = plate_axes(plate.corners)
+    force, at, free = found.force @ R, (found.centre - middle) @ R, 1000 * found.free_moment @ R
+    made = channels if plate.type == 2 else channels @ plate.calibration.T
+    sign = np.sign(force[:, 2] @ made[:, 2])  # the floor pushes upwards, whatever the plate writes
+    force, free = sign * force, sign * free
+    x, y, _ = at.T
+    moment = np.stack([y * force[:, 2], -x * force[:, 2], free[:, 2] + x * force[:, 1] - y * force[:, 0]], -1)
+    return np.concatenate([force, moment], 1), found.loaded
+
+
+@pytest.mark.parametrize("kind", [2, 4])
+def test_plates_of_types_2_and_4_are_those_of_their_spreadsheet_to_the_printed_digits(kind, sheet):
+    plate = read_trial(shared_data(f"mocap3d/force_plate_types/TYPE-{kind}.C3D")).plates[0]
+    plate = replace(plate, origin=np.zeros(3), zero_frames=None)  # as the spreadsheet: about the sensor
+    if kind == 4:
+        written = plate.calibration.copy()
+        written[5, 2] *= -1  # the file has this one of 36 with the other sign
+        np.testing.assert_allclose(written, sheet.matrix, atol=0.5001e-3)  # of three decimals
+        plate = replace(plate, calibration=sheet.matrix)
+    found, loaded = loads_of(plate, sheet.counts * sheet.scale[kind])
+    assert loaded.sum() == (np.abs(sheet.answers[kind][:, 2]) > 0).sum() >= 7
+    np.testing.assert_allclose(found[loaded], sheet.answers[kind][loaded], rtol=1e-9, atol=1e-6)
 
 
 def test_an_unloaded_plate_has_no_centre():

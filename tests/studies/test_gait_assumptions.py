@@ -1,4 +1,4 @@
-"""What the gait model is off by when its assumptions fail is nothing without a failure, and what geometry says with one."""
+"""What the gait model is off by when an assumption fails is what geometry says, and nothing without a failure."""
 
 import numpy as np
 import pytest
@@ -36,8 +36,8 @@ def test_the_model_is_exact_where_all_that_it_assumes_is_so(found):
 
 
 def test_a_turned_knee_axis_makes_flexion_into_adduction(found):
-    """Adduction by about sin 10° of some 33° of flexion; the knee's centre goes round KNE, which bends the knee a little;
-    the hip is turned by the 10°, and the ankle does not know of it."""
+    """Adduction by about sin 10° of some 33° of flexion; the knee's centre goes round KNE, which bends the knee; the
+    hip is turned by the 10°, and the ankle does not know of it."""
     _, rows = found
     flexion, adduction, rotation = rows["axis"]["KneeAngles"]
     assert 4 < adduction < 9 and flexion < adduction

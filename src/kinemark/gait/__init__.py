@@ -13,7 +13,7 @@ from .foot_events import foot_events
 from .functional_hip import FunctionalHip, functional_hip, with_functional_hips
 from .gait_cycles import gait_curves
 from .gait_trial import GaitTrial, analyse_gait, marker_points
-from .inverse_dynamics import GroundContact, JointLoad, five_point, five_point_slope, joint_loads
+from .inverse_dynamics import GroundContact, JointLoad, five_point, five_point_slope, joint_loads, spline_acceleration
 from .lower_limb import Leg, LowerLimbs, lower_limbs
 from .physical import Physical
 from .plate_contacts import Contact, contacts
@@ -57,6 +57,7 @@ __all__ = [
     "mass_on_plates",
     "progression",
     "reaction",
+    "spline_acceleration",
     "standard_trial",
     "strides",
     "with_functional_hips",

@@ -16,7 +16,7 @@ from ..kinematics.chain import points_of
 from .clinical_angles import READINGS, clinical_angles, progression
 from .clinical_moments import clinical_force, clinical_moment
 from .hip_centre import HipCentre
-from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads
+from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads, twice_five_point
 from .lower_limb import LowerLimbs, lower_limbs
 from .plate_contacts import Contact, contacts
 from .reaction import Reaction, reaction
@@ -76,12 +76,14 @@ class Mechanics(NamedTuple):
         inertia: of foot, shank and thigh.
         rotation_derivative: of the axes of segments.
         counts: reasons for which a contact of a foot with a plate still counts.
+        acceleration: of centres of mass.
     """
 
     hip_centre: HipCentre
     inertia: Mapping[str, SegmentInertia]
     rotation_derivative: Derivative
     counts: Sequence[str]
+    acceleration: Derivative = twice_five_point
 
 
 class Inputs(NamedTuple):
@@ -128,7 +130,7 @@ def leg_loads(
         loads = joint_loads(
             limbs.leg(side), limbs.pelvis, on[side], mass_kg=mass or np.nan,
             foot_mm=foot_length(given.points, given.measures, side), rate=given.rate, inertia=how.inertia,
-            rotation_derivative=how.rotation_derivative, up=given.up,
+            rotation_derivative=how.rotation_derivative, acceleration=how.acceleration, up=given.up,
         )  # fmt: skip
         found |= {LETTER[side] + joint: load for joint, load in loads.items()}
     return found

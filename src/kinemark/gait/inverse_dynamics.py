@@ -17,26 +17,31 @@ Derivatives over frames of Δt are
     ẋ = (x₋₂ − 8 x₋₁ + 8 x₁ − x₂) / 12 Δt                                                            (4)
     ẋ = (−2 x₋₂ − x₋₁ + x₁ + 2 x₂) / 10 Δt                                                           (5)
 
-where (5), the slope of a line through five frames, is smoother; Plug-in Gait has (4) for positions and, as its stored
-moments show, (5) for rotations. Each derivative loses two frames at both ends.
+where (5), the slope of a line through five frames, is smoother. Each derivative loses two frames at both ends. As its
+stored forces and moments show, Plug-in Gait has for c̈ the second derivative of the quintic spline that passes through
+the centres (`spline_acceleration`; Woltring 1986 without smoothing), and for rotations something near (5).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from ..data import KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
+from ..numerics.runs import true_runs
 from .lower_limb import Leg
 from .segment_inertia import SegmentInertia
 from .segments import Z_UP, Segment, mean_length
 
 GRAVITY = 9.81
 """m/s², downwards; conventional."""
+LOST = 4
+"""Frames at each end in which there is no acceleration; by definition, those of (4) twice."""
 JOINTS = ("Ankle", "Knee", "Hip")
 """From the floor upwards."""
 
@@ -79,6 +84,28 @@ def five_point_slope(x: Floats, dt: float) -> Floats:
     return _stencil(x, (-2.0, -1.0, 1.0, 2.0), 10.0 * dt)
 
 
+def twice_five_point(x: Floats, dt: float) -> Floats:
+    """(F, …) second derivative by (4) twice; NaN in four frames at each end."""
+    return five_point(five_point(x, dt), dt)
+
+
+def spline_acceleration(x: Floats, dt: float) -> Floats:
+    """(F, …) second derivative of the natural quintic spline through (F, …); NaN in `LOST` frames at each end of a run
+    without a hole, where it would follow from the spline's own end conditions."""
+    flat = x.reshape(len(x), -1)
+    out = np.full_like(flat, np.nan)
+    whole: Bools = ~np.isnan(flat.sum(axis=1))
+    for first, stop in true_runs(whole).tolist():
+        if stop - first <= 2 * LOST:
+            continue
+        still = np.zeros(flat.shape[1])
+        ends: Any = [(3, still), (4, still)]  # natural: no third and fourth derivative
+        time = dt * np.arange(stop - first)
+        spline = scipy.interpolate.make_interp_spline(time, flat[first:stop], k=5, bc_type=(ends, ends))
+        out[first + LOST : stop - LOST] = spline(time, 2)[LOST:-LOST]
+    return out.reshape(x.shape)
+
+
 def _stencil(x: Floats, weights: tuple[float, float, float, float], over: float) -> Floats:
     out = np.full_like(x, np.nan)
     if len(x) > 4:
@@ -100,6 +127,7 @@ def joint_loads(
     rate: float,
     inertia: Mapping[str, SegmentInertia],
     rotation_derivative: Derivative = five_point,
+    acceleration: Derivative = twice_five_point,
     up: Floats = Z_UP,
 ) -> dict[str, JointLoad]:
     """Ankle, knee and hip by (1) to (3); NaN in four frames at each end, where a marker is missing, and
@@ -113,6 +141,7 @@ def joint_loads(
         rate: frames a second.
         inertia: of foot, shank and thigh.
         rotation_derivative: (4) or (5).
+        acceleration: of centres of mass, mm/s²: `twice_five_point` or `spline_acceleration`.
         up: of the laboratory.
 
     Raises:
@@ -135,8 +164,7 @@ def joint_loads(
     for name, part, segment, proximal, distal, length in chain:
         share = inertia[part]
         m, centre = share.mass * mass_kg, proximal + share.centre * (distal - proximal)
-        acceleration = five_point(five_point(centre, dt), dt) / 1000.0
-        F = m * (acceleration + GRAVITY * up) - force  # (1)
+        F = m * (acceleration(centre, dt) / 1000.0 + GRAVITY * up) - force  # (1)
         omega = angular_velocity(segment.R, dt, rotation_derivative)
         change = _momentum_change(segment.R, omega, m, share.radius, length, dt, rotation_derivative)
         levers = np.cross(_lever(at, centre), force) + np.cross(_lever(proximal, centre), F)

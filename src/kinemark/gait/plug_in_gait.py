@@ -9,7 +9,7 @@ from ..data.array_types import Floats
 from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
-from .inverse_dynamics import five_point_slope
+from .inverse_dynamics import five_point_slope, spline_acceleration
 from .reaction import THRESHOLD_N
 from .segment_inertia import PLUG_IN_GAIT
 from .stage import GAIT
@@ -27,7 +27,7 @@ class PlugInGait(Method):
     @property
     def mechanics(self) -> Mechanics:
         """Plug-in Gait's own."""
-        return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT)
+        return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration)
 
     def markers(self, trial: Trial) -> dict[str, Floats]:
         """(F, 3) mm by name, as they are."""

@@ -124,10 +124,13 @@ function takeGaps(gaps: Gaps, id: string): void {
   if (gaps.pending) setTimeout(() => void (get().id === id && get().screen === "gaps" && api.gaps(id).then((again) => takeGaps(again, id)).catch(() => null)), AGAIN_MS);
 }
 
+let looks = 0;
+
+/** Look for the problems anew; what an older look finds counts no longer. */
 export async function refreshProblems(): Promise<void> {
-  const id = get().id;
+  const id = get().id, look = ++looks;
   const problems = id && (await tried(() => api.problems(id)));
-  if (problems && get().id === id) set({ problems });
+  if (problems && look === looks && get().id === id) set({ problems });
 }
 
 /** The trial as it is now on the server, where the journal has gone on without this page. */

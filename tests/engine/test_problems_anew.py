@@ -1,4 +1,4 @@
-"""Problems after any edits are those of a whole calculation, to the bit, however many versions were looked at before."""
+"""Problems after any edits are those of a whole calculation, to the bit, whatever was looked at before."""
 
 import numpy as np
 import pytest

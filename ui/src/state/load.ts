@@ -118,6 +118,18 @@ export async function fresh(): Promise<void> {
   }
 }
 
+/** Names for a file without a session, by what lies beside it. */
+export async function askNames(): Promise<void> {
+  const { id } = get();
+  if (!id) return;
+  say("news", "Names are looked for in what lies beside the file …");
+  const labels = await tried(() => api.labels(id, true));
+  if (!labels || get().id !== id) return;
+  set({ labels });
+  if (labels.proposals.length) say("done", `Names for ${labels.proposals.length} tracks are proposed by ${labels.by}.`);
+  else say("news", labels.words ?? "");
+}
+
 /** The table of gaps; asked for again while some are judged. */
 function takeGaps(gaps: Gaps, id: string): void {
   set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));

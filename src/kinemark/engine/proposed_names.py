@@ -1,8 +1,8 @@
 """Names for the tracks of a file without a session, by what lies beside it.
 
 What is known is tried in this order, and what names most tracks for sure is taken, of several as good the first: kept
-templates of the folder (`*.template.h5`), its other trials, and the named markers of the file itself. Tracks that have a
-name are facts. What names nothing, or does not fit, is passed over.
+templates of the folder (`*.template.h5`), its other trials, and the named markers of the file itself. Tracks that have
+a name are facts. What names nothing, or does not fit, is passed over.
 """
 
 from __future__ import annotations

@@ -969,7 +969,7 @@ export interface paths {
         };
         /**
          * Get Labels
-         * @description Names of tracks, proposed.
+         * @description Names of tracks, proposed; for a file without a session where they are asked for, which takes seconds.
          */
         get: operations["get_labels_api_trials__trial__labels_get"];
         put?: never;
@@ -2551,8 +2551,20 @@ export interface components {
         /**
          * Labels
          * @description Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
+         *
+         *     `can_ask` says that names are proposed when they are asked for; `by` is the file by which they then are.
          */
         Labels: {
+            /**
+             * By
+             * @default
+             */
+            by: string;
+            /**
+             * Can Ask
+             * @default false
+             */
+            can_ask: boolean;
             /** Head */
             head: string;
             /** Links */
@@ -5615,7 +5627,9 @@ export interface operations {
     };
     get_labels_api_trials__trial__labels_get: {
         parameters: {
-            query?: never;
+            query?: {
+                ask?: boolean;
+            };
             header?: never;
             path: {
                 trial: string;

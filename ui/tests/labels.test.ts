@@ -3,7 +3,7 @@ import type { Labels } from "../src/api/types";
 import { asked, labelRows } from "../src/model/labels";
 import { HEADER } from "./support";
 
-const labels = { proposals: [{ track: "RKNE", name: "RKNE", probability: 0.7, runner_up: "LKNE", state: "unsure" }, { track: "LKNE", name: "LKNE", probability: 1, runner_up: null, state: "sure" }], links: [], sides: "", words: "", head: "" } as Labels;
+const labels = { proposals: [{ track: "RKNE", name: "RKNE", probability: 0.7, runner_up: "LKNE", state: "unsure" }, { track: "LKNE", name: "LKNE", probability: 1, runner_up: null, state: "sure" }], links: [], sides: "", words: "", can_ask: false, by: "", head: "" } as Labels;
 
 it("asks first for tracks without a name, though nothing is proposed for them, then for unsure names", () => {
   expect(labelRows(HEADER, labels).map((p) => p.track)).toEqual(["*3", "RKNE", "extra", "LKNE"]);

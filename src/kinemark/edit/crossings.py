@@ -12,7 +12,7 @@ and another path's sample in g is nearer to the former place than y, or another'
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def unbroken(paths: Sequence[MarkerTrajectory], among: Trajectories) -> Ints:
     both = [_steps(path) for path in paths]
     whose = np.repeat(np.arange(len(paths)), [len(forth.frame) for forth, _ in both])
     if len(whose):
-        forth, back = (Steps(*map(np.concatenate, zip(*way, strict=True))) for way in zip(*both, strict=True))
+        forth, back = (_all(way) for way in zip(*both, strict=True))
         onto = _another(forth, among) | _another(back, among)  # (2)
         piece[whose[onto], forth.frame[onto]] = 1
     return np.cumsum(piece, axis=1)
@@ -50,6 +50,16 @@ class Steps(NamedTuple):
     led: Floats
     off: Floats
 
+    def of(self, chosen: Any) -> Steps:
+        """Some of them, by a mask or a slice."""
+        return Steps(self.frame[chosen], self.xyz[chosen], self.led[chosen], self.off[chosen])
+
+
+def _all(some: Sequence[Steps]) -> Steps:
+    """Steps of several paths, one after the other."""
+    frame, xyz, led, off = (np.concatenate([one[k] for one in some]) for k in range(4))
+    return Steps(frame, xyz, led, off)
+
 
 def _steps(path: MarkerTrajectory) -> tuple[Steps, Steps]:
     """Those for which (1) holds, forth and back."""
@@ -57,9 +67,9 @@ def _steps(path: MarkerTrajectory) -> tuple[Steps, Steps]:
     if len(own) < 3:
         own = own[:0]
     forth = _led(own, path.xyz[own])
-    back = Steps(*(column[::-1] for column in _led(own[::-1], path.xyz[own[::-1]])))
+    back = _led(own[::-1], path.xyz[own[::-1]]).of(slice(None, None, -1))
     far = (np.diff(own) <= STEP) & (np.minimum(forth.off, back.off) > LEAST_MM)  # (1)
-    return Steps(*(column[far] for column in forth)), Steps(*(column[far] for column in back))
+    return forth.of(far), back.of(far)
 
 
 def _led(frame: Ints, xyz: Floats) -> Steps:

@@ -74,7 +74,9 @@ class Exchanger(NamedTuple):
             own = [i for i, (was, _) in enumerate(moves) if len(was) == size]
             most = max(1, MOST_AT_ONCE // max(y.shape[0] * y.shape[1] * size, 1))
             for some in (own[k : k + most] for k in range(0, len(own), most)):
-                found[some] = self._gains(y, d, *(np.array(part) for part in zip(*(moves[i] for i in some), strict=True)))
+                found[some] = self._gains(
+                    y, d, *(np.array(part) for part in zip(*(moves[i] for i in some), strict=True))
+                )
         return found
 
     def _gains(self, y: Single, d: Single, was: Ints, to: Ints) -> NDArray[np.float64]:

@@ -204,3 +204,20 @@ def test_the_edited_file_is_written_beside_and_nothing_over_what_was_given(studi
     names = [studio.page.post(f"{studio.trial}/export", {}).json()["name"] for _ in range(2)]
     assert names == ["walk-edited.c3d", "walk-edited-2.c3d"] and file.read_bytes() == given
     assert np.isnan(read_trial(file.with_name(names[0])).trajectories["LKNE"].xyz[:20]).all()
+
+
+def test_no_act_waits_for_problems_that_are_looked_for(tmp_path, monkeypatch):
+    """A problem whose tracks nobody touched since is settled by what was known; of a touched one it is looked anew."""
+    from kinemark.apps.studio import problems as looked
+
+    file, calls = file_in(tmp_path, seed=3), []
+    studio, real = Studio(file), looked.problems
+    studio.act(kind="exchange", a="LKNE", b="RKNE", first=80)
+    studio.act(kind="erase", marker="<img src=x onerror=alert(1)>", first=150, last=150)
+    swap = studio.page.get(f"{studio.trial}/problems").json()["problems"][0]
+    mend = next(one for one in swap["alternatives"] if one["action"] == "exchange")
+    monkeypatch.setattr(looked, "problems", lambda *a, **k: (calls.append(1), real(*a, **k))[1])
+    studio.act(kind="erase", marker="<img src=x onerror=alert(1)>", first=20, last=29)  # of another track
+    assert studio.act(**mend["act"]).status == 200 and not calls
+    again = studio.act(**mend["act"])
+    assert (again.status, len(calls)) == (422, 1) and "no more" in again.json()["words"]

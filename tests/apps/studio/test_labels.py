@@ -13,6 +13,7 @@ from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.findings.labels import label_figures
 from kinemark.label import label, learn_template
 from support.named_sessions import walk
+from support.studio import Studio, file_in
 
 
 def test_an_unsure_name_stands_beside_its_track():
@@ -38,7 +39,34 @@ def test_an_unsure_name_stands_beside_its_track():
 def proposed(figures, before, now):
     """Track and name that are proposed when some trajectories have become others."""
     document = SimpleNamespace(
-        records={"label": SimpleNamespace(figures=figures, findings=())}, marker_set=None, head="",
+        records={"label": SimpleNamespace(figures=figures, findings=())}, marker_set=None, head="", trial=object(),
         editing=SimpleNamespace(trajectories=before), now=SimpleNamespace(trajectories=now),
     )  # fmt: skip
     return {(one.track, one.name) for one in labels(document).proposals if one.state == "unsure"}
+
+
+def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(tmp_path, monkeypatch):
+    """Not before; by the file that tells them; and of a track that was changed since no longer."""
+    from kinemark.apps.studio import labels as module
+    from kinemark.engine.proposed_names import ProposedName, ProposedNames
+
+    asked = []
+
+    def found(path, tracks):
+        asked.append((path.name, tracks.names))
+        return ProposedNames("walk0.c3d", {"*4": ProposedName("LTOE", 0.995, "RTOE", True)})
+
+    monkeypatch.setattr(module, "propose_names", found)
+    studio = Studio(file_in(tmp_path))
+    before = studio.page.get(f"{studio.trial}/labels").json()
+    assert (before["proposals"], before["can_ask"], before["by"], asked) == ([], True, "", [])
+    after = studio.page.get(f"{studio.trial}/labels?ask=true").json()
+    (one,) = after["proposals"]
+    assert (one["track"], one["name"], one["state"], after["by"]) == ("*4", "LTOE", "sure", "walk0.c3d")
+    assert studio.page.get(f"{studio.trial}/labels").json() == after and len(asked) == 1 and asked[0][0] == "walk.c3d"
+    studio.act(kind="claim", track="*4", name=one["name"])
+    named = studio.page.get(f"{studio.trial}/labels").json()
+    assert named["proposals"] == [] and not named["can_ask"]
+    monkeypatch.setattr(module, "propose_names", lambda *_: ProposedNames("", {}))
+    none = studio.page.get(f"{studio.trial}/labels?ask=true").json()
+    assert none["by"] == "" and "none of the templates" in none["words"]

@@ -53,7 +53,7 @@ export const problems = (id: string): Promise<Problems> => json(`${of(id)}/probl
 export const gaps = (id: string): Promise<Gaps> => json(`${of(id)}/gaps`);
 export const gap = (id: string, marker: string, first: number): Promise<GapCandidates | null> =>
   json(`${of(id)}/gaps/${part(marker)}/${first}`);
-export const labels = (id: string): Promise<Labels> => json(`${of(id)}/labels`);
+export const labels = (id: string, ask = false): Promise<Labels> => json(`${of(id)}/labels${ask ? "?ask=true" : ""}`);
 export const history = (id: string): Promise<History> => json(`${of(id)}/history`);
 export const difference = (id: string, from: number, to: number): Promise<Difference> =>
   json(`${of(id)}/diff?of=${from}&other=${to}`);

@@ -9,7 +9,7 @@ import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
-import { goTo, writePdf } from "../state/load";
+import { askNames, goTo, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import type { Problem } from "../api/types";
@@ -95,6 +95,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => acts.claim(null) },
   { id: "sides", keys: ["Shift+X"], title: "Exchange left and right", group: "Names", screens: ["tracks", "labels"], when: (s) => (s.header?.marker_set?.pairs.length ?? 0) > 0, run: acts.exchangeSides },
   { id: "labels-accept", keys: ["Shift+Enter"], title: "Accept all names above the limit", group: "Names", screens: ["labels"], foot: 1, hint: (s) => `name ${many(acts.sureLabels(LABEL_LIMIT).length, "track")} proposed with ${percent(LABEL_LIMIT)} or more${s.labels ? "" : " …"}`, run: () => acts.acceptLabels(LABEL_LIMIT) },
+  { id: "labels-ask", keys: ["A"], title: "Propose names by what lies beside the file", group: "Names", screens: ["labels"], when: (s) => s.labels?.can_ask === true, fits: (s) => !s.labels!.by, foot: 1, hint: () => "propose names", run: () => void askNames() },
   { id: "label-take", keys: ["Enter"], title: "Accept the name that is proposed", group: "Names", screens: ["labels"], when: (s) => proposalOf(s) !== null, foot: 2, hint: (s) => `${s.track} is ${proposalOf(s)!.name} (${percent(proposalOf(s)!.probability)})`, run: () => { const p = proposalOf(get()); if (p?.name) acts.claim(p.name, p.track); } },
   { id: "label-next", keys: ["N"], title: "Next track to be asked about", group: "Names", screens: ["labels"], foot: 3, hint: () => "next track", run: () => nextProposal(1) },
   { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextProposal(-1) },

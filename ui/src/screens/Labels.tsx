@@ -1,11 +1,11 @@
 /** Names: the marker set as a figure, what automatic labelling proposes, and the lengths of the links. */
-import { ArrowLeftRight, Check, Tag } from "lucide-react";
+import { ArrowLeftRight, Check, Search, Tag } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { Proposal } from "../api/types";
 import { Figure } from "../parts/Figure";
 import { SceneView } from "../parts/views";
 import { Waiting } from "../parts/Waiting";
-import { LABEL_LIMIT } from "../keys/commands";
+import { byId, LABEL_LIMIT } from "../keys/commands";
 import { many, mm, percent } from "../model/format";
 import { labelRows } from "../model/labels";
 import { acceptLabels, claim, exchangeSides, sureLabels } from "../state/acts";
@@ -24,6 +24,7 @@ export function Labels(): React.JSX.Element {
       </section>
       <section className={styles.tracks} aria-label="Tracks and names">
         <Accept />
+        {labels?.by && <p className="soft">Names are proposed by {labels.by}.</p>}
         {labels?.words && <p className={styles.words}>{labels.words}</p>}
         <Proposals />
       </section>
@@ -47,10 +48,11 @@ function Sides(): React.JSX.Element | null {
 }
 
 function Accept(): React.JSX.Element {
-  const n = useStore(() => sureLabels(LABEL_LIMIT).length);
+  const n = useStore(() => sureLabels(LABEL_LIMIT).length), labels = useStore((s) => s.labels), busy = useStore((s) => s.busy > 0);
   return (
     <div className={styles.accept}>
       <h2>Tracks</h2>
+      {labels?.can_ask && <button type="button" className="button" disabled={busy} onClick={byId("labels-ask").run}><Search size={14} aria-hidden />Propose names<kbd>A</kbd></button>}
       <button type="button" className="button strong" disabled={!n} onClick={() => acceptLabels(LABEL_LIMIT)}><Check size={14} aria-hidden />Accept {n} of {percent(LABEL_LIMIT)} or more<kbd>⇧ Enter</kbd></button>
     </div>
   );

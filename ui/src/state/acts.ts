@@ -13,6 +13,8 @@ const ROUND_S = 0.4;
 const BESIDE_S = 1.2;
 
 let queue: Promise<unknown> = Promise.resolve();
+/** The last look for problems: no act waits for it. */
+let looking: Promise<void> = Promise.resolve();
 
 /** Say an act. Gives what it did, null where it was refused. */
 export function act(what: Act, words = ""): Promise<ActDone | null> {
@@ -31,7 +33,8 @@ async function send(what: Act, words: string): Promise<ActDone | null> {
     take(done.header);
     set({ instead: null, detected: null, why: "", join: null, savedAt: new Date().toISOString() });
     said(done, words);
-    await Promise.all([refreshProblems(), fresh()]);
+    looking = refreshProblems();
+    await fresh();
     return done;
   } catch (error) {
     await refused(error);
@@ -127,6 +130,9 @@ export async function choose(problem: Problem, key: string): Promise<void> {
   const before = inOrder(get().problems?.problems ?? [], get().later);
   const done = await act(actOf(problem, taken), taken.words);
   if (!done || get().problem !== problem.id) return;
+  set((s) => ({ problems: s.problems && { ...s.problems, problems: s.problems.problems.filter((p) => p !== problem) } })); // no key is for it now
+  await looking;
+  if (get().problem !== problem.id) return; // the person went on
   const { problems, later } = get(), next = nextAfter(before, problem.id, inOrder(problems?.problems ?? [], later));
   if (next && (problems?.worth_looking ?? 0) > 0) lookAt(next);
   else finishLooking();

@@ -118,16 +118,31 @@ export async function fresh(): Promise<void> {
   }
 }
 
+/** Names for a file without a session, by what lies beside it. */
+export async function askNames(): Promise<void> {
+  const { id } = get();
+  if (!id) return;
+  say("news", "Names are looked for in what lies beside the file …");
+  const labels = await tried(() => api.labels(id, true));
+  if (!labels || get().id !== id) return;
+  set({ labels });
+  if (labels.proposals.length) say("done", `Names for ${labels.proposals.length} tracks are proposed by ${labels.by}.`);
+  else say("news", labels.words ?? "");
+}
+
 /** The table of gaps; asked for again while some are judged. */
 function takeGaps(gaps: Gaps, id: string): void {
   set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));
   if (gaps.pending) setTimeout(() => void (get().id === id && get().screen === "gaps" && api.gaps(id).then((again) => takeGaps(again, id)).catch(() => null)), AGAIN_MS);
 }
 
+let looks = 0;
+
+/** Look for the problems anew; what an older look finds counts no longer. */
 export async function refreshProblems(): Promise<void> {
-  const id = get().id;
+  const id = get().id, look = ++looks;
   const problems = id && (await tried(() => api.problems(id)));
-  if (problems && get().id === id) set({ problems });
+  if (problems && look === looks && get().id === id) set({ problems });
 }
 
 /** The trial as it is now on the server, where the journal has gone on without this page. */

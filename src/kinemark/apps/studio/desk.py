@@ -38,7 +38,8 @@ class OpenDocument:
         trial, inputs, records: of a session's trial, as far as edits need it; None and empty for a file.
         marker_set: that the subject wears, where the session says so.
         text, now: the journal as it was read, and the trial with it.
-        lock: for whoever reads or changes `text` and `now`.
+        lock: for whoever reads or changes `text` and `now`; looking: for whoever looks for problems, which no act waits
+            for.
         ran: when the trial was run last, or the file written.
         blobs: encoded columns of trajectories, by the identity of these.
     """
@@ -52,6 +53,7 @@ class OpenDocument:
     records: Mapping[str, Any] = field(default_factory=dict)
     marker_set: MarkerSet | None = None
     lock: threading.RLock = field(default_factory=threading.RLock)
+    looking: threading.Lock = field(default_factory=threading.Lock)
     blobs: dict[int, Any] = field(default_factory=dict)
     kept: dict[str, Any] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()

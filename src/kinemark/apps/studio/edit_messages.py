@@ -219,12 +219,17 @@ class LinkFound(Message):
 
 
 class Labels(Message):
-    """Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed."""
+    """Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
+
+    `can_ask` says that names are proposed when they are asked for; `by` is the file by which they then are.
+    """
 
     proposals: list[Proposal]
     links: list[LinkFound]
     sides: str = ""
     words: str = ""
+    can_ask: bool = False
+    by: str = ""
     head: str
 
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from ...data import MarkerSet, MarkerTrajectory, Trajectories
+from ...data.edits import is_named
+from ...engine.proposed_names import propose_names
 from ...report.words import text_of
 from .desk import OpenDocument
 from .edit_messages import Labels, LinkFound, Proposal
@@ -19,8 +21,16 @@ LEAST_FRAMES = 10
 """That a link must be seen in for its spread to say something; chosen."""
 
 
-def labels(document: OpenDocument) -> Labels:
-    """Proposals, links and sides of an open trial."""
+NONE_FITS = (
+    "No names are proposed: none of the templates and labelled trials in the folder of {} fits it, nor do the names "
+    "that it has. Put a labelled trial of the subject beside it, or a template that kinemark template kept."
+)
+
+
+def labels(document: OpenDocument, *, ask: bool = False) -> Labels:
+    """Proposals, links and sides of an open trial; those of a file without a session where they were asked for."""
+    if document.trial is None:
+        return _of_file(document, ask=ask)
     record = document.records.get("label")
     proposals = [] if record is None else [*_sure(record.figures, document), *_unsure(record.figures, document)]
     said = [] if record is None else list(record.findings)
@@ -33,6 +43,38 @@ def labels(document: OpenDocument) -> Labels:
         words=" ".join(words) if not proposals else "",
         head=document.head,
     )
+
+
+def _of_file(document: OpenDocument, *, ask: bool) -> Labels:
+    """By what lies beside the file; tracks that were changed since are asked about again."""
+    now = document.now.trajectories
+    if ask:
+        document.kept["names"] = propose_names(document.place.path, now), now
+    found, then = document.kept.get("names", (None, now))
+    same = {path.name for path, old in ((path, _called(then, path.name)) for path in now) if path is old}
+    each = found.names if found is not None else {}
+    return Labels(
+        proposals=[
+            Proposal(
+                track=track,
+                name=one.name,
+                probability=one.probability,
+                runner_up=one.runner_up,
+                state="sure" if one.sure else "unsure",
+            )
+            for track, one in each.items()
+            if track in same
+        ],
+        links=_links(document.marker_set, now),
+        words=NONE_FITS.format(document.place.path.name) if found is not None and not each else "",
+        can_ask=not all(map(is_named, now.names)),
+        by=found.source if found is not None else "",
+        head=document.head,
+    )
+
+
+def _called(trajectories: Trajectories, name: str) -> MarkerTrajectory | None:
+    return next((path for path in trajectories if path.name == name), None)
 
 
 def _sure(figures: Any, document: OpenDocument) -> list[Proposal]:

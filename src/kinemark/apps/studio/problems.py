@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from typing import NamedTuple
+
 import numpy as np
 
-from ...data import KinemarkError
+from ...data import KinemarkError, MarkerTrajectory
 from ...data import problems as core
-from ...data.edits import Edit, GapChoice, Verdict
+from ...data.edits import Edit, GapChoice, Verdict, live
 from ...engine.problems import problems
 from .acts_messages import AlternativeAct
 from .desk import OpenDocument
@@ -18,15 +21,26 @@ NEAR_FRAMES = 10
 """Frames beside the one to look at in which cameras are counted; chosen: a blink."""
 
 
+class Looked(NamedTuple):
+    """Problems that were looked for, in which version and state of the gaps, and the trial's paths then."""
+
+    key: tuple[str, int, int]
+    found: core.Problems
+    paths: tuple[MarkerTrajectory, ...]
+
+
 def problems_of(document: OpenDocument) -> core.Problems:
-    """Those of the trial as it is edited now, worked out once for each version and state of the gaps."""
-    gaps = judged_gaps(document)
-    key = document.head, document.ran, len(gaps)
-    known = document.kept.get("problems")
-    if known is None or known[0] != key:
-        document.kept["problems"] = known = key, problems(document.editing, gaps=gaps)
-    found: core.Problems = known[1]
-    return found
+    """Those of the trial as it is edited now, worked out once for each version and state of the gaps.
+
+    One looks at a time: whoever asked meanwhile finds those of the newest version, and none are worked out twice.
+    """
+    with document.looking:
+        gaps, now = judged_gaps(document), document.now.trajectories.paths
+        key = document.head, document.ran, len(gaps)
+        known: Looked | None = document.kept.get("problems")
+        if known is None or known.key != key:
+            document.kept["problems"] = known = Looked(key, problems(document.editing, gaps=gaps), now)
+        return known.found
 
 
 def listed(document: OpenDocument) -> Problems:
@@ -75,10 +89,26 @@ def key_of(way: core.Alternative) -> str:
 
 
 def _known(document: OpenDocument, problem: str) -> core.Problem:
+    """A problem; at once where it was known before and nothing was said of its tracks since."""
+    before: Looked | None = document.kept.get("problems")
+    with suppress(KeyError):
+        if before is not None and _stands(one := before.found[problem], before, document):
+            return one
     try:
         return problems_of(document)[problem]
     except KeyError as error:
         raise KinemarkError("This problem is there no more. Look at the list again.") from error
+
+
+def _stands(one: core.Problem, before: Looked, document: OpenDocument) -> bool:
+    """Whether all of a problem's tracks are as they were when it was found, and no way to settle it was said since."""
+    if one.kind == "edit":  # which depends on the journal alone
+        return False
+    was, now = ({path.name: path for path in some} for some in (before.paths, document.now.trajectories))
+    if any(name not in was or was[name] is not now.get(name) for name in one.tracks):
+        return False
+    said = {edit for entry in live(document.text.entries) for edit in entry.edits}
+    return not any(said & set(way.edits) for way in one.alternatives)
 
 
 def _problem(document: OpenDocument, one: core.Problem) -> Problem:

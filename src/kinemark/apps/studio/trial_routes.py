@@ -119,9 +119,9 @@ def get_gap(document: Document, marker: str, first: int) -> e.GapCandidates | No
 
 
 @router.get("/labels")
-def get_labels(document: Document) -> e.Labels:
-    """Names of tracks, proposed."""
-    return labels(document)
+def get_labels(document: Document, ask: bool = False) -> e.Labels:
+    """Names of tracks, proposed; for a file without a session where they are asked for, which takes seconds."""
+    return labels(document, ask=ask)
 
 
 @router.get("/history")

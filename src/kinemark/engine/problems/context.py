@@ -16,6 +16,8 @@ from ...report.words.problems import action_text
 from ..edit_makers import REVIEWED_BESIDE
 from ..editing import Editing
 
+VERSIONS = 3
+"""Of a trial whose problems are kept, a number; chosen: now, before the last act, and what is judged besides."""
 GRID_MM, GRID_S = 50.0, 0.1
 """To which places and times are rounded in the id of a problem; chosen: far above what reprocessing moves them."""
 

@@ -7,10 +7,11 @@ none, by what the trial itself is like for most of its time.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 
-from ...data import KinemarkError
+from ...data import KinemarkError, MarkerTrajectory, Trajectories
 from ...data.edits import Edit, is_named
 from ...data.problems import Problem, ProblemKind
 from ...edit.probable_errors import name_probability
@@ -19,7 +20,7 @@ from ...label.side_pairs import sides_by_name
 from ...report.words.problems import problem_text
 from ..check_files import CheckedNames, check_names
 from ..subject_templates import without_prefix
-from .context import Context
+from .context import VERSIONS, Context
 
 LEAST_MARKERS = 6
 """Named markers with which a trial can tell what it is itself like; chosen: fewer have no shape."""
@@ -44,7 +45,17 @@ def of_names(context: Context, template: Template | None) -> Iterator[Problem]:
 
 def _checked(context: Context, template: Template | None) -> CheckedNames | None:
     """What the check of names says; None where it cannot."""
-    named = context.now.select([name for name in context.now.names if is_named(name)])
+    now = context.now
+    named = tuple(path for path in now if is_named(path.name))
+    return _checked_names(named, now.rate, now.first_frame, template)
+
+
+@lru_cache(maxsize=VERSIONS)
+def _checked_names(
+    some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, template: Template | None
+) -> CheckedNames | None:
+    """Of named markers; edits of tracks without names, verdicts and choices leave them the same records."""
+    named = Trajectories(some, rate, first_frame)
     if template is None and (len(named) < LEAST_MARKERS or named.n_frames < LEAST_S * named.rate):
         return None
     try:

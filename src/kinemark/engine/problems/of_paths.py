@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
+from ...data import MarkerTrajectory, Trajectories
 from ...data.edits import Edit, is_named
 from ...data.problems import Alternative, Problem, ProblemKind
 from ...edit.probable_errors import Change, Ghost, Paths, Piece, Spike, changes, ghosts, pieces, places, spikes
 from ...report.words.problems import problem_text
-from .context import Context
+from .context import VERSIONS, Context
 
 TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
@@ -18,21 +21,41 @@ GHOST_MM = 20.0
 """mm that a sample of no marker is off; chosen: what filling may be off at most."""
 
 
+class Found(NamedTuple):
+    """What a trial's paths show: places of the paths, and what may be wrong with them, changes seen once."""
+
+    paths: Paths
+    spikes: tuple[Spike, ...]
+    changes: tuple[Change, ...]
+    pieces: tuple[Piece, ...]
+    ghosts: tuple[Ghost, ...]
+
+
 def of_paths(context: Context) -> Iterator[Problem]:
     """All of them, not in order."""
-    paths = Paths.of(context.now)
-    found_spikes = [one for one in spikes(paths)]
-    told = tuple(_told(context))
-    some = changes(paths, places(paths, told))
-    for spike in found_spikes:
+    now = context.now
+    found = _found(now.paths, now.rate, now.first_frame, tuple(_told(context)))
+    for spike in found.spikes:
         yield _spike(context, spike)
-    for change in _once(_not_in_spikes(some, found_spikes, paths), paths):
-        yield _change(context, paths, change)
-    for piece in pieces(paths):
+    for change in found.changes:
+        yield _change(context, found.paths, change)
+    for piece in found.pieces:
         if not (is_named(context.name(piece.before)) and is_named(context.name(piece.after))):
             yield _piece(context, piece)
-    for ghost in ghosts(paths, context.now):
+    for ghost in found.ghosts:
         yield _ghost(context, ghost)
+
+
+@lru_cache(maxsize=VERSIONS)
+def _found(
+    some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, told: tuple[tuple[int, float, int], ...]
+) -> Found:
+    """Of these paths; verdicts, choices for gaps and events leave them the same records, and undo brings them back."""
+    now = Trajectories(some, rate, first_frame)
+    paths = Paths.of(now)
+    found = tuple(spikes(paths))
+    own = _once(_not_in_spikes(changes(paths, places(paths, told)), found, paths), paths)
+    return Found(paths, found, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)))
 
 
 def _told(context: Context) -> Iterator[tuple[int, float, int]]:

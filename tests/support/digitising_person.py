@@ -42,7 +42,8 @@ class Person:
     ):
         """seen: (C, M, F, 2) px, NaN where they do not see it; size: of the images, px; careful: whether they look at
         every frame before it is saved, and put right what is off by more than they can see."""
-        self.careful, self.studio, self.page, self.seen, self.names, self.clicks = studio, studio.page, seen, names, 0
+        self.careful = careful
+        self.studio, self.page, self.seen, self.names, self.clicks = studio, studio.page, seen, names, 0
         self.cameras, self.size, self.effort = cameras, size, effort or Effort()
 
     @property

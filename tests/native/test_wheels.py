@@ -1,9 +1,13 @@
 """Wheels say what is in them: py3-none-PLATFORM with the compiled library, py3-none-any without."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+import time
+import urllib.error
+import urllib.request
 import zipfile
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -20,6 +24,7 @@ def has_build_tools():
         return False
 
 
+PAGE = ROOT / "src" / "kinemark" / "apps" / "studio" / "page" / "index.html"
 READY = (ROOT / "setup.py").is_file() and has_build_tools()
 pytestmark = [
     pytest.mark.nightly,
@@ -62,6 +67,47 @@ def test_a_wheel_with_the_library_serves_every_python_of_a_platform(checkout, tm
 @pytest.mark.skipif(os.name == "nt", reason="the compiler is not chosen by CC")
 def test_a_wheel_without_the_library_serves_every_platform(checkout, tmp_path):
     """Also where an earlier build left a library."""
-    name, files = wheel(checkout, tmp_path, CC="/bin/false")
+    name, files = wheel(checkout, tmp_path, CC="/bin/false", KINEMARK_SKIP_UI="1")
     assert name.endswith("-py3-none-any.whl")
+    assert not [file for file in files if "/studio/page/" in file]
     assert not [file for file in files if "_native" in file] and "kinemark/native/compiled_library.py" in files
+
+
+def first_answer(browser, address):
+    """Of a server that says its address a little before it listens."""
+    for _ in range(600):
+        try:
+            with browser.open(address) as answer:
+                return answer.read()
+        except urllib.error.URLError as error:
+            assert isinstance(error.reason, ConnectionError), error
+            time.sleep(0.1)
+    raise AssertionError("nobody listens")
+
+
+@pytest.mark.skipif(not PAGE.is_file(), reason="the page of the studio is not built: python3 dev.py studio")
+def test_the_studio_of_a_wheel_works_outside_the_checkout(checkout, tmp_path):
+    """The page is in the wheel as it was built, and its server gives all that the page names."""
+    pytest.importorskip("uvicorn", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
+    name, _ = wheel(checkout, tmp_path / "dist", CC="/bin/false")
+    with zipfile.ZipFile(tmp_path / "dist" / name) as archive:
+        archive.extractall(tmp_path / "installed")
+    there = tmp_path / "empty"
+    there.mkdir()
+    served = subprocess.Popen(
+        [sys.executable, "-m", "kinemark", "studio", there, "--no-browser"], cwd=there, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env=os.environ | {"PYTHONPATH": str(tmp_path / "installed"), "PYTHONUNBUFFERED": "1"},
+    )  # fmt: skip
+    try:
+        said = served.stdout.readline()
+        (address,) = re.findall(r"http://\S+", said) or [said]
+        browser = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
+        html = first_answer(browser, address)
+        assert html == PAGE.read_bytes()
+        for path in re.findall(r'(?:src|href)="(/[^"]+)"', html.decode()):
+            with browser.open(address.partition("/?")[0] + path) as answer:
+                assert answer.read() == (PAGE.parent / path[1:]).read_bytes(), path
+    finally:
+        served.kill()
+        served.communicate()

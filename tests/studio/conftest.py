@@ -16,9 +16,9 @@ def effort(record_property):
 
 
 def pytest_terminal_summary(terminalreporter):
-    told = {
+    told = {  # by reports of the end of tests, which alone have what was recorded then
         report.nodeid: value
-        for report in terminalreporter.getreports("passed")
+        for report in terminalreporter.getreports("")
         for name, value in report.user_properties
         if name == "effort"
     }

@@ -7,6 +7,9 @@ import numpy as np
 from support.feeding import NAMES
 from support.screen_operator import KEY_S, LOOK_S, MENTAL_S, POINT_S
 
+SEEN_PX = 4.0
+"""By how much a place is off that somebody sees."""
+
 
 class Effort:
     """What a person did, and how long it would take by the keystroke-level model (Card, Moran and Newell 1980)."""
@@ -34,8 +37,12 @@ class Effort:
 class Person:
     """Who knows where the markers are, reads the question, and clicks; what they see is on the screen alone."""
 
-    def __init__(self, studio, seen, names=NAMES, cameras=("cam1", "cam2", "cam3"), size=(512, 512), effort=None):
-        """seen: (C, M, F, 2) px, NaN where they do not see it; size: of the images, px."""
+    def __init__(
+        self, studio, seen, names=NAMES, cameras=("cam1", "cam2", "cam3"), size=(512, 512), effort=None, careful=False
+    ):
+        """seen: (C, M, F, 2) px, NaN where they do not see it; size: of the images, px; careful: whether they look at
+        every frame before it is saved, and put right what is off by more than they can see."""
+        self.careful = careful
         self.studio, self.page, self.seen, self.names, self.clicks = studio, studio.page, seen, names, 0
         self.cameras, self.size, self.effort = cameras, size, effort or Effort()
 
@@ -79,7 +86,12 @@ class Person:
         asked, phase = self.asked(), self.stands()[2]
         if phase == "review":
             assert asked.startswith("Have successfully detected all markers")
-            self.press("Enter")
+            self.press("v" if self.careful and not all(map(self.right, self.names)) else "Enter")
+        elif self.careful and phase == "verify":
+            self.press("y" if self.right(self.asked_for()) else "n")
+        elif phase == "correct":
+            place = self.place(self.asked_for())
+            self.press("b") if np.isnan(place).any() else self.answered(lambda: self.click(*place))
         elif phase in ("reference", "verify") or "The other cameras say: here" in asked:
             self.press("y")
         else:
@@ -90,6 +102,21 @@ class Person:
                 return
             self.effort.click(decide=True)
             self.answered(lambda: self.click(*place))
+
+    def asked_for(self):
+        """The marker that the question is about."""
+        return (
+            self.page.locator("section[aria-label='Markers of the frame'] tr[aria-current=true] th")
+            .inner_text()
+            .split()[0]
+        )
+
+    def right(self, name):
+        """Whether the draft has a marker where they see it; what is said not to be present, they believe."""
+        table = self.page.locator("section[aria-label='Markers of the frame'] tbody")
+        u, v = table.locator("tr").nth(self.names.index(name)).locator("td").all_inner_texts()[:2]
+        off = [] if u == "–" else np.array([float(u), float(v)]) - self.place(name)
+        return len(off) == 0 or bool(np.hypot(*off) < SEEN_PX)
 
     def press(self, key):
         """A key that answers, after a look at what is asked."""

@@ -10,12 +10,19 @@ HAND_S = 0.4
 """s of a hand between mouse and keys; of the model."""
 MODIFIERS = {"Shift", "Control", "Alt", "Meta"}
 HEARD = """(() => {
-  addEventListener("keydown", (e) => void window.kinemarkActed("key", e.key), true);
-  addEventListener("pointerdown", () => void window.kinemarkActed("click", ""), true);
-  const typed = (e) => e.inputType === "insertText" && e.data?.length > 1;
-  addEventListener("input", (e) => typed(e) && void window.kinemarkActed("typed", e.data), true);
+  let byKey = false;
+  const acted = (kind, what) => void window.kinemarkActed(kind, what), is = (e, of) => e.target.matches(of);
+  addEventListener("keydown", (e) => ((byKey = true), acted("key", e.key)), true);
+  addEventListener("keyup", () => (byKey = false), true);
+  addEventListener("pointerdown", () => acted("click", ""), true);
+  addEventListener("change", (e) => is(e, "select") && !byKey && (acted("click", ""), acted("click", "")), true);
+  addEventListener("input", (e) => {
+    if (byKey || is(e, "select, [type=checkbox], [type=radio]")) return;
+    if (is(e, "[type=range]")) acted("click", "");
+    else acted("typed", e.data ?? e.target.value);
+  }, true);
 })()"""
-"""A field that is filled at once is typed, a key a letter."""
+"""A field that is filled at once is typed, a key a letter; a choice of a list is two clicks, a slider one."""
 
 
 class Effort:

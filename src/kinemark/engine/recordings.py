@@ -40,9 +40,7 @@ def open_cameras(
     return _opened(root, settings.cameras.first_field, pattern, names, every)
 
 
-def _opened(
-    root: Path, first_field: Any, pattern: str, names: Sequence[str], every: int = 1
-) -> dict[str, ImageSource]:
+def _opened(root: Path, first_field: Any, pattern: str, names: Sequence[str], every: int = 1) -> dict[str, ImageSource]:
     if "{camera}" not in pattern and len(names) > 1:
         raise KinemarkError(f"images = {pattern!r} has no {{camera}} in it: all cameras would be one. Put it in.")
     images = {}

@@ -28,7 +28,7 @@ export function ChangeWay({ id, done }: { id: string; done: () => void }): React
       <h2>Another way of calibration</h2>
       {!ways.length && <p>No recording in the session's folder could calibrate it.</p>}
       <ul className={styles.ways}>{ways.map((way) => (
-        <li key={keyOf(way)}><label><input type="radio" name="way" checked={keyOf(way) === chosen} onChange={() => (setChosen(keyOf(way)), setAnswers({}))} /> <b>{way.words}</b> <code>{way.path}</code>{way.now && <span className="pill info">now</span>}<span className="soft"> {way.why}</span></label></li>
+        <li key={keyOf(way)}><label><input type="radio" name="way" checked={keyOf(way) === chosen} onChange={() => (setChosen(keyOf(way)), setAnswers({}))} /> <b>{way.words}</b> <code>{way.path}</code>{" "}{way.now && <span className="pill info">now</span>}<span className="soft"> {way.why}</span></label></li>
       ))}</ul>
       {one?.questions.map((ask) => (
         <label key={ask.key} className={styles.question}>{ask.words}{ask.optional && <span className="soft"> (may be left out)</span>}

@@ -9,18 +9,21 @@ interface Props {
   find: (typed: string) => readonly Choice[];
   onTake: (id: string) => void;
   onPoint?: (id: string) => void;
+  /** Nothing is found that could be pointed at. */
+  onNone?: () => void;
   start?: string;
   /** What is said where nothing is found. */
   none?: string;
 }
 
 /** A field with a list below it: type to narrow, arrows to point, Enter to take. */
-export function Chooser({ label, find, onTake, onPoint, start = "", none }: Props): React.JSX.Element {
+export function Chooser({ label, find, onTake, onPoint, onNone, start = "", none }: Props): React.JSX.Element {
   const [typed, setTyped] = useState(start), [at, setAt] = useState(0), list = useRef<HTMLUListElement>(null), id = useId();
   const found = find(typed), pointed = found[Math.min(at, found.length - 1)];
   useEffect(() => {
     list.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" });
     if (pointed) onPoint?.(pointed.id);
+    else onNone?.();
     // eslint-disable-next-line -- only what is pointed at matters
   }, [pointed?.id]);
   const onKeyDown = (e: React.KeyboardEvent): void => {

@@ -32,7 +32,7 @@ function Topics(): React.JSX.Element {
     find(typed, screen).map((t) => ({ id: t.id, words: t.title, beside: t.screen ? TITLES[t.screen] : "everywhere" }));
   return (
     <div className={styles.topics}>
-      <div className={styles.found}><Chooser label="Type a word: rename, gap, threshold …" find={choices} onTake={(taken) => goThere(all.find((t) => t.id === taken)!)} onPoint={setId} none="No topic has all of these words. Take one away, or look among all keys." /></div>
+      <div className={styles.found}><Chooser label="Type a word: rename, gap, threshold …" find={choices} onTake={(taken) => goThere(all.find((t) => t.id === taken)!)} onPoint={setId} onNone={() => setId("")} none="No topic has all of these words. Take one away, or look among all keys." /></div>
       {shown && <Shown topic={shown} />}
     </div>
   );

@@ -9,9 +9,6 @@ import styles from "./StartUp.module.css";
 /** Most markers of a frame, as UM²AS has it; most frames of which one is taken, as a session has it. */
 const MOST = 30, MOST_SKIPPED = 1000;
 
-/** 1st, 2nd, 3rd, 4th … */
-const ending = (n: number): string => (n % 100 > 10 && n % 100 < 14 ? "th" : (["th", "st", "nd", "rd"][n % 10] ?? "th"));
-
 /** Names from what was typed: apart by commas or spaces, or a number, which says how many there are. */
 export function namesOf(typed: string): string[] {
   const names = typed.split(/[\s,;]+/).filter(Boolean), n = Number(names[0]);
@@ -52,7 +49,7 @@ function Form({ choices, done }: { choices: Choices; done: () => void }): React.
       <label className={styles.check}><input type="checkbox" checked={said.confirm_reference} disabled={!reference} onChange={(e) => say({ confirm_reference: e.target.checked })} />ask in every frame whether it is the reference marker</label>
       <label className={styles.check}><input type="checkbox" checked={said.take_proposals} onChange={(e) => say({ take_proposals: e.target.checked })} />take what the other cameras say without asking</label>
       <label>remember a hidden marker for <input className={`field ${styles.short}`} type="number" min={2} max={100} value={said.history} onChange={(e) => say({ history: e.target.valueAsNumber || 2 })} /> frames</label>
-      <label>frames skipped: every <input className={`field ${styles.short}`} type="number" min={1} max={Math.min(choices.frames, MOST_SKIPPED)} value={said.every} onChange={(e) => say({ every: e.target.valueAsNumber || 1, last_frame: null })} />{ending(said.every)} frame of the recording is taken</label>
+      <label>frames skipped: one frame of every <input className={`field ${styles.short}`} type="number" min={1} max={Math.min(choices.frames, MOST_SKIPPED)} value={said.every} onChange={(e) => say({ every: e.target.valueAsNumber || 1, last_frame: null })} /> of the recording is taken</label>
       <label>last frame to be digitised <input className={`field ${styles.short}`} type="number" min={1} max={taken} value={said.last_frame ?? taken} onChange={(e) => say({ last_frame: e.target.valueAsNumber >= taken ? null : e.target.valueAsNumber || null })} /> of {taken}</label>
       <label>recorded on <input className="field" type="date" value={said.recorded ?? ""} onChange={(e) => say({ recorded: e.target.value || null })} /></label>
       <div className={styles.row}>

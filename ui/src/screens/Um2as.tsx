@@ -22,7 +22,7 @@ export function Um2as(): React.JSX.Element {
     <div className={styles.screen} data-level={level} data-task={task}>
       <header className={styles.head}>
         <h1>{here ? here.title : "UM²AS"}</h1>
-        <ol aria-label="Levels above" className={styles.path}>{["UM²AS", ...pathTo(level).map((one) => one.title)].map((one) => <li key={one}>{one}</li>)}</ol>
+        <ol aria-label="Levels above" className={styles.path}>{["UM²AS", ...pathTo(level).map((one) => one.title)].slice(0, here && !row ? -1 : undefined).map((one) => <li key={one}>{one}</li>)}</ol>
         <Trial />
       </header>
       <div className={styles.body}>

@@ -130,5 +130,3 @@ def asked_row(question: Question, answer: str, wrong: str) -> Asked:
 def _id(one: FoundRecording) -> str:
     """What the page calls a recording."""
     return digest(one.path)
-
-

@@ -40,7 +40,7 @@ def _row(one: SessionProposal, used: set[str]) -> c.WayRow:
         path=one.way.path,
         role=one.way.role,
         words=ROLES[one.way.role],
-        why=reason_text(one.way.why),
+        why="" if one.way.why.kind == "stated" else reason_text(one.way.why),  # nobody did yet
         now=points_file(one.way.path) in used,
         questions=questions,
     )

@@ -231,9 +231,7 @@ def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
     return np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
 
 
-def _start(
-    stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools
-) -> Start | None:
+def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools) -> Start | None:
     """The best of `n` key frames, evenly spread over those with points among (K) some; None where there are none."""
     order = placings(pairs, template.handed, template.sign)
     points = np.isfinite(stretches.xyz[..., 0]).sum(0)

@@ -100,10 +100,13 @@ def _further(
         dark = (could >= LEAST_POINTS) & (points[label >= 0].sum(0) < LEAST_KNOWN * could)
         if dark.mean() < LEAST_DARK:
             break
+        score, expected = total_score(stretches, label, pairs)
+        if score < LEAST_KNOWN * expected:  # a template that does not fit where names are tells nothing of the rest
+            break
         known = replace(stretches, fixed=np.where(label >= 0, label, stretches.fixed))
         start = _start(known, template, pairs, key_frames, beam, dark)
         new = label if start is None else outwards(known, start.frame, start.tracks, start.labels, pairs)
-        if total_score(stretches, new, pairs)[0] <= total_score(stretches, label, pairs)[0]:
+        if total_score(stretches, new, pairs)[0] <= score:
             break
         label = new
     return label

@@ -2,9 +2,9 @@
 
     python benchmarks/labelling_limits.py [raw] [speed]
 
-`raw`: `S01_Pronetokneel01`, 76 tracks without names, 57 to 62 a frame, by the template of `PronetoRun01`: another subject
-with the same 62 markers. Nobody named it, so that names are compared with each other: of templates scaled by 0.95 to
-1.05, and of the same trial cut into pieces. Shares of the samples, %.
+`raw`: `S01_Pronetokneel01`, 76 tracks without names, 57 to 62 a frame, by the template of `PronetoRun01`, of another
+subject with the same 62 markers. Nobody named it, so that names are compared with each other: of templates scaled by
+0.95 to 1.05, and of the same trial cut into pieces. Shares of the samples, %.
 `speed`: 62 labels, as whole tracks and as 1 000 fragments among ghosts, of the subject's own template and of another's;
 CPU s, and the ratio of 3 400 frames to 1 700, which is 2 where time is linear in frames.
 Files come from KINEMARK_DATA, as for `labelling.py`.
@@ -49,7 +49,9 @@ def raw() -> None:
     trial, template = read(RAW), learn_template(read(KNOWN))
     by = {ratio: label(trial, template.of_another(ratio)) for ratio in RATIOS}
     for ratio, found in by.items():
-        shares = "".join(f"  {state} {100 * samples(trial, found, state):.2f}" for state in ("sure", "unsure", "unknown"))
+        shares = "".join(
+            f"  {state} {100 * samples(trial, found, state):.2f}" for state in ("sure", "unsure", "unknown")
+        )
         said = "refused" if found.refused else f"fit {found.fit:.2f}"
         print(f"template × {ratio:<5g}{said}{shares}  as × 1: {100 * alike(trial, found, by[1.0]):.2f}", flush=True)
     parts = shredded(trial, 15, 2.0, 1)

@@ -100,10 +100,13 @@ def _further(
         dark = (could >= LEAST_POINTS) & (points[label >= 0].sum(0) < LEAST_KNOWN * could)
         if dark.mean() < LEAST_DARK:
             break
+        score, expected = total_score(stretches, label, pairs)
+        if score < LEAST_KNOWN * expected:  # a template that does not fit where names are tells nothing of the rest
+            break
         known = replace(stretches, fixed=np.where(label >= 0, label, stretches.fixed))
         start = _start(known, template, pairs, key_frames, beam, dark)
         new = label if start is None else outwards(known, start.frame, start.tracks, start.labels, pairs)
-        if total_score(stretches, new, pairs)[0] <= total_score(stretches, label, pairs)[0]:
+        if total_score(stretches, new, pairs)[0] <= score:
             break
         label = new
     return label
@@ -231,9 +234,7 @@ def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
     return np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
 
 
-def _start(
-    stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools
-) -> Start | None:
+def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools) -> Start | None:
     """The best of `n` key frames, evenly spread over those with points among (K) some; None where there are none."""
     order = placings(pairs, template.handed, template.sign)
     points = np.isfinite(stretches.xyz[..., 0]).sum(0)

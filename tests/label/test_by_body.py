@@ -1,5 +1,4 @@
-"""Markers are where the others of their body say; points that changed places change back, and pieces find their marker.
-"""
+"""Markers are where the others of their body say: points that changed places change back, pieces find their marker."""
 
 from functools import cache
 

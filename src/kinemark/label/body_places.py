@@ -12,8 +12,9 @@ with weights against neighbours that are off. Where each lies off its place by s
     B = s² [ I (1 + 1/n) + K J⁻¹ Kᵀ ],   K = [R (x − ā)]×,   J = Σ |r_i|² I − r_i r_iᵀ,   r_i = R (a_i − ā)       (2)
 
 and s is what makes the distances (p − b)ᵀ B⁻¹ (p − b) of the trial's own points p have the quantiles of χ² with three
-degrees of freedom: the lower one, and the median and the high one as far as the template's distances vary as much. So it holds soft tissue, joints between the neighbours and errors of points alike, and a marker that
-none keeps a distance to has a B that says so.
+degrees of freedom: the lower one, and the median and the high one as far as the template's distances vary as much. So
+it holds soft tissue, joints between the neighbours and errors of points alike, and a marker that none keeps a distance
+to has a B that says so.
 """
 
 from __future__ import annotations

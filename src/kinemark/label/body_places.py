@@ -118,12 +118,18 @@ def _looseness(xyz: Floats, index: Ints, template: Template) -> Floats:
     rows = _spread_frames(np.arange(xyz.shape[1]))
     d = np.linalg.norm(xyz[:, None, rows] - xyz[None, :, rows], axis=-1)
     n = np.isfinite(d).sum(-1)
-    middle = np.ma.median(np.ma.masked_invalid(d), axis=-1).filled(np.nan)
-    own = np.ma.median(np.ma.masked_invalid(np.abs(d - middle[..., None])), axis=-1).filled(np.nan) / MAD
+    middle = _median(d, n)
+    own = _median(np.abs(d - middle[..., None]), n) / MAD
     D, spread = (one[np.ix_(index, index)] for one in (template.distance, template.spread))
     doubt = np.asarray(template.doubt)[np.ix_(index, index)]
     agrees = np.abs(middle - D) <= AGREE * np.hypot(np.hypot(spread, own), doubt) + SLACK_MM
     return np.where(agrees & (n > 0), np.hypot(spread, own), np.inf)
+
+
+def _median(values: Floats, n: Ints) -> Floats:
+    """Of the n (…) values (…, K) that are not NaN, the lower one of two in the middle; NaN of none."""
+    at = np.maximum((n - 1) // 2, 0)[..., None]
+    return np.asarray(np.take_along_axis(np.sort(values, axis=-1), at, axis=-1)[..., 0])
 
 
 def _spread_frames(frames: Ints) -> Ints:
@@ -191,7 +197,7 @@ def turned(figure: Figure, y: Floats) -> tuple[Floats, Floats, Floats]:
         weight = there / (1.0 + (off**2).sum(-1) / (3 * max(figure.spread, LEAST_MM) ** 2))
     arm = ((figure.xyz[0] - own)[:, None] @ R)[:, 0]
     G, turns = _uncertainty(arm, (a - own[:, None]) @ R, weight)
-    known = (there.sum(1) >= LEAST) & turns
+    known: Bools = np.asarray((there.sum(1) >= LEAST) & turns)
     return np.where(known[:, None], arm + other, np.nan), np.where(known[:, None, None], G, np.nan), R
 
 
@@ -200,7 +206,7 @@ def _uncertainty(arm: Floats, r: Floats, weight: Floats) -> tuple[Floats, Bools]
     square = (weight * (r**2).sum(-1)).sum(1)
     J = square[:, None, None] * np.eye(3) - np.einsum("fn,fni,fnj->fij", weight, r, r)
     value = np.linalg.eigvalsh(J)
-    turns = value[:, 0] > FLAT * np.maximum(value[:, 2], 1e-9)
+    turns: Bools = np.asarray(value[:, 0] > FLAT * np.maximum(value[:, 2], 1e-9))
     inverse = np.linalg.inv(np.where(turns[:, None, None], J, np.eye(3)))
     K = np.cross(arm[:, None], np.eye(3))
     n = np.maximum(weight.sum(1), 1e-9)

@@ -226,7 +226,7 @@ def _laid(a: Floats, y: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]
 def distance(p: Floats, place: Floats, cov: Floats) -> Floats:
     """(N) squared distances of points (N, 3) from places (N, 3) with covariances (N, 3, 3); NaN where either is."""
     off = p - place
-    known = np.isfinite(off).all(-1) & np.isfinite(cov).all((-1, -2))
+    known: Bools = np.asarray(np.isfinite(off).all(-1) & np.isfinite(cov).all((-1, -2)))
     N = np.linalg.inv(np.where(known[..., None, None], cov, np.eye(3)))
     off = np.where(known[..., None], off, 0.0)
     return np.where(known, np.einsum("...i,...ij,...j->...", off, N, off), np.nan)

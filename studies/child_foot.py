@@ -43,9 +43,7 @@ WITHIN = 10.0  # mm; less than half of the pitch, so that a point is one marker'
 
 def child(seconds: float, rate: float, speed: float = SPEED_MM_S) -> Subject:
     """The walking child with a grid of markers on each foot."""
-    body = walking(
-        duration_s=seconds, rate=rate, speed_mm_s=speed, height_mm=HEIGHT_MM, marker_radius_mm=RADIUS_MM
-    )
+    body = walking(duration_s=seconds, rate=rate, speed_mm_s=speed, height_mm=HEIGHT_MM, marker_radius_mm=RADIUS_MM)
     xyz, names = list(body.xyz), list(body.names)
     for side in ("L", "R"):
         heel, toe = (body.xyz[body.names.index(side + name)] for name in ("HEE", "TOE"))

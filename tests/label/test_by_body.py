@@ -1,5 +1,4 @@
-"""Markers are where the others of their body say; points that changed places change back, and pieces find their marker.
-"""
+"""Markers are where the others of their body say: points that changed places change back, pieces find their marker."""
 
 from functools import cache
 
@@ -52,9 +51,9 @@ def test_places_and_their_covariance_hold_of_another_walk_wherever_it_is(by):
     found = body_places(xyz, index(), template(), RATE)
     square = distance(xyz, found.place, found.cov)
     assert np.isfinite(square).mean() > 0.95
-    assert (square[np.isfinite(square)] > 25).mean() < 0.01  # 5 standard deviations
-    sd = np.sqrt(np.trace(found.cov, axis1=-1, axis2=-2))
-    assert (np.nanmedian(sd, axis=1) < 10).sum() > 15
+    well = np.sqrt(np.trace(found.cov, axis1=-1, axis2=-2)) < 10
+    assert (square[well] > 25).mean() < 0.01  # 5 standard deviations
+    assert (well.mean(1) > 0.5).sum() > 15
 
 
 def test_in_a_gap_where_it_lay_before_and_after_tells_more():
@@ -90,7 +89,9 @@ def test_markers_that_took_each_others_place_in_a_third_of_the_frames_change_bac
     points = points_of(xyz, marker)
     body = body_places(places_of(points, *xyz.shape[:2]), index(), template(), RATE)
     out = judged(points, body).reshape(marker.shape)
-    assert (out == np.arange(len(xyz))[:, None]).all()
+    own = np.arange(len(xyz))[:, None]
+    assert ((out == own) | (out == ASIDE_POINT)).all()
+    assert (out == own)[[a, b]].mean() > 0.95 > (marker == own)[[a, b]].mean()
     fixed = points._replace(fixed=np.isin(points.marker, [a, b]))
     assert (judged(fixed, body) == points.marker).all()
 

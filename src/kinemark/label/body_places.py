@@ -12,8 +12,9 @@ with weights against neighbours that are off. Where each lies off its place by s
     B = s² [ I (1 + 1/n) + K J⁻¹ Kᵀ ],   K = [R (x − ā)]×,   J = Σ |r_i|² I − r_i r_iᵀ,   r_i = R (a_i − ā)       (2)
 
 and s is what makes the distances (p − b)ᵀ B⁻¹ (p − b) of the trial's own points p have the quantiles of χ² with three
-degrees of freedom: the lower one, and the median and the high one as far as the template's distances vary as much. So it holds soft tissue, joints between the neighbours and errors of points alike, and a marker that
-none keeps a distance to has a B that says so.
+degrees of freedom: the lower one, and the median and the high one as far as the template's distances vary as much. So
+it holds soft tissue, joints between the neighbours and errors of points alike, and a marker that none keeps a distance
+to has a B that says so.
 """
 
 from __future__ import annotations
@@ -117,12 +118,18 @@ def _looseness(xyz: Floats, index: Ints, template: Template) -> Floats:
     rows = _spread_frames(np.arange(xyz.shape[1]))
     d = np.linalg.norm(xyz[:, None, rows] - xyz[None, :, rows], axis=-1)
     n = np.isfinite(d).sum(-1)
-    middle = np.ma.median(np.ma.masked_invalid(d), axis=-1).filled(np.nan)
-    own = np.ma.median(np.ma.masked_invalid(np.abs(d - middle[..., None])), axis=-1).filled(np.nan) / MAD
+    middle = _median(d, n)
+    own = _median(np.abs(d - middle[..., None]), n) / MAD
     D, spread = (one[np.ix_(index, index)] for one in (template.distance, template.spread))
     doubt = np.asarray(template.doubt)[np.ix_(index, index)]
     agrees = np.abs(middle - D) <= AGREE * np.hypot(np.hypot(spread, own), doubt) + SLACK_MM
     return np.where(agrees & (n > 0), np.hypot(spread, own), np.inf)
+
+
+def _median(values: Floats, n: Ints) -> Floats:
+    """Of the n (…) values (…, K) that are not NaN, the lower one of two in the middle; NaN of none."""
+    at = np.maximum((n - 1) // 2, 0)[..., None]
+    return np.asarray(np.take_along_axis(np.sort(values, axis=-1), at, axis=-1)[..., 0])
 
 
 def _spread_frames(frames: Ints) -> Ints:
@@ -190,7 +197,7 @@ def turned(figure: Figure, y: Floats) -> tuple[Floats, Floats, Floats]:
         weight = there / (1.0 + (off**2).sum(-1) / (3 * max(figure.spread, LEAST_MM) ** 2))
     arm = ((figure.xyz[0] - own)[:, None] @ R)[:, 0]
     G, turns = _uncertainty(arm, (a - own[:, None]) @ R, weight)
-    known = (there.sum(1) >= LEAST) & turns
+    known: Bools = np.asarray((there.sum(1) >= LEAST) & turns)
     return np.where(known[:, None], arm + other, np.nan), np.where(known[:, None, None], G, np.nan), R
 
 
@@ -199,7 +206,7 @@ def _uncertainty(arm: Floats, r: Floats, weight: Floats) -> tuple[Floats, Bools]
     square = (weight * (r**2).sum(-1)).sum(1)
     J = square[:, None, None] * np.eye(3) - np.einsum("fn,fni,fnj->fij", weight, r, r)
     value = np.linalg.eigvalsh(J)
-    turns = value[:, 0] > FLAT * np.maximum(value[:, 2], 1e-9)
+    turns: Bools = np.asarray(value[:, 0] > FLAT * np.maximum(value[:, 2], 1e-9))
     inverse = np.linalg.inv(np.where(turns[:, None, None], J, np.eye(3)))
     K = np.cross(arm[:, None], np.eye(3))
     n = np.maximum(weight.sum(1), 1e-9)
@@ -219,7 +226,7 @@ def _laid(a: Floats, y: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]
 def distance(p: Floats, place: Floats, cov: Floats) -> Floats:
     """(N) squared distances of points (N, 3) from places (N, 3) with covariances (N, 3, 3); NaN where either is."""
     off = p - place
-    known = np.isfinite(off).all(-1) & np.isfinite(cov).all((-1, -2))
+    known: Bools = np.asarray(np.isfinite(off).all(-1) & np.isfinite(cov).all((-1, -2)))
     N = np.linalg.inv(np.where(known[..., None, None], cov, np.eye(3)))
     off = np.where(known[..., None], off, 0.0)
     return np.where(known, np.einsum("...i,...ij,...j->...", off, N, off), np.nan)

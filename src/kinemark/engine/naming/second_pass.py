@@ -12,7 +12,7 @@ Nothing is lost: points put aside stay in the cloud without a track, and what be
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -220,4 +220,4 @@ def _runs(points: _Points, rows: Ints) -> list[tuple[int, int]]:
     """First and last of the runs of frames of some points."""
     frame = np.unique(points.cloud.frame[rows])
     cuts = equal_runs(frame - np.arange(len(frame))) if len(frame) else np.zeros(1, np.int64)
-    return [(int(frame[a]), int(frame[b - 1])) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    return [(int(frame[a]), int(frame[b - 1])) for a, b in pairwise(cuts.tolist())]

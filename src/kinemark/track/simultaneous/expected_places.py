@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Cloud, Detections, Rig, Tracks
-from ...data.array_types import Bools, Floats, Ints
+from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points
 from ...native import inverse
 from .associate import associate, information, predict_images
@@ -31,7 +31,6 @@ from .tracker import Working, precise_enough, solved, solver_for
 
 ITERATIONS = 2
 """Times in turn; chosen: the third finds hardly anything new."""
-
 
 
 class Looked(NamedTuple):
@@ -96,9 +95,7 @@ def points_where_expected(
     return _solved(at, of, new, errors, volume_margin)
 
 
-def _solved(
-    at: Searched, of: TrackPoints, detection: Ints, errors: ImageErrors, volume_margin: float | None
-) -> Looked:
+def _solved(at: Searched, of: TrackPoints, detection: Ints, errors: ImageErrors, volume_margin: float | None) -> Looked:
     """The points solved from their detections (C, N), those that are good enough."""
     images = at.working.images
     order = np.argsort(of.frame, kind="stable")

@@ -3501,7 +3501,7 @@ export interface components {
         };
         /**
          * StartUp
-         * @description What may be chosen before the first answer: of so many frames of the recording, sets of reference files; and what is chosen.
+         * @description What may be chosen before the first answer, and what is: of so many frames of the recording, which sets of files.
          *
          *     `operated`: whether the trial is one that an operator digitises.
          */

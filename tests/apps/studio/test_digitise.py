@@ -266,7 +266,7 @@ def test_the_last_frame_and_the_files_of_the_thesis(tmp_path):
     task = Session.open(folder).digitising("feeding", Session.open(folder).calibrate().rig)
     np.testing.assert_allclose(task.constants, places, atol=1e-6)
     again = studio.page.get(f"{studio.address}/setup").json()["now"]
-    assert again == wanted | {"take_proposals": False, "history": 2, "reference_files": None}
+    assert again == wanted | {"take_proposals": False, "history": 2, "every": 1, "reference_files": None}
     digitise_trial(task, operator=operators())
     done = Session.open(folder).run()["feeding"]
     assert str(Session.open(folder).trial("feeding").entry.date) == "1992-11-27"

@@ -2,8 +2,8 @@
 
 A template knows by how much the distance of two markers varies. Those of the NEIGHBOURS whose distance to marker m
 varies least, and agrees with the template in this trial, are m's neighbours. Their places a_i and m's own x in one
-figure follow from the frames in which they are seen, laid over each other by rotations (Gower 1975, "Generalized
-Procrustes analysis"). In a frame with n neighbours at y_i, the rotation R of least squares (Kabsch 1976) foretells
+figure follow from the frames in which they are seen, laid over each other by rotations. In a frame with n neighbours at
+y_i, the rotation R of least squares (Kabsch 1976) foretells
 
     b = ȳ + R (x − ā)                                                                                             (1)
 

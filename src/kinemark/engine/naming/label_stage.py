@@ -63,17 +63,18 @@ def name_trial(
     claimed = claimed_tracks(numbered(tracks, first), claims, detections, world=world_key(of.rig))
     stated = _stated(of)
     found = name_tracks(tracks, templates, how=label, stated=stated, first_frame=first, claimed=claimed)
-    if label.second_pass and isinstance(of.settings.track, Simultaneous):
+    tracker = of.settings.track
+    if label.second_pass and isinstance(tracker, Simultaneous):
         fixed = _spoken(claimed, stated, len(tracks.cloud))
-        found = second_pass(found, tracks, templates, _search(of, detections), fixed=fixed)
+        found = second_pass(found, tracks, templates, _search(of, detections, tracker), fixed=fixed)
     return found._replace(figures={**found.figures, "claimed": len(claimed.stated)})
 
 
-def _search(of: Recording, detections: Detections) -> Search:
+def _search(of: Recording, detections: Detections, tracker: Simultaneous) -> Search:
     """As the tracker had it."""
     place = of.settings.reconstruct if isinstance(of.settings.reconstruct, LeastSquares) else LeastSquares()
     margin = place.volume_margin if place.within_volume else None
-    return Search(detections, of.rig, of.settings.track, image_errors(place), margin)
+    return Search(detections, of.rig, tracker, image_errors(place), margin)
 
 
 def _spoken(claimed: ClaimedTracks, stated: Sequence[StatedName], n_points: int) -> Bools:

@@ -207,7 +207,7 @@ def _changes(found: NamedTracks, points: _Points, M: int, ghosts: int) -> tuple[
         "joined": old & (was >= M) & (now >= 0),
         "put_aside": had & (now < 0),
     }
-    counts = {name: int(which.sum()) for name, which in kinds.items()} | {"ghosts": ghosts}
+    counts: dict[str, Any] = {name: int(which.sum()) for name, which in kinds.items()} | {"ghosts": ghosts}
     changed = np.flatnonzero(kinds["found"] | kinds["renamed"] | kinds["joined"] | kinds["put_aside"])
     if not any(counts.values()):
         return counts, ()

@@ -4,7 +4,7 @@ In the virtual gait laboratory a body walks without noise. One assumption at a t
 moments are those of the model, which knows nothing of it, in mode `physical` without smoothing:
 
     hip centre       the hip is elsewhere in the pelvis than the regression has it, along one axis
-    knee axis        the flexion axis is not in the plane of the thigh's wand: turned about the thigh's long axis
+    knee axis        the flexion axis is not in the plane of the thigh's wand, which stands so many degrees off it
     ankle axis       the shank's wand likewise; torsion: the tibia's, which is taken for 0
     knee is a hinge  the shank glides forward on the thigh, in proportion to flexion, by so much at 60 degrees
     skin on bone     a marker has moved over the bone since standing, forward

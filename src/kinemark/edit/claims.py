@@ -137,7 +137,7 @@ def _refuted(said: Votes, claims: Sequence[Claim], pieces: Ints) -> Bools:
         all_own = rows[later][~out[rows[later]]]
         own = all_own[~elsewhere[all_own]]
         paths, name = set(said.path[own].tolist()), claims[later].name
-        for p in set(piece[own].tolist()):
+        for p in set(piece[all_own].tolist()) if len(own) else ():
             at = said.frame[all_own[piece[all_own] == p]]
             for k in of_piece[p]:
                 if k < later and claims[k].name != name:

@@ -29,12 +29,13 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(k x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n') )   (4)
+    p_label = logistic(k x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r) )   (4)
 
 with y the loss by `rivals` (1), which is told by another subject's template alone, as its β differ, and h how well the
 four stiffest distances hold (`held`). An extra marker that took the name of an absent one fits fairly, but worse than
 the trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of their medians over all
-labels, and f_n' what f_n lacks of one half.
+labels, and f_n' what f_n lacks of one half. r is 1 where the template knows a distance of the label that keeps, as to
+a marker of the same segment, and 0 where all its distances change, as of a static trial without segments.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
 measured, over many templates and trials (`benchmarks/labelling.py --fit`).
@@ -59,14 +60,20 @@ from .stretches import Stretches
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
-BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
-"""Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
-BETA_LABEL = (-6.87, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0, 2.0, 6.0, 0.0)
-"""Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last five; the
-last three, and 0.8 of the first, on 84 random shreds of 0.4 to 5 s of walks and static trials' templates."""
-BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 12.0)
-"""Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, the last
-three, and 0.8 of the first, on 25 random shreds of 0.4 to 3 s, see docs/theory/label.md."""
+BETA_TRACK = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84)
+"""Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on, then all times 1.25, less
+0.2, by 234 random shreds of 0.4 to 5 s of walks and static trials' templates: with (2') more tracks were right than
+these said."""
+BETA_LABEL = (-7.87, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0, 2.0, 6.0, 0.0, 2.25)
+"""Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last six;
+those of f', h' and f_n', and 0.8 of the first, on 84 random shreds of 0.4 to 5 s of walks and static trials' templates,
+that of r, and −1 of the first, on 234."""
+BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 12.0, 0.0)
+"""Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, those of
+f', h' and f_n', and 0.8 of the first, on 25 random shreds of 0.4 to 3 s, see docs/theory/label.md."""
+RIGID = 0.1
+"""Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
+trials leave 0.18 open elsewhere."""
 GAINED, LOST = 0.25, 2.0
 """k of (4), 1/nats, where an exchange gains and where it loses; measured on the same 109 shreds: of static trials most
 names that an exchange would gain by are right."""
@@ -88,7 +95,7 @@ class Margins(NamedTuple):
         track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. beside: f_t − f_a.
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
         rival: y, 0 where the template is the subject's own. stiff: h.
-        fit_beside, stiff_beside: f_a and h less their medians of all labels that are there.
+        fit_beside, stiff_beside: f_a and h less their medians of all labels that are there. rigid: r.
     """
 
     track: Floats
@@ -105,6 +112,7 @@ class Margins(NamedTuple):
     stiff: Floats
     fit_beside: Floats
     stiff_beside: Floats
+    rigid: Floats
 
 
 def margins(
@@ -141,12 +149,17 @@ def margins(
         least, second, share, share - own_fit[a], _goes_on(stretches, label, L)[t], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
-        stiff[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
+        stiff[a], _beside(label_fit, there)[a], _beside(stiff, there)[a], _rigid(template)[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
     full = {name: _of_all(part, t, len(label)) for name, part in found._asdict().items() if name != "runner_up"}
     return Margins(runner_up=runner_up, **full)
+
+
+def _rigid(template: Template) -> Floats:
+    """(L) 1 for labels of which the template knows a distance that keeps, else 0."""
+    return np.asarray((template.spread < RIGID * template.distance).any(1), float)  # NaN, and the label itself, are not
 
 
 def _goes_on(stretches: Stretches, label: Ints, L: int) -> Floats:
@@ -259,12 +272,13 @@ def track_features(found: Margins, weight: Floats) -> Floats:
 
 
 def label_features(found: Margins) -> Floats:
-    """(T, 11) of (4); the same for all tracks of a label, but for the fit of their frames."""
+    """(T, 12) of (4); the same for all tracks of a label, but for the fit of their frames."""
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
     parts = (
         _log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present),
         _log(found.rival), found.stiff,
         *(np.minimum(part, 0.0) for part in (found.fit_beside, found.stiff_beside, found.near_fit - CHAIN_END)),
+        found.rigid,
     )  # fmt: skip
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 

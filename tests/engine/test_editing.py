@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark import KinemarkError
-from kinemark.data import Trial, same
+from kinemark.data import Origin, Trial, same
 from kinemark.edit import Edited, Reviewed
 from kinemark.engine.edit_files import journal_at, open_editing, write_edited
 from kinemark.engine.edit_stage import unreviewed
@@ -140,6 +140,17 @@ def test_mistakes_are_said_in_words_and_leave_nothing_behind(session, tmp_path):
     with pytest.raises(KinemarkError, match="no stretch"):
         editing.erase("A", 3, 2)
     assert len(editing.journal.entries) == 1
+
+
+def test_a_stray_sample_with_a_name_does_not_cut_the_trial_to_nothing(session):
+    editing = open_editing(session)
+    editing.claim("*1", "A")
+    path = editing.edited().trajectories["A"]
+    seen = np.flatnonzero(path.origin != Origin.MISSING) + 1
+    editing.claim("*2", "B", first=int(seen[5]), last=int(seen[5]))
+    with pytest.raises(KinemarkError, match="B is seen in few"):
+        editing.finish()
+    assert editing.finish(first=int(seen[5]), last=int(seen[5])), "said, it is done"
 
 
 def test_signing_changes_no_result_and_holds_the_head(session):

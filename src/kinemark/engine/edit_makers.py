@@ -36,6 +36,9 @@ EditKind = TypeVar("EditKind")
 
 REVIEWED_BESIDE = 20
 """Frames before and after an ambiguous decision that witnesses of a verdict are taken from; chosen."""
+LEAST_COMMON = 0.1
+"""Of the trial's frames, fewer than which are cut out only where somebody says which; chosen: a short piece that has a
+name by mistake leaves fewer."""
 PUT_SD = 1.0
 """mm per axis, of a place put by hand where nobody says; chosen."""
 
@@ -181,9 +184,16 @@ def finish(of: Editing, *, first: int | None = None, last: int | None = None) ->
     """Drop what is unnamed, and trim all markers to the frames that all of them have (KISS 4.3).
 
     Raises:
-        KinemarkError: no marker has a name, or there is no frame between the first and the last that all have.
+        KinemarkError: no marker has a name, there is no frame between the first and the last that all have, or there
+            are few and nobody said which.
     """
-    low, high = common_frames(of.edited().trajectories)
+    edited = of.edited().trajectories
+    low, high = common_frames(edited)
+    if first is None and last is None and 0 <= high - low < LEAST_COMMON * edited.n_frames - 1:
+        raise KinemarkError(
+            f"All named markers have only frames {low} to {high}, of {edited.n_frames}: {_shortest(edited)} is seen in "
+            f"few. Join it, name it otherwise or delete it, or say from where to where: --frames {low}-{high}."
+        )
     low, high = (low if first is None else first), (high if last is None else last)
     if low > high:
         raise KinemarkError(
@@ -253,6 +263,12 @@ def common_frames(trajectories: Trajectories) -> tuple[int, int]:
         raise KinemarkError("No trajectory has a marker's name, so nothing would be left. Claim names first.")
     start = trajectories.first_frame
     return max(int(f[0]) for f in seen) + start, min(int(f[-1]) for f in seen) + start
+
+
+def _shortest(trajectories: Trajectories) -> str:
+    """The named marker that is seen in the fewest frames."""
+    seen = {path.name: int((path.origin != Origin.MISSING).sum()) for path in trajectories if is_named(path.name)}
+    return min((name for name, frames in seen.items() if frames), key=seen.__getitem__)
 
 
 def made(kind: type[EditKind], *values: object) -> EditKind:

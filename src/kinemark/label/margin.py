@@ -68,9 +68,10 @@ BETA_LABEL = (-7.87, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0, 2.0, 6.0, 0.0, 2.25
 """Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last six;
 those of f', h' and f_n', and 0.8 of the first, on 84 random shreds of 0.4 to 5 s of walks and static trials' templates,
 that of r, and −1 of the first, on 234."""
-BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 12.0, 0.0)
+BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 4.0, 0.0)
 """Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, those of
-f', h' and f_n', and 0.8 of the first, on 25 random shreds of 0.4 to 3 s, see docs/theory/label.md."""
+f', h' and f_n', and 0.8 of the first, on 65 random shreds of 0.4 to 3 s and on four whole walks, see
+docs/theory/label.md."""
 RIGID = 0.1
 """Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
 trials leave 0.18 open elsewhere."""

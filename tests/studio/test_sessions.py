@@ -6,7 +6,12 @@ import re
 import numpy as np
 import pytest
 
+from kinemark.io.c3d import read_c3d
+from support.screen_operator import Operator
 from support.studio_page import Studio, needed, served, window
+
+NEAR = 20.0  # mm; the closest markers are 60 mm apart
+MOST_NAMED = 10  # of 15 markers, which three cameras do not all see
 
 
 def recorded(folder, **scene):
@@ -24,13 +29,24 @@ def opened(chromium_running, server, **options):
     return Studio(context, server, **options).enter(server.address), context
 
 
+def markers_of(file, truth):
+    """Which marker each track of a file is, by where it is: what a person sees of a body."""
+    found = {}
+    for path in read_c3d(file).trajectories:
+        there = np.flatnonzero(np.isfinite(path.xyz[:, 0]))
+        apart = np.linalg.norm(truth["xyz"][:, there] - path.xyz[there], axis=-1).mean(1)
+        if apart.min() < NEAR:
+            found[path.name] = str(truth["names"][apart.argmin()])
+    return found
+
+
 def ready(page, words):
     """Until a job of the studio's own is done."""
     page.get_by_text(words).first.wait_for()
 
 
-def test_from_rendered_videos_to_a_tracked_session_without_touching_a_file(tmp_path, chromium_running):
-    """Folder, proposal, name, made, calibrated, run, opened: by what the screen shows."""
+def test_from_rendered_videos_to_a_labelled_session_without_touching_a_file(tmp_path, chromium_running):
+    """Folder, proposal, name, made, calibrated, run, opened, named, finished: by what the screen shows."""
     folder = recorded(tmp_path / "lab" / "monday")
     with served(tmp_path / "lab") as server:
         studio, context = opened(chromium_running, server)
@@ -51,10 +67,24 @@ def test_from_rendered_videos_to_a_tracked_session_without_touching_a_file(tmp_p
         page.get_by_text("done", exact=True).wait_for()
         studio.open()
         assert page.get_by_text("20 frames").count() == 1 and studio.errors == []
+        written, truth = folder / "results" / "walk01" / "walk01.c3d", np.load(folder / "truth.npz")
+        seen = markers_of(written, truth)
+        for track, name in seen.items():
+            studio.press("Control+k")
+            page.keyboard.type(f"{track} select")
+            studio.press("Enter", "l")
+            page.get_by_role("combobox").fill(name)
+            before = studio.head
+            studio.press("Enter").acted(before)
+        Operator(studio).finish("results/walk01/walk01.c3d")
+        studio.press("Escape")
         page.get_by_role("button", name="Cameras", exact=True).click()
         page.locator("[data-grade=green]").wait_for()
+        assert studio.errors == []
         context.close()
-    assert (folder / "session.toml").is_file() and (folder / "results" / "walk01" / "walk01.c3d").is_file()
+    assert (folder / "session.toml").is_file() and len(set(seen.values())) >= MOST_NAMED
+    assert sorted(read_c3d(written).trajectories.names) == sorted(set(seen.values()))
+    assert all(track == name for track, name in markers_of(written, truth).items())
 
 
 def test_balls_are_clicked_a_wrong_one_undone_and_nothing_is_lost_with_the_browser(tmp_path, chromium_running):

@@ -26,7 +26,7 @@ from .simultaneous_method import Simultaneous
 LOOK = 8
 """Frames from which the motion is known; chosen (see benchmarks/tracking.py)."""
 
-AT_ONCE = 20_000
+AT_ONCE = 5_000
 """Points that are smoothed in one go; chosen: more would take memory and no less time."""
 
 UNKNOWN_SD = 1000.0
@@ -66,28 +66,44 @@ def rows_near(rows: NDArray[np.int32], id: Ints, frame: Ints, way: int) -> Ints:
     return np.where(inside, rows[id, np.where(inside, frames, 0)], np.int64(-1))
 
 
-def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, method: Simultaneous) -> KalmanStates:
-    """The motion of n tracks in a frame, from their rows `near` (LOOK, n) it; somewhere about `around` (3, n) mm."""
+def motion_from(
+    points: TrackPoints, near: Ints, around: Floats, T: float, method: Simultaneous, share: float = 1.0
+) -> KalmanStates:
+    """The motion of n tracks in a frame, from their rows `near` (LOOK, n) it; somewhere about `around` (3, n) mm.
+
+    Only a `share` of the points' covariances is noise.
+    """
     n = near.shape[1]
     wide = np.broadcast_to(np.eye(3)[..., None] * UNKNOWN_SD**2, (3, 3, n))
     motion = initial_states(around, wide, speed=method.velocity_sd, acceleration=method.acceleration_sd)
     for k in range(LOOK - 1, -1, -1):
         motion = motion if k == LOOK - 1 else predict(motion, T, method.process_noise)
-        N = inverse(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
+        N = inverse(points.cov[near[k]].transpose(1, 2, 0) * share) * (near[k] >= 0)
         motion = update(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
     return motion
 
 
-def smoothed(points: TrackPoints, which: Bools, sound: Bools, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
-    """Positions (n, 3) mm and covariances (n, 3, 3) mm² of the points `which` (P) by (1), from sound ones (P) near."""
+def smoothed(
+    points: TrackPoints, which: Bools, sound: Bools, T: float, method: Simultaneous, share: float = 1.0
+) -> tuple[Floats, Floats]:
+    """Positions (n, 3) mm and covariances (n, 3, 3) mm² of the points `which` (P) by (1), from sound ones (P) near.
+
+    Only a `share` of the points' covariances is noise.
+    """
     rows, row = rows_of(points), np.flatnonzero(which)
     parts = [row[first : first + AT_ONCE] for first in range(0, max(len(row), 1), AT_ONCE)]
-    found = [_smoothed(points, rows, part, sound, T, method) for part in parts]
+    found = [_smoothed(points, rows, part, sound, T, method, share) for part in parts]
     return np.concatenate([xyz for xyz, _ in found]), np.concatenate([cov for _, cov in found])
 
 
 def _smoothed(
-    points: TrackPoints, rows: NDArray[np.int32], row: Ints, sound: Bools, T: float, method: Simultaneous
+    points: TrackPoints,
+    rows: NDArray[np.int32],
+    row: Ints,
+    sound: Bools,
+    T: float,
+    method: Simultaneous,
+    share: float,
 ) -> tuple[Floats, Floats]:
     """The same of some rows (n), with those of each track in each frame (N, F)."""
     id, frame = points.id[row], points.frame[row]
@@ -95,9 +111,9 @@ def _smoothed(
     near = [np.where(sound[one], one, -1) for one in (rows_near(rows, id, frame, way) for way in (-1, 1))]
     for one in near:
         one[0] = -1
-    before, after = (motion_from(points, one, around, T, method) for one in near)
+    before, after = (motion_from(points, one, around, T, method, share) for one in near)
     both = between(before, reversed_time(after))
-    N = inverse(points.cov[row].transpose(1, 2, 0))
+    N = inverse(points.cov[row].transpose(1, 2, 0) * share)
     both = update(both, N, np.einsum("ijt,jt->it", N, around - both.position))
     return both.position.T, both.cov.transpose(2, 0, 1)
 

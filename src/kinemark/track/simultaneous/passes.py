@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,16 +79,11 @@ class Associations(NamedTuple):
 
     def take(self, which: NDArray[Any]) -> Associations:
         """Only these."""
-        return Associations(
-            self.frame[which],
-            self.id[which],
-            self.detection[:, which],
-            self.shared[:, which],
-            self.squared[which],
-            self.before[which],
-            self.xyz[:, which],
-            self.cov[..., which] if self.cov.size else self.cov,
-        )
+        return Associations(*self.columns(which))
+
+    def columns(self, which: NDArray[Any]) -> Iterator[NDArray[Any]]:
+        """Each column of only these by itself, so that not all of them are in memory twice."""
+        return (column[..., which] if column.size else column for column in self)
 
 
 class PassFit(NamedTuple):

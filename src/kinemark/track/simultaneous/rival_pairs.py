@@ -229,7 +229,7 @@ def _replaced(every: Associations, won: list[Rivals], gone: list[Ints], images: 
     last = {(int(every.id[rows[0]]), int(every.frame[rows].max())) for rows in gone}
     latest_first = sorted(last, key=lambda cut: -cut[1])
     cuts = [(*cut, number + len(won) + k) for k, cut in enumerate(latest_first)]
-    columns = zip(every.take(kept), *new, strict=True)
+    columns = zip(every.columns(kept), *new, strict=True)
     return Rivalled(
         Associations(*(np.concatenate(each, -1) for each in columns)), np.array(cuts, np.int64).reshape(-1, 3)
     )

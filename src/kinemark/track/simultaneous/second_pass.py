@@ -24,6 +24,7 @@ import numpy as np
 from ...data.array_types import Bools, Ints
 from ...data.progress import tell
 from ...native import inverse
+from ...numerics.returned_memory import return_memory
 from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images
@@ -37,7 +38,7 @@ ITERATIONS = 3  # times in turn; chosen: the third finds hardly anything new
 SOUND = 3
 """Images of a point that is not in question; chosen (see benchmarks/tracking.py)."""
 
-AT_ONCE = 20_000
+AT_ONCE = 5_000
 """Frames of tracks that are computed in one go, and the rest of the last frame; more would take memory; chosen."""
 
 
@@ -66,17 +67,28 @@ def second_pass(points: TrackPoints, detection: Ints, images: Images, T: float, 
     """The second pass over the tracks of P points with the detections (C, P)."""
     sound = (detection >= 0).sum(0) >= SOUND
     kept = ~_wrong(points, sound, detection, images, T, method)
-    return SecondPass(kept, *points_between(points.take(kept), detection[:, kept], images, T, method, points.id[sound]))
+    return_memory()
+    found, own = points_between(points, detection, images, T, method, kept=kept, seen=points.id[sound])
+    return SecondPass(kept, found, own)
 
 
 def points_between(
-    known: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous, seen: Ints | None = None
+    points: TrackPoints,
+    detection: Ints,
+    images: Images,
+    T: float,
+    method: Simultaneous,
+    *,
+    kept: Bools | None = None,
+    seen: Ints | None = None,
 ) -> tuple[TrackPoints, Ints]:
-    """Points by (2), and their detections (C, N), of tracks of known points (P) with detections (C, P).
+    """Points by (2), and their detections (C, N), of tracks of P points with detections (C, P).
 
     Args:
+        kept: (P) which of the points are known; all where None.
         seen: tracks that three cameras ever saw; by the known points where None.
     """
+    known, detection = (points, detection) if kept is None else (points.take(kept), detection[:, kept])
     seen, old = known.id[(detection >= 0).sum(0) >= SOUND] if seen is None else seen, len(known.id)
     for _ in range(ITERATIONS):
         in_question = _in_question(known, images.n_frames, T, method)

@@ -28,6 +28,7 @@ import numpy as np
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import ImageErrors, usable_points, weighted_points
+from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
@@ -153,11 +154,14 @@ def _first_pass(
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
     solver = solver_for(detections, shared, working, errors)
-    cloud = solved(seen.frame, seen.detection, seen.xyz, solver)
-    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method, solver.lasting)
-    good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, own.sum(0), method)
-    good &= (speaks > SURE)[seen.id]
-    return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
+    cloud, number = solved(seen.frame, seen.detection, seen.xyz, solver), own.sum(0)
+    filtered = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1))
+    del seen, own  # what no longer counts, before the cloud is in memory twice
+    cloud = _with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting)
+    return_memory()
+    good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, number, method)
+    good &= (speaks > SURE)[filtered.id]
+    return FirstPass(every, speaks, shared, cloud.keep(good), filtered.id[good])
 
 
 def _followed(
@@ -172,6 +176,7 @@ def _followed(
     every = run(working.images, rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
+    return_memory()
     rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
@@ -179,6 +184,7 @@ def _followed(
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
     every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
+    return_memory()
     return every, seen, speaks
 
 
@@ -259,6 +265,7 @@ def _with_second_pass(
     cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks after the second pass."""
+    return_memory()
     points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
     order = np.argsort(found.frame, kind="stable")
@@ -350,21 +357,23 @@ def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud
 
 
 def _with_smoothed(
-    cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous, lasting: float
+    cloud: Cloud, filtered: TrackPoints, sound: Bools, T: float, method: Simultaneous, lasting: float
 ) -> Cloud:
-    """The cloud, with uncertain points replaced by their smoothed positions (1); a share `lasting` is no noise (3)."""
+    """The cloud, with uncertain points replaced by their smoothed positions (1), or by the filtered ones where these
+    are better known; a share `lasting` is no noise (3)."""
     sd = _sd(cloud.cov)
     known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
     vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
     if not vague.any():
         return cloud
-    points = TrackPoints(cloud.frame, seen.id, cloud.xyz, cloud.cov * (1 - lasting))
+    points = TrackPoints(filtered.frame, filtered.id, cloud.xyz, cloud.cov)
     points = points if known.all() else points.take(known)
-    smooth = smoothed(points, vague[known], sound[known], T, method)
-    filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
-    better = _sd(smooth[1]) < _sd(filtered[1])
-    moved = np.where(better[:, None], smooth[0], filtered[0])
-    open_ = np.where(better[:, None, None], smooth[1], filtered[1]) + _shared_cov(sd[known & ~vague], lasting)  # (3)
+    smooth = smoothed(points, vague[known], sound[known], T, method, 1 - lasting)
+    better = _sd(smooth[1]) < _sd(filtered.cov[vague])
+    moved = np.where(better[:, None], smooth[0], filtered.xyz[vague])
+    open_ = np.where(better[:, None, None], smooth[1], filtered.cov[vague]) + _shared_cov(
+        sd[known & ~vague], lasting
+    )  # (3)
     gains = _sd(open_) < sd[vague]
     rows = np.flatnonzero(vague)[gains]
     xyz, cov = cloud.xyz.copy(), cloud.cov.copy()

@@ -79,9 +79,14 @@ export function mergePaths(whole: PathSet, some: PathSet, removed: readonly stri
 /** A run of frames of one origin: start included, end excluded, counted from 0. */
 export interface Run { start: number; end: number; origin: number }
 
-/** The runs of a path, first to last. */
-export function runs(origin: Uint8Array): Run[] {
+const KNOWN = new WeakMap<Uint8Array, readonly Run[]>();
+
+/** The runs of a path, first to last; looked for once, as origins of a path never change. */
+export function runs(origin: Uint8Array): readonly Run[] {
+  const known = KNOWN.get(origin);
+  if (known) return known;
   const found: Run[] = [];
+  KNOWN.set(origin, found);
   for (let start = 0, i = 1; i <= origin.length; i++) {
     if (i === origin.length || origin[i] !== origin[start]) {
       found.push({ start, end: i, origin: origin[start]! });

@@ -1186,11 +1186,13 @@ export interface components {
         /**
          * ActDone
          * @description An act that stands in the journal: what changed since the head that the page had seen.
+         *
+         *     `paths` are those that changed, with chosen fills; null where they are many or still computed: ask for them.
          */
         ActDone: {
             /**
              * Changed
-             * @description Trajectories that are new or have other samples; to be fetched again.
+             * @description Trajectories that are new or have other samples.
              */
             changed: string[];
             /** Entry */
@@ -1200,6 +1202,7 @@ export interface components {
             header: components["schemas"]["TrialHeader"];
             /** Outcomes */
             outcomes: components["schemas"]["Outcome"][];
+            paths?: components["schemas"]["PathsPart"] | null;
             /** Removed */
             removed: string[];
         };

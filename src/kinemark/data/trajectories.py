@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,7 +85,8 @@ class MarkerTrajectory:
     def gaps(self) -> list[tuple[int, int]]:
         """First and last-plus-one frame of each run of missing samples between two seen ones."""
         seen = np.flatnonzero(self.origin != Origin.MISSING)
-        return [(int(a) + 1, int(b)) for a, b in pairwise(seen) if b - a > 1]
+        before = np.flatnonzero(np.diff(seen) > 1)
+        return list(zip((seen[before] + 1).tolist(), seen[before + 1].tolist(), strict=True))
 
     def frames(self, first: int, stop: int) -> MarkerTrajectory:
         """Frames first … stop − 1, counted from 0; their images are still rows of the same detections."""

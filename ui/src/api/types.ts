@@ -36,6 +36,7 @@ export type Job = Schemas["Job"];
 export type SmoothingFunction = NonNullable<Schemas["SmoothAct"]["function"]>;
 export type Live = Schemas["Live"]["said"];
 export type PathsHeader = Schemas["PathsHeader"];
+export type PathsPart = Schemas["PathsPart"];
 export type DetectionsHeader = Schemas["DetectionsHeader"];
 export type Detection = Schemas["Detection"];
 export type DetectDraft = Schemas["DetectDraft"];

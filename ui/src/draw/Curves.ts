@@ -29,6 +29,8 @@ export class Curves {
   onStretch: (first: number, last: number) => void = () => {};
   onWindow: (first: number, last: number) => void = () => {};
   private plots: uPlot[] = [];
+  /** What the plots were made for: others than their values. */
+  private made = "";
   private readonly lines: HTMLElement[] = [];
   private view: CurveView | null = null;
   private frame = 0;
@@ -69,30 +71,31 @@ export class Curves {
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
     this.lines.length = 0;
+    this.made = "";
     this.element.replaceChildren();
   }
 
   private build(): void {
-    this.clear();
     const view = this.view, width = this.element.clientWidth, height = this.element.clientHeight;
-    if (!view || !view.curves.length || width < 80 || height < 60) return;
-    const p = palette(), each = Math.floor(height / 4);
-    const frames = Array.from({ length: view.window[1] - view.window[0] + 1 }, (_, i) => view.window[0] + i);
-    for (let k = 0; k < 4; k++) this.add(view, p, frames, k, width, k === 3 ? height - 3 * each : each);
+    if (!view || !view.curves.length || width < 80 || height < 60) return this.clear();
+    const p = palette(), each = Math.floor(height / 4), frames = Array.from({ length: view.window[1] - view.window[0] + 1 }, (_, i) => view.window[0] + i);
+    const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map(({ colour, dashed, band }) => [colour, dashed, band])]);
+    if (made !== this.made) {
+      this.clear();
+      for (let k = 0; k < 4; k++) this.add(view, p, frames, k, width, k === 3 ? height - 3 * each : each);
+      this.made = made;
+    } else for (const [k, plot] of this.plots.entries()) plot.setData(dataOf(view, frames, k)); // an edit changes values alone
     this.show(this.frame);
   }
 
   private add(view: CurveView, p: Palette, frames: number[], k: number, width: number, height: number): void {
-    const data: uPlot.AlignedData = [frames], series: uPlot.Series[] = [{}], bands: uPlot.Band[] = [];
+    const series: uPlot.Series[] = [{}], bands: uPlot.Band[] = [];
     for (const curve of view.curves) {
-      const { values, low, high } = columns(curve, view, k);
-      if (low && high && view.bands && curve.band !== false) {
-        const i = data.length;
-        data.push(low, high);
+      if (banded(curve, view, k)) {
+        const i = series.length;
         series.push({ stroke: "transparent", width: 0, points: { show: false } }, { stroke: "transparent", width: 0, points: { show: false } });
         bands.push({ series: [i + 1, i], fill: `${curve.colour}30` });
       }
-      data.push(values);
       series.push({ stroke: curve.colour, width: curve.dashed ? 1.6 : 1.4, dash: curve.dashed ? [5, 4] : undefined, points: { show: false }, spanGaps: false });
     }
     const title = k < 3 ? TITLES[k]! : view.fourth === "speed" ? "speed m/s" : "residual mm";
@@ -105,7 +108,7 @@ export class Curves {
         axes: [{ ...axis, show: k === 3, size: 20, gap: 2 }, { ...axis, size: 50, gap: 3, label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
         hooks: { drawClear: [(u): void => shade(u, view.marked, p)] },
       },
-      data, this.element,
+      dataOf(view, frames, k), this.element,
     );
     const line = document.createElement("div");
     line.className = "curve-line";
@@ -138,6 +141,20 @@ export class Curves {
 }
 
 type Column = (number | null)[];
+
+/** Whether a curve has its 95 % band in a plot. */
+const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false;
+
+/** The columns of a plot, in the order of its series. */
+function dataOf(view: CurveView, frames: number[], k: number): uPlot.AlignedData {
+  const data: uPlot.AlignedData = [frames];
+  for (const curve of view.curves) {
+    const { values, low, high } = columns(curve, view, k);
+    if (low && high && banded(curve, view, k)) data.push(low, high);
+    data.push(values);
+  }
+  return data;
+}
 
 /** What one plot shows of a path: axis k, or the fourth. */
 function columns({ path, at }: Curve, view: CurveView, k: number): { values: Column; low?: Column; high?: Column } {

@@ -47,6 +47,7 @@ export class Scene {
   private shown: Shown = { selected: [], alone: false, ellipsoids: true, instead: [] };
   private colours: Palette = palette();
   private framed = "";
+  private made = "";
   private readonly matrix = new Matrix4();
   private readonly spot = new Vector3();
   private readonly hue = new Color();
@@ -63,20 +64,28 @@ export class Scene {
 
   /** Another trial, or the same with other paths. */
   set(header: TrialHeader, paths: PathSet): void {
-    const [low, high] = reach(paths);
     this.header = header;
     this.paths = paths;
-    this.colours = palette();
-    this.graph.background = new Color(this.colours.view);
-    if (this.still) this.graph.remove(this.still), clear(this.still);
-    this.graph.add((this.still = room(header, low, high, this.colours)));
+    this.furnish(header, paths);
     this.count(paths.byName.size + 8);
     const pairs = (header.marker_set?.links ?? []).map(({ a, b }) => [paths.byName.get(a), paths.byName.get(b)]);
     this.links = pairs.filter((pair): pair is [Path, Path] => !!pair[0] && !!pair[1]);
     (this.bones.material as LineBasicMaterial).color.set(this.colours.faint);
     this.bones.geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(6 * Math.max(1, this.links.length)), 3));
-    if (this.framed !== header.id) this.frameAll(low, high), (this.framed = header.id);
     this.redraw();
+  }
+
+  /** The room of a trial: made for its paths as they are first seen, and anew in other colours; an edit leaves it as it stands. */
+  private furnish(header: TrialHeader, paths: PathSet): void {
+    const colours = palette(), made = [header.id, ...Object.values(colours)].join(" ");
+    if (this.made === made) return;
+    const [low, high] = reach(paths);
+    this.made = made;
+    this.colours = colours;
+    this.graph.background = new Color(colours.view);
+    if (this.still) this.graph.remove(this.still), clear(this.still);
+    this.graph.add((this.still = room(header, low, high, colours)));
+    if (this.framed !== header.id) this.frameAll(low, high), (this.framed = header.id);
   }
 
   with(shown: Partial<Shown>): void {

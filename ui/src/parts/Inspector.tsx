@@ -4,7 +4,7 @@ import { byId, possible } from "../keys/commands";
 import { shownKey } from "../keys/bind";
 import { frames, many, percent } from "../model/format";
 import { dropping } from "../state/acts";
-import { playhead, set, useStore } from "../state/store";
+import { playhead, set, useSeen } from "../state/store";
 import styles from "./Inspector.module.css";
 import { PutPanel } from "./PutPanel";
 
@@ -14,7 +14,7 @@ const TOOLS = [
 ] as const;
 
 export function Inspector(): React.JSX.Element {
-  const state = useStore(), { selected, header, first, last, clicks } = state;
+  const state = useSeen(), { selected, header, first, last, clicks } = state;
   return (
     <section className={styles.section} aria-label="Selection">
       <header><h2>Selection</h2>{selected.length > 0 && <button type="button" className="icon-button" aria-label="Select nothing" onClick={() => set({ selected: [], first: null, last: null })}><X size={14} aria-hidden /></button>}</header>

@@ -4,7 +4,7 @@ import type { Alternative, Problem } from "../api/types";
 import { count, frames, many, mm, percent } from "../model/format";
 import { asItIs, inOrder, keepOf } from "../model/problems";
 import { choose, lookAt } from "../state/acts";
-import { useStore } from "../state/store";
+import { useParts } from "../state/store";
 import styles from "./ProblemList.module.css";
 
 const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
@@ -13,7 +13,7 @@ const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
 };
 
 export function ProblemList(): React.JSX.Element {
-  const { problems, problem, later } = useStore(), list = useRef<HTMLDivElement>(null), all = inOrder(problems?.problems ?? [], later), worth = problems?.worth_looking ?? all.length;
+  const { problems, problem, later } = useParts("problems", "problem", "later"), list = useRef<HTMLDivElement>(null), all = inOrder(problems?.problems ?? [], later), worth = problems?.worth_looking ?? all.length;
   useEffect(() => void list.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [problem]);
   return (
     <section className={styles.section} aria-label="Problems">

@@ -2,7 +2,7 @@ import { Aperture, DraftingCompass, FileText, History, House, ListTree, MousePoi
 import { goTo } from "../state/load";
 import { useSessions } from "../state/sessions";
 import { held, useMenu } from "../state/um2as";
-import { TITLES, useStore, type Screen, type State } from "../state/store";
+import { TITLES, useStore, useSeen, type Screen, type State } from "../state/store";
 import styles from "./Rail.module.css";
 
 const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) => number }[] = [
@@ -20,7 +20,7 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
 ];
 
 export function Rail(): React.JSX.Element {
-  const s = useStore(), inside = useMenu(held), own = useSessions((now) => now.session), session = s.header?.session_id ?? own;
+  const s = useSeen(), inside = useMenu(held), own = useSessions((now) => now.session), session = s.header?.session_id ?? own;
   return (
     <nav className={styles.rail} aria-label="Steps">
       <ul>

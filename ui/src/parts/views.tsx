@@ -7,7 +7,7 @@ import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
 import type { Path, PathSet } from "../model/paths";
-import { currentProblem, get, playhead, set, useStore, type State } from "../state/store";
+import { currentProblem, get, playhead, set, useParts, useSeen, type State } from "../state/store";
 import { wantDetections } from "../state/load";
 import styles from "./views.module.css";
 
@@ -47,7 +47,7 @@ function whole(pieces: readonly Path[], at: number, paths: PathSet | null): Path
 
 export function SceneView(): React.JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null), over = useRef<HTMLCanvasElement>(null), [scene, setScene] = useState<Scene | null>(null), [failed, setFailed] = useState("");
-  const s = useStore(), { header, paths, selected, alone, bands, side, focused } = s, instead = insteadOf(s);
+  const s = useSeen(), { header, paths, selected, alone, bands, side, focused } = s, instead = insteadOf(s);
   useEffect(() => {
     let made: Scene;
     try {
@@ -82,7 +82,7 @@ export function SceneView(): React.JSX.Element {
 
 /** What is seen, in words; and the ellipsoid's size. */
 function SceneWords({ scene }: { scene: Scene | null }): React.JSX.Element {
-  const { selected, bands, paths } = useStore(), text = useRef<HTMLSpanElement>(null);
+  const { selected, bands, paths } = useParts("selected", "bands", "paths"), text = useRef<HTMLSpanElement>(null);
   useEffect(() => {
     const off = playhead.on((frame) => {
       const path = paths?.byName.get(selected[0] ?? ""), i = frame - (paths?.firstFrame ?? 0);
@@ -98,7 +98,7 @@ const mmOf = (v: number): string => v.toFixed(1);
 
 export function CurvesView(): React.JSX.Element {
   const place = useRef<HTMLDivElement>(null), [curves, setCurves] = useState<Curves | null>(null);
-  const s = useStore(), { header, paths, selected, first, last, bands, fourth, window } = s;
+  const s = useSeen(), { header, paths, selected, first, last, bands, fourth, window } = s;
   useEffect(() => {
     const made = new Curves(place.current!);
     made.onFrame = (frame): void => (playhead.pause(), playhead.go(frame));
@@ -135,7 +135,7 @@ function curvesOf(s: State): Curve[] {
 }
 
 function CurveLegend(): React.JSX.Element {
-  const { selected, instead, screen, candidates, method, bands } = useStore(), shown = screen === "tracks" && instead;
+  const { selected, instead, screen, candidates, method, bands } = useParts("selected", "instead", "screen", "candidates", "method", "bands"), shown = screen === "tracks" && instead;
   return (
     <p className={styles.legend}>
       <b>{selected.slice(0, 4).join(", ")}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
@@ -146,7 +146,7 @@ function CurveLegend(): React.JSX.Element {
 
 export function CamerasView(): React.JSX.Element {
   const place = useRef<HTMLDivElement>(null), [cameras, setCameras] = useState<Cameras | null>(null);
-  const s = useStore(), { header, paths, detected, selected, lines, images, follow, clicks } = s, instead = insteadOf(s), problem = currentProblem(s);
+  const s = useSeen(), { header, paths, detected, selected, lines, images, follow, clicks } = s, instead = insteadOf(s), problem = currentProblem(s);
   useEffect(() => {
     const made = new Cameras(place.current!, redraw);
     made.onPick = pick;

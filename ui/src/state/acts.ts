@@ -2,9 +2,9 @@
 import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, SmoothingFunction } from "../api/types";
 import { percent } from "../model/format";
-import { decodePaths, type PathSet } from "../model/paths";
+import { decodePart } from "../model/paths";
 import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem, wayOf } from "../model/problems";
-import { fetchChanged, fresh, refetch, refreshProblems, say, take } from "./load";
+import { fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
 /** s before and after a problem that playing goes round in; the design's. */
@@ -29,10 +29,11 @@ async function send(what: Act, words: string): Promise<ActDone | null> {
   set((s) => ({ busy: s.busy + 1 }));
   try {
     const done = await api.act(id, header.head, what, why);
-    await fetchChanged(done.changed, done.removed);
+    if (get().id !== id) return null;
+    if (!takeChanged(done)) await fetchChanged(done.changed, done.removed);
     take(done.header);
     set({ instead: null, detected: null, why: "", join: null, savedAt: new Date().toISOString() });
-    said(done, words);
+    said(done, words); // all of it in one tick, so that the page is drawn once
     looking = refreshProblems();
     await fresh();
     return done;
@@ -92,16 +93,6 @@ async function drawInstead(problem: Problem): Promise<void> {
   } catch {
     // what cannot be shown beforehand is still said in words
   }
-}
-
-/** Paths of a message: base64 of the columns that `paths` has, over all frames of the trial. */
-export function decodePart(part: { names: string[]; first_frame: number; n_frames: number; xyz: string; sd: string; origin: string }): PathSet {
-  const bytes = [part.xyz, part.sd, part.origin].map((text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
-  const body = new Uint8Array(bytes.reduce((n, b) => n + b.length, 0));
-  let at = 0;
-  for (const b of bytes) body.set(b, at), (at += b.length);
-  const columns = ["xyz", "sd", "origin"] as const;
-  return decodePaths({ names: part.names, first_frame: part.first_frame, n_frames: part.n_frames, columns: [...columns], view: "edited", head: "", pending: false }, body.buffer);
 }
 
 export function step(by: 1 | -1): void {

@@ -1,7 +1,7 @@
 /** Getting what a screen shows, and going from one to another. The place is kept in the fragment of the address. */
 import * as api from "../api/client";
-import type { Gaps, TrialHeader } from "../api/types";
-import { mergePaths } from "../model/paths";
+import type { ActDone, Gaps, TrialHeader } from "../api/types";
+import { decodePart, mergePaths } from "../model/paths";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
 import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
@@ -138,10 +138,13 @@ function takeGaps(gaps: Gaps, id: string): void {
 
 let looks = 0;
 
+/** When what is now to be shown is on the screen: what is asked for then takes no time from drawing it. */
+const drawn = (): Promise<unknown> => new Promise((done) => (document.hidden ? done(null) : requestAnimationFrame(() => setTimeout(done, 0))));
+
 /** Look for the problems anew; what an older look finds counts no longer. */
 export async function refreshProblems(): Promise<void> {
   const id = get().id, look = ++looks;
-  const problems = id && (await tried(() => api.problems(id)));
+  const problems = id && (await tried(() => drawn().then(() => api.problems(id))));
   if (problems && look === looks && get().id === id) set({ problems });
 }
 
@@ -160,6 +163,14 @@ export async function refetch(): Promise<void> {
 export function take(header: TrialHeader): void {
   const names = new Set(header.tracks.map((track) => track.name));
   set((s) => ({ header, savedAt: header.last?.at ?? s.savedAt, selected: s.selected.filter((name) => names.has(name)) }));
+}
+
+/** The paths that an act brought with its answer; whether it brought them. */
+export function takeChanged({ paths, removed, head }: ActDone): boolean {
+  const whole = get().paths;
+  if (!paths || !whole || whole.pending || paths.first_frame !== whole.firstFrame || paths.n_frames !== whole.frames) return false;
+  set({ paths: mergePaths(whole, { ...decodePart(paths), head }, removed) });
+  return true;
 }
 
 export async function fetchChanged(changed: readonly string[], removed: readonly string[]): Promise<void> {

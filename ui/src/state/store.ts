@@ -1,5 +1,6 @@
 /** What the page knows and what the person looks at. Not the frame: that is the playhead's. */
 import { create } from "zustand";
+import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
 import type { Detected } from "../model/detections";
 import type { Path, PathSet } from "../model/paths";
@@ -104,6 +105,13 @@ export const useStore = create<State>()(() => ({
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));
+
+/** The state but for what only says that something is being worked on, at which nothing else is drawn anew. */
+export const useSeen = (): State => useStore(useShallow((s) => ({ ...s, busy: 0, savedAt: null })));
+
+/** Some parts of the state, so that others draw nothing anew. */
+export const useParts = <K extends keyof State>(...names: readonly K[]): Pick<State, K> =>
+  useStore(useShallow((s) => Object.fromEntries(names.map((name) => [name, s[name]])) as Pick<State, K>));
 
 export const playhead = new Playhead();
 export const get = useStore.getState;

@@ -35,13 +35,17 @@ from .acts_messages import (
     UndoAct,
 )
 from .desk import OpenDocument
-from .edit_messages import ActBody, ActDone, Join, Outcome, Preview
+from .edit_messages import ActBody, ActDone, Join, Outcome, PathsPart, Preview
+from .gaps import chosen_fills
 from .header import header, next_undo
 from .images import mosaic_of
-from .paths import differing, part
+from .paths import differing, forget_others, part, whole_part
 from .problems import alternative_edits, verdict_on
 
 STALE = "Somebody else has said something of this trial since. It is shown anew: look, and decide again."
+
+MOST_SAMPLES = 200_000
+"""Of trajectories that are in the answer to an act; chosen: 20 markers of 10 000 frames are 4.5 MB of text."""
 
 
 def act(document: OpenDocument, body: ActBody) -> ActDone:
@@ -65,15 +69,26 @@ def act(document: OpenDocument, body: ActBody) -> ActDone:
             head=document.head,
             changed=changed,
             removed=removed,
+            paths=shown_now(document, changed),
             header=header(document, mosaic_of(document)),
         )
+
+
+def shown_now(document: OpenDocument, changed: Sequence[str]) -> PathsPart | None:
+    """Trajectories as the page shows them, so that it need not ask again; None where it must."""
+    if len(changed) * document.now.trajectories.n_frames > MOST_SAMPLES:
+        return None
+    shown, pending = chosen_fills(document, set(changed))
+    forget_others(document, (document.editing.trajectories, document.now.trajectories, shown))
+    return None if pending else whole_part(document, shown)
 
 
 def seen_anew(before: Trajectories, document: OpenDocument, done: ActDone) -> ActDone:
     """What an act changed that had the trial tracked or named again: `document` is the trial opened anew."""
     changed, removed = differing(before, document.now.trajectories)
     shown = header(document, mosaic_of(document))
-    return done.model_copy(update={"changed": changed, "removed": removed, "head": document.head, "header": shown})
+    now = {"changed": changed, "removed": removed, "head": document.head, "header": shown, "paths": None}
+    return done.model_copy(update=now)
 
 
 def preview(document: OpenDocument, said: Act) -> Preview:

@@ -88,14 +88,29 @@ class ActBody(Message):
     why: Annotated[str, Field(max_length=2000)] = ""
 
 
+class PathsPart(Message):
+    """Some trajectories in some frames: base64 of the columns as `/paths` has them."""
+
+    names: list[str]
+    first_frame: int
+    n_frames: int
+    xyz: str
+    sd: str
+    origin: str
+
+
 class ActDone(Message):
-    """An act that stands in the journal: what changed since the head that the page had seen."""
+    """An act that stands in the journal: what changed since the head that the page had seen.
+
+    `paths` are those that changed, with chosen fills; null where they are many or still computed: ask for them.
+    """
 
     entry: int
     outcomes: list[Outcome]
     head: str
-    changed: list[str] = Field(description="Trajectories that are new or have other samples; to be fetched again.")
+    changed: list[str] = Field(description="Trajectories that are new or have other samples.")
     removed: list[str]
+    paths: PathsPart | None = None
     header: TrialHeader
 
 
@@ -115,17 +130,6 @@ class Join(Message):
     deviations: float
     speed_mm_s: float
     connectable: bool
-
-
-class PathsPart(Message):
-    """Some trajectories in some frames: base64 of the columns as `/paths` has them."""
-
-    names: list[str]
-    first_frame: int
-    n_frames: int
-    xyz: str
-    sd: str
-    origin: str
 
 
 class Preview(Message):

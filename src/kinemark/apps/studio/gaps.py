@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -176,10 +176,14 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     )
 
 
-def chosen_fills(document: OpenDocument) -> tuple[Trajectories, bool]:
-    """The trial with the fills that somebody chose, else of the last run; and whether some are still computed."""
-    now, work, pending = document.now.trajectories, work_of(document), False
-    paths = _as_run_before(document)
+def chosen_fills(document: OpenDocument, names: Collection[str] | None = None) -> tuple[Trajectories, bool]:
+    """The trial with the fills that somebody chose, else of the last run; and whether some are still computed.
+
+    Only of these markers where `names` are given.
+    """
+    whole, work, pending = document.now.trajectories, work_of(document), False
+    now = whole if names is None else replace(whole, paths=tuple(path for path in whole if path.name in names))
+    paths = _as_run_before(document, now)
     for gap in gaps_in(now):
         choice = _choice(document, gap)
         if choice is None:
@@ -195,13 +199,13 @@ def chosen_fills(document: OpenDocument) -> tuple[Trajectories, bool]:
     return replace(now, paths=tuple(paths[path.name] for path in now)), pending
 
 
-def _as_run_before(document: OpenDocument) -> dict[str, MarkerTrajectory]:
+def _as_run_before(document: OpenDocument, now: Trajectories) -> dict[str, MarkerTrajectory]:
     """The markers with the fills of the last run, in gaps that are still the same."""
-    paths, filled = {path.name: path for path in document.now.trajectories}, _last(document)
+    paths, filled = {path.name: path for path in now}, _last(document)
     if filled is None:
         return paths
     old = {path.name: path for path in filled.trajectories}
-    for gap in gaps_in(document.now.trajectories):
+    for gap in gaps_in(now):
         at = slice(gap.start, gap.stop)
         if _same(old, gap) and (old[gap.path.name].origin[at] == Origin.FILLED).all():
             paths[gap.path.name] = _with(

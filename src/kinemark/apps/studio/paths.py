@@ -31,6 +31,12 @@ def part(names: Sequence[str], trajectories: Trajectories, first: int, stop: int
     return PathsPart(names=list(names), first_frame=number, n_frames=stop - first, **text)
 
 
+def whole_part(document: OpenDocument, shown: Trajectories) -> PathsPart:
+    """All frames of all of some trajectories, in a message."""
+    text = {name: base64.b64encode(encoded(document, shown.paths, [name])).decode() for name in DEFAULT}
+    return PathsPart(names=list(shown.names), first_frame=shown.first_frame, n_frames=shown.n_frames, **text)
+
+
 def differing(before: Trajectories, after: Trajectories) -> tuple[list[str], list[str]]:
     """Names of trajectories that are new or others than before, and of those that are gone; the same record is same."""
     old = {path.name: path for path in before}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -10,6 +11,7 @@ from ..data.array_types import Floats
 from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
+from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point
 from .lower_limb import MODEL_MARKERS
@@ -41,24 +43,28 @@ class Physical(Method):
         """As chosen; contacts that the recording cuts still count."""
         return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
 
-    def markers(self, trial: Trial) -> dict[str, Floats]:
-        """(F, 3) mm by name, smoothed."""
-        return marker_points(smoothed_trial(trial, self))
+    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
+        """(F, 3) mm by name, smoothed; the model's, and those of clusters besides."""
+        return marker_points(smoothed_trial(trial, self, besides=besides))
 
 
 @GAIT.method("physical", Physical)
-def physical_gait(trial: Trial, measures: SubjectMeasures, *, method: Physical) -> GaitTrial:
+def physical_gait(
+    trial: Trial, measures: SubjectMeasures, *, method: Physical, body: CalibratedBody | None = None
+) -> GaitTrial:
     """See `analyse_gait`."""
-    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
+    points = method.markers(trial, besides=() if body is None else body.markers)
+    given = inputs_of(trial, points, measures, threshold_n=method.threshold_n, body=body)
     return gait_of(given, method.mechanics)
 
 
-def smoothed_trial(trial: Trial, method: Physical) -> Trial:
-    """The trial with the model's markers, smoothed."""
+def smoothed_trial(trial: Trial, method: Physical, *, besides: Collection[str] = ()) -> Trial:
+    """The trial with the model's markers and those besides, smoothed."""
     if method.smoothing == "none":
         return trial
+    wanted = {*MODEL_MARKERS, *UPPER_BODY_MARKERS, *besides}
     make = Butterworth if method.smoothing == "butterworth" else WoltringSpline
     markers = trial.trajectories.select(
-        [n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in MODEL_MARKERS + UPPER_BODY_MARKERS]
+        [n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in wanted]
     )
     return replace(trial, trajectories=smooth(markers, method=make(cutoff_hz=method.cutoff_hz)))

@@ -161,8 +161,10 @@ class WalkingBody:
     def _path(self) -> Stride:
         turns = np.arange(GRID) / GRID
         limbs = self._limbs(turns, np.zeros((GRID, 3)))
-        feet = [limbs.left.foot, limbs.right.foot]
-        soles = [point for foot in feet for point in (foot.origin, foot.origin + FOOT_MM * foot.R[..., 2])]
+        soles = []
+        for side in SIDES:  # as with hips where the regression has them: else the leg whose hip is higher hardly treads
+            foot, off = limbs.leg(side).foot, limbs.pelvis.R @ self.hip_error_mm.get(side, ZERO)
+            soles += [foot.origin - off, foot.origin + FOOT_MM * foot.R[..., 2] - off]
         return stride_of_soles(np.stack(soles))
 
     def _limbs(self, turns: Floats, origin: Floats) -> LowerLimbs:

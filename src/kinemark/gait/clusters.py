@@ -107,19 +107,52 @@ def calibrated_body(
     limbs = lower_limbs(static, measures, hip_centre=hip_centre)
     found = {}
     for name, markers in clusters.items():
-        own = {mark: static[mark] for mark in landmarks_of(name) if mark in static and np.isfinite(static[mark]).any()}
+        own = _landmarks(name, static)
         if name != "pelvis":
-            side, part = _side_and_part(name)
-            leg = limbs.leg(side)
-            segment = {"thigh": leg.thigh, "shank": leg.shank, "foot": leg.bare_foot}[part]
-            ends = (METRE * segment.R[..., axis] for axis in range(3))
-            own |= dict(zip(POINTS, (segment.origin, *(segment.origin + end for end in ends)), strict=True))
-        xyz = np.array([static[marker] for marker in markers])
-        try:
-            found[name] = cluster_template(name, tuple(markers), xyz, tuple(own), np.array(list(own.values())))
-        except KinemarkError as error:
-            raise KinemarkError(f"The cluster of the {name} cannot be calibrated: {error}") from None
+            own |= _points_of(name, limbs)
+        found[name] = _template(name, markers, static, own)
     return CalibratedBody(found)
+
+
+def carried_landmarks(
+    walk: Mapping[str, Floats], static: Mapping[str, Floats], clusters: Clusters
+) -> dict[str, Floats]:
+    """(F, 3) mm by name of the landmarks that clusters carry into a walk.
+
+    Args:
+        walk: (F, 3) mm by name. static: (S, 3) mm by name of the standing trial. clusters: in both.
+
+    Raises:
+        KinemarkError: see `calibrated_body`.
+    """
+    check_clusters(clusters, static, "standing trial")
+    each = {name: _template(name, markers, static, _landmarks(name, static)) for name, markers in clusters.items()}
+    return CalibratedBody(each).landmarks(walk)
+
+
+def _landmarks(segment: str, static: Mapping[str, Floats]) -> dict[str, Floats]:
+    """(F, 3) mm by name of those of a segment that the standing trial has."""
+    return {m: static[m] for m in landmarks_of(segment) if m in static and np.isfinite(static[m]).any()}
+
+
+def _points_of(segment: str, limbs: LowerLimbs) -> dict[str, Floats]:
+    """(F, 3) mm of `POINTS` of a leg's segment."""
+    side, part = _side_and_part(segment)
+    leg = limbs.leg(side)
+    one = {"thigh": leg.thigh, "shank": leg.shank, "foot": leg.bare_foot}[part]
+    ends = (one.origin + METRE * one.R[..., axis] for axis in range(3))
+    return dict(zip(POINTS, (one.origin, *ends), strict=True))
+
+
+def _template(
+    segment: str, markers: Sequence[str], static: Mapping[str, Floats], own: Mapping[str, Floats]
+) -> ClusterTemplate:
+    xyz = np.array([static[marker] for marker in markers])
+    carried = np.array(list(own.values())).reshape(len(own), *xyz.shape[1:])
+    try:
+        return cluster_template(segment, tuple(markers), xyz, tuple(own), carried)
+    except KinemarkError as error:
+        raise KinemarkError(f"The cluster of the {segment} cannot be calibrated: {error}") from None
 
 
 def with_wands(static: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -161,6 +194,11 @@ def check_clusters(clusters: Clusters, points: Mapping[str, Floats], trial: str)
     every = [marker for markers in clusters.values() for marker in markers]
     if twice := sorted({marker for marker in every if every.count(marker) > 1}):
         raise KinemarkError(f"{', '.join(twice)} is said to be in two clusters. A marker is on one segment.")
+
+
+def segment_name(text: str) -> str:
+    """A segment as `SEGMENTS` has it, of "left_thigh" or "Left Thigh"."""
+    return " ".join(text.replace("_", " ").lower().split())
 
 
 def landmarks_of(segment: str) -> tuple[str, ...]:

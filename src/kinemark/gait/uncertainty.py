@@ -13,8 +13,9 @@ deviation of y over `draws` trials with noise of the stated covariance.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ import numpy as np
 from ..data import Signals, Trial
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
+from .clusters import Clusters, calibrated_body, landmarks_of, with_wands
 from .gait_trial import Inputs, gait_of, inputs_of
 from .lower_limb import LowerLimbs, lower_limbs, pelvis_of
 from .segments import Segment, within_half_turn
@@ -67,6 +69,8 @@ SEGMENT_OF = {"THI": "thigh", "KNE": "thigh", "TIB": "shank", "ANK": "shank", "H
 """On which segment a marker of a leg sits."""
 STANDING = {"KAX": "thigh", "KNM": "thigh", "MED": "shank"}
 """The same of those that only the static trial has."""
+SKINNY = tuple(f"{side} {part}" for side in SIDES for part in ("thigh", "shank"))
+"""Segments whose clusters move with skin; conventional, as of single markers."""
 PELVIS = ("ASI", "PSI", "ACR")
 """Names of the pelvis' markers without their first letter."""
 
@@ -80,19 +84,23 @@ class _Model:
     flat_foot: bool
     method: Any
     axes: bool = True
+    clusters: Clusters = field(default_factory=dict)
 
     def quantities(self) -> Quantities:
         """(F, A) by name."""
-        measures = self.given.measures
+        measures, hip_centre = self.given.measures, self.method.mechanics.hip_centre
+        body = None
         if self.static is not None:
             measures = with_static_offsets(
                 measures,
                 self.static,
                 flat_foot=self.flat_foot,
-                hip_centre=self.method.mechanics.hip_centre,
+                hip_centre=hip_centre,
                 axes=self.axes,
             )
-        found = gait_of(self.given._replace(measures=measures), self.method.mechanics)
+            if self.clusters:
+                body = calibrated_body(with_wands(self.static), measures, self.clusters, hip_centre=hip_centre)
+        found = gait_of(self.given._replace(measures=measures, body=body), self.method.mechanics)
         return {signal.name: signal.values for signal in found.signals}
 
     def limbs(self, points: Mapping[str, Floats]) -> LowerLimbs:
@@ -113,6 +121,7 @@ def gait_uncertainty(
     static: Mapping[str, Floats] | None = None,
     flat_foot: bool = True,
     axes: bool = True,
+    clusters: Clusters | None = None,
 ) -> dict[str, dict[str, Floats]]:
     """(F, A) standard uncertainty of each quantity by cause, then by name of the quantity.
 
@@ -123,17 +132,22 @@ def gait_uncertainty(
         method: of gait analysis. errors: of the causes; the usual ones where None.
         static: (F, 3) mm by name of the standing trial whose errors count too; flat_foot: as it was stood.
         axes: it turns the wands back where it shows the axes of the joints.
+        clusters: that carry segments, calibrated in the standing trial.
     """
-    errors = GaitErrors() if errors is None else errors
-    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
-    model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes)
+    errors, clusters = GaitErrors() if errors is None else errors, clusters or {}
+    points = method.markers(trial, besides=[name for markers in clusters.values() for name in markers])
+    given = inputs_of(trial, points, measures, threshold_n=method.threshold_n)
+    model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes, clusters)
     out = {
         cause: _combined(shifted)
         for cause, shifted in {
             "placement": _placement(model, errors.placement_mm, tuple(SEGMENT_OF), pelvis=True, static=True),
             "hip centre": _hips(model, errors.hip_mm),
             "widths": _widths(model, errors.width_mm),
-            "soft tissue": _placement(model, errors.tissue_mm, ("THI", "KNE", "TIB"), pelvis=False, static=False),
+            "soft tissue": chain(
+                _placement(model, errors.tissue_mm, ("THI", "KNE", "TIB"), pelvis=False, static=False),
+                _skin_of_clusters(model, errors.tissue_mm),
+            ),
             "plates": _plates(model, errors.plate_mm),
         }.items()
     }
@@ -169,19 +183,43 @@ def _placement(
 ) -> Iterator[Shifted]:
     """Each marker along each axis of its segment."""
     limbs = model.limbs(model.given.points)
-    stood = model.limbs(model.static) if static and model.static is not None else None
+    stood = model.limbs(with_wands(model.static)) if static and model.static is not None else None
     names = [n for n in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if pelvis and n in model.given.points]
     names += [LETTER[side] + marker for side in SIDES for marker in leg_markers]
+    by_cluster = {mark for segment in model.clusters for mark in landmarks_of(segment)}
     for name in names:
         for axis in range(3):
-            walk = sd * _segment(limbs, name).R[..., axis]
+            walk = None if name in by_cluster else sd * _segment(limbs, name).R[..., axis]
             still = None if stood is None else sd * _segment(stood, name).R[..., axis]
-            yield _shifting(model, name, walk, still)
+            if walk is not None or (still is not None and model.static is not None and name in model.static):
+                yield _shifting(model, name, walk, still)
     if stood is None:
         return
     for name in _only_standing(model):
         for axis in range(3):
             yield _shifting(model, name, None, sd * _segment(stood, name).R[..., axis])
+
+
+def _skin_of_clusters(model: _Model, sd: float) -> Iterator[Shifted]:
+    """Each marker of each cluster of a leg alone, and all of one together, along each axis of their segment."""
+    limbs = model.limbs(model.given.points)
+    for segment, markers in model.clusters.items():
+        if segment not in SKINNY:
+            continue
+        R = _segment(limbs, landmarks_of(segment)[0]).R
+        for moved in (*((marker,) for marker in markers), tuple(markers)):
+            for axis in range(3):
+                yield _moving_markers(model, moved, sd * R[..., axis])
+
+
+def _moving_markers(model: _Model, names: Sequence[str], by: Floats) -> Shifted:
+    """Some markers of the walk by so many (F, 3) mm."""
+
+    def shifted(times: float) -> _Model:
+        moved = {name: model.given.points[name] + times * by for name in names}
+        return replace(model, given=model.given._replace(points={**model.given.points, **moved}))
+
+    return shifted
 
 
 def _only_standing(model: _Model) -> list[str]:
@@ -200,8 +238,11 @@ def _shifting(model: _Model, name: str, walk: Floats | None, still: Floats | Non
         static = model.static
         if static is not None and still is not None and name in static:
             static = {**static, name: static[name] + times * still}
-        measures = _kept_hips(model.given.measures, model.given.points, points) if name[1:] in PELVIS else None
-        given = model.given._replace(points=points, measures=measures or model.given.measures)
+        measures = model.given.measures
+        if name[1:] in PELVIS:
+            moved = (model.given.points, points) if walk is not None else (model.static or {}, static or {})
+            measures = _kept_hips(measures, *moved)
+        given = model.given._replace(points=points, measures=measures)
         return replace(model, given=given, static=static)
 
     return shifted
@@ -291,7 +332,7 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
             for p in trial.trajectories
         )
         noisy = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
-        points = model.method.markers(noisy)
+        points = model.method.markers(noisy, besides=list(model.given.points))
         for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
             drawn.setdefault(name, []).append(y)
     return {name: _spread(np.array(ys), angle=name.endswith("Angles")) for name, ys in drawn.items()}

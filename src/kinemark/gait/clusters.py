@@ -13,7 +13,7 @@ has them where inner markers show the axes: beyond the outer marker, on the axis
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,10 +63,7 @@ class CalibratedBody:
 
     def landmarks(self, points: Mapping[str, Floats]) -> dict[str, Floats]:
         """(F, 3) mm by name of all that the clusters carry, from their markers at `points` (F, 3) mm."""
-        found: dict[str, Floats] = {}
-        for template in self.templates.values():
-            found |= {name: xyz for name, xyz in _carried(template, points).items() if name not in POINTS}
-        return found
+        return _without_points(_carried(template, points) for template in self.templates.values())
 
     def limbs(self, points: Mapping[str, Floats], measures: SubjectMeasures, *, hip_centre: str) -> LowerLimbs:
         """Segments in every frame, by clusters where there are.
@@ -74,9 +71,10 @@ class CalibratedBody:
         Args:
             points: (F, 3) mm by name. measures: of the subject. hip_centre: the regression.
         """
-        carried = {name: _segment(_carried(template, points))
-                   for name, template in self.templates.items() if "o" in template.points}  # fmt: skip
-        return lower_limbs({**points, **self.landmarks(points)}, measures, hip_centre=hip_centre, carried=carried)
+        each = {name: _carried(template, points) for name, template in self.templates.items()}
+        segments = {name: _segment(carried) for name, carried in each.items() if "o" in carried}
+        whole = {**points, **_without_points(each.values())}
+        return lower_limbs(whole, measures, hip_centre=hip_centre, carried=segments)
 
     def misfit(self, points: Mapping[str, Floats]) -> dict[str, float]:
         """mm by segment: RMS distance of the markers at `points` (F, 3) mm from where their cluster has them."""
@@ -218,6 +216,11 @@ def _carried(template: ClusterTemplate, points: Mapping[str, Floats]) -> dict[st
     """(F, 3) mm by name of a template's points (1)."""
     pose = body_pose(template.xyz, np.array([points[marker] for marker in template.markers]))
     return {name: pose.R @ q + pose.t for name, q in zip(template.points, template.local, strict=True)}
+
+
+def _without_points(each: Iterable[Mapping[str, Floats]]) -> dict[str, Floats]:
+    """Landmarks alone of what clusters carry."""
+    return {name: xyz for carried in each for name, xyz in carried.items() if name not in POINTS}
 
 
 def _segment(carried: Mapping[str, Floats]) -> Segment:

@@ -35,6 +35,9 @@ class PlugInGait(Method):
         """(F, 3) mm by name, as they are."""
         return marker_points(trial)
 
+    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> None:
+        """Nothing is filtered."""
+
 
 @GAIT.method("plug_in_gait", PlugInGait, source="Kadaba et al. 1990; Davis et al. 1991")
 def gait_as_plug_in_gait(

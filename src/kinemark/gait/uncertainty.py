@@ -8,7 +8,9 @@ Causes that stay as they are through a trial are shifted in all frames at once, 
 segment: where a marker sits on its landmark (in the static trial too), the hip joint centre, widths, skin over bone,
 and where the plates lie. A hip that a motion has shown stays in the bone where a marker of the pelvis is shifted. Noise
 of the markers is independent between frames, and derivatives make much of it, so that it is drawn at random (2): the
-deviation of y over `draws` trials with noise of the stated covariance.
+deviation s of y over n trials with noise of the stated covariance, s √((n − 1)/(n − 3)), as few draws know it badly
+(JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is
+systematic, and about what it takes when it is done once more: its standard uncertainty is |y(smoothed twice) − y| (3).
 """
 
 from __future__ import annotations
@@ -30,6 +32,8 @@ from .segments import Segment, within_half_turn
 from .static_axes import INSIDE, with_knees
 from .static_trial import with_static_offsets
 
+FEWEST_DRAWS = 4
+"""Of noise, whose deviation means something; by definition of (2)."""
 Quantities = Mapping[str, Floats]
 """(F, A) by name."""
 
@@ -44,7 +48,7 @@ class GaitErrors:
         width_mm: of the measured widths of knee and ankle.
         tissue_mm: how far skin moves markers of thigh and shank over the bone, along each axis.
         plate_mm: of the places of force plates among the markers, along each horizontal axis.
-        draws: of noise; 0 leaves it out.
+        draws: of noise; fewer than `FEWEST_DRAWS` leave it out.
         seed: of the draws.
 
     Raises:
@@ -125,7 +129,7 @@ def gait_uncertainty(
 ) -> dict[str, dict[str, Floats]]:
     """(F, A) standard uncertainty of each quantity by cause, then by name of the quantity.
 
-    Causes are "noise", "placement", "hip centre", "widths", "soft tissue" and "plates"; their squares add.
+    Causes are "noise", "smoothing", "placement", "hip centre", "widths", "soft tissue" and "plates"; their squares add.
 
     Args:
         trial: with named markers. measures: of the subject, without offsets of the feet where a static trial is given.
@@ -151,8 +155,8 @@ def gait_uncertainty(
             "plates": _plates(model, errors.plate_mm),
         }.items()
     }
-    noise = _noise(trial, model, errors)
-    return {**({"noise": noise} if noise else {}), **out}
+    noise, lost = _noise(trial, model, errors), _lost(trial, model)
+    return {**({"noise": noise} if noise else {}), **({"smoothing": lost} if lost else {}), **out}
 
 
 def with_uncertainty(signals: Signals, causes: Mapping[str, Mapping[str, Floats]]) -> Signals:
@@ -319,10 +323,22 @@ def _moving(model: _Model, k: int, by: Floats) -> Shifted:
     return shifted
 
 
+def _lost(trial: Trial, model: _Model) -> dict[str, Floats]:
+    """(3); nothing where nothing is smoothed."""
+    again = model.method.smoothed_again(trial, besides=list(model.given.points))
+    if again is None:
+        return {}
+    once, twice = model.quantities(), replace(model, given=model.given._replace(points=again)).quantities()
+    return {
+        name: np.abs(within_half_turn(twice[name] - y) if name.endswith("Angles") else twice[name] - y)
+        for name, y in once.items()
+    }
+
+
 def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]:
     """(2); nothing where no marker states its noise or none is drawn."""
     roots = {path.name: _root(path.cov) for path in trial.trajectories}
-    if errors.draws < 2 or not any(np.isfinite(root).any() for root in roots.values()):
+    if errors.draws < FEWEST_DRAWS or not any(np.isfinite(root).any() for root in roots.values()):
         return {}
     rng = np.random.default_rng(errors.seed)
     drawn: dict[str, list[Floats]] = {}
@@ -339,10 +355,11 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
 
 
 def _spread(ys: Floats, *, angle: bool) -> Floats:
-    """(F, A) standard deviation of (draws, F, A); of angles about the first, by less than half a turn."""
+    """(F, A) standard deviation of (draws, F, A) by (2); of angles about the first, by less than half a turn."""
+    n = len(ys)
     if angle:
         ys = ys[0] + within_half_turn(ys - ys[0])
-    return np.asarray(ys.std(axis=0, ddof=1))
+    return np.asarray(ys.std(axis=0, ddof=1) * np.sqrt((n - 1) / (n - 3)))
 
 
 def _root(cov: Floats) -> Floats:

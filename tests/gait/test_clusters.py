@@ -84,7 +84,9 @@ def test_a_clusters_segment_does_not_follow_the_skin_at_its_landmarks():
     """Six degrees of freedom of its own: what moves KNE and THI over the bone is of no matter."""
     skin = {name: np.array([6.0, 3.0, -4.0]) for name in ("LTHI", "LKNE", "RTHI", "RKNE")}
     lab = laboratory(unworn=(), tissue_mm=skin)
-    plain = analyse_gait(lab.walk, with_static_offsets(MEASURES, marker_points(lab.static), flat_foot=True), method=EXACT)
+    plain = analyse_gait(
+        lab.walk, with_static_offsets(MEASURES, marker_points(lab.static), flat_foot=True), method=EXACT
+    )
     assert worst(lab, plain, ("KneeAngles",)) > 1
     assert worst(lab, by_clusters(lab, clusters()), ("KneeAngles",)) < 1e-6
 

@@ -212,9 +212,7 @@ def _body(static: Recorded, measures: SubjectMeasures, settings: GaitSettings) -
         raise KinemarkError(f"{static.name}: {error}") from None
 
 
-def _shown(
-    walks: Sequence[Recorded], static: Recorded | None, body: CalibratedBody | None
-) -> ClustersShown | None:
+def _shown(walks: Sequence[Recorded], static: Recorded | None, body: CalibratedBody | None) -> ClustersShown | None:
     """What is said of clusters; the worst misfit of all walks."""
     if static is None or body is None:
         return None

@@ -43,7 +43,7 @@ FEWEST = 3
 POINTS = ("o", "x", "y", "z")
 """Of a segment that a template carries: its origin, and 1 m along each axis."""
 METRE = 1000.0
-"""mm; by definition."""
+"""Length of what stands for an axis, mm; by definition."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,7 +25,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side, SubjectMeasures
 from ..kinematics import turned
-from .hip_centre import HipCentre, davis, hara, harrington
+from .hip_centre import davis, hara, harrington
 from .segments import Segment, joint_centre, mean_length, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")

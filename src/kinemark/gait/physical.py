@@ -48,7 +48,6 @@ class Physical(Method):
         """(F, 3) mm by name, smoothed; the model's, and those of clusters besides."""
         return marker_points(smoothed_trial(trial, self, besides=besides))
 
-
     def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats] | None:
         """(F, 3) mm by name, filtered twice, each marker at the cut-off of the first time; None where no filter is.
 

@@ -31,7 +31,7 @@ class PlugInGait(Method):
         """Plug-in Gait's own."""
         return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration)
 
-    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:  # noqa: ARG002
+    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
         """(F, 3) mm by name, as they are."""
         return marker_points(trial)
 

@@ -57,8 +57,7 @@ KINEMATICS = (
     BLANK,
     Panel("Foot progression", "FootProgressAngles", 1, "internal", "external"),
 )
-"""Rows of three planes, from the pelvis to the foot; the model gives ankle and foot no angle of their own in the coronal
-plane."""
+"""Rows of three planes, from the pelvis to the foot; ankle and foot have no angle of their own in the coronal plane."""
 KINETICS = (
     Panel("Hip moment", "HipMoment", 0, "extensors", "flexors"),
     Panel("Knee moment", "KneeMoment", 0, "extensors", "flexors"),
@@ -88,7 +87,9 @@ def panels_figure(
     if not known:
         return empty("There is nothing to draw: no stride has these quantities.")
     units = [next((one.unit for one in _of(curves, panel)), "") for panel in panels]
-    fig = panel_grid([f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)], heads)
+    fig = panel_grid(
+        [f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)], heads
+    )
     for i, panel in enumerate(panels):
         place = panel_place(i)
         if reference is not None and panel.name in reference.mean:
@@ -111,10 +112,12 @@ def _key(fig: go.Figure, i: int, *, with_reference: bool) -> None:
     lines = [f'<span style="color:{colour}">━━ {side}</span>' for side, colour in SIDE_COLOURS.items()]
     lines += ["┅┅ measured to ±", "┊ foot off"]
     lines += [f'<span style="color:{REFERENCE_COLOUR}">▒▒ reference</span>'] if with_reference else []
+    x, y = fig.layout[f"xaxis{i + 1}"].domain[0], fig.layout[f"yaxis{i + 1}"].domain[1]
     fig.add_annotation(
-        text="<br>".join(lines), xref=f"x{i + 1} domain", yref=f"y{i + 1} domain", x=0, y=1, xanchor="left",
-        yanchor="top", align="left", showarrow=False, font={"size": 11},
+        text="<br>".join(lines), xref="paper", yref="paper", x=x, y=y, xanchor="left", yanchor="top",
+        align="left", showarrow=False, font={"size": 11},
     )  # fmt: skip
+
 
 def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
     """A panel a channel, a printed page of them a figure."""
@@ -151,7 +154,8 @@ def panel_grid(titles: Sequence[str], heads: Sequence[str] = ()) -> go.Figure:
     axis = axis_style() | {"tickfont": {"size": 10}, "title": None}
     fig.update_yaxes(**axis | {"zerolinecolor": FAINT, "zerolinewidth": 0.8})
     fig.update_xaxes(**axis | {"range": [0, 100], "dtick": 20})
-    for i in range(max(len(titles) - 3, 0), len(titles)):
+    lowest = {i % 3: i for i, title in enumerate(titles) if title}
+    for i in lowest.values():
         fig.update_xaxes(title={"text": "stride (%)", "font": {"size": 11}, "standoff": 4}, **panel_place(i))
     return fig.update_layout(showlegend=False)
 

@@ -174,7 +174,8 @@ def gait(
 
     result = gait_of_files(
         walks, static=static, functional=functional, measures=measures, markers=_pairs(marker), reference=reference,
-        mvc=mvc, clusters=_clusters(cluster), folder=output, exports=exports, settings=settings, self_contained=self_contained,
+        mvc=mvc, clusters=_clusters(cluster), folder=output, exports=exports, settings=settings,
+        self_contained=self_contained,
     )  # fmt: skip
     if json:
         print_result(result.figures)

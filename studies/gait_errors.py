@@ -76,22 +76,22 @@ def analysed(lab: GaitLaboratory, believed: SubjectMeasures, errors: GaitErrors 
     return replace(found, signals=with_uncertainty(found.signals, causes))
 
 
-def counting(found: GaitTrial, lab: GaitLaboratory, name: str) -> np.ndarray:
-    """(n) frames that count: of moments those in which the foot stands on its plate, and those in the air."""
+def counting(found: GaitTrial, lab: GaitLaboratory, name: str, *, swing: bool = True) -> np.ndarray:
+    """(n) frames that count: of moments those in which the foot stands on its plate, and those in which it swings."""
     weight = np.abs(lab.signals[f"{name[0]}GroundReactionForce"].values[:, 2])
     frames = np.zeros(len(weight), bool)
     frames[6:-6] = True
     if not name.endswith(("Moment", "Force", "Power")):
         return frames
-    known = weight < LEAST
+    known = (weight < LEAST) & swing
     for one in found.contacts:
         if one.side is not None and one.side[0].upper() == name[0] and not one.reason:
-            known[one.first : one.stop] = True
+            known[one.first + 1 : one.stop - 1] = True
     return frames & known
 
 
-def compared(lab: GaitLaboratory, found: GaitTrial) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """(n, 3) errors and stated deviations by quantity, of both sides."""
+def compared(lab: GaitLaboratory, found: GaitTrial, *, swing: bool = True) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """(n, 3) errors and stated deviations by quantity, of both sides; moments of the swing too, where it is asked."""
     out: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for signal in lab.signals:
         if signal.name[1:] not in SHOWN:
@@ -100,7 +100,7 @@ def compared(lab: GaitLaboratory, found: GaitTrial) -> dict[str, tuple[np.ndarra
         off = other.values - signal.values
         if signal.kind == "angle":
             off = np.remainder(off + 180, 360) - 180
-        frames = counting(found, lab, signal.name)
+        frames = counting(found, lab, signal.name, swing=swing)
         sd = np.sqrt(np.diagonal(other.cov, axis1=1, axis2=2))
         frames &= np.isfinite(off + sd).all(1)
         pair = (off[frames], sd[frames])

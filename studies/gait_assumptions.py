@@ -27,7 +27,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from gait_errors import ERRORS, SHOWN, analysed, compared, loaded
+from gait_errors import ERRORS, SHOWN, analysed, compared, counting
 
 from kinemark.data.array_types import Floats
 from kinemark.data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, SubjectMeasures
@@ -116,7 +116,7 @@ def errors_of(failing: Failing, by: float, believed: SubjectMeasures) -> Errors:
             by_frame = found.signals[signal.name].values - signal.values
             if signal.kind == "angle":
                 by_frame = np.remainder(by_frame + 180, 360) - 180
-            frames = loaded(found, signal.name, len(by_frame)) & np.isfinite(by_frame).all(1)
+            frames = counting(found, lab, signal.name, swing=False) & np.isfinite(by_frame).all(1)
             off.setdefault(signal.name[1:], []).append(by_frame[frames])
     return {name: np.concatenate(parts) for name, parts in off.items()}
 
@@ -133,7 +133,7 @@ def stated(believed: list[SubjectMeasures]) -> Errors:
     found: dict[str, list[Floats]] = {}
     for one in believed:
         lab = gait_laboratory(WalkingBody(one), duration_s=DURATION_S)
-        for name, (_, sd) in compared(lab, analysed(lab, one, ERRORS)).items():
+        for name, (_, sd) in compared(lab, analysed(lab, one, ERRORS), swing=False).items():
             found.setdefault(name, []).append(sd)
     return {name: np.sqrt(np.mean(np.concatenate(found[name]) ** 2, axis=0)) for name in COLUMNS}
 

@@ -76,20 +76,22 @@ def analysed(lab: GaitLaboratory, believed: SubjectMeasures, errors: GaitErrors 
     return replace(found, signals=with_uncertainty(found.signals, causes))
 
 
-def loaded(found: GaitTrial, name: str, n: int) -> np.ndarray:
-    """(n) frames that count: of moments those in which the foot stands on its plate."""
-    frames = np.zeros(n, bool)
+def counting(found: GaitTrial, lab: GaitLaboratory, name: str, *, swing: bool = True) -> np.ndarray:
+    """(n) frames that count: of moments those in which the foot stands on its plate, and those in which it swings."""
+    weight = np.abs(lab.signals[f"{name[0]}GroundReactionForce"].values[:, 2])
+    frames = np.zeros(len(weight), bool)
+    frames[6:-6] = True
     if not name.endswith(("Moment", "Force", "Power")):
-        frames[6:-6] = True
         return frames
+    known = (weight < LEAST) & swing
     for one in found.contacts:
         if one.side is not None and one.side[0].upper() == name[0] and not one.reason:
-            frames[one.first + 1 : one.stop - 1] = True
-    return frames
+            known[one.first + 1 : one.stop - 1] = True
+    return frames & known
 
 
-def compared(lab: GaitLaboratory, found: GaitTrial) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """(n, 3) errors and stated deviations by quantity, of both sides."""
+def compared(lab: GaitLaboratory, found: GaitTrial, *, swing: bool = True) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """(n, 3) errors and stated deviations by quantity, of both sides; moments of the swing too, where it is asked."""
     out: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for signal in lab.signals:
         if signal.name[1:] not in SHOWN:
@@ -98,7 +100,7 @@ def compared(lab: GaitLaboratory, found: GaitTrial) -> dict[str, tuple[np.ndarra
         off = other.values - signal.values
         if signal.kind == "angle":
             off = np.remainder(off + 180, 360) - 180
-        frames = loaded(found, signal.name, len(off))
+        frames = counting(found, lab, signal.name, swing=swing)
         sd = np.sqrt(np.diagonal(other.cov, axis1=1, axis2=2))
         frames &= np.isfinite(off + sd).all(1)
         pair = (off[frames], sd[frames])
@@ -115,7 +117,7 @@ def exact(rng: np.random.Generator) -> dict[str, float]:
     worst: dict[str, float] = {}
     for signal in lab.signals:
         if signal.name[1:] in SHOWN:
-            frames = loaded(found, signal.name, len(signal.values))
+            frames = counting(found, lab, signal.name)
             off, own = (found.signals[signal.name].values - signal.values)[frames], signal.values[frames]
             share = 100 * np.nanmax(np.abs(off), axis=0) / np.maximum(np.ptp(own, axis=0), LEAST)
             worst[signal.name[1:]] = max(worst.get(signal.name[1:], 0.0), float(share.max()))

@@ -26,6 +26,10 @@ GAIT_KINDS = (
     Kind("gait_axes_doubtful", "gait", "amber", "The static trial contradicts itself or the measures. what: "
          "knee_width, ankle_width, device, axes or turn; by so many mm, share or deg.",
          {"trial": "text", "side": "text", "what": "text", "by_mm": "mm", "by_share": "share", "by_deg": "deg"}),
+    Kind("gait_clusters", "gait", "info", "Clusters of markers, calibrated in the static trial, carry segments; RMS "
+         "misfit of the worst.", {"trial": "text", "segments_list": "text", "misfit_mm": "mm"}),
+    Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
+         "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",

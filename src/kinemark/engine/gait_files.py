@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ from ..data import KinemarkError
 from ..data.gait_curves import GaitCurves, GaitReference
 from ..data.subject_measures import SubjectMeasures
 from ..findings.gait import GaitOfTrial, gait_figures
+from ..gait.clusters import Clusters
 from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.gait_csv import write_curves_csv, write_time_distance_csv
@@ -59,6 +61,7 @@ def gait_of_files(
     markers: Mapping[str, str] | None = None,
     reference: Path | None = None,
     mvc: Path | None = None,
+    clusters: Clusters | None = None,
     folder: Path | None = None,
     exports: str = "",
     settings: GaitSettings | None = None,
@@ -74,6 +77,7 @@ def gait_of_files(
         markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
         reference: band of controls, drawn grey, and scored against.
         mvc: of the muscles' greatest contractions, which are 100 % of the EMG.
+        clusters: names of markers by the segment that they carry, one of `gait.clusters.SEGMENTS`; need a static trial.
         folder: of the results; beside the first walk, its name and `_gait`, where none is given.
         exports: for other programs, as "trc,mot,sto,gcd".
         settings: all else. self_contained: the page holds the drawing library.
@@ -85,12 +89,17 @@ def gait_of_files(
     if not walks:
         raise KinemarkError("There is no walk. Give one or more trials of the subject.")
     band = None if reference is None else read_reference(reference)
+    if clusters and static is None:
+        raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
     still = None if static is None else _read(static, markers, settings)
-    whole = [completed(_read(path, markers, settings), still) for path in walks]
+    if still is not None and clusters:
+        still = replace(still, clusters=clusters)
+    whole = [completed(_read(path, markers, settings, still), still) for path in walks]
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     if functional is not None:
-        known = with_hips(known, _read(functional, markers, settings), settings)
+        moved = _read(functional, markers, settings, still)
+        known = with_hips(known, completed(moved, still) if clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     figures = _figures(whole, found, known, static, band, settings)
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
@@ -104,10 +113,13 @@ def gait_of_files(
     return GaitResult(found.trials, found.curves, figures, into, notes)
 
 
-def _read(path: Path, markers: Mapping[str, str] | None, settings: GaitSettings) -> Recorded:
+def _read(
+    path: Path, markers: Mapping[str, str] | None, settings: GaitSettings, static: Recorded | None = None
+) -> Recorded:
     """A file; markers that it does not have are missed where they are wanted."""
     trial = read_trial(path)
-    return recorded(path.stem, trial, markers or {}, settings)
+    like = static if static is not None and "pelvis" in static.clusters else None
+    return recorded(path.stem, trial, markers or {}, settings, like=like)
 
 
 def _figures(
@@ -120,7 +132,7 @@ def _figures(
         gait_figures(
             found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
-            estimated=known.estimated, hips=known.hips, axes=found.axes,
+            estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=_renamed(walks),
         )
     )  # fmt: skip

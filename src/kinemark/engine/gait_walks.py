@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +13,9 @@ from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
 from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
-from ..findings.gait import GaitOfTrial, HipsShown, StaticAxes
+from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
+from ..gait.clusters import CalibratedBody, Clusters, calibrated_body, with_wands
 from ..gait.emg import Emg, emg, peak_of
 from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, mass_on_plates
 from ..gait.foot_events import foot_events
@@ -22,7 +23,7 @@ from ..gait.functional_hip import functional_hip, with_hips_of
 from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ..gait.lower_limb import check_markers, lower_limbs
-from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels
+from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels, with_landmarks
 from ..gait.static_axes import with_knees
 from ..gait.static_checks import static_doubts
 from ..gait.time_distance import strides
@@ -40,11 +41,13 @@ class Recorded:
 
     Attributes:
         name: of the file, without its ending. given: as it was read. standard: of it.
+        clusters: that a standing trial calibrates.
     """
 
     name: str
     given: Trial
     standard: StandardTrial
+    clusters: Clusters = field(default_factory=dict)
 
     @property
     def trial(self) -> Trial:
@@ -82,6 +85,7 @@ class SubjectGait(NamedTuple):
     Attributes:
         trials: of each walk. curves: over all strides. causes: (F, A) of the uncertainty by cause and name, of the
             first walk that has any. measures: with what the standing trial shows. axes: of joints, by what it does.
+        clusters: that carry segments.
     """
 
     trials: tuple[GaitOfTrial, ...]
@@ -89,34 +93,40 @@ class SubjectGait(NamedTuple):
     causes: Mapping[str, Mapping[str, Floats]]
     measures: SubjectMeasures
     axes: StaticAxes | None = None
+    clusters: ClustersShown | None = None
 
 
-def recorded(name: str, trial: Trial, markers: Mapping[str, str], settings: GaitSettings) -> Recorded:
+def recorded(
+    name: str, trial: Trial, markers: Mapping[str, str], settings: GaitSettings, *, like: Recorded | None = None
+) -> Recorded:
     """A file's trial as the gait model wants it.
 
     Args:
         name: of the file. trial: that it holds. markers: the trial's names by the model's, of those that are stated.
-        settings: say which axis is up.
+        settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis.
 
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up; the message begins with the name.
     """
+    turn = None if like is None or settings.up != "auto" else like.standard.turn
     there = {marker: own for marker, own in markers.items() if own in trial.trajectories.names}
     try:
-        return Recorded(name, trial, standard_trial(trial, markers=there, up=settings.up))
+        return Recorded(name, trial, standard_trial(trial, markers=there, up=settings.up, turn=turn))
     except KinemarkError as error:
         raise KinemarkError(f"{name}: {error}") from None
 
 
 def completed(walk: Recorded, static: Recorded | None) -> Recorded:
-    """A walk with the heels that only the standing trial has.
+    """A walk with the landmarks that clusters carry, and with the heels that only the standing trial has.
 
     Raises:
-        KinemarkError: a marker of the model is not there; the message begins with the walk's name.
+        KinemarkError: a marker of a cluster or of the model is not there; the message begins with the walk's name.
     """
-    if static is not None:
-        walk = replace(walk, standard=with_heels(walk.standard, static.points))
     try:
+        if static is not None and static.clusters:
+            walk = replace(walk, standard=with_landmarks(walk.standard, static.points, static.clusters))
+        if static is not None:
+            walk = replace(walk, standard=with_heels(walk.standard, static.points))
         check_markers(walk.points)
     except KinemarkError as error:
         raise KinemarkError(f"{walk.name}: {error}") from None
@@ -177,18 +187,38 @@ def subject_gait(
     Raises:
         KinemarkError: the standing trial does not show a foot, or a plate cannot be read.
     """
-    stood = None if static is None else static.points
     measures, axes = (known.measures, None) if static is None else _standing(known.measures, static, settings)
     causes: dict[str, dict[str, Floats]] = {}
+    body = None if static is None else _body(static, measures, settings)
     trials = []
     for walk in walks:
-        own = _uncertain(walk.trial, known, stood, settings)
-        trials.append(gait_of_trial(walk.trial, measures, settings, own))
+        own = _uncertain(walk.trial, known, static, settings)
+        trials.append(gait_of_trial(walk.trial, measures, settings, own, body))
         causes = causes or own
     whole = _whole(trials, settings, mvc)
     each = [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides, whole=whole))
             for one in trials]  # fmt: skip
-    return SubjectGait(tuple(trials), joined_curves(each), causes, measures, axes)
+    return SubjectGait(tuple(trials), joined_curves(each), causes, measures, axes, _shown(walks, static, body))
+
+
+def _body(static: Recorded, measures: SubjectMeasures, settings: GaitSettings) -> CalibratedBody | None:
+    """What its clusters carry; None where it has none."""
+    if not static.clusters:
+        return None
+    points, hip_centre = with_wands(static.points), settings.made.mechanics.hip_centre
+    try:
+        return calibrated_body(points, measures, static.clusters, hip_centre=hip_centre)
+    except KinemarkError as error:
+        raise KinemarkError(f"{static.name}: {error}") from None
+
+
+def _shown(walks: Sequence[Recorded], static: Recorded | None, body: CalibratedBody | None) -> ClustersShown | None:
+    """What is said of clusters; the worst misfit of all walks."""
+    if static is None or body is None:
+        return None
+    misfits = [body.misfit(walk.points) for walk in walks]
+    worst = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
+    return ClustersShown(static.name, worst)
 
 
 def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | None) -> dict[str, float]:
@@ -229,19 +259,22 @@ def _standing(
 
 
 def gait_of_trial(
-    trial: Trial, measures: SubjectMeasures, settings: GaitSettings, causes: Mapping[str, Mapping[str, Floats]]
-) -> GaitOfTrial:
+    trial: Trial, measures: SubjectMeasures, settings: GaitSettings, causes: Mapping[str, Mapping[str, Floats]],
+    body: CalibratedBody | None = None,
+) -> GaitOfTrial:  # fmt: skip
     """One walk: segments and loads with their error bars, events, strides, EMG.
 
     Args:
         trial: by the model's names, z up. measures: with offsets. settings: how. causes: of the uncertainty.
+        body: clusters that show segments.
 
     Raises:
         KinemarkError: a marker is missing, or a plate cannot be read.
     """
     points, rate, method = marker_points(trial), trial.trajectories.rate, settings.made
     events = foot_events(trial, points)
-    found = measured_only(analyse_gait(trial, measures, method=method), events, method.mechanics.counts, rate)
+    gait = analyse_gait(trial, measures, method=method, body=body)
+    found = measured_only(gait, events, method.mechanics.counts, rate)
     if causes:
         found = replace(found, signals=with_uncertainty(found.signals, causes))
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
@@ -303,14 +336,16 @@ def _mass(walk: Recorded) -> float | None:
 
 
 def _uncertain(
-    trial: Trial, known: KnownMeasures, stood: Mapping[str, Floats] | None, settings: GaitSettings
+    trial: Trial, known: KnownMeasures, static: Recorded | None, settings: GaitSettings
 ) -> dict[str, dict[str, Floats]]:
     """By cause and name; empty where it is not asked for."""
     if not settings.uncertainty:
         return {}
+    stood = None if static is None else static.points
     return gait_uncertainty(
         trial, known.measures, method=settings.made, errors=settings.errors(width_mm=known.width_mm), static=stood,
         flat_foot=settings.flat_foot, axes=bool(settings.axes_from(stood)),
+        clusters=None if static is None else static.clusters,
     )  # fmt: skip
 
 

@@ -61,6 +61,7 @@ def update_gait(root: Path, results: Path, settings: Settings, *, self_contained
         figures = gait_of_files(
             walks, static=static, functional=moved, measures=table.stated_measures(root), markers=table.markers,
             reference=None if table.reference is None else root / table.reference, folder=folder, mvc=strong,
+            clusters=table.clusters,
             exports=table.exports, settings=table.settings(), self_contained=self_contained,
         ).figures  # fmt: skip
     except KinemarkError as error:

@@ -31,6 +31,9 @@ OTHER_MS = 200.0
 """Difference from which it is another event, ms; chosen: a step takes 500."""
 SIZE_OF = {"knee_width": "mm", "ankle_width": "mm", "device": "share"}
 """In which unit a doubt about a static trial is said; else in degrees."""
+LOOSE_MM = 8.0
+"""RMS misfit of a cluster's markers; chosen: of skin over the thigh of a walker it was 1.7 mm, of exchanged markers
+tens."""
 TURN_DEG = 30.0
 """By which the pelvis faces another way than where it walks, deg; chosen: in straight walks it was below 20."""
 
@@ -78,6 +81,17 @@ class StaticAxes(NamedTuple):
     doubts: tuple[StaticDoubt, ...]
 
 
+class ClustersShown(NamedTuple):
+    """Segments that clusters have carried.
+
+    Attributes:
+        trial: that calibrated them. misfit_mm: by segment, RMS distance of a marker from where its cluster has it.
+    """
+
+    trial: str
+    misfit_mm: Mapping[str, float]
+
+
 def gait_figures(
     trials: Sequence[GaitOfTrial],
     curves: Sequence[GaitCurves],
@@ -91,6 +105,7 @@ def gait_figures(
     estimated: Sequence[str] = (),
     hips: HipsShown | None = None,
     axes: StaticAxes | None = None,
+    clusters: ClustersShown | None = None,
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
@@ -100,7 +115,7 @@ def gait_figures(
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
         reference: band of controls. estimated: "legs" and "mass", where nobody measured them.
-        hips: that a motion has shown. axes: that the static trial has shown.
+        hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
     """
     strides = [stride for trial in trials for stride in trial.strides]
@@ -108,6 +123,7 @@ def gait_figures(
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *([] if axes is None else _of_axes(axes)),
+        *([] if clusters is None else _of_clusters(clusters)),
         *_findings(trials, strides, measures, static),
     ]
     uncertainty = _uncertainty(causes)
@@ -234,6 +250,17 @@ def _of_axes(axes: StaticAxes) -> Iterator[Finding]:
             "gait_axes_doubtful", trial=axes.trial, side=doubt.side, what=doubt.what, by_mm=mm, by_share=share,
             by_deg=deg,
         )  # fmt: skip
+
+
+def _of_clusters(clusters: ClustersShown) -> Iterator[Finding]:
+    """Which segments they carried, and those whose markers moved against each other."""
+    known = {name: mm for name, mm in clusters.misfit_mm.items() if np.isfinite(mm)}
+    names = list(clusters.misfit_mm)
+    worst = max(known.values(), default=None)
+    yield make_finding("gait_clusters", trial=clusters.trial, segments_list=names, misfit_mm=worst)
+    for name, mm in known.items():
+        if mm > LOOSE_MM:
+            yield make_finding("gait_cluster_loose", trial=clusters.trial, segment=name, misfit_mm=mm)
 
 
 def _findings(

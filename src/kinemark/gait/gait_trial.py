@@ -15,6 +15,7 @@ from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
 from .clinical_angles import READINGS, clinical_angles, progression
 from .clinical_moments import clinical_force, clinical_moment
+from .clusters import CalibratedBody
 from .hip_centre import HipCentre
 from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads, twice_five_point
 from .lower_limb import LowerLimbs, lower_limbs
@@ -51,20 +52,23 @@ class GaitTrial:
     signals: Signals
 
 
-def analyse_gait(trial: Trial, measures: SubjectMeasures, *, method: Any = None) -> GaitTrial:
+def analyse_gait(
+    trial: Trial, measures: SubjectMeasures, *, method: Any = None, body: CalibratedBody | None = None
+) -> GaitTrial:
     """Segments, angles, ground reactions, moments and powers of a trial.
 
     Args:
         trial: with named markers, mm; plates and channels where there are.
         measures: of the subject, with the offsets of the feet.
         method: one of `GAIT`; `Physical()` where None.
+        body: clusters that show segments; by the model's markers alone where None.
 
     Raises:
         KinemarkError: a marker is missing, or a plate cannot be read.
         ValueError: the method is none of gait analysis.
     """
     method = GAIT.make() if method is None else method
-    found: GaitTrial = GAIT.function(method)(trial, measures, method=method)
+    found: GaitTrial = GAIT.function(method)(trial, measures, method=method, body=body)
     return found
 
 
@@ -92,6 +96,7 @@ class Inputs(NamedTuple):
     Attributes:
         points: (F, 3) mm by name. measures: of the subject.
         reactions: of the plates. contacts: on them. rate: frames a second. up: of the laboratory.
+        body: clusters that show segments, where there are.
     """
 
     points: Mapping[str, Floats]
@@ -100,24 +105,35 @@ class Inputs(NamedTuple):
     contacts: tuple[Contact, ...]
     rate: float
     up: Floats = Z_UP
+    body: CalibratedBody | None = None
 
 
-def inputs_of(trial: Trial, points: Mapping[str, Floats], measures: SubjectMeasures, *, threshold_n: float) -> Inputs:
+def inputs_of(
+    trial: Trial, points: Mapping[str, Floats], measures: SubjectMeasures, *, threshold_n: float,
+    body: CalibratedBody | None = None,
+) -> Inputs:  # fmt: skip
     """Of a trial whose markers are at `points` (F, 3) mm."""
     rate, n = trial.trajectories.rate, trial.trajectories.n_frames
     plates = tuple(reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=threshold_n) for p in trial.plates)
-    return Inputs(points, measures, plates, contacts(plates, points, rate=rate), rate)
+    return Inputs(points, measures, plates, contacts(plates, points, rate=rate), rate, body=body)
 
 
 def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
     """Segments, loads and all quantities."""
-    limbs = lower_limbs(given.points, given.measures, hip_centre=how.hip_centre)
+    limbs = limbs_of(given, how.hip_centre)
     on = {side: ground_contact(side, given.reactions, given.contacts, how.counts) for side in SIDES}
     loads = leg_loads(limbs, on, given, how)
     angles = clinical_angles(limbs, up=given.up)
     angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, progression(limbs, given.up))
     signals = signals_of(angles, loads, on, given.measures.mass_kg, rate=given.rate)
     return GaitTrial(limbs, given.reactions, given.contacts, loads, signals)
+
+
+def limbs_of(given: Inputs, hip_centre: HipCentre) -> LowerLimbs:
+    """Segments, by clusters where there are."""
+    if given.body is not None:
+        return given.body.limbs(given.points, given.measures, hip_centre=hip_centre)
+    return lower_limbs(given.points, given.measures, hip_centre=hip_centre)
 
 
 def leg_loads(

@@ -25,7 +25,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side, SubjectMeasures
 from ..kinematics import turned
-from .hip_centre import HipCentre, davis, hara, harrington
+from .hip_centre import davis, hara, harrington
 from .segments import Segment, joint_centre, mean_length, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
@@ -80,7 +80,11 @@ class LowerLimbs:
 
 
 def lower_limbs(
-    points: Mapping[str, Floats], measures: SubjectMeasures, *, hip_centre: HipCentre = "davis"
+    points: Mapping[str, Floats],
+    measures: SubjectMeasures,
+    *,
+    hip_centre: str = "davis",
+    carried: Mapping[str, Segment] | None = None,
 ) -> LowerLimbs:
     """Segments (1) to (4) in every frame; NaN where a marker is missing.
 
@@ -88,13 +92,14 @@ def lower_limbs(
         points: (…, 3) mm by name: LASI, RASI, SACR or LPSI and RPSI, and L and R of `LEG_MARKERS`.
         measures: of the subject; feet whose offsets are None are left as the line from TOE to ankle.
         hip_centre: the regression.
+        carried: segments that clusters show instead, by "left thigh", "right shank", "left foot" (without offsets), ….
 
     Raises:
         KinemarkError: a marker is not there.
     """
     check_markers(points)
     hips = hips_of(points, measures, hip_centre=hip_centre)
-    left, right = (_leg(points, hips[side], measures, side) for side in SIDES)
+    left, right = (_leg(points, hips[side], measures, side, carried or {}) for side in SIDES)
     return LowerLimbs(pelvis_of(points)[0], left, right)
 
 
@@ -135,14 +140,17 @@ def _back(points: Mapping[str, Floats]) -> Floats:
     return (points["LPSI"] + points["RPSI"]) / 2
 
 
-def _leg(points: Mapping[str, Floats], hip: Floats, measures: SubjectMeasures, side: Side) -> Leg:
+def _leg(
+    points: Mapping[str, Floats], hip: Floats, measures: SubjectMeasures, side: Side, carried: Mapping[str, Segment]
+) -> Leg:
     own, left, r = measures.leg(side), TO_THE_LEFT[side], measures.marker_diameter_mm / 2
     thi, kne, tib, ank, _, toe = (points[LETTER[side] + name] for name in LEG_MARKERS)
     knee = joint_centre(hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left)
-    thigh = upright(knee, hip - knee, left * (kne - knee))  # (2)
+    thigh = carried.get(f"{side} thigh") or upright(knee, hip - knee, left * (kne - knee))  # (2)
+    knee = thigh.origin
     ankle = joint_centre(knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left)
-    shank = upright(ankle, knee - ankle, left * (ank - ankle))  # (3)
-    bare = upright(toe, ankle - toe, shank.R[..., 1])  # (4)
+    shank = carried.get(f"{side} shank") or upright(ankle, knee - ankle, left * (ank - ankle))  # (3)
+    bare = carried.get(f"{side} foot") or upright(toe, shank.origin - toe, shank.R[..., 1])  # (4)
     offsets = (own.plantar_offset_deg or 0.0, own.rotation_offset_deg or 0.0)
     foot = Segment(bare.R @ foot_offsets(*offsets, side), bare.origin)
     return Leg(hip, thigh, shank, shank.turned_about_z(-left * own.torsion_deg), foot, bare)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ..data import Trial
+from ..data import Trajectories, Trial
 from ..data.array_types import Floats
 from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
+from ..kinematics.smooth import residual_cutoff, smooth_butterworth
+from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point
 from .lower_limb import MODEL_MARKERS
@@ -41,24 +44,44 @@ class Physical(Method):
         """As chosen; contacts that the recording cuts still count."""
         return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
 
-    def markers(self, trial: Trial) -> dict[str, Floats]:
-        """(F, 3) mm by name, smoothed."""
-        return marker_points(smoothed_trial(trial, self))
+    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
+        """(F, 3) mm by name, smoothed; the model's, and those of clusters besides."""
+        return marker_points(smoothed_trial(trial, self, besides=besides))
+
+    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats] | None:
+        """(F, 3) mm by name, filtered twice, each marker at the cut-off of the first time; None where no filter is.
+
+        What a filter H takes of the motion s, (1 − H) s, is hardly noise any more when it is done again: H (1 − H) s.
+        """
+        if self.smoothing != "butterworth":
+            return None
+        once = smoothed_trial(trial, self, besides=besides)
+        paths = []
+        for raw, path in zip(_used(trial, besides), once.trajectories, strict=True):
+            cutoff = self.cutoff_hz or residual_cutoff(raw, rate=trial.trajectories.rate)
+            paths.append(smooth_butterworth(path, trial.trajectories.rate, method=Butterworth(cutoff_hz=cutoff)))
+        return marker_points(replace(once, trajectories=replace(once.trajectories, paths=tuple(paths))))
 
 
 @GAIT.method("physical", Physical)
-def physical_gait(trial: Trial, measures: SubjectMeasures, *, method: Physical) -> GaitTrial:
+def physical_gait(
+    trial: Trial, measures: SubjectMeasures, *, method: Physical, body: CalibratedBody | None = None
+) -> GaitTrial:
     """See `analyse_gait`."""
-    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
+    points = method.markers(trial, besides=() if body is None else body.markers)
+    given = inputs_of(trial, points, measures, threshold_n=method.threshold_n, body=body)
     return gait_of(given, method.mechanics)
 
 
-def smoothed_trial(trial: Trial, method: Physical) -> Trial:
-    """The trial with the model's markers, smoothed."""
+def smoothed_trial(trial: Trial, method: Physical, *, besides: Collection[str] = ()) -> Trial:
+    """The trial with the model's markers and those besides, smoothed."""
     if method.smoothing == "none":
         return trial
     make = Butterworth if method.smoothing == "butterworth" else WoltringSpline
-    markers = trial.trajectories.select(
-        [n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in MODEL_MARKERS + UPPER_BODY_MARKERS]
-    )
-    return replace(trial, trajectories=smooth(markers, method=make(cutoff_hz=method.cutoff_hz)))
+    return replace(trial, trajectories=smooth(_used(trial, besides), method=make(cutoff_hz=method.cutoff_hz)))
+
+
+def _used(trial: Trial, besides: Collection[str]) -> Trajectories:
+    """The model's markers and those besides."""
+    wanted = {*MODEL_MARKERS, *UPPER_BODY_MARKERS, *besides}
+    return trial.trajectories.select([n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in wanted])

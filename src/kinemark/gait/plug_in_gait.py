@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
-from ..data import Trial
+from ..data import KinemarkError, Trial
 from ..data.array_types import Floats
 from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
+from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point_slope, spline_acceleration
 from .reaction import THRESHOLD_N
@@ -29,13 +31,24 @@ class PlugInGait(Method):
         """Plug-in Gait's own."""
         return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration)
 
-    def markers(self, trial: Trial) -> dict[str, Floats]:
+    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
         """(F, 3) mm by name, as they are."""
         return marker_points(trial)
 
+    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> None:
+        """Nothing is filtered."""
+
 
 @GAIT.method("plug_in_gait", PlugInGait, source="Kadaba et al. 1990; Davis et al. 1991")
-def gait_as_plug_in_gait(trial: Trial, measures: SubjectMeasures, *, method: PlugInGait) -> GaitTrial:
-    """See `analyse_gait`."""
+def gait_as_plug_in_gait(
+    trial: Trial, measures: SubjectMeasures, *, method: PlugInGait, body: CalibratedBody | None = None
+) -> GaitTrial:
+    """See `analyse_gait`.
+
+    Raises:
+        KinemarkError: there are clusters.
+    """
+    if body is not None:
+        raise KinemarkError("Plug-in Gait has no clusters. Use the method physical with them, or leave them out.")
     given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
     return gait_of(given, method.mechanics)

@@ -8,7 +8,7 @@ the foot where the standing trial had it:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, NamedTuple
 
@@ -17,6 +17,7 @@ import numpy as np
 from ..data import KinemarkError, MarkerTrajectory, Origin, Trial
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER
+from .clusters import Clusters, carried_landmarks, check_clusters, with_wands
 from .gait_trial import marker_points
 from .marker_names import model_names, with_model_names
 from .segments import level_axes, unit, upright
@@ -42,20 +43,24 @@ class StandardTrial(NamedTuple):
     heels: tuple[str, ...] = ()
 
 
-def standard_trial(trial: Trial, *, markers: Mapping[str, str] | None = None, up: Up = "auto") -> StandardTrial:
+def standard_trial(
+    trial: Trial, *, markers: Mapping[str, str] | None = None, up: Up = "auto", turn: Floats | None = None
+) -> StandardTrial:
     """The trial as the model wants it; the same trial where it is so.
 
     Args:
         trial: with named markers, mm.
         markers: the trial's name by the model's, of those that `model_names` does not know.
         up: the axis of the laboratory; as the markers show where "auto".
+        turn: (3, 3) of another trial of the laboratory, in place of `up`.
 
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up.
     """
     known = model_names(trial.trajectories.names, markers)
     named = replace(trial, trajectories=with_model_names(trial.trajectories, known))
-    turn = level_axes(_axis(up) if up != "auto" else up_shown(marker_points(named)))
+    if turn is None:
+        turn = level_axes(_axis(up) if up != "auto" else up_shown(marker_points(named)))
     if np.array_equal(turn, np.eye(3)):
         return StandardTrial(named, turn, known)
     return StandardTrial(_turned(named, turn), turn, known)
@@ -102,15 +107,35 @@ def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTria
         local = np.einsum("fji,fj->fi", Qs, stood[letter + "HEE"] - stood[names[0]])
         if not np.isfinite(local).all(1).any():
             continue
-        xyz = points[names[0]] + Q @ np.nanmedian(local, axis=0)
-        heel = MarkerTrajectory.measured(letter + "HEE", xyz)
-        origin = np.where(heel.origin == Origin.MISSING, Origin.MISSING, Origin.FILLED)
-        added.append(replace(heel, origin=origin.astype(np.uint8)))
-    if not added:
-        return walk
+        added.append(_filled(letter + "HEE", points[names[0]] + Q @ np.nanmedian(local, axis=0)))
+    return _with(walk, added)._replace(heels=tuple(path.name for path in added)) if added else walk
+
+
+def with_landmarks(walk: StandardTrial, stood: Mapping[str, Floats], clusters: Clusters) -> StandardTrial:
+    """The walk with the landmarks of its segments that it does not wear, where clusters carry them.
+
+    Args:
+        walk: to be completed. stood: (F, 3) mm of the standing trial by the model's names. clusters: at least one.
+
+    Raises:
+        KinemarkError: a cluster's marker is in one of both not there, or a cluster cannot be calibrated.
+    """
+    points = marker_points(walk.trial)
+    check_clusters(clusters, points, "walk")
+    carried = carried_landmarks(points, with_wands(stood), clusters)
+    return _with(walk, [_filled(name, xyz) for name, xyz in carried.items() if name not in points])
+
+
+def _with(walk: StandardTrial, added: Sequence[MarkerTrajectory]) -> StandardTrial:
     paths = (*walk.trial.trajectories.paths, *added)
-    whole = replace(walk.trial, trajectories=replace(walk.trial.trajectories, paths=paths))
-    return walk._replace(trial=whole, heels=tuple(path.name for path in added))
+    return walk._replace(trial=replace(walk.trial, trajectories=replace(walk.trial.trajectories, paths=paths)))
+
+
+def _filled(name: str, xyz: Floats) -> MarkerTrajectory:
+    """A marker that nobody wears in this trial, at (F, 3) mm."""
+    path = MarkerTrajectory.measured(name, xyz)
+    origin = np.where(path.origin == Origin.MISSING, Origin.MISSING, Origin.FILLED)
+    return replace(path, origin=origin.astype(np.uint8))
 
 
 def in_laboratory(values: Floats, turn: Floats) -> Floats:

@@ -11,6 +11,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
 from ..kinematics import principal
+from .clusters import with_wands
 from .hip_centre import HipCentre
 from .lower_limb import FOOT_SEQUENCE, LowerLimbs, lower_limbs
 from .segments import Z_UP, mean_length, relative, upright
@@ -40,7 +41,7 @@ def with_static_offsets(
     Raises:
         KinemarkError: a marker is not there, or no frame has all that a foot needs.
     """
-    static = with_knees(static)
+    static = with_wands(with_knees(static))
     if axes:
         measures = with_static_axes(measures, static, hip_centre=hip_centre)
     limbs = lower_limbs(static, measures, hip_centre=hip_centre)

@@ -8,13 +8,16 @@ Causes that stay as they are through a trial are shifted in all frames at once, 
 segment: where a marker sits on its landmark (in the static trial too), the hip joint centre, widths, skin over bone,
 and where the plates lie. A hip that a motion has shown stays in the bone where a marker of the pelvis is shifted. Noise
 of the markers is independent between frames, and derivatives make much of it, so that it is drawn at random (2): the
-deviation of y over `draws` trials with noise of the stated covariance.
+deviation s of y over n trials with noise of the stated covariance, s √((n − 1)/(n − 3)), as few draws know it badly
+(JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is
+systematic, and about what it takes when it is done once more: its standard uncertainty is |y(smoothed twice) − y| (3).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -22,12 +25,15 @@ import numpy as np
 from ..data import Signals, Trial
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
+from .clusters import Clusters, calibrated_body, landmarks_of, with_wands
 from .gait_trial import Inputs, gait_of, inputs_of
 from .lower_limb import LowerLimbs, lower_limbs, pelvis_of
 from .segments import Segment, within_half_turn
 from .static_axes import INSIDE, with_knees
 from .static_trial import with_static_offsets
 
+FEWEST_DRAWS = 4
+"""Of noise, whose deviation means something; by definition of (2)."""
 Quantities = Mapping[str, Floats]
 """(F, A) by name."""
 
@@ -42,7 +48,7 @@ class GaitErrors:
         width_mm: of the measured widths of knee and ankle.
         tissue_mm: how far skin moves markers of thigh and shank over the bone, along each axis.
         plate_mm: of the places of force plates among the markers, along each horizontal axis.
-        draws: of noise; 0 leaves it out.
+        draws: of noise; fewer than `FEWEST_DRAWS` leave it out.
         seed: of the draws.
 
     Raises:
@@ -67,6 +73,8 @@ SEGMENT_OF = {"THI": "thigh", "KNE": "thigh", "TIB": "shank", "ANK": "shank", "H
 """On which segment a marker of a leg sits."""
 STANDING = {"KAX": "thigh", "KNM": "thigh", "MED": "shank"}
 """The same of those that only the static trial has."""
+SKINNY = tuple(f"{side} {part}" for side in SIDES for part in ("thigh", "shank"))
+"""Segments whose clusters move with skin; conventional, as of single markers."""
 PELVIS = ("ASI", "PSI", "ACR")
 """Names of the pelvis' markers without their first letter."""
 
@@ -80,19 +88,23 @@ class _Model:
     flat_foot: bool
     method: Any
     axes: bool = True
+    clusters: Clusters = field(default_factory=dict)
 
     def quantities(self) -> Quantities:
         """(F, A) by name."""
-        measures = self.given.measures
+        measures, hip_centre = self.given.measures, self.method.mechanics.hip_centre
+        body = None
         if self.static is not None:
             measures = with_static_offsets(
                 measures,
                 self.static,
                 flat_foot=self.flat_foot,
-                hip_centre=self.method.mechanics.hip_centre,
+                hip_centre=hip_centre,
                 axes=self.axes,
             )
-        found = gait_of(self.given._replace(measures=measures), self.method.mechanics)
+            if self.clusters:
+                body = calibrated_body(with_wands(self.static), measures, self.clusters, hip_centre=hip_centre)
+        found = gait_of(self.given._replace(measures=measures, body=body), self.method.mechanics)
         return {signal.name: signal.values for signal in found.signals}
 
     def limbs(self, points: Mapping[str, Floats]) -> LowerLimbs:
@@ -113,32 +125,38 @@ def gait_uncertainty(
     static: Mapping[str, Floats] | None = None,
     flat_foot: bool = True,
     axes: bool = True,
+    clusters: Clusters | None = None,
 ) -> dict[str, dict[str, Floats]]:
     """(F, A) standard uncertainty of each quantity by cause, then by name of the quantity.
 
-    Causes are "noise", "placement", "hip centre", "widths", "soft tissue" and "plates"; their squares add.
+    Causes are "noise", "smoothing", "placement", "hip centre", "widths", "soft tissue" and "plates"; their squares add.
 
     Args:
         trial: with named markers. measures: of the subject, without offsets of the feet where a static trial is given.
         method: of gait analysis. errors: of the causes; the usual ones where None.
         static: (F, 3) mm by name of the standing trial whose errors count too; flat_foot: as it was stood.
         axes: it turns the wands back where it shows the axes of the joints.
+        clusters: that carry segments, calibrated in the standing trial.
     """
-    errors = GaitErrors() if errors is None else errors
-    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
-    model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes)
+    errors, clusters = GaitErrors() if errors is None else errors, clusters or {}
+    points = method.markers(trial, besides=[name for markers in clusters.values() for name in markers])
+    given = inputs_of(trial, points, measures, threshold_n=method.threshold_n)
+    model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes, clusters)
     out = {
         cause: _combined(shifted)
         for cause, shifted in {
             "placement": _placement(model, errors.placement_mm, tuple(SEGMENT_OF), pelvis=True, static=True),
             "hip centre": _hips(model, errors.hip_mm),
             "widths": _widths(model, errors.width_mm),
-            "soft tissue": _placement(model, errors.tissue_mm, ("THI", "KNE", "TIB"), pelvis=False, static=False),
+            "soft tissue": chain(
+                _placement(model, errors.tissue_mm, ("THI", "KNE", "TIB"), pelvis=False, static=False),
+                _skin_of_clusters(model, errors.tissue_mm),
+            ),
             "plates": _plates(model, errors.plate_mm),
         }.items()
     }
-    noise = _noise(trial, model, errors)
-    return {**({"noise": noise} if noise else {}), **out}
+    noise, lost = _noise(trial, model, errors), _lost(trial, model)
+    return {**({"noise": noise} if noise else {}), **({"smoothing": lost} if lost else {}), **out}
 
 
 def with_uncertainty(signals: Signals, causes: Mapping[str, Mapping[str, Floats]]) -> Signals:
@@ -169,19 +187,43 @@ def _placement(
 ) -> Iterator[Shifted]:
     """Each marker along each axis of its segment."""
     limbs = model.limbs(model.given.points)
-    stood = model.limbs(model.static) if static and model.static is not None else None
+    stood = model.limbs(with_wands(model.static)) if static and model.static is not None else None
     names = [n for n in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if pelvis and n in model.given.points]
     names += [LETTER[side] + marker for side in SIDES for marker in leg_markers]
+    by_cluster = {mark for segment in model.clusters for mark in landmarks_of(segment)}
     for name in names:
         for axis in range(3):
-            walk = sd * _segment(limbs, name).R[..., axis]
+            walk = None if name in by_cluster else sd * _segment(limbs, name).R[..., axis]
             still = None if stood is None else sd * _segment(stood, name).R[..., axis]
-            yield _shifting(model, name, walk, still)
+            if walk is not None or (still is not None and model.static is not None and name in model.static):
+                yield _shifting(model, name, walk, still)
     if stood is None:
         return
     for name in _only_standing(model):
         for axis in range(3):
             yield _shifting(model, name, None, sd * _segment(stood, name).R[..., axis])
+
+
+def _skin_of_clusters(model: _Model, sd: float) -> Iterator[Shifted]:
+    """Each marker of each cluster of a leg alone, and all of one together, along each axis of their segment."""
+    limbs = model.limbs(model.given.points)
+    for segment, markers in model.clusters.items():
+        if segment not in SKINNY:
+            continue
+        R = _segment(limbs, landmarks_of(segment)[0]).R
+        for moved in (*((marker,) for marker in markers), tuple(markers)):
+            for axis in range(3):
+                yield _moving_markers(model, moved, sd * R[..., axis])
+
+
+def _moving_markers(model: _Model, names: Sequence[str], by: Floats) -> Shifted:
+    """Some markers of the walk by so many (F, 3) mm."""
+
+    def shifted(times: float) -> _Model:
+        moved = {name: model.given.points[name] + times * by for name in names}
+        return replace(model, given=model.given._replace(points={**model.given.points, **moved}))
+
+    return shifted
 
 
 def _only_standing(model: _Model) -> list[str]:
@@ -200,8 +242,11 @@ def _shifting(model: _Model, name: str, walk: Floats | None, still: Floats | Non
         static = model.static
         if static is not None and still is not None and name in static:
             static = {**static, name: static[name] + times * still}
-        measures = _kept_hips(model.given.measures, model.given.points, points) if name[1:] in PELVIS else None
-        given = model.given._replace(points=points, measures=measures or model.given.measures)
+        measures = model.given.measures
+        if name[1:] in PELVIS:
+            moved = (model.given.points, points) if walk is not None else (model.static or {}, static or {})
+            measures = _kept_hips(measures, *moved)
+        given = model.given._replace(points=points, measures=measures)
         return replace(model, given=given, static=static)
 
     return shifted
@@ -278,10 +323,22 @@ def _moving(model: _Model, k: int, by: Floats) -> Shifted:
     return shifted
 
 
+def _lost(trial: Trial, model: _Model) -> dict[str, Floats]:
+    """(3); nothing where nothing is smoothed."""
+    again = model.method.smoothed_again(trial, besides=list(model.given.points))
+    if again is None:
+        return {}
+    once, twice = model.quantities(), replace(model, given=model.given._replace(points=again)).quantities()
+    return {
+        name: np.abs(within_half_turn(twice[name] - y) if name.endswith("Angles") else twice[name] - y)
+        for name, y in once.items()
+    }
+
+
 def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]:
     """(2); nothing where no marker states its noise or none is drawn."""
     roots = {path.name: _root(path.cov) for path in trial.trajectories}
-    if errors.draws < 2 or not any(np.isfinite(root).any() for root in roots.values()):
+    if errors.draws < FEWEST_DRAWS or not any(np.isfinite(root).any() for root in roots.values()):
         return {}
     rng = np.random.default_rng(errors.seed)
     drawn: dict[str, list[Floats]] = {}
@@ -291,17 +348,18 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
             for p in trial.trajectories
         )
         noisy = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
-        points = model.method.markers(noisy)
+        points = model.method.markers(noisy, besides=list(model.given.points))
         for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
             drawn.setdefault(name, []).append(y)
     return {name: _spread(np.array(ys), angle=name.endswith("Angles")) for name, ys in drawn.items()}
 
 
 def _spread(ys: Floats, *, angle: bool) -> Floats:
-    """(F, A) standard deviation of (draws, F, A); of angles about the first, by less than half a turn."""
+    """(F, A) standard deviation of (draws, F, A) by (2); of angles about the first, by less than half a turn."""
+    n = len(ys)
     if angle:
         ys = ys[0] + within_half_turn(ys - ys[0])
-    return np.asarray(ys.std(axis=0, ddof=1))
+    return np.asarray(ys.std(axis=0, ddof=1) * np.sqrt((n - 1) / (n - 3)))
 
 
 def _root(cov: Floats) -> Floats:

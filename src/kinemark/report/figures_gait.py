@@ -36,6 +36,10 @@ class Panel(NamedTuple):
     down: str
 
 
+BLANK = Panel("", "", 0, "", "")
+"""An empty place."""
+PLANES = ("sagittal plane", "coronal plane", "transverse plane")
+"""Of the columns of `KINEMATICS`."""
 KINEMATICS = (
     Panel("Pelvic tilt", "PelvisAngles", 0, "forward", "back"),
     Panel("Pelvic obliquity", "PelvisAngles", 1, "up", "down"),
@@ -47,10 +51,13 @@ KINEMATICS = (
     Panel("Knee adduction", "KneeAngles", 1, "varus", "valgus"),
     Panel("Knee rotation", "KneeAngles", 2, "internal", "external"),
     Panel("Ankle dorsiflexion", "AnkleAngles", 0, "dorsiflexion", "plantarflexion"),
+    BLANK,
     Panel("Ankle rotation", "AnkleAngles", 2, "internal", "external"),
+    BLANK,
+    BLANK,
     Panel("Foot progression", "FootProgressAngles", 1, "internal", "external"),
 )
-"""Rows of three, from the pelvis to the foot."""
+"""Rows of three planes, from the pelvis to the foot; ankle and foot have no angle of their own in the coronal plane."""
 KINETICS = (
     Panel("Hip moment", "HipMoment", 0, "extensors", "flexors"),
     Panel("Knee moment", "KneeMoment", 0, "extensors", "flexors"),
@@ -66,17 +73,23 @@ KINETICS = (
 
 
 def panels_figure(
-    curves: Sequence[GaitCurves], panels: Sequence[Panel], reference: GaitReference | None = None
+    curves: Sequence[GaitCurves],
+    panels: Sequence[Panel],
+    reference: GaitReference | None = None,
+    *,
+    heads: Sequence[str] = (),
 ) -> go.Figure:
     """Mean of each side, its spread as a band, the measurement's SD as thin lines, foot off as dashed uprights.
 
-    The reference's mean ± SD is a grey band below them.
+    The reference's mean ± SD is a grey band below them; `heads` stand above the columns.
     """
     known = [panel for panel in panels if _of(curves, panel)]
     if not known:
         return empty("There is nothing to draw: no stride has these quantities.")
     units = [next((one.unit for one in _of(curves, panel)), "") for panel in panels]
-    fig = panel_grid([f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)])
+    fig = panel_grid(
+        [f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)], heads
+    )
     for i, panel in enumerate(panels):
         place = panel_place(i)
         if reference is not None and panel.name in reference.mean:
@@ -85,7 +98,25 @@ def panels_figure(
         for one in _of(curves, panel):
             _draw(fig, one, panel, place)
         _directions(fig, panel, i)
+        if panel is BLANK:
+            fig.update_xaxes(visible=False, **panel_place(i))
+            fig.update_yaxes(visible=False, **panel_place(i))
+    blank = max((i for i, panel in enumerate(panels) if panel is BLANK), default=None)
+    if blank is not None:
+        _key(fig, blank - 1, with_reference=reference is not None)
     return fig
+
+
+def _key(fig: go.Figure, i: int, *, with_reference: bool) -> None:
+    """Which line is which, in an empty panel."""
+    lines = [f'<span style="color:{colour}">━━ {side}</span>' for side, colour in SIDE_COLOURS.items()]
+    lines += ["┅┅ measured to ±", "┊ foot off"]
+    lines += [f'<span style="color:{REFERENCE_COLOUR}">▒▒ reference</span>'] if with_reference else []
+    x, y = fig.layout[f"xaxis{i + 1}"].domain[0], fig.layout[f"yaxis{i + 1}"].domain[1]
+    fig.add_annotation(
+        text="<br>".join(lines), xref="paper", yref="paper", x=x, y=y, xanchor="left", yanchor="top",
+        align="left", showarrow=False, font={"size": 11},
+    )  # fmt: skip
 
 
 def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
@@ -106,19 +137,25 @@ def _emg_figure(muscles: Sequence[GaitCurves]) -> go.Figure:
     return fig
 
 
-def panel_grid(titles: Sequence[str]) -> go.Figure:
-    """Panels in rows of three with a stride below each."""
+def panel_grid(titles: Sequence[str], heads: Sequence[str] = ()) -> go.Figure:
+    """Panels in rows of three with a stride below each, and what the columns are above them."""
     rows = -(-len(titles) // 3)
     fig = make_subplots(
         rows=rows, cols=3, subplot_titles=titles, vertical_spacing=60 / (140 + 190 * rows), horizontal_spacing=0.07
     )
-    style = figure(60 + 190 * rows, margin={"l": 44, "r": 12, "t": 40, "b": 44}).layout
+    style = figure(60 + 190 * rows, margin={"l": 44, "r": 24, "t": 64 if heads else 40, "b": 44}).layout
     fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
     fig.update_annotations(font_size=12)
+    for column, head in enumerate(heads):
+        fig.add_annotation(
+            text=f"<b>{head}</b>", xref=f"x{column + 1 if column else ''} domain", yref="paper", x=0.5, y=1, yshift=26,
+            yanchor="bottom", showarrow=False, font={"size": 12},
+        )  # fmt: skip
     axis = axis_style() | {"tickfont": {"size": 10}, "title": None}
-    fig.update_yaxes(**axis)
+    fig.update_yaxes(**axis | {"zerolinecolor": FAINT, "zerolinewidth": 0.8})
     fig.update_xaxes(**axis | {"range": [0, 100], "dtick": 20})
-    for i in range(max(len(titles) - 3, 0), len(titles)):
+    lowest = {i % 3: i for i, title in enumerate(titles) if title}
+    for i in lowest.values():
         fig.update_xaxes(title={"text": "stride (%)", "font": {"size": 11}, "standoff": 4}, **panel_place(i))
     return fig.update_layout(showlegend=False)
 
@@ -129,11 +166,11 @@ def panel_place(i: int) -> dict[str, int]:
 
 
 def _directions(fig: go.Figure, panel: Panel, i: int) -> None:
-    """What is up and what is down, small, in the corners."""
+    """What is up and what is down, small, along the right edge, where no curve is."""
     number = "" if i == 0 else str(i + 1)
     for text, y in ((panel.up, 1.0), (panel.down, 0.0)):
         fig.add_annotation(
-            text=text, x=0.99, y=y, xref=f"x{number} domain", yref=f"y{number} domain", xanchor="right",
+            text=text, x=1.0, y=y, xref=f"x{number} domain", yref=f"y{number} domain", xanchor="left", textangle=-90,
             yanchor="top" if y else "bottom", showarrow=False, font={"size": 9, "color": FAINT},
         )  # fmt: skip
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
-from .figures_gait import KINEMATICS, KINETICS, emg_figures, panels_figure
+from .figures_gait import KINEMATICS, KINETICS, PLANES, emg_figures, panels_figure
 from .formatting import number
 from .identity_text import identity_text
 from .tables import Table
@@ -74,7 +74,7 @@ def gait_page(
         figures=figures,
         time_table=time_distance_table(figures),
         measures=measures_table(figures),
-        kinematics=panels_figure(curves, KINEMATICS, reference),
+        kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
         kinetics=panels_figure(curves, KINETICS, reference),
         emg=emg_figures(curves),
         emg_whole=WHOLE.get(whole := figures.get("emg_whole", "trial"), f"its greatest value in {whole}"),

@@ -22,6 +22,8 @@ falls to σ² (4). Winter draws a straight line through r by eye; (3) is that li
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from ..data.array_types import Floats
@@ -39,10 +41,9 @@ def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> 
     Raises:
         ValueError: the cut-off is not between 0 and half the rate, or there are too few samples.
     """
-    from scipy.signal import butter, sosfiltfilt  # a second to import, which no other command should wait for
+    from scipy.signal import sosfiltfilt  # a second to import, which no other command should wait for
 
-    f0 = _each_pass(cutoff_hz, rate, order)
-    sections = butter(order, f0, fs=rate, output="sos")
+    sections = _sections(cutoff_hz, rate, order)
     if len(y) <= edge_samples(order):
         raise ValueError(f"{len(y)} samples, wanted more than {edge_samples(order)} for order {order}")
     return sosfiltfilt(sections, y, axis=0, padlen=edge_samples(order))
@@ -75,6 +76,26 @@ def edge_samples(order: int) -> int:
     return 6 * order
 
 
+@lru_cache(maxsize=8 * CUTOFFS)
+def _sections(cutoff_hz: float, rate: float, order: int) -> Floats:
+    """Of one pass, second-order; residual analysis asks for the same ones for every marker, and designs take longer
+    than filtering."""
+    from scipy.signal import butter
+
+    return np.asarray(butter(order, _each_pass(cutoff_hz, rate, order), fs=rate, output="sos"))
+
+
+@lru_cache(maxsize=16)
+def _taken_of_noise(rate: float, order: int) -> Floats:
+    """(CUTOFFS) of white noise of variance 1, what the filter takes away (3) at the cut-offs of residual analysis."""
+    return np.array([np.mean((1 - _response(rate, f, order)) ** 2) for f in _cutoffs(rate)])
+
+
+def _cutoffs(rate: float) -> Floats:
+    """(CUTOFFS) Hz that residual analysis tries."""
+    return np.linspace(1, CUTOFFS, CUTOFFS) / CUTOFFS * HIGHEST * rate
+
+
 def _each_pass(cutoff_hz: float, rate: float, order: int) -> float:
     if order < 1 or not 0 < cutoff_hz < rate / 2:
         raise ValueError(f"cutoff_hz is {cutoff_hz:g} and order {order}, wanted 0 to {rate / 2:g} Hz and 1 or more")
@@ -104,9 +125,9 @@ def residual_analysis(y: Floats, *, rate: float, order: int = 2) -> tuple[float,
     """
     if len(y) < 30:
         raise ValueError(f"{len(y)} samples, wanted 30 or more for residual analysis")
-    cutoffs = np.linspace(1, CUTOFFS, CUTOFFS) / CUTOFFS * HIGHEST * rate
+    cutoffs = _cutoffs(rate)
     r2 = np.array([np.mean((butterworth(y, rate=rate, cutoff_hz=f, order=order) - y) ** 2) for f in cutoffs])
-    noise = np.array([np.mean((1 - _response(rate, f, order)) ** 2) for f in cutoffs])
+    noise = _taken_of_noise(rate, order)
     upper = cutoffs > cutoffs[-1] / 2
     sigma2 = float((r2[upper] @ noise[upper]) / (noise[upper] @ noise[upper]))  # (3)
     below = np.flatnonzero(r2 <= sigma2)

@@ -7,6 +7,7 @@
             segment, turned back by the wand's angle                                                          (4)
     KAX, KD1, KD2  of a device with its apex at KNE, the first along the axis outwards; KNM, MED at the inner ends of
             the axes
+    clusters  of four markers on a plate on each segment that `plated` names, PV1 to 4, and TH, SK and FT after L or R
     foot    its sole's line from toe to heel; TOE hangs on the ankle by two angles, as the model sees no third     (5)
 
 The feet carry the body by turns, so that the pelvis moves over the foot that stands (`gait.stride_of_soles`).
@@ -45,6 +46,13 @@ BEGIN = 0.1
 """Of the left leg's stride, at the time 0; chosen."""
 GLIDE_DEG = 60.0
 """Of knee flexion, at which a glide is as long as stated; by definition."""
+PLATES = {
+    "pelvis": np.array([[-150.0, 60, 20], [-150, -60, 20], [-155, 0, 80], [-145, 10, -30]]),
+    "thigh": np.array([[30.0, 80, 250], [-50, 75, 240], [40, 85, 150], [-40, 70, 130]]),
+    "shank": np.array([[20.0, 60, 250], [-50, 55, 240], [25, 62, 160], [-45, 50, 150]]),
+    "foot": np.array([[20.0, 30, 40], [20, -30, 60], [25, 25, 110], [40, -20, 120]]),
+}
+"""(4, 3) mm of a cluster's markers in the left segment; chosen, of the size of plates that are worn."""
 ZERO = np.zeros(3)
 """No displacement, mm; by definition."""
 
@@ -58,6 +66,7 @@ class WalkingBody:
         asis_mm: between the front points.
         speed_mm_s: of the pelvis on average.
         placement_mm: (3) by marker, how far it sits from its landmark, in the axes of its segment.
+        plated: segments that wear a cluster, as "pelvis" and "left thigh". unworn: markers that only standing has.
         worn: markers that the standing trial has besides, of `STATIC_MARKERS`; with KAX it has no KNE.
         tissue_mm: likewise, how far skin has moved it over the bone; only while walking.
         hip_error_mm: (3) by side, how far the hip is from where the regression has it, in the pelvis.
@@ -69,6 +78,8 @@ class WalkingBody:
     asis_mm: float = 240.0
     speed_mm_s: float = 1150.0
     worn: tuple[str, ...] = ()
+    plated: tuple[str, ...] = ()
+    unworn: tuple[str, ...] = ()
     placement_mm: Mapping[str, Floats] = field(default_factory=dict)
     tissue_mm: Mapping[str, Floats] = field(default_factory=dict)
     hip_error_mm: Mapping[Side, Floats] = field(default_factory=dict)
@@ -125,6 +136,7 @@ class WalkingBody:
             "LASI": pelvis.at(np.array([0.0, half, 0.0])), "RASI": pelvis.at(np.array([0.0, -half, 0.0])),
             "SACR": pelvis.at(np.array([-PELVIS_DEPTH_MM, 0.0, 0.0])),
         }  # fmt: skip
+        found |= {f"PV{k + 1}": pelvis.at(at) for k, at in enumerate(PLATES["pelvis"]) if "pelvis" in self.plated}
         on = dict.fromkeys(found, pelvis.R)
         for side in SIDES:
             leg, own, s, letter = limbs.leg(side), m.leg(side), TO_THE_LEFT[side], LETTER[side]
@@ -136,6 +148,7 @@ class WalkingBody:
                 "TOE": (leg.foot.origin, leg.foot.R),
                 "HEE": (leg.foot.origin + FOOT_MM * leg.foot.R[..., 2], leg.foot.R),
             }
+            sites |= self._plate_sites(leg, side)
             if not walking:
                 sites |= self._standing_sites(leg, side)
             found |= {letter + name: xyz for name, (xyz, _) in sites.items()}
@@ -144,8 +157,17 @@ class WalkingBody:
         if walking:
             off = {name: by + self.tissue_mm.get(name, ZERO) for name, by in off.items()}
         moved = {name: xyz + on[name] @ off[name] for name, xyz in found.items()}
-        unworn = () if walking or "KAX" not in self.worn else ("LKNE", "RKNE")
+        unworn = self.unworn if walking else () if "KAX" not in self.worn else ("LKNE", "RKNE")
         return {name: xyz for name, xyz in moved.items() if name not in unworn}
+
+    def _plate_sites(self, leg: Leg, side: Side) -> dict[str, tuple[Floats, Floats]]:
+        """Places and axes of the markers of a leg's clusters."""
+        out = {}
+        for name, part in (("TH", "thigh"), ("SK", "shank"), ("FT", "foot")):
+            segment: Segment = getattr(leg, part)
+            for k, at in enumerate(PLATES[part] if f"{side} {part}" in self.plated else ()):
+                out[f"{name}{k + 1}"] = (segment.at(at * (1.0, TO_THE_LEFT[side], 1.0)), segment.R)
+        return out
 
     def _standing_sites(self, leg: Leg, side: Side) -> dict[str, tuple[Floats, Floats]]:
         """Places and axes of the markers that only the standing trial wears."""
@@ -161,8 +183,10 @@ class WalkingBody:
     def _path(self) -> Stride:
         turns = np.arange(GRID) / GRID
         limbs = self._limbs(turns, np.zeros((GRID, 3)))
-        feet = [limbs.left.foot, limbs.right.foot]
-        soles = [point for foot in feet for point in (foot.origin, foot.origin + FOOT_MM * foot.R[..., 2])]
+        soles = []
+        for side in SIDES:  # as with hips where the regression has them: else the leg whose hip is higher hardly treads
+            foot, off = limbs.leg(side).foot, limbs.pelvis.R @ self.hip_error_mm.get(side, ZERO)
+            soles += [foot.origin - off, foot.origin + FOOT_MM * foot.R[..., 2] - off]
         return stride_of_soles(np.stack(soles))
 
     def _limbs(self, turns: Floats, origin: Floats) -> LowerLimbs:

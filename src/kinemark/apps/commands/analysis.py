@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.angle_settings import AngleSettings
 from ...engine.gait_settings import GaitSettings
+from ...gait.clusters import segment_name
 from ...io.notes import file_note_text
 from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
@@ -139,6 +140,7 @@ def gait(
     functional: Path | None = None,
     measures: Path | None = None,
     marker: tuple[str, ...] = (),
+    cluster: tuple[str, ...] = (),
     reference: Path | None = None,
     mvc: Path | None = None,
     output: Path | None = None,
@@ -156,6 +158,8 @@ def gait(
         functional: a motion that turns the hips in all directions, which shows their centres.
         measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
         marker: the file's name of one of the gait model's markers, as SACR=sacrum; may be given for each marker.
+        cluster: three or more markers that carry a segment, calibrated in the static trial, as "left thigh=A,B,C"; may
+            be given for the pelvis, and for thigh, shank and foot of each side.
         reference: band of controls, as kinemark gait-reference writes it: drawn grey, and scored against.
         mvc: trial of the muscles' greatest contractions, which are 100 % of the EMG.
         output: folder of the results; beside the first walk, its name and _gait, where none is given.
@@ -170,7 +174,8 @@ def gait(
 
     result = gait_of_files(
         walks, static=static, functional=functional, measures=measures, markers=_pairs(marker), reference=reference,
-        mvc=mvc, folder=output, exports=exports, settings=settings, self_contained=self_contained,
+        mvc=mvc, clusters=_clusters(cluster), folder=output, exports=exports, settings=settings,
+        self_contained=self_contained,
     )  # fmt: skip
     if json:
         print_result(result.figures)
@@ -188,6 +193,16 @@ def _pairs(markers: tuple[str, ...]) -> dict[str, str]:
             f"--marker {wrong[0]} is not understood. Write the model's name, then the file's: SACR=sacrum."
         )
     return {ours.strip(): theirs.strip() for ours, _, theirs in pairs}
+
+
+def _clusters(texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Markers by segment, of texts such as "left thigh=A,B,C"."""
+    parts = [text.partition("=") for text in texts]
+    if wrong := ["".join(part) for part in parts if not (part[0].strip() and part[2].strip())]:
+        raise KinemarkError(
+            f"--cluster {wrong[0]!r} is not understood. Write the segment, then its markers: 'left thigh=A,B,C'."
+        )
+    return {segment_name(part[0]): tuple(name.strip() for name in part[2].split(",")) for part in parts}
 
 
 def gait_compare(

@@ -10,6 +10,7 @@ from pydantic import Field, field_validator
 
 from ...data import KinemarkError
 from ...data.subject_measures import SubjectMeasures
+from ...gait.clusters import SEGMENTS, segment_name
 from ...gait.standard_trial import Up
 from ...io.measures_toml import measures_of_table
 from ..gait_exports import exports_of
@@ -33,6 +34,11 @@ class GaitTable(Strict):
     )
     markers: dict[str, str] = Field(
         default={}, description="the recording's names of markers by the gait model's, where they are not usual ones"
+    )
+    clusters: dict[str, tuple[str, ...]] = Field(
+        default={},
+        description="three or more markers that carry a segment, calibrated in the static trial, by pelvis, "
+        "left_thigh, left_shank, left_foot, right_thigh, …; the gait model's markers alone where absent",
     )
     reference: Path | None = Field(default=None, description="band of controls: drawn grey, and scored against")
     exports: str = Field(default="", description='files for other programs, as "trc,mot,sto,gcd"')
@@ -75,6 +81,16 @@ class GaitTable(Strict):
             except KinemarkError as error:
                 raise ValueError(str(error)) from None
         return value
+
+    @field_validator("clusters")
+    @classmethod
+    def of_a_body(cls, value: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        """So are clusters on segments that there are not."""
+        named = {segment_name(name): markers for name, markers in value.items()}
+        if unknown := sorted(set(named) - set(SEGMENTS)):
+            there = ", ".join(name.replace(" ", "_") for name in SEGMENTS)
+            raise ValueError(f"{unknown[0]} is no segment that a cluster is on; there are {there}")
+        return named
 
     @field_validator("exports")
     @classmethod

@@ -104,6 +104,14 @@ GAIT_WORDS = {
     ),
     "gait_axes_from_static": Words(_shown_by, "Wands and torsions that follow stand with the measures."),
     "gait_axes_doubtful": Words(_axes, _for_axes),
+    "gait_clusters": Words(
+        "Clusters of markers, calibrated in {trial}, carry {segments_list}; they fit to {misfit_mm:1} RMS at worst.",
+        "What skin does to all markers of a cluster together no misfit shows; the error bars hold it (soft tissue).",
+    ),
+    "gait_cluster_loose": Words(
+        "The markers of the cluster of the {segment} are {misfit_mm:1} RMS from where {trial} has them.",
+        "Look whether two of them are exchanged in one of the trials, or one came off; leave it out of the cluster.",
+    ),
     "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(

@@ -1,0 +1,156 @@
+"""Segments by clusters against the truth of the virtual laboratory, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError
+from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
+from kinemark.engine.gait_files import gait_of_files
+from kinemark.engine.gait_settings import GaitSettings
+from kinemark.gait import Physical, analyse_gait, marker_points, with_static_offsets
+from kinemark.gait.clusters import SEGMENTS, calibrated_body, with_wands
+from kinemark.gait.standard_trial import standard_trial, with_landmarks
+from kinemark.io.c3d import write_c3d
+from kinemark.synth import WalkingBody, gait_laboratory
+
+NAMES = {"pelvis": "PV", "thigh": "TH", "shank": "SK", "foot": "FT"}
+LANDMARKS = (
+    "LASI", "RASI", "SACR", *(side + name for side in "LR" for name in ("THI", "KNE", "TIB", "ANK", "HEE", "TOE"))
+)  # fmt: skip
+LEG = LegMeasures(leg_mm=860.0, knee_mm=101.0, ankle_mm=70.0, torsion_deg=17.0, thigh_wand_deg=6.0, shank_wand_deg=-4.0)
+MEASURES = SubjectMeasures(LEG, replace(LEG, torsion_deg=9.0), mass_kg=64.0)
+EXACT = Physical(smoothing="none")
+
+
+def clusters(segments=SEGMENTS):
+    """Names of the virtual clusters' markers by segment."""
+    letter = {name: "" if name == "pelvis" else name[0].upper() for name in segments}
+    return {name: tuple(f"{letter[name]}{NAMES[name.split()[-1]]}{k}" for k in (1, 2, 3, 4)) for name in segments}
+
+
+def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, noise_mm=0.0, **more):
+    body = WalkingBody(MEASURES, plated=tuple(segments), unworn=unworn, worn=("LKNM", "RKNM", "LMED", "RMED"), **more)
+    return gait_laboratory(body, duration_s=2.2, noise_mm=noise_mm)
+
+
+def by_clusters(lab, used, method=EXACT):
+    """Gait of the walk, whose landmarks the clusters carry."""
+    stood = marker_points(lab.static)
+    known = with_static_offsets(MEASURES, stood, flat_foot=True)
+    body = calibrated_body(with_wands(stood), known, used)
+    walk = with_landmarks(standard_trial(lab.walk, turn=np.eye(3)), stood, used).trial
+    return analyse_gait(walk, known, method=method, body=body)
+
+
+def worst(lab, found, names):
+    """Greatest difference from the truth of some angles, deg."""
+    return max(
+        np.nanmax(np.abs((found.signals[s + n].values - lab.signals[s + n].values + 180) % 360 - 180))
+        for s in "LR" for n in names
+    )  # fmt: skip
+
+
+ANGLES = ("PelvisAngles", "HipAngles", "KneeAngles", "AnkleAngles")
+
+
+@pytest.mark.parametrize("segments", [SEGMENTS, SEGMENTS[1:], ("left thigh", "right shank"), ("pelvis",)])
+def test_rigid_clusters_show_the_true_angles_without_any_landmark(segments):
+    """Of the segments that wear one; the others by their own markers."""
+    hidden = {
+        "pelvis": LANDMARKS[:3],
+        **{f"{one} {part}": tuple(one[0].upper() + name for name in names) for one in ("left", "right")
+           for part, names in (("thigh", ("THI", "KNE")), ("shank", ("TIB", "ANK")), ("foot", ("HEE", "TOE")))},
+    }  # fmt: skip
+    lab = laboratory(segments, unworn=tuple(name for segment in segments for name in hidden[segment]))
+    found = by_clusters(lab, clusters(segments))
+    assert worst(lab, found, ANGLES) < 1e-6
+    for side in ("left", "right"):
+        np.testing.assert_allclose(found.limbs.leg(side).knee, lab.limbs.leg(side).knee, atol=1e-6)
+
+
+def test_moments_by_clusters_are_the_true_ones():
+    lab = laboratory()
+    found = by_clusters(lab, clusters())
+    contact = next(one for one in found.contacts if one.side == "left" and not one.reason)
+    frames = slice(contact.first + 2, contact.stop - 2)
+    for name in ("LHipMoment", "LKneeMoment", "LAnkleMoment"):
+        true = lab.signals[name].values[frames]
+        assert np.abs(found.signals[name].values[frames] - true).max() < 0.01 * np.ptp(true)
+
+
+def test_a_clusters_segment_does_not_follow_the_skin_at_its_landmarks():
+    """Six degrees of freedom of its own: what moves KNE and THI over the bone is of no matter."""
+    skin = {name: np.array([6.0, 3.0, -4.0]) for name in ("LTHI", "LKNE", "RTHI", "RKNE")}
+    lab = laboratory(unworn=(), tissue_mm=skin)
+    plain = analyse_gait(
+        lab.walk, with_static_offsets(MEASURES, marker_points(lab.static), flat_foot=True), method=EXACT
+    )
+    assert worst(lab, plain, ("KneeAngles",)) > 1
+    assert worst(lab, by_clusters(lab, clusters()), ("KneeAngles",)) < 1e-6
+
+
+def files(tmp_path, lab):
+    for trial in (lab.walk, lab.static):
+        write_c3d(tmp_path / f"{trial.name}.c3d", trial)
+    return [tmp_path / "walk.c3d"], tmp_path / "static.c3d"
+
+
+def test_files_of_a_laboratory_with_clusters_become_a_report_that_says_so(tmp_path):
+    segments = ("pelvis", "left thigh", "left shank")
+    lab = laboratory(segments, unworn=("LASI", "RASI", "SACR", "LKNE", "LTHI", "LTIB", "LANK"))
+    walks, static = files(tmp_path, lab)
+    result = gait_of_files(
+        walks, static=static, measures=MEASURES, clusters=clusters(segments), folder=tmp_path / "out",
+        settings=GaitSettings(smoothing="none", plate_mm=0),
+    )  # fmt: skip
+    said = next(f for f in result.figures["findings"] if f["kind"] == "gait_clusters")
+    assert said["values"]["segments_list"] == list(segments) and said["values"]["misfit_mm"] < 0.1
+    assert "carry pelvis, left thigh" in (tmp_path / "out" / "gait.html").read_text()
+    knee = next(row for row in result.figures["uncertainty"] if row["name"] == "LKneeAngles")["by_cause"]
+    assert 1 < knee["soft tissue"][0] < 5 and knee["placement"][0] > 0.5
+
+
+def test_an_exchanged_pair_in_a_cluster_is_told(tmp_path):
+    lab = laboratory()
+    walks, static = files(tmp_path, lab)
+    wrong = {**clusters(), "left thigh": ("LTH2", "LTH1", "LTH3", "LTH4")}
+    paths = {"LTH1": "LTH2", "LTH2": "LTH1"}
+    moved = replace(
+        lab.walk.trajectories,
+        paths=tuple(replace(p, name=paths.get(p.name, p.name)) for p in lab.walk.trajectories.paths),
+    )
+    write_c3d(walks[0], replace(lab.walk, trajectories=moved))
+    result = gait_of_files(
+        walks, static=static, measures=MEASURES, clusters=wrong, folder=tmp_path / "out",
+        settings=GaitSettings(uncertainty=False),
+    )  # fmt: skip
+    loose = [f["values"]["segment"] for f in result.figures["findings"] if f["kind"] == "gait_cluster_loose"]
+    assert loose == ["left thigh"]
+
+
+@pytest.mark.parametrize(
+    ("stated", "says"),
+    [
+        ({"left thigh": ("LTH1", "LTH2")}, "wanted 3 or more"),
+        ({"left thigh": ("LTH1", "LTH2", "Nobody")}, "no Nobody"),
+        ({"thigh": ("LTH1", "LTH2", "LTH3")}, "none of pelvis"),
+        ({"left thigh": ("LTH1", "LTH2", "LTH3"), "left shank": ("LTH3", "LSK1", "LSK2")}, "two clusters"),
+    ],
+)
+def test_a_cluster_that_cannot_be_is_refused_in_words(tmp_path, stated, says):
+    walks, static = files(tmp_path, laboratory(unworn=()))
+    with pytest.raises(KinemarkError, match=says):
+        gait_of_files(walks, static=static, measures=MEASURES, clusters=stated, folder=tmp_path / "out")
+
+
+def test_clusters_want_a_standing_trial_and_are_not_plug_in_gaits(tmp_path):
+    walks, static = files(tmp_path, laboratory(unworn=()))
+    with pytest.raises(KinemarkError, match="standing trial"):
+        gait_of_files(walks, measures=MEASURES, clusters=clusters(), folder=tmp_path / "out")
+    with pytest.raises(KinemarkError, match="Plug-in Gait has no clusters"):
+        gait_of_files(
+            walks, static=static, measures=MEASURES, clusters=clusters(), folder=tmp_path / "out",
+            settings=GaitSettings(method="plug_in_gait", uncertainty=False),
+        )  # fmt: skip

@@ -53,7 +53,8 @@ def judged_labelled(folder: Path, recordings: Sequence[FoundRecording]) -> list[
     """
     looked = {one.path: _looked(folder, one) for one in recordings if one.content == "trajectories"}
     shown = [one for one in looked.values() if isinstance(one, Shown)]
-    roles = {path: why for path, why in looked.items() if isinstance(why, Reason)} | _together(shown)
+    unfit = {path: why for path, why in looked.items() if isinstance(why, Reason)}
+    roles: dict[str, Role | Reason] = {**unfit, **_together(shown)}
     return [_with(one, roles.get(one.path)) for one in recordings]
 
 

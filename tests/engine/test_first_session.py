@@ -53,7 +53,7 @@ def test_a_simulated_session_without_its_file_runs_again(simulated, tmp_path):
     (folder / "session.toml").unlink()
     write_first_session(propose_session(folder))
     proposed, given = Session.open(folder), Session.open(simulated)
-    for part in ("rate_hz", "calibration", "trials", "cameras"):
+    for part in ("rate_hz", "calibration", "label", "trials", "cameras"):
         assert getattr(proposed.settings, part) == getattr(given.settings, part)
     assert len(proposed.run(to="track")["walk01"].tracks) >= 15
 

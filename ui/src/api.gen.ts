@@ -3230,7 +3230,7 @@ export interface components {
          * @description What a recording is for.
          * @enum {string}
          */
-        Role: "trial" | "static" | "wand" | "l_frame" | "control_frame" | "control_points" | "single_marker" | "linearisation" | "empty" | "calibration" | "file" | "unused";
+        Role: "trial" | "static" | "wand" | "l_frame" | "control_frame" | "control_points" | "single_marker" | "linearisation" | "empty" | "calibration" | "file" | "template" | "static_template" | "unused";
         /**
          * RoleRow
          * @description What a recording may be for.

@@ -58,8 +58,12 @@ class Axes(NamedTuple):
     tips: tuple[int, int, int]
 
 
-def computed_points(trial: Trajectories) -> tuple[str, ...]:
-    """Names of the points of a labelled trial that were computed of others, in its order; empty where none were."""
+def computed_points(trial: Trajectories, *, least_left: int = LEAST_LEFT) -> tuple[str, ...]:
+    """Names of the points of a labelled trial that were computed of others, in its order; empty where none were.
+
+    Args:
+        trial: labelled. least_left: points that must be left, else none is said to be computed.
+    """
     rows = np.unique(np.linspace(0, trial.n_frames - 1, min(trial.n_frames, FRAMES)).round().astype(int))
     xyz = trial.xyz[:, rows]
     seen = np.isfinite(xyz).all(-1)
@@ -72,7 +76,7 @@ def computed_points(trial: Trajectories) -> tuple[str, ...]:
     axes = _certain([one for o in range(len(p)) for one in _axes_at(p, o, exact)], p, names, exact)
     found = _of_axes(axes, names) | _means(p, exact) | _still(p, names, exact, MOVES * size)
     found |= _beside_markers(p, axes, exact, NEAR * size)
-    return tuple(np.array(names)[found].tolist()) if (~found).sum() >= LEAST_LEFT else ()
+    return tuple(np.array(names)[found].tolist()) if (~found).sum() >= least_left else ()
 
 
 def _step(p: Floats) -> float:

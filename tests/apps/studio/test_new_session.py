@@ -96,6 +96,19 @@ def test_what_is_said_goes_before_what_was_guessed(studio, folder):
     assert settings.trials[0].name == "walk A" and settings.rate_hz == 123
 
 
+def test_a_labelled_trial_is_proposed_for_the_names_and_may_be_left_out(studio, folder):
+    row = next(one for one in proposal(studio)["recordings"] if one["file"] == "earlier.c3d")
+    assert row["role"] == "template" and "names of markers" in row["why"]
+    assert 'template = ["earlier.c3d"]' in proposal(studio)["text"]
+    assert "[label]" not in proposal(studio, roles={row["id"]: "unused"})["text"]
+    key = proposal(studio)["id"]
+    walk = next(one for one in proposal(studio)["recordings"] if one["role"] == "trial")
+    wrong = studio.page.post(f"/api/recordings/{key}/proposal", {"roles": {walk["id"]: "template"}})
+    assert wrong.status == 422 and "names no markers" in wrong.json()["words"]
+    studio.page.post(f"/api/recordings/{key}/session", {})
+    assert Session.open(folder / "monday").settings.label.template == ("earlier.c3d",)
+
+
 def test_without_a_calibration_or_a_trial_nothing_is_written(studio, folder):
     found = proposal(studio)
     for role, words in (("trial", "No recording is a trial"), (None, "Nothing calibrates")):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Literal
 
-from .proposal import FoundRecording, Question, Reason, Role, SessionProposal, parsed
+from .proposal import NAMING, FoundRecording, Question, Reason, Role, SessionProposal, parsed
 
 ASKED = (Role.WAND, Role.SINGLE_MARKER)
 """What a recording that is called a calibration may be where no file of rods or control points is there."""
@@ -120,13 +120,25 @@ def with_role(proposal: SessionProposal, path: str, role: Role) -> SessionPropos
     """The same with a recording that is for something else, as a person says.
 
     Raises:
-        ValueError: there is no such recording.
+        ValueError: there is no such recording, or it cannot be for that.
     """
-    if path not in [one.path for one in proposal.recordings]:
+    contents = {one.path: one.content for one in proposal.recordings}
+    if path not in contents:
         raise ValueError(f"{path} is none of the recordings")
+    allowed = NAMING.get(contents[path])
+    fits = role in allowed if allowed else role not in (Role.TEMPLATE, Role.STATIC_TEMPLATE)
+    if not fits and role is not Role.UNUSED:
+        raise ValueError(_unfit(path, allowed))
     why = Reason("stated", {"role": str(role)})
     changed = [replace(one, role=role, why=why) if one.path == path else one for one in proposal.recordings]
     return completed(replace(proposal, recordings=tuple(changed)))
+
+
+def _unfit(path: str, allowed: Sequence[Role] | None) -> str:
+    """Why a recording cannot have a role that was said."""
+    if allowed is None:
+        return f"{path} is no labelled trial, so that it names no markers; C3D, TRC and .template.h5 files can"
+    return f"{path} holds no images or 2D points: it may be {', '.join(map(str, allowed))} or {Role.UNUSED}"
 
 
 def with_facts(

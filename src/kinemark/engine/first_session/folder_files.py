@@ -19,7 +19,9 @@ from ...io.tdf import Tdf, read_tdf
 from ...io.um2as import files_of_set, read_msr
 from ..session_name import FILE
 from ..settings import is_da
+from ..template_files import is_template
 from .camera_names import WORD, grouped, natural
+from .labelled_trials import kept_template
 from .proposal import FoundRecording, Reason, Role
 from .roles import role_of, trial_name
 
@@ -156,6 +158,8 @@ def other_file(folder: Path, path: str) -> FoundRecording | None:
 def _record(path: Path) -> Any:
     """The record of a file, or directly what was found of it; None for files that no session has."""
     suffix = path.suffix.lower()
+    if is_template(path):
+        return kept_template(path)
     if suffix == ".csv":
         return _csv(path)
     if suffix == ".tdf":

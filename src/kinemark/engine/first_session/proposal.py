@@ -24,11 +24,15 @@ class Role(StrEnum):
     EMPTY = "empty"
     CALIBRATION = "calibration"  # of which way it is nothing says
     RIG = "file"
+    TEMPLATE = "template"
+    STATIC_TEMPLATE = "static_template"
     UNUSED = "unused"
 
 
 TRIALS = (Role.TRIAL, Role.STATIC)
 """What becomes a table of `[[trials]]`."""
+NAMING = {"trajectories": (Role.TEMPLATE, Role.STATIC_TEMPLATE), "template": (Role.TEMPLATE,)}
+"""Content → what in `[label]` it may be; nothing else may."""
 
 
 class Reason(NamedTuple):
@@ -58,7 +62,7 @@ class FoundRecording:
     """
 
     path: str
-    content: Literal["images", "detections", "rods", "points", "rig", "trajectories", "other"]
+    content: Literal["images", "detections", "rods", "points", "rig", "trajectories", "template", "other"]
     cameras: tuple[str, ...]
     role: Role
     why: Reason

@@ -30,6 +30,7 @@ from .folder_files import (
     streams_of,
     tdf_with_rig,
 )
+from .labelled_trials import judged_labelled
 from .proposal import TRIALS, FoundRecording, Reason, Role, SessionProposal
 from .roles import role_of, trial_name
 
@@ -71,8 +72,9 @@ def _proposed(folder: Path, paths: tuple[str, ...], stamps: tuple[tuple[int, int
     grouping, seen = _pictured(folder, pictures)
     names, why = _cameras(grouping, found)
     recordings = tuple(_judged(one, names) for one in _distinct([*seen, *found]))
-    if not any(one.role is not Role.UNUSED for one in recordings):
+    if all(one.role is Role.UNUSED for one in recordings):
         raise _nothing(folder, len(paths), recordings)
+    recordings = tuple(judged_labelled(folder, recordings))
     proposal = SessionProposal(folder, folder.resolve().name, _date(folder, recordings), names, why)
     return completed(_timed(replace(proposal, recordings=recordings)))
 

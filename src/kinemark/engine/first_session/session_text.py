@@ -37,6 +37,8 @@ def session_text(proposal: SessionProposal) -> str:
     document.add(tomlkit.nl())
     document["cameras"] = _cameras(proposal)
     document["calibration"] = calibration_table(proposal)
+    if label := _label(proposal):
+        document["label"] = label
     if proposal.trials:
         document["trials"] = _trials(proposal.trials)
     text = tomlkit.dumps(document).rstrip("\n") + "\n"
@@ -194,6 +196,17 @@ def _open(said: dict[str, Any]) -> str:
     return f"{{ {', '.join(parts)} }}"
 
 
+def _label(proposal: SessionProposal) -> Table:
+    """What names the markers: labelled trials and kept templates, and static ones; empty where there are none."""
+    table = tomlkit.table()
+    for key, role in (("template", Role.TEMPLATE), ("static", Role.STATIC_TEMPLATE)):
+        if own := [one for one in proposal.recordings if one.role is role]:
+            table[key] = tomlkit.item([one.path for one in own]).comment(reason_text(own[0].why))
+    if table:
+        table.add(tomlkit.nl())
+    return table
+
+
 def _trials(trials: Iterable[FoundRecording]) -> Any:
     tables = tomlkit.aot()
     for one in trials:
@@ -210,7 +223,10 @@ def _trials(trials: Iterable[FoundRecording]) -> Any:
 def _rest(proposal: SessionProposal) -> list[str]:
     """What contradicts itself, and what is not used and why."""
     lines = [reason_text(note) for note in proposal.notes]
-    used = {one.path for one in (*proposal.trials, *proposal.beside, *([proposal.way] if proposal.way else []))}
+    naming = [one for one in proposal.recordings if one.role in (Role.TEMPLATE, Role.STATIC_TEMPLATE)]
+    used = {
+        one.path for one in (*naming, *proposal.trials, *proposal.beside, *([proposal.way] if proposal.way else []))
+    }
     with_way = (Role.CONTROL_FRAME, Role.CONTROL_POINTS)
     for one in proposal.recordings:
         rods = proposal.way is not None and one.role is proposal.way.role and one.role in with_way

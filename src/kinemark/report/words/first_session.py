@@ -35,6 +35,17 @@ REASONS = {
     "still_of_points": "it is one image a camera, and is called as {path} is",
     "holds_measured": "it holds {n} measured places of control balls, whose images are still to be pointed at",
     "holds_trajectories": "trajectories need no session: kinemark info, fill and angles take them",
+    "named_and_moving": "its points have names of markers, by which those of the trials are named; it is taken for the "
+    "same subject with the same markers",
+    "named_and_still": "its points have names of markers, and hardly move; it is taken for the same subject with the "
+    "same markers",
+    "holds_template": "it is a template of {markers} markers that was kept",
+    "few_names": "it has {names} named markers among {points} points, without computed ones; wanted are four",
+    "several_subjects": "it is of several subjects, each of whom wants [label.subjects]; see docs/session.md",
+    "other_markers": "it shares {shared} of its {markers} markers with {path}, so that it is of another marker set",
+    "other_subject": "{percent} % of the distances on segments differ from {path}: it looks like another subject",
+    "which_subject": "{path} and {other} look like two subjects; say which of them is recorded here",
+    "another_static": "{path} stands still as well and shows more, and nothing tells whether both are one subject",
     "unreadable": "{error}",
     "no_camera_in_name": "nothing in its name says which camera took it",
     "lacks_cameras": "{role} of {has} alone, without {cameras}",
@@ -76,6 +87,8 @@ ROLES = {
     "empty": "empty room",
     "calibration": "some calibration",
     "file": "ready-made calibration",
+    "template": "labelled trial that names the markers",
+    "static_template": "labelled static trial that names them",
     "unused": "not used",
 }
 """By what a recording may be for."""

@@ -43,7 +43,8 @@ WATCH = """
 () => {
   const main = document.querySelector("main"), times = window.times = [];
   let pressed = 0;
-  const drawn = () => WHERE.getAttribute("WHAT") && requestAnimationFrame(() => setTimeout(() => times.push(performance.now() - pressed), 0));
+  const note = () => times.push(performance.now() - pressed);
+  const drawn = () => WHERE.getAttribute("WHAT") && requestAnimationFrame(() => setTimeout(note, 0));
   addEventListener("keydown", () => { pressed = performance.now(); }, true);
   new MutationObserver(drawn).observe(WHERE, { attributes: true, attributeFilter: ["WHAT"] });
 }

@@ -3,6 +3,7 @@
 import base64
 import json
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -74,7 +75,7 @@ def as_asked(studio):
     about = json.loads(answer.headers["x-kinemark-paths"])
     m, n = len(about["names"]), about["n_frames"]
     ends = np.cumsum([0, 12 * m * n, 4 * m * n, m * n])
-    xyz, sd, origin = (answer.body[a:b] for a, b in zip(ends, ends[1:], strict=False))
+    xyz, sd, origin = (answer.body[a:b] for a, b in pairwise(ends))
     part = {"xyz": xyz, "sd": sd, "origin": origin}
     return as_brought(about | {k: base64.b64encode(body) for k, body in part.items()})
 

@@ -228,7 +228,7 @@ def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, 
 def _sharing(trajectories: Trajectories, claims: Sequence[Claim], of: Ints) -> dict[str, list[int]]:
     """The names that were claimed and that samples of two or more paths have, and these paths."""
     rows: dict[str, list[int]] = {claim.name: [] for claim in claims if claim.name is not None}
-    claimed = (of >= 0).any(1).tolist()
+    claimed: list[bool] = np.any(of >= 0, axis=1).tolist()
     for p, path in enumerate(trajectories):
         if not claimed[p] and path.name not in rows:
             continue
@@ -242,7 +242,8 @@ def _sharing(trajectories: Trajectories, claims: Sequence[Claim], of: Ints) -> d
 def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept: Bools) -> Trajectories:
     """The paths by what their samples are called now; paths that nothing changed are the same."""
     parts: dict[str, list[tuple[int, Bools]]] = {}
-    number, claimed = _first_free(trajectories), (of >= 0).any(1).tolist()
+    number = _first_free(trajectories)
+    claimed: list[bool] = np.any(of >= 0, axis=1).tolist()
     for p, path in enumerate(trajectories):
         present = path.origin != Origin.MISSING
         if not claimed[p] and kept[p][present].all():

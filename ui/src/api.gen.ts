@@ -989,7 +989,7 @@ export interface paths {
         };
         /**
          * Get Mosaic
-         * @description The images of all cameras in a frame, by its number.
+         * @description The images of all cameras in a frame, by its number; `ahead` of being looked at, nothing where not made yet.
          */
         get: operations["get_mosaic_api_trials__trial__mosaic__frame__get"];
         put?: never;
@@ -5663,7 +5663,9 @@ export interface operations {
     };
     get_mosaic_api_trials__trial__mosaic__frame__get: {
         parameters: {
-            query?: never;
+            query?: {
+                ahead?: boolean;
+            };
             header?: never;
             path: {
                 frame: number;

@@ -1,20 +1,23 @@
 /** Acts go out one after another, and none waits for the problems to be looked for. */
 import { expect, it, vi } from "vitest";
-import type { Act, Problems } from "../src/api/types";
+import type { Act, PathsPart, Problems } from "../src/api/types";
 import { act, choose } from "../src/state/acts";
 import { get, set, useStore } from "../src/state/store";
-import { HEADER, problem, PROBLEMS, set as paths } from "./support";
+import { HEADER, path, problem, PROBLEMS, set as paths } from "./support";
 
+const answer: { paths: PathsPart | null } = vi.hoisted(() => ({ paths: null }));
 const said: Act[] = [], answers: ((problems: Problems) => void)[] = [];
 vi.mock("../src/api/client", async (real) => ({
   ...(await real<object>()),
-  act: (_id: string, _head: string, what: Act) => (said.push(what), Promise.resolve({ entry: 1, outcomes: [], head: "", changed: [], removed: [], header: HEADER })),
+  act: (_id: string, _head: string, what: Act) => (said.push(what), Promise.resolve({ entry: 1, outcomes: [], head: "", changed: [], removed: [], header: HEADER, ...answer })),
   problems: () => new Promise<Problems>((done) => answers.push(done)),
 }));
-vi.stubGlobal("requestAnimationFrame", () => 1);
+vi.stubGlobal("requestAnimationFrame", (draw: () => void) => (queueMicrotask(draw), 1));
 vi.stubGlobal("location", { search: "?still", hash: "" });
 
-const soon = (): Promise<unknown> => new Promise((done) => setTimeout(done));
+/** ms after which the page was drawn, and what was asked for then is under way. */
+const DRAWN_MS = 20;
+const soon = (): Promise<unknown> => new Promise((done) => setTimeout(done, DRAWN_MS));
 const show = (): void => {
   said.length = answers.length = 0;
   set({ ...useStore.getInitialState(), screen: "tracks", id: "t", header: HEADER, paths: paths([]), problems: PROBLEMS, problem: "p1" });
@@ -23,14 +26,38 @@ const show = (): void => {
 it("says a second act while the problems after the first are still looked for", async () => {
   show();
   await act({ kind: "finish" });
+  await soon();
   await act({ kind: "undo" });
+  await soon();
   expect([said.length, answers.length]).toEqual([2, 2]);
+});
+
+it("looks once for the problems after acts that are said faster than the page is drawn", async () => {
+  show();
+  await act({ kind: "finish" });
+  await act({ kind: "undo" });
+  await soon();
+  expect([said.length, answers.length]).toEqual([2, 1]);
+});
+
+it("takes the paths that an act brings, and nothing of the others", async () => {
+  show();
+  const [a, b] = [path("A", [1, 1]), path("B", [1, 1])], xyz = new Float32Array([1, 2, 3, NaN, NaN, NaN]), base64 = (of: ArrayBufferView): string => btoa(String.fromCharCode(...new Uint8Array(of.buffer)));
+  set({ paths: { ...paths([a, b]), frames: 2 } });
+  answer.paths = { names: ["A"], first_frame: 11, n_frames: 2, xyz: base64(xyz), sd: base64(new Float32Array([0.5, NaN])), origin: base64(new Uint8Array([3, 0])) };
+  await act({ kind: "finish" });
+  const now = get().paths!.byName;
+  expect(now.get("B")).toBe(b);
+  expect([[...now.get("A")!.xyz], [...now.get("A")!.sd], [...now.get("A")!.origin]]).toEqual([[...xyz], [0.5, NaN], [3, 0]]);
+  answer.paths = null;
 });
 
 it("takes the problems that were looked for last, in whatever order they come", async () => {
   show();
   await act({ kind: "finish" });
+  await soon();
   await act({ kind: "undo" });
+  await soon();
   answers[1]!({ ...PROBLEMS, head: "new" });
   await soon();
   answers[0]!({ ...PROBLEMS, head: "old" });

@@ -75,8 +75,8 @@ def with_claims(
     kept = _one_a_frame(trajectories, claims, of, apart)
     samples = np.bincount(of[kept & (of >= 0)], minlength=len(claims))
     changed = none.copy()
-    for p, path in enumerate(trajectories):
-        own = of[p][kept[p] & (of[p] >= 0)]
+    for p in np.flatnonzero((of >= 0).any(1)).tolist():
+        path, own = trajectories.paths[p], of[p][kept[p] & (of[p] >= 0)]
         other = np.array([claim.name != path.name for claim in claims])
         changed += np.bincount(own[other[own]], minlength=len(claims))
     return Claimed(_renamed(trajectories, claims, of, kept), asked, found, samples, changed)
@@ -228,7 +228,10 @@ def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, 
 def _sharing(trajectories: Trajectories, claims: Sequence[Claim], of: Ints) -> dict[str, list[int]]:
     """The names that were claimed and that samples of two or more paths have, and these paths."""
     rows: dict[str, list[int]] = {claim.name: [] for claim in claims if claim.name is not None}
+    claimed: list[bool] = np.any(of >= 0, axis=1).tolist()
     for p, path in enumerate(trajectories):
+        if not claimed[p] and path.name not in rows:
+            continue
         count = np.bincount(of[p] + 1, minlength=len(claims) + 1)
         names = {claims[k].name for k in np.flatnonzero(count[1:]).tolist()} | ({path.name} if count[0] else set())
         for name in names & rows.keys():
@@ -240,9 +243,10 @@ def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept
     """The paths by what their samples are called now; paths that nothing changed are the same."""
     parts: dict[str, list[tuple[int, Bools]]] = {}
     number = _first_free(trajectories)
+    claimed: list[bool] = np.any(of >= 0, axis=1).tolist()
     for p, path in enumerate(trajectories):
         present = path.origin != Origin.MISSING
-        if (of[p] < 0).all() and kept[p][present].all():
+        if not claimed[p] and kept[p][present].all():
             parts.setdefault(path.name, []).append((p, present))
             continue
         for name, mask in _pieces(path, claims, of[p], kept[p], present):

@@ -91,13 +91,13 @@ class Editing:
         return _pinned(self.journal) != self.pinned or any(claim not in now for claim in self.facts)
 
     @classmethod
-    def of_file(cls, path: Path, *, by: str = "") -> Editing:
-        """A file of trajectories; its journal is in the folder `edits` beside it.
+    def of_file(cls, path: Path, *, by: str = "", trial: Trial | None = None) -> Editing:
+        """A file of trajectories, and its trial where that was read; its journal is in the folder `edits` beside it.
 
         Raises:
             KinemarkError: it cannot be read, or two of its markers have one name.
         """
-        trial = read_trial(path)
+        trial = read_trial(path) if trial is None else trial
         names = trial.trajectories.names
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise KinemarkError(f"{path} has {', '.join(twice)} more than once. Give each marker a name of its own.")

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,8 +28,10 @@ WIDTHS = (960, 640, 480, 400)
 """px, of a tile where there are 1, 2, 3 or 4 cameras; chosen: what fits beside the rest on a screen of 1366 px."""
 MANY = 320
 """px, of a tile where there are more; chosen, as above."""
-AHEAD = 48
-"""Frames that are made ahead of the one asked for; chosen: half a second of most recordings."""
+AHEAD, BACK = 240, 48
+"""Frames that are made after the one asked for, and before it in blocks; chosen: some seconds of most recordings to go
+on in, half a second to go back in. To decode backwards costs a group of frames each time, so a block is made forwards.
+"""
 KEPT = 1_000_000_000
 """Bytes of mosaics that are kept on disk for a trial; chosen: 25 000 frames of eight cameras."""
 IN_MEMORY = 20_000_000
@@ -103,7 +106,9 @@ class Mosaics:
         self._bits: dict[str, int] = {}
         self._pool = ThreadPoolExecutor(WORKERS, "tiles")
         self._behind = ThreadPoolExecutor(1, "mosaics")
-        self._asked = 0, 0
+        self._asked: tuple[int, int] | None = None
+        self._made = set[int]()
+        self._making = threading.Lock()
 
     def jpeg(self, n: int) -> bytes:
         """The mosaic of frame n, from 0; those after it, in the direction of asking, are made behind.
@@ -111,11 +116,21 @@ class Mosaics:
         Raises:
             KinemarkError: there is no such frame, or an image is damaged.
         """
-        before, _ = self._asked
-        self._asked = n, n - before
+        before, _ = self._asked or (n, 0)
+        self._asked = asked = n, n - before
         found = self._mosaic(n)
-        self._behind.submit(self._ahead, self._asked)
+        self._behind.submit(self._ahead, asked)
         return found
+
+    def begin(self) -> None:
+        """Make the first frames behind, unless a frame was asked for: somebody is about to look at them."""
+        if self._asked is None:
+            self._asked = asked = -1, 1
+            self._behind.submit(self._ahead, asked)
+
+    def ready(self, n: int) -> bytes | None:
+        """The same where it was made already; nothing is begun for it."""
+        return self._kept.get(self._name(n))
 
     def crop(self, camera: str, n: int, x: int, y: int, width: int, height: int) -> bytes:
         """A part of one camera's image as PNG, in its own pixels.
@@ -142,22 +157,42 @@ class Mosaics:
 
     def _mosaic(self, n: int) -> bytes:
         """Kept, or made now."""
-        name = str(Path(self.recording) / f"{n:07d}.jpg")
-        found = self._kept.get(name)
+        found = self._kept.get(self._name(n))
         if found is None:
-            found = jpeg_bytes(self._drawn(n))
-            self._kept.put(name, found)
+            with self._making:  # by turns, or each would lead the decoders away from where the other needs them
+                for k in range(self._start(n), n):
+                    if k not in self._made:
+                        self._make(k)
+                found = self._kept.get(self._name(n)) or self._make(n)
+        self._made.add(n)
         return found
 
+    def _make(self, n: int) -> bytes:
+        content = jpeg_bytes(self._drawn(n))
+        self._kept.put(self._name(n), content)
+        self._made.add(n)
+        return content
+
+    def _start(self, n: int) -> int:
+        """The first of the frames before frame n that are decoded for it anyway: they are kept as well."""
+        first = self._pool.map(lambda camera: self._decoded_from(camera, n), self.sources)
+        return max(min(first, default=n), n - BACK, 0)
+
+    def _decoded_from(self, camera: str, n: int) -> int:
+        with self._locks[camera]:
+            return self._images(camera).decoded_from(n)
+
+    def _name(self, n: int) -> str:
+        return str(Path(self.recording) / f"{n:07d}.jpg")
+
     def _ahead(self, asked: tuple[int, int]) -> None:
-        """Frames after the one that was asked for, until another one is."""
-        n, step = asked
-        step = -1 if step < 0 else 1
+        """Frames about the one that was asked for, until another one is."""
         with suppress(KinemarkError):  # whoever asks for the damaged frame is told
-            for k in range(n + step, n + step * AHEAD, step):
-                if self._asked != asked or not 0 <= k < self.n_frames:
+            for k in _about(*asked, self.n_frames):
+                if self._asked != asked:
                     return
-                self._mosaic(k)
+                if k not in self._made:
+                    self._mosaic(k)
 
     def _drawn(self, n: int) -> Image:
         """(H, W) uint8."""
@@ -179,6 +214,17 @@ class Mosaics:
 
     def _image(self, camera: str, n: int) -> Image:
         with self._locks[camera]:
-            if camera not in self._open:
-                self._open[camera] = ExactImages(self.sources[camera])
-            return self._open[camera].frame(n).copy()  # the decoder's own memory otherwise
+            return self._images(camera).frame(n).copy()  # the decoder's own memory otherwise
+
+    def _images(self, camera: str) -> ExactImages:
+        if camera not in self._open:
+            self._open[camera] = ExactImages(self.sources[camera])
+        return self._open[camera]
+
+
+def _about(n: int, step: int, n_frames: int) -> Iterator[int]:
+    """The frames beside frame n, those in the direction of the step first, each run of them rising."""
+    block = n - n % BACK
+    before = [range(max(block, 0), n), range(max(block - BACK, 0), block)]
+    after = [range(n + 1, min(n + AHEAD, n_frames))]
+    return chain.from_iterable(before + after if step < 0 else after + before)

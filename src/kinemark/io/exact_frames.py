@@ -32,6 +32,13 @@ class ExactImages:
             return image
         return image[(field + int(source.interlaced == "bottom")) % 2 :: 2]
 
+    def decoded_from(self, n: int) -> int:
+        """The first of the frames that have to be decoded for frame n, n itself where that is all."""
+        if self._video is None:
+            return n
+        fields = 2 if self.source.interlaced else 1
+        return min(-(-self._video.decoded_from(n * self.source.every // fields) * fields // self.source.every), n)
+
     def close(self) -> None:
         """It is not asked again."""
         if self._video:

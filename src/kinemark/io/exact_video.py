@@ -106,6 +106,13 @@ class ExactVideo:
         check_pixels(str(self.path), found.width, found.height)
         return grey(found, str(self.path))
 
+    def decoded_from(self, n: int) -> int:
+        """The first of the frames that have to be decoded for frame n; n itself where it is among the recent ones."""
+        if n in self._recent:
+            return n
+        start = 0 if self.index is None else int(self.index.key[np.searchsorted(self.index.key, n, side="right") - 1])
+        return self._next if start <= self._next <= n else start
+
     def close(self) -> None:
         """It is not asked again."""
         self._container.close()

@@ -3,6 +3,7 @@
 import base64
 import json
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -59,6 +60,54 @@ def test_an_act_changes_what_it_is_about_and_says_so_and_undo_and_redo_come_back
     assert np.array_equal(paths(studio)["LKNE"], after["LKNE"], equal_nan=True)
     assert np.array_equal(paths(studio, "before")["LKNE"], before["LKNE"])
     assert [entry.id for entry in journal_at(file).entries] == [1, 2, 3]
+
+
+def as_brought(part):
+    """The three columns of a message's paths, as the page reads them, by name."""
+    m, n = len(part["names"]), part["n_frames"]
+    kinds = {"xyz": ("<f4", (m, n, 3)), "sd": ("<f4", (m, n)), "origin": ("u1", (m, n))}
+    columns = [np.frombuffer(base64.b64decode(part[k]), kind).reshape(shape) for k, (kind, shape) in kinds.items()]
+    return {name: [column[i] for column in columns] for i, name in enumerate(part["names"])}
+
+
+def as_asked(studio):
+    answer = studio.page.get(f"{studio.trial}/paths?view=filled")
+    about = json.loads(answer.headers["x-kinemark-paths"])
+    m, n = len(about["names"]), about["n_frames"]
+    ends = np.cumsum([0, 12 * m * n, 4 * m * n, m * n])
+    xyz, sd, origin = (answer.body[a:b] for a, b in pairwise(ends))
+    part = {"xyz": xyz, "sd": sd, "origin": origin}
+    return as_brought(about | {k: base64.b64encode(body) for k, body in part.items()})
+
+
+def test_what_acts_bring_kept_by_the_page_is_what_it_would_be_given_anew(studio, monkeypatch):
+    held = as_asked(studio)
+    acts = [
+        {"kind": "claim", "track": "*4", "name": "T10", "at": 50},
+        {"kind": "exchange", "a": "LKNE", "b": "RKNE", "first": 100},
+        {"kind": "erase", "marker": "LKNE", "first": 10, "last": 19},
+        {"kind": "gap", "marker": "LKNE", "first": 10, "last": 19, "method": "open"},
+        {"kind": "put", "marker": "T10", "frame": 7, "xyz": [1.0, 2.0, 3.0], "sd": 0.5},
+        {"kind": "claim", "track": "RKNE", "name": None, "at": 50},
+        *[{"kind": "undo"}] * 3,
+        {"kind": "redo"},
+    ]
+    for act in acts:
+        done = studio.act(**act).json()
+        held = {name: path for name, path in held.items() if name not in done["removed"]} | as_brought(done["paths"])
+        now = as_asked(studio)
+        assert held.keys() == now.keys()
+        for name, path in now.items():
+            assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(held[name], path, strict=True)), (act, name)
+    monkeypatch.setattr("kinemark.apps.studio.acts.MOST_SAMPLES", 0)
+    assert studio.act(kind="undo").json()["paths"] is None  # then it asks
+
+
+def test_paths_with_fills_that_are_still_computed_are_not_brought(studio, monkeypatch):
+    studio.act(kind="erase", marker="LKNE", first=10, last=19)
+    monkeypatch.setattr("kinemark.apps.studio.gaps.GapWork.known", lambda *_: None)
+    done = studio.act(kind="gap", marker="LKNE", first=10, last=19, method="linear").json()
+    assert done["paths"] is None and done["changed"] == ["LKNE"]
 
 
 def test_every_kind_of_act_stands_in_the_journal_as_the_library_says_it(studio, file):

@@ -85,6 +85,8 @@ export const reportPdf = async (id: string): Promise<Blob> => (await asked(`${of
 /** Numbers of frames mean other images where not all are taken: browsers keep images by their address. */
 const taken = (every: number, sign = "?"): string => (every > 1 ? `${sign}every=${every}` : "");
 export const mosaicAddress = (id: string, frame: number, every: number): string => `/api${of(id)}/mosaic/${frame}${taken(every)}`;
+/** The same before it is looked at: nothing is given where it was not made yet. */
+export const aheadAddress = (id: string, frame: number, every: number): string => `/api${of(id)}/mosaic/${frame}?ahead=true${taken(every, "&")}`;
 export const partAddress = (id: string, camera: string, frame: number, every: number, x: number, y: number, w: number, h: number): string =>
   `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}${taken(every, "&")}`;
 

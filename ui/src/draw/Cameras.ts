@@ -3,7 +3,7 @@
  * lines on which other cameras may see them. What lies over an image is always of the image's own frame. Where one looks
  * closer than the small images show, and stays in a frame, the camera's own pixels come.
  */
-import { mosaicAddress, partAddress } from "../api/client";
+import { aheadAddress, mosaicAddress, partAddress } from "../api/client";
 import type { CameraRow, TrialHeader } from "../api/types";
 import { epipolarLine, project } from "../model/camera";
 import { detectedIn, type Detected } from "../model/detections";
@@ -26,6 +26,8 @@ export interface CameraView {
 
 /** Times larger when a marker is followed; px in which a click means a detection; images that are kept. Chosen. */
 const FOLLOW = 5, NEAR_PX = 10, KEPT = 48;
+/** Steps of the keys, whose images are fetched before they are asked for; so many at a time. */
+const STEPS = [1, 2, 10, -1, -10, 3] as const, AT_ONCE = 2;
 /** ms in a frame before a camera's own pixels are asked for, which come in steps of so many px; chosen. */
 const REST_MS = 150, STEP_PX = 16;
 
@@ -47,6 +49,9 @@ export class Cameras {
   private readonly bitmaps = new Map<number, ImageBitmap | null>();
   private large: string | null = null;
   private shownFrame = 0;
+  /** Which way one goes through time; frames that are fetched before they are asked for. */
+  private way = 1;
+  private readonly ahead = new Set<number>();
   private readonly watch: ResizeObserver;
 
   constructor(private readonly element: HTMLElement, private readonly redraw: () => void) {
@@ -78,8 +83,10 @@ export class Cameras {
   show(frame: number): void {
     if (!this.header || !this.paths) return;
     if (this.header.has_detections && (!this.detected || frame < this.detected.first || frame > this.detected.last)) this.wanted(frame);
-    const bitmap = this.header.mosaic && this.view.images ? this.bitmap(frame) : null;
+    if (frame !== this.shownFrame) this.way = frame < this.shownFrame ? -1 : 1;
     this.shownFrame = frame;
+    const bitmap = this.header.mosaic && this.view.images ? this.bitmap(frame) : null;
+    if (bitmap) this.lookAhead();
     this.element.dataset.frame = String(frame);
     this.element.dataset.images = bitmap ? String(frame) : "";
     for (const tile of this.tiles) if (tile.box.offsetParent) this.draw(tile, frame, bitmap ?? null);
@@ -97,29 +104,49 @@ export class Cameras {
     this.detected = null;
   }
 
-  /** The mosaic of a frame, asked for where it is not there. */
-  private bitmap(frame: number): ImageBitmap | null | undefined {
-    if (!this.bitmaps.has(frame)) {
-      this.bitmaps.set(frame, null);
-      void this.fetch(frame);
-      for (const [old, bitmap] of this.bitmaps) {
-        if (this.bitmaps.size <= KEPT) break;
-        if (old !== frame) bitmap?.close(), this.bitmaps.delete(old);
-      }
+  /** The mosaic of a frame, asked for where it is not there; the last used ones are kept. */
+  private bitmap(frame: number): ImageBitmap | null {
+    const known = this.bitmaps.get(frame);
+    this.bitmaps.delete(frame);
+    this.bitmaps.set(frame, known ?? null);
+    if (known === undefined) void this.fetch(frame, mosaicAddress);
+    for (const [old, bitmap] of this.bitmaps) {
+      if (this.bitmaps.size <= KEPT) break;
+      if (old !== frame) bitmap?.close(), this.bitmaps.delete(old);
     }
-    return this.bitmaps.get(frame);
+    return known ?? null;
   }
 
-  private async fetch(frame: number): Promise<void> {
+  /** The images that the next key would show, before it is pressed. */
+  private lookAhead(): void {
+    const { first_frame: first, n_frames: n } = this.header!;
+    for (const step of STEPS) {
+      const frame = this.shownFrame + this.way * step;
+      if (this.ahead.size >= AT_ONCE) return;
+      if (frame < first || frame >= first + n || this.bitmaps.has(frame)) continue;
+      this.bitmaps.set(frame, null);
+      this.ahead.add(frame);
+      void this.fetch(frame, aheadAddress).then((there) => setTimeout(() => {
+        this.ahead.delete(frame);
+        if (this.bitmaps.get(this.shownFrame)) this.lookAhead();
+      }, there ? 0 : REST_MS));
+    }
+  }
+
+  /** Whether the server had it. What was not made yet ahead of time is asked for anew where it is looked at by now. */
+  private async fetch(frame: number, address: typeof mosaicAddress): Promise<boolean> {
     try {
-      const answer = await fetch(mosaicAddress(this.header!.id, frame, this.header!.mosaic!.every));
-      if (!answer.ok) return;
-      const bitmap = await createImageBitmap(await answer.blob());
-      if (!this.bitmaps.has(frame)) return bitmap.close();
-      this.bitmaps.set(frame, bitmap);
+      const { id, mosaic } = this.header!, answer = await fetch(address(id, frame, mosaic!.every));
+      if (answer.ok && answer.status !== 204) {
+        const bitmap = await createImageBitmap(await answer.blob());
+        if (this.header?.id !== id || !this.bitmaps.has(frame)) return bitmap.close(), false;
+        this.bitmaps.set(frame, bitmap);
+      } else if (answer.status === 204) this.bitmaps.delete(frame);
       if (frame === this.shownFrame) this.redraw();
+      return answer.status === 200;
     } catch {
       this.bitmaps.delete(frame); // asked for again when it is next shown
+      return false;
     }
   }
 

@@ -3,6 +3,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { speed, type Path } from "../model/paths";
 import { palette, type Palette } from "./palette";
+import { soon } from "./soon";
 
 /** A path in a colour; dashed where it is a possibility. `at` is its first frame where it is only a piece. */
 export interface Curve { path: Path; colour: string; dashed?: boolean; band?: boolean; at?: number }
@@ -44,7 +45,7 @@ export class Curves {
 
   set(view: CurveView): void {
     this.view = view;
-    this.later();
+    soon(this, () => this.build());
   }
 
   show(frame: number): void {
@@ -159,15 +160,15 @@ function dataOf(view: CurveView, frames: number[], k: number): uPlot.AlignedData
 /** What one plot shows of a path: axis k, or the fourth. */
 function columns({ path, at }: Curve, view: CurveView, k: number): { values: Column; low?: Column; high?: Column } {
   const start = at ?? view.firstFrame, fourth = k < 3 ? null : view.fourth === "speed" ? speed(path, view.rate) : path.residual;
-  const values: Column = [], low: Column = [], high: Column = [];
-  for (let f = view.window[0]; f <= view.window[1]; f++) {
+  const n = view.window[1] - view.window[0] + 1, values: Column = new Array<number | null>(n), low: Column = new Array<number | null>(n), high: Column = new Array<number | null>(n);
+  for (let f = view.window[0], j = 0; f <= view.window[1]; f++, j++) {
     const i = f - start, there = i >= 0 && i < path.origin.length && path.origin[i] !== 0;
     const value = !there ? NaN : k < 3 ? path.xyz[3 * i + k]! : view.fourth === "speed" ? fourth![i]! / 1000 : (fourth?.[i] ?? NaN);
     const sd = there ? (path.cov ? Math.sqrt(path.cov[6 * i + [0, 3, 5][k]!]!) : path.sd[i]!) : NaN;
     const known = Number.isFinite(value);
-    values.push(known ? value : null);
-    low.push(known && sd > 0 ? value - BAND * sd : null);
-    high.push(known && sd > 0 ? value + BAND * sd : null);
+    values[j] = known ? value : null;
+    low[j] = known && sd > 0 ? value - BAND * sd : null;
+    high[j] = known && sd > 0 ? value + BAND * sd : null;
   }
   return k < 3 ? { values, low, high } : { values };
 }

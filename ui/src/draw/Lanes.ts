@@ -3,6 +3,7 @@ import type { Problem, TrialHeader } from "../api/types";
 import { frameAt, painted, pieces, placeOf, rowOrder } from "../model/lanes";
 import { EDITED, FILLED, MEASURED, MISSING, type PathSet } from "../model/paths";
 import { byOrigin, fit, palette, type Palette } from "./palette";
+import { soon } from "./soon";
 
 /** px: of a row, of the names left of it, of the strip of problems and events above. */
 const ROW = 9, NAMES = 62, HEAD = 14;
@@ -48,14 +49,14 @@ export class Lanes {
   set(header: TrialHeader, paths: PathSet, problems: readonly Problem[]): void {
     Object.assign(this, { header, paths, problems });
     this.rows = rowOrder(header, paths);
-    this.later();
+    soon(this, () => this.paint());
   }
 
   mark(marks: LaneMarks): void {
     const moved = marks.selected[0] !== this.marks.selected[0];
     this.marks = marks;
     if (moved && marks.selected[0]) this.reveal(marks.selected[0]);
-    this.later();
+    soon(this, () => this.paint());
   }
 
   show(frame: number): void {

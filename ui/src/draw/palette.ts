@@ -10,8 +10,16 @@ const NAMES: Record<keyof Palette, string> = {
   bad: "--bad", warn: "--warn", paper: "--paper", good: "--good",
 };
 
+let known: { theme: string | undefined; colours: Palette } | null = null;
+
 /** Read anew when the theme changes. */
 export function palette(): Palette {
+  const { theme } = document.documentElement.dataset;
+  if (!known || known.theme !== theme) known = { theme, colours: read() };
+  return known.colours;
+}
+
+function read(): Palette {
   const style = getComputedStyle(document.documentElement);
   const entries = Object.entries(NAMES).map(([key, name]) => [key, style.getPropertyValue(name).trim()]);
   return Object.fromEntries(entries) as unknown as Palette;

@@ -29,7 +29,7 @@ export async function loadScreen(screen: Screen): Promise<View> {
   return view;
 }
 
-/** The others, so that going to them waits for nothing; one that cannot be had now is asked for again when it is wanted. */
+/** The others, the editor first, so that going to them waits for nothing; one that cannot be had now is asked for again when it is wanted. */
 export async function loadTheOthers(): Promise<void> {
-  for (const screen of Object.keys(LOAD) as Screen[]) await loadScreen(screen).catch(() => null);
+  for (const screen of ["tracks", ...Object.keys(LOAD)] as Screen[]) await loadScreen(screen).catch(() => null);
 }

@@ -14,6 +14,8 @@ const VIEW = "filled";
 const BEFORE_RUN: readonly Screen[] = ["detect", "digitise"];
 /** ms after which what was still being computed is asked for again; chosen. */
 const AGAIN_MS = 400;
+/** ms in which a page is drawn that is seen at all; chosen. */
+const DRAWN_MS = 200;
 /** Frames of detections that are fetched at a time, so many before the one that is looked at; chosen: 60 markers in 8
  * cameras are 1 MB. */
 const AHEAD = 240, BEFORE = 60;
@@ -138,13 +140,14 @@ function takeGaps(gaps: Gaps, id: string): void {
 
 let looks = 0;
 
-/** When what is now to be shown is on the screen: what is asked for then takes no time from drawing it. */
-const drawn = (): Promise<unknown> => new Promise((done) => (document.hidden ? done(null) : requestAnimationFrame(() => setTimeout(done, 0))));
+/** When what is now to be shown is on the screen: what is asked for then takes no time from drawing it. A window that is
+ * not seen draws nothing. */
+const drawn = (): Promise<unknown> => new Promise((done) => (requestAnimationFrame(() => setTimeout(done, 0)), setTimeout(done, DRAWN_MS)));
 
 /** Look for the problems anew; what an older look finds counts no longer. */
 export async function refreshProblems(): Promise<void> {
   const id = get().id, look = ++looks;
-  const problems = id && (await tried(() => drawn().then(() => api.problems(id))));
+  const problems = id && (await tried(() => drawn().then(() => (look === looks ? api.problems(id) : null))));
   if (problems && look === looks && get().id === id) set({ problems });
 }
 

@@ -18,7 +18,7 @@ from ...engine.session import Session
 from ...engine.store import STEPS, Store
 from ...engine.trial_inputs import TrialInputs
 from ...io.edits_jsonl import JournalText
-from .home import other_program, written
+from .home import other_program, read_once, written
 from .shelf import Place, Shelf
 
 MOST_OPEN = 4
@@ -142,7 +142,7 @@ class Desk:
 def opened(place: Place, by: str) -> OpenDocument:
     """A trial, loaded; raises as `Desk.document` does."""
     if place.trial is None:
-        return _document(place, Editing.of_file(place.path, by=by))
+        return _document(place, Editing.of_file(place.path, by=by, trial=read_once(place.path)))
     session = Session.open(place.path)
     trial = session.trial(place.trial)
     _check_tracked(trial)

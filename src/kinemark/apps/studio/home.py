@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ...data import KinemarkError, Step
+from ...data import KinemarkError, Step, Trial
 from ...data.edits import Entry, Signed, is_named, live
 from ...engine.journal import Journal
 from ...engine.keys import code_key
@@ -140,19 +140,31 @@ def _file(place: Place) -> TrialCard:
 
 
 _KNOWN: dict[Path, tuple[int, dict[str, Any], str]] = {}
+_LAST: list[tuple[Path, int, Trial]] = []
+"""The file that was read last, until it is opened: where there is one, it is the one that is looked at."""
 
 
 def _read(path: Path, changed: int) -> tuple[dict[str, Any], str]:
     """What a file holds, read once; and why it cannot be read."""
     if path not in _KNOWN or _KNOWN[path][0] != changed:
         try:
-            found = read_trial(path).trajectories
+            trial = read_trial(path)
+            found, _LAST[:] = trial.trajectories, [(path, changed, trial)]
             named = sum(map(is_named, found.names))
             counted = {"frames": found.n_frames, "rate": found.rate, "markers": len(found), "named": named}
             _KNOWN[path] = changed, counted, ""
         except KinemarkError as error:
             _KNOWN[path] = changed, {}, str(error)
     return _KNOWN[path][1:]
+
+
+def read_once(path: Path) -> Trial | None:
+    """The trial of a file as Home has just read it; None where it read another one since, or the file changed."""
+    known = next(((was, trial) for where, was, trial in _LAST if where == path), None)
+    if known is None or known[0] != written(path):
+        return None
+    _LAST.clear()
+    return known[1]
 
 
 def figures(path: Path) -> dict[str, Any]:

@@ -22,8 +22,11 @@ def _image(kind: str) -> dict[int | str, dict[str, object]]:
 
 
 @router.get("/mosaic/{frame}", response_class=Response, responses=_image("image/jpeg"))
-def get_mosaic(document: Document, frame: int) -> Response:
-    """The images of all cameras in a frame, by its number."""
+def get_mosaic(document: Document, frame: int, ahead: bool = False) -> Response:
+    """The images of all cameras in a frame, by its number; `ahead` of being looked at, nothing where not made yet."""
+    if ahead:
+        found = seen(document).ready(frame - 1)
+        return Response(found, 200 if found else 204, {"Cache-Control": "no-store"}, "image/jpeg")
     return Response(seen(document).jpeg(frame - 1), media_type="image/jpeg", headers={"Cache-Control": KEPT})
 
 

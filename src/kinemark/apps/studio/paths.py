@@ -81,7 +81,11 @@ def largest_sd(cov: Floats) -> Floats:
     The largest root of the characteristic polynomial of a symmetric matrix in closed form (Smith 1961): with
     q = tr A / 3, B = A − q I, p² = tr B² / 6 and r = det(B / p) / 2 it is q + 2 p cos(arccos(r) / 3).
     """
-    q = np.trace(cov, axis1=1, axis2=2) / 3
+    q = (cov[:, 0, 0] + cov[:, 1, 1] + cov[:, 2, 2]) / 3
+    if np.isnan(q).any():  # as of files that say nothing of it
+        known, found = ~np.isnan(q), np.full(len(q), np.nan)
+        found[known] = largest_sd(cov[known]) if known.any() else np.nan
+        return found
     xx, yy, zz = (cov[:, k, k] - q for k in range(3))
     xy, xz, yz = cov[:, 0, 1], cov[:, 0, 2], cov[:, 1, 2]
     p = np.sqrt((xx**2 + yy**2 + zz**2 + 2 * (xy**2 + xz**2 + yz**2)) / 6)

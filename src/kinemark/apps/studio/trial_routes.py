@@ -18,7 +18,7 @@ from .gaps import candidates, chosen_fills, gap_table
 from .header import header
 from .history import history, versions_apart
 from .home_routes import TheDesk, desk_of
-from .images import mosaic_of
+from .images import mosaic_of, mosaics_of
 from .labels import labels
 from .live import TheLive
 from .paths import COLUMNS, DEFAULT, encoded, forget_others
@@ -41,6 +41,8 @@ Document = Annotated[OpenDocument, Depends(document_of)]
 @router.get("")
 def get_header(document: Document) -> m.TrialHeader:
     """All but the samples."""
+    if (mosaics := mosaics_of(document)) is not None:
+        mosaics.begin()
     return header(document, mosaic_of(document))
 
 

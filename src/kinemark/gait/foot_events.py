@@ -47,7 +47,8 @@ def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP
     seen = marker_events(points, trial.trajectories.rate, up=up)
     found: list[FootEvent] = []
     for strike in (True, False):
-        found += _calibrated(*([e for e in each if e.strike == strike] for each in (seen, measured)), strike)
+        own, plates = ([e for e in each if e.strike == strike] for each in (seen, measured))
+        found += _calibrated(own, plates, strike)
     return ordered(found)
 
 

@@ -5,8 +5,8 @@ not count where the recording begins or ends within 0.12 s of them, where the fo
 or where the plate does not know to 10 ms or a sample (one laboratory writes 0 below 50 N). Two recordings are said
 apart: strikes on a treadmill whose forces were low-passed, so that they begin 10 to 20 ms early, and a walk on stairs.
 
-Then the same at half the rate, with noise, with rougher and finer filters, and with biases from other laboratories
-alone; and the published detectors on the same steps, less their own mean.
+Then the same by the biases of other laboratories, at half the rate, with noise, with other filters, and by each
+detector alone, Zeni's among them. `of the stated` is the root mean square of error over stated deviation; 1 is right.
 
     python studies/gait_events.py [--each] [--constants]
 """
@@ -108,9 +108,10 @@ def treadmill() -> Walk:
 
 
 class Judged(NamedTuple):
-    """Steps of one kind: times (n, D) of the detectors less those of the plates, ms, λ, and whose they are (n)."""
+    """Steps of one kind: times (n, D) of the detectors, (n) of Zeni's, less the plates', ms, λ, and whose they are."""
 
     off: Floats
+    zeni: Floats
     slow: Floats
     subject: Floats
     laboratory: Floats
@@ -134,11 +135,10 @@ def judged(walks: Sequence[Walk], strike: bool) -> Judged:
                 or (strike and walk.subject == "treadmill")
                 or event.sd > max(KNOWN_S, 1.01 * walk.sample_s)
             )
-            rows.append(
-                (1000 * (near.times - event.time), near.slow, walk.subject, walk.laboratory, event.time, not apart)
-            )
-    off, slow, subject, laboratory, at, counts = (np.array(column) for column in zip(*rows, strict=True))
-    return Judged(off, slow, subject, laboratory, at, counts)
+            off, zeni = 1000 * (near.times - event.time), 1000 * (near.event.time - event.time)
+            rows.append((off, zeni, near.slow, walk.subject, walk.laboratory, event.time, not apart))
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    return Judged(*columns)
 
 
 def fitted(steps: Judged, which: Bools, strike: bool) -> Floats:
@@ -190,7 +190,8 @@ def summary(each: Floats) -> str:
     off, size = each[:, 0], np.sqrt(np.mean((each[:, 0] / each[:, 1]) ** 2))
     return (f"n {len(off):3d}   RMS {np.sqrt(np.mean(off**2)):5.1f}   mean size {np.abs(off).mean():5.1f}   "
             f"median {np.median(off):5.1f}   within 15 ms {np.sum(np.abs(off) < 15):3d} = "
-            f"{100 * np.mean(np.abs(off) < 15):3.0f} %   largest {np.abs(off).max():4.0f}   of the stated {size:.2f}")  # fmt: skip
+            f"{100 * np.mean(np.abs(off) < 15):3.0f} %   largest {np.abs(off).max():4.0f}   "
+            f"of the stated {size:.2f}")  # fmt: skip
 
 
 def changed(walks: Sequence[Walk], step: int, noise_mm: float, seed: int) -> list[Walk]:
@@ -231,6 +232,9 @@ def main() -> None:
                 other = judged(walks, strike)
             print(f"  markers at {cutoff:.0f} Hz             ",
                   summary(errors(other, strike, other.subject)[other.counts]))  # fmt: skip
+        alone = [steps._replace(off=column[:, None]) for column in (steps.zeni, *steps.off.T)]
+        size = [np.sqrt(np.nanmean(errors(one, strike, one.subject)[one.counts, 0] ** 2)) for one in alone]
+        print("  RMS of Zeni's alone, of each detector alone:", *(f"{each:.1f}" for each in size))
         apart = [(s, round(float(e))) for s, e, c in zip(steps.subject, off[:, 0], steps.counts, strict=True) if not c]
         up = judged([stairs], strike)
         b = fitted(steps, steps.counts, strike)

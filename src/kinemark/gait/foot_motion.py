@@ -74,7 +74,7 @@ def foot_motion(points: Mapping[str, Floats], side: Side, rate: float, up: Float
     """
     pelvis = pelvis_of(points)[0]
     raw = [points[LETTER[side] + "HEE"], points[LETTER[side] + "TOE"], pelvis.origin, pelvis.R[..., 0]]
-    there: Bools = np.isfinite(np.concatenate(raw, 1)).all(axis=1)
+    there = np.asarray(np.isfinite(np.concatenate(raw, 1)).all(axis=1))
     known = np.flatnonzero(there)
     if len(known) < LEAST_S * rate or known[-1] + 1 - known[0] <= edge_samples(2):
         return None

@@ -5,8 +5,8 @@ not count where the recording begins or ends within 0.12 s of them, where the fo
 or where the plate does not know to 10 ms or a sample (one laboratory writes 0 below 50 N). Two recordings are said
 apart: strikes on a treadmill whose forces were low-passed, so that they begin 10 to 20 ms early, and a walk on stairs.
 
-Then the same at half the rate, with noise, with rougher and finer filters, and with biases from other laboratories
-alone; and the published detectors on the same steps, less their own mean.
+Then the same by the biases of other laboratories, at half the rate, with noise, with other filters, and by each
+detector alone, Zeni's among them. `of the stated` is the root mean square of error over stated deviation; 1 is right.
 
     python studies/gait_events.py [--each] [--constants]
 """
@@ -21,19 +21,19 @@ from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
-from gait_references import carry, markers, model_points, storage, template
+from gait_references import markers, model_points, storage, template
 
 from kinemark.data.array_types import Bools, Floats
 from kinemark.data.strides import FootEvent
 from kinemark.data.subject_measures import SIDES
 from kinemark.gait import marker_points, standard_trial
 from kinemark.gait.foot_detectors import voted
-from kinemark.gait.foot_events import middle_half
-from kinemark.gait.foot_motion import foot_motion
+from kinemark.gait.foot_events import BETWEEN_MS, WITHIN_MS, middle_half
 from kinemark.gait.plate_contacts import contacts
 from kinemark.gait.plate_events import PLATE_N, contact_events
 from kinemark.gait.reaction import reaction
 from kinemark.io.trial import read_trial
+from kinemark.kinematics.pose import carry
 
 DATA = Path(os.environ.get("KINEMARK_DATA", "data"))
 EDGE_S = 0.12
@@ -108,9 +108,10 @@ def treadmill() -> Walk:
 
 
 class Judged(NamedTuple):
-    """Steps of one kind: times (n, D) of the detectors less those of the plates, ms, λ, and whose they are (n)."""
+    """Steps of one kind: times (n, D) of the detectors, (n) of Zeni's, less the plates', ms, λ, and whose they are."""
 
     off: Floats
+    zeni: Floats
     slow: Floats
     subject: Floats
     laboratory: Floats
@@ -134,9 +135,10 @@ def judged(walks: Sequence[Walk], strike: bool) -> Judged:
                 or (strike and walk.subject == "treadmill")
                 or event.sd > max(KNOWN_S, 1.01 * walk.sample_s)
             )
-            rows.append((1000 * (near.times - event.time), near.slow, walk.subject, walk.laboratory, event, not apart))
-    off, slow, subject, laboratory, at, counts = zip(*rows, strict=True)
-    return Judged(*map(np.array, (off, slow, subject, laboratory)), np.array([e.time for e in at]), np.array(counts))
+            off, zeni = 1000 * (near.times - event.time), 1000 * (near.event.time - event.time)
+            rows.append((off, zeni, near.slow, walk.subject, walk.laboratory, event.time, not apart))
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    return Judged(*columns)
 
 
 def fitted(steps: Judged, which: Bools, strike: bool) -> Floats:
@@ -160,13 +162,15 @@ def fitted(steps: Judged, which: Bools, strike: bool) -> Floats:
 
 
 def errors(steps: Judged, strike: bool, groups: Floats) -> Floats:
-    """(n) ms, each group judged by the biases of the others."""
-    out = np.full(len(groups), np.nan)
+    """(n, 2) ms: errors, each group judged by the biases of the others, and what is stated."""
+    out = np.full((len(groups), 2), np.nan)
+    floor = np.hypot(BETWEEN_MS[strike], WITHIN_MS[strike])
     for name in np.unique(groups):
         own = groups == name
         b = fitted(steps, ~own, strike)
         left = steps.off[own] - b[:, 0] - b[:, 1] * steps.slow[own, None]
-        out[own] = [middle_half(row) for row in left]
+        time = np.array([middle_half(row) for row in left])
+        out[own] = np.stack([time, np.maximum(floor, np.nanmean(np.abs(left - time[:, None]), axis=1) / 2)], 1)
     return out
 
 
@@ -181,11 +185,13 @@ def deviations(off: Floats, subject: Floats) -> tuple[float, float]:
     return float(np.sqrt(max(between, 0.0))), float(np.sqrt(within))
 
 
-def summary(off: Floats) -> str:
-    """A row."""
+def summary(each: Floats) -> str:
+    """A row of errors and stated deviations (n, 2), ms."""
+    off, size = each[:, 0], np.sqrt(np.mean((each[:, 0] / each[:, 1]) ** 2))
     return (f"n {len(off):3d}   RMS {np.sqrt(np.mean(off**2)):5.1f}   mean size {np.abs(off).mean():5.1f}   "
             f"median {np.median(off):5.1f}   within 15 ms {np.sum(np.abs(off) < 15):3d} = "
-            f"{100 * np.mean(np.abs(off) < 15):3.0f} %   largest {np.abs(off).max():4.0f}")  # fmt: skip
+            f"{100 * np.mean(np.abs(off) < 15):3.0f} %   largest {np.abs(off).max():4.0f}   "
+            f"of the stated {size:.2f}")  # fmt: skip
 
 
 def changed(walks: Sequence[Walk], step: int, noise_mm: float, seed: int) -> list[Walk]:
@@ -215,35 +221,31 @@ def main() -> None:
         print(f"{NAMES[strike]}, {len(np.unique(steps.subject[steps.counts]))} subjects")
         print("  each subject by the others    ", summary(own))
         print("  … by other laboratories       ", summary(errors(steps, strike, steps.laboratory)[steps.counts]))
-        between, within = deviations(own, steps.subject[steps.counts])
+        between, within = deviations(own[:, 0], steps.subject[steps.counts])
         print(f"  deviation between subjects {between:.1f} ms, within {within:.1f} ms")
         for step, noise in ((2, 0.0), (1, 0.5), (2, 0.3)):
             other = judged(changed(walks, step, noise, seed=1), strike)
             words = f"  every {step}. frame, {noise} mm noise"
             print(f"{words:32s}", summary(errors(other, strike, other.subject)[other.counts]))
         for cutoff in (10.0, 25.0):
-            with mock.patch.object(motion_module(), "CUTOFF_HZ", cutoff):
+            with mock.patch("kinemark.gait.foot_motion.CUTOFF_HZ", cutoff):
                 other = judged(walks, strike)
             print(f"  markers at {cutoff:.0f} Hz             ",
                   summary(errors(other, strike, other.subject)[other.counts]))  # fmt: skip
-        apart = [(s, round(float(e))) for s, e, c in zip(steps.subject, off, steps.counts, strict=True) if not c]
+        alone = [steps._replace(off=column[:, None]) for column in (steps.zeni, *steps.off.T)]
+        size = [np.sqrt(np.nanmean(errors(one, strike, one.subject)[one.counts, 0] ** 2)) for one in alone]
+        print("  RMS of Zeni's alone, of each detector alone:", *(f"{each:.1f}" for each in size))
+        apart = [(s, round(float(e))) for s, e, c in zip(steps.subject, off[:, 0], steps.counts, strict=True) if not c]
         up = judged([stairs], strike)
         b = fitted(steps, steps.counts, strike)
         there = [middle_half(row) for row in up.off - b[:, 0] - b[:, 1] * up.slow[:, None]]
         print("  said apart:", ", ".join(f"{s} {e}" for s, e in apart), "; stairs", *np.round(there).astype(int))
         if given.each:
-            for row in zip(steps.subject, np.round(steps.at, 3), np.round(off, 1), steps.counts, strict=True):
+            for row in zip(steps.subject, np.round(steps.at, 3), np.round(off[:, 0], 1), steps.counts, strict=True):
                 print("   ", *row)
         if given.constants:
             print("  biases, ms, and slopes on λ:", *(f"({a:.0f}, {c:.0f})" for a, c in b))
             print(f"  λ from {steps.slow.min():.2f} to {steps.slow.max():.2f}")
-
-
-def motion_module() -> Any:
-    """The module, not a function of its name."""
-    import sys
-
-    return sys.modules[foot_motion.__module__]
 
 
 if __name__ == "__main__":

@@ -202,16 +202,16 @@ def test_what_cannot_be_read_is_named(plate):
 AHEAD = np.array([90.0, 0.0, 0.0])
 
 
-def stepping(left, right, *, other_stands=False, at=None):
+def stepping(left, right, *, other_stands=False, at=None, loaded=(0.3, 0.7), speed=1500.0):
     """Two feet over one second: the left stands at `left` (2) mm from 0.3 to 0.7 s, the right elsewhere."""
     t = np.arange(100) / 100.0
     stand = (t >= 0.25) & (t < 0.75)
     points = {}
     for letter, place, still in (("L", left, True), ("R", right, other_stands)):
         middle = np.column_stack([np.full(100, place[0]), np.full(100, place[1]), np.full(100, 40.0)])
-        middle[:, 0] += np.where(stand & still, 0, 1500 * (t - 0.5))
+        middle[:, 0] += np.where(stand & still, 0, speed * (t - 0.5))
         points[letter + "HEE"], points[letter + "TOE"] = middle - AHEAD, middle + AHEAD
-    force = np.where(((t >= 0.3) & (t < 0.7))[:, None], [0.0, 0, 700], 0.0)
+    force = np.where(((t >= loaded[0]) & (t < loaded[1]))[:, None], [0.0, 0, 700], 0.0)
     F, M, _ = six(force, np.tile([*(at or left), 0.0], (100, 1)), np.zeros(100))
     analog = (Analog(tuple("abcdef"), ("",) * 6, 100.0, np.column_stack([F, M]).T),)
     plate = ForcePlate(2, CORNERS, ORIGIN, tuple("abcdef"))
@@ -230,6 +230,12 @@ def test_a_foot_alone_on_a_plate_is_found():
 def test_a_contact_that_does_not_count_says_why(left, right, stands, reason):
     (one,) = stepping(left, right, other_stands=stands)
     assert one.reason == reason
+
+
+@pytest.mark.parametrize("loaded", [(0.05, 0.7), (0.3, 0.95)])
+def test_a_stick_that_loads_the_plate_while_the_foot_swings_is_noticed(loaded):
+    (one,) = stepping((200, 300), (700, 500), loaded=loaded, speed=1100.0)
+    assert (one.side, one.reason) == (None, "aid")
 
 
 def test_a_load_between_the_feet_belongs_to_neither():

@@ -31,7 +31,7 @@ GAIT_KINDS = (
     Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
          "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
-         "two_feet, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
+         "two_feet, aid, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",
          {"why": "text"}),
     Kind("events_without_plates", "gait", "info", "Foot events of a trial come from markers alone; median of their "
@@ -40,6 +40,8 @@ GAIT_KINDS = (
          "difference.", {"trial": "text", "events": "count", "most_ms": "ms"}),
     Kind("file_events_not_found", "gait", "info", "Events in the file near which none was found.",
          {"trial": "text", "events": "count"}),
+    Kind("gait_not_level", "gait", "amber", "The subject does not walk on a level floor. way: running or stairs. "
+         "Standard uncertainty of events from markers there.", {"trial": "text", "way": "text", "sd_ms": "ms"}),
     Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "
          "from the trial's direction of progression.", {"trial": "text", "turned_deg": "deg"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",

@@ -28,6 +28,7 @@ from ..gait.static_axes import with_knees
 from ..gait.static_checks import static_doubts
 from ..gait.time_distance import strides
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
+from ..gait.way_of_walking import way_of_walking
 from ..io.c3d.subject_measures import measures_of
 from .gait_settings import GaitSettings
 
@@ -279,7 +280,8 @@ def gait_of_trial(
         found = replace(found, signals=with_uncertainty(found.signals, causes))
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
     start = (trial.trajectories.first_frame - 1) / rate
-    return GaitOfTrial(trial.name, found, events, steps, trial.events, start, _emg(trial))
+    way = way_of_walking(events, points, rate=rate)
+    return GaitOfTrial(trial.name, found, events, steps, trial.events, start, _emg(trial), way)
 
 
 def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:

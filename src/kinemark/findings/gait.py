@@ -13,6 +13,7 @@ from ..data.gait_curves import GaitCurves, GaitReference
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
+from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical, movement_analysis_profile, scaled_score
 from ..gait.gait_trial import GaitTrial
 from ..gait.harmonics import curve_harmonics
@@ -44,6 +45,7 @@ class GaitOfTrial(NamedTuple):
     Attributes:
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
+        way: "level", "running" or "stairs".
     """
 
     name: str
@@ -53,6 +55,7 @@ class GaitOfTrial(NamedTuple):
     file_events: Events
     start_s: float
     emg: Mapping[str, Emg]
+    way: str = "level"
 
 
 class HipsShown(NamedTuple):
@@ -282,6 +285,8 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     if not trial.strides:
         yield make_finding("gait_without_strides", trial=trial.name)
     yield from _of_events(trial)
+    if trial.way != "level":
+        yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
     for contact in trial.gait.contacts:
         if contact.reason:
             yield make_finding(

@@ -10,7 +10,8 @@ the mean difference from them is taken off, shrunk as n / (n + ν) with ν = (de
 subjects)² (3). The expected error is made of both deviations, or is half of how far the detectors are apart where that
 is more (4).
 
-Events that contradict each other are not kept together (`event_order`).
+Events that contradict each other are not kept together (`event_order`), and where the subject does not walk on a level
+floor (`way_of_walking`) those from markers are known worse.
 """
 
 from __future__ import annotations
@@ -26,12 +27,16 @@ from .event_order import ordered
 from .foot_detectors import OFF, STRIKE, voted
 from .plate_events import plate_events
 from .segments import Z_UP
+from .way_of_walking import way_of_walking
 
 BETWEEN_MS = {True: 3.3, False: 3.7}
 """Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 10 subjects
 (studies/gait_events.py), each subject judged by the biases of the others."""
 WITHIN_MS = {True: 5.4, False: 6.5}
 """Deviation within a subject, ms; measured on the same strides."""
+UNLIKE_MS = 30.0
+"""Deviation where the subject runs or climbs, ms; chosen: on stairs strikes were off by 18 and offs by 25 (RMS,
+studies/gait_events.py), and of runs no plates are at hand."""
 ALIKE_S = 0.1
 """Within which an event from markers and one from a plate are one, s; chosen: a fifth of a step."""
 
@@ -47,8 +52,12 @@ def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP
     seen = marker_events(points, trial.trajectories.rate, up=up)
     found: list[FootEvent] = []
     for strike in (True, False):
-        found += _calibrated(*([e for e in each if e.strike == strike] for each in (seen, measured)), strike)
-    return ordered(found)
+        own, plates = ([e for e in each if e.strike == strike] for each in (seen, measured))
+        found += _calibrated(own, plates, strike)
+    kept = ordered(found)
+    if way_of_walking(kept, points, rate=trial.trajectories.rate, up=up) == "level":
+        return kept
+    return tuple(e if e.source == "plate" else e._replace(sd=max(e.sd, UNLIKE_MS / 1000)) for e in kept)
 
 
 def marker_events(points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP) -> list[FootEvent]:

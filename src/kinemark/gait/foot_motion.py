@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..data.subject_measures import LETTER, Side
 from ..signal.filters import butterworth, edge_samples
 from .lower_limb import pelvis_of
@@ -74,7 +74,7 @@ def foot_motion(points: Mapping[str, Floats], side: Side, rate: float, up: Float
     """
     pelvis = pelvis_of(points)[0]
     raw = [points[LETTER[side] + "HEE"], points[LETTER[side] + "TOE"], pelvis.origin, pelvis.R[..., 0]]
-    there = np.isfinite(np.concatenate(raw, 1)).all(1)
+    there = np.asarray(np.isfinite(np.concatenate(raw, 1)).all(axis=1))
     known = np.flatnonzero(there)
     if len(known) < LEAST_S * rate or known[-1] + 1 - known[0] <= edge_samples(2):
         return None
@@ -126,7 +126,7 @@ def _rate(x: Floats, times: int = 1) -> Floats:
     return x
 
 
-def _read(xyz: Floats, frames: Floats, known: Floats, rate: float, time: Floats) -> Floats:
+def _read(xyz: Floats, frames: Ints, known: Ints, rate: float, time: Floats) -> Floats:
     """(N, 3) at times, low-passed between the first and the last known frame, gaps bridged by cubics (Akima 1970)."""
     bridged = scipy.interpolate.Akima1DInterpolator(known, xyz[known])(frames)
     smooth = butterworth(bridged, rate=rate, cutoff_hz=min(CUTOFF_HZ, 0.4 * rate), order=2)

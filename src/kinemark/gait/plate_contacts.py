@@ -6,7 +6,8 @@ centre of pressure p, on the floor, weighted by the force:
     d = Σ F_z |p − m| / Σ F_z                                                                          (1)
 
 The near foot has stepped there. A contact does not count where both feet are as near, the other foot stands on the
-plate too, a heel or toe of the standing foot is beside the plate, or the recording begins or ends within it.
+plate too, a heel or toe of the standing foot is beside the plate, the recording begins or ends within it, or the plate
+is loaded while the toe swings: then something else stands there, as a stick or a walker (2).
 """
 
 from __future__ import annotations
@@ -37,6 +38,11 @@ BESIDE_MM = 10.0
 """By which a marker of the standing foot may be beside the plate, mm; chosen: markers stick out of shoes."""
 OTHER_SHARE = 0.1
 """Share of the contact during which the other foot stands on the plate; chosen."""
+SWINGING_MM_S = 1000.0
+"""Speed of the toe, from the floor, beyond which it swings, mm/s; chosen: a toe on the floor reaches 600."""
+SWINGING_S = 0.16
+"""By which a plate may be loaded while the toe swings, s; chosen: in whole contacts it was up to 0.03,
+of simulated ones 0.13."""
 
 
 class Contact(NamedTuple):
@@ -45,7 +51,7 @@ class Contact(NamedTuple):
     Attributes:
         plate: its index. first, stop: frames, counted from 0, stop excluded.
         side: of the foot; None where it is not known or the contact does not count.
-        reason: why it does not count: "", "unclear", "two_feet", "beside", "cut", "no_foot".
+        reason: why it does not count: "", "unclear", "two_feet", "aid", "beside", "cut", "no_foot".
         distance: (1) of the near foot, mm.
     """
 
@@ -69,7 +75,7 @@ def contacts(
     """
     feet = {side: _Foot.of(points, side, rate, up) for side in SIDES}
     found = [
-        _judged(plate, reaction, first, stop, feet, up)
+        _judged(plate, reaction, first, stop, feet, rate, up)
         for plate, reaction in enumerate(reactions)
         for first, stop in _loads(reaction.loaded, rate)
     ]
@@ -86,10 +92,11 @@ def _loads(loaded: Bools, rate: float) -> list[tuple[int, int]]:
 
 
 class _Foot(NamedTuple):
-    """(F, 3) mm heel, toe and middle; (F) whether it stands; mm its length."""
+    """(F, 3) mm heel, toe and middle, mm/s of the toe; (F) whether it stands; mm its length."""
 
     heel: Floats
     toe: Floats
+    toe_v: Floats
     middle: Floats
     stands: Bools
     length: float
@@ -101,10 +108,13 @@ class _Foot(NamedTuple):
         speed = np.linalg.norm(np.gradient(middle, axis=0), axis=1) * rate if len(middle) > 1 else np.zeros(len(middle))
         length = np.linalg.norm(toe - heel, axis=1)
         known = length[np.isfinite(length)]
-        return cls(heel, toe, middle, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
+        toe_v = np.gradient(toe, axis=0) * rate if len(toe) > 1 else np.zeros_like(toe)
+        return cls(heel, toe, toe_v, middle, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
 
 
-def _judged(plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], up: Floats) -> Contact:
+def _judged(
+    plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], rate: float, up: Floats
+) -> Contact:
     """A load with its foot."""
     distance = {side: _distance(reaction, foot, first, stop, up) for side, foot in feet.items()}
     near, far = sorted(SIDES, key=lambda side: np.nan_to_num(distance[side], nan=np.inf))
@@ -115,11 +125,13 @@ def _judged(plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping
         reason = "unclear"
     elif _on_plate(reaction, feet[far], first, stop, up).mean() > OTHER_SHARE:
         reason = "two_feet"
+    elif _swinging(feet[near].toe_v[first:stop]) > SWINGING_S * rate:
+        reason = "aid"  # (2)
     elif not _whole(reaction, feet[near], first, stop, up):
         reason = "beside"
     elif first == 0 or stop == len(reaction.loaded):
         reason = "cut"
-    side = None if reason in ("no_foot", "unclear", "two_feet") else near
+    side = None if reason in ("no_foot", "unclear", "two_feet", "aid") else near
     return Contact(plate, first, stop, side, reason, float(d))
 
 
@@ -144,6 +156,14 @@ def _inside(reaction: Reaction, xyz: Floats, margin: float) -> Bools:
 def _on_plate(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> Bools:
     """(n) whether the foot stands on the plate."""
     return _inside(reaction, foot.middle[first:stop], 0.0) & foot.stands[first:stop]
+
+
+def _swinging(toe_v: Floats) -> int:
+    """Frames of a load in which the toe, with velocities (n, 3), swings; the floor has its median velocity."""
+    known = toe_v[np.isfinite(toe_v).all(1)]
+    if not len(known):
+        return 0
+    return int((np.linalg.norm(known - np.median(known, axis=0), axis=1) > SWINGING_MM_S).sum())
 
 
 def _whole(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> bool:

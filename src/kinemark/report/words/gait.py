@@ -8,6 +8,7 @@ from .template import Words, fill
 REASONS = {
     "unclear": "it cannot be told which foot it was",
     "two_feet": "both feet stood on it",
+    "aid": "it was loaded while the foot swung, as by a stick or a walker",
     "beside": "the foot was partly beside it",
     "cut": "the recording begins or ends there",
     "no_foot": "no foot was near",
@@ -22,6 +23,20 @@ FOR_MOMENTS = {
     "mass": "Give mass_kg in the measures.",
     "contacts": "Record walks in which each foot meets its own plate; those above say what stood in the way.",
 }
+
+
+NOT_LEVEL = {
+    "running": "runs: the feet leave the floor before the other one meets it",
+    "stairs": "climbs: the heels strike at other heights from step to step",
+}
+
+
+def _not_level(found: Finding) -> str:
+    return (
+        fill("{trial}: the subject ", found)
+        + NOT_LEVEL.get(str(found.values["way"]), "does not walk on a level floor")
+        + fill(". Events from markers were judged on level walks and are known to ±{sd_ms:0} here.", found)
+    )
 
 
 def _estimated(found: Finding) -> str:
@@ -125,6 +140,10 @@ GAIT_WORDS = {
     "file_events_not_found": Words(
         "{trial}: near {events} {events:event|events} of the file none was found.",
         "Markers or a plate show no such event there; those of the file are kept in it.",
+    ),
+    "gait_not_level": Words(
+        _not_level,
+        "Time and distance hang on the events; mark them by hand, or give plates, where they matter.",
     ),
     "gait_turns": Words(
         "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -12,6 +12,7 @@ from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
 from ..kinematics.smooth import residual_cutoff, smooth_butterworth
+from ..signal.filters import HIGHEST
 from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point
@@ -19,6 +20,9 @@ from .lower_limb import MODEL_MARKERS
 from .segment_inertia import INERTIAS
 from .stage import GAIT
 from .upper_body import UPPER_BODY_MARKERS
+
+WIDER = 2**0.5
+"""By which another cut-off is higher; chosen: errors of moments of the swing are then about what is stated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,19 +52,20 @@ class Physical(Method):
         """(F, 3) mm by name, smoothed; the model's, and those of clusters besides."""
         return marker_points(smoothed_trial(trial, self, besides=besides))
 
-    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats] | None:
-        """(F, 3) mm by name, filtered twice, each marker at the cut-off of the first time; None where no filter is.
+    def smoothed_otherwise(self, trial: Trial, *, besides: Collection[str] = ()) -> tuple[dict[str, Floats], ...]:
+        """(F, 3) mm by name, filtered twice, and once at a cut-off that is `WIDER` times as high, each marker from its
+        own; nothing where no filter is.
 
         What a filter H takes of the motion s, (1 − H) s, is hardly noise any more when it is done again: H (1 − H) s.
         """
         if self.smoothing != "butterworth":
-            return None
-        once = smoothed_trial(trial, self, besides=besides)
-        paths = []
-        for raw, path in zip(_used(trial, besides), once.trajectories, strict=True):
-            cutoff = self.cutoff_hz or residual_cutoff(raw, rate=trial.trajectories.rate)
-            paths.append(smooth_butterworth(path, trial.trajectories.rate, method=Butterworth(cutoff_hz=cutoff)))
-        return marker_points(replace(once, trajectories=replace(once.trajectories, paths=tuple(paths))))
+            return ()
+        used, rate = _used(trial, besides), trial.trajectories.rate
+        cutoffs = [self.cutoff_hz or residual_cutoff(path, rate=rate) for path in used]
+        once = _filtered(used, cutoffs)
+        wider = [hz and min(WIDER * hz, HIGHEST * rate) for hz in cutoffs]
+        others = (_filtered(once, cutoffs), _filtered(used, wider))
+        return tuple(marker_points(replace(trial, trajectories=one)) for one in others)
 
 
 @GAIT.method("physical", Physical)
@@ -85,3 +90,12 @@ def _used(trial: Trial, besides: Collection[str]) -> Trajectories:
     """The model's markers and those besides."""
     wanted = {*MODEL_MARKERS, *UPPER_BODY_MARKERS, *besides}
     return trial.trajectories.select([n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in wanted])
+
+
+def _filtered(markers: Trajectories, cutoffs: Sequence[float | None]) -> Trajectories:
+    """Each marker at a cut-off of its own, Hz; as it is where there is none."""
+    paths = [
+        path if hz is None else smooth_butterworth(path, markers.rate, method=Butterworth(cutoff_hz=hz))
+        for path, hz in zip(markers, cutoffs, strict=True)
+    ]
+    return replace(markers, paths=tuple(paths))

@@ -35,8 +35,9 @@ class PlugInGait(Method):
         """(F, 3) mm by name, as they are."""
         return marker_points(trial)
 
-    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> None:
+    def smoothed_otherwise(self, trial: Trial, *, besides: Collection[str] = ()) -> tuple[dict[str, Floats], ...]:
         """Nothing is filtered."""
+        return ()
 
 
 @GAIT.method("plug_in_gait", PlugInGait, source="Kadaba et al. 1990; Davis et al. 1991")

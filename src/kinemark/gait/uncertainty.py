@@ -10,7 +10,8 @@ and where the plates lie. A hip that a motion has shown stays in the bone where 
 of the markers is independent between frames, and derivatives make much of it, so that it is drawn at random (2): the
 deviation s of y over n trials with noise of the stated covariance, s √((n − 1)/(n − 3)), as few draws know it badly
 (JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is
-systematic, and about what it takes when it is done once more: its standard uncertainty is |y(smoothed twice) − y| (3).
+systematic, about what it takes when it is done once more, and what it would not take with a higher cut-off: its
+standard uncertainty is √[(y(smoothed twice) − y)² + (y(√2 times the cut-off) − y)²] (3).
 """
 
 from __future__ import annotations
@@ -325,14 +326,15 @@ def _moving(model: _Model, k: int, by: Floats) -> Shifted:
 
 def _lost(trial: Trial, model: _Model) -> dict[str, Floats]:
     """(3); nothing where nothing is smoothed."""
-    again = model.method.smoothed_again(trial, besides=list(model.given.points))
-    if again is None:
+    others = model.method.smoothed_otherwise(trial, besides=list(model.given.points))
+    if not others:
         return {}
-    once, twice = model.quantities(), replace(model, given=model.given._replace(points=again)).quantities()
-    return {
-        name: np.abs(within_half_turn(twice[name] - y) if name.endswith("Angles") else twice[name] - y)
-        for name, y in once.items()
-    }
+    once, total = model.quantities(), {}
+    for points in others:
+        for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
+            off = within_half_turn(y - once[name]) if name.endswith("Angles") else y - once[name]
+            total[name] = total.get(name, 0.0) + off**2
+    return {name: np.sqrt(square) for name, square in total.items()}
 
 
 def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]:

@@ -9,9 +9,10 @@ from kinemark.data import KinemarkError
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
 from kinemark.engine.gait_settings import GaitSettings
-from kinemark.gait import Physical, analyse_gait, marker_points, with_static_offsets
+from kinemark.gait import Physical, analyse_gait, clinical_angles, marker_points, with_static_offsets
 from kinemark.gait.clusters import SEGMENTS, calibrated_body, with_wands
 from kinemark.gait.standard_trial import standard_trial, with_landmarks
+from kinemark.gait.uncertainty import GaitErrors, gait_uncertainty
 from kinemark.io.c3d import write_c3d
 from kinemark.synth import WalkingBody, gait_laboratory
 
@@ -154,3 +155,25 @@ def test_clusters_want_a_standing_trial_and_are_not_plug_in_gaits(tmp_path):
             walks, static=static, measures=MEASURES, clusters=clusters(), folder=tmp_path / "out",
             settings=GaitSettings(method="plug_in_gait", uncertainty=False),
         )  # fmt: skip
+
+
+def test_skin_under_clusters_makes_the_errors_that_are_stated():
+    """Against draws: all markers of a cluster together by 5 mm along each axis of the segment, each besides by half."""
+    segments = ("left thigh", "left shank")
+    lab, used = laboratory(segments, unworn=("LKNE", "LTHI", "LTIB", "LANK")), clusters(segments)
+    stood = marker_points(lab.static)
+    walk = with_landmarks(standard_trial(lab.walk, turn=np.eye(3)), stood, used).trial
+    errors = GaitErrors(placement_mm=0, hip_mm=0, width_mm=0, plate_mm=0, tissue_mm=5.0, draws=0)
+    known = with_static_offsets(MEASURES, stood, flat_foot=True)
+    stated = gait_uncertainty(walk, MEASURES, method=EXACT, errors=errors, static=stood, clusters=used)["soft tissue"]
+    body = calibrated_body(with_wands(stood), known, used)
+    points, rng, off = marker_points(walk), np.random.default_rng(3), []
+    for _ in range(80):
+        moved = dict(points)
+        for segment, markers in used.items():
+            R, together = getattr(lab.limbs.left, segment.split()[1]).R, 5.0 * rng.normal(size=3)
+            moved |= {name: points[name] + R @ (together + 2.5 * rng.normal(size=3)) for name in markers}
+        found = clinical_angles(body.limbs(moved, known, hip_centre="davis"))["LKneeAngles"]
+        off.append(found - lab.signals["LKneeAngles"].values)
+    seen, said = np.sqrt(np.mean(np.square(off), axis=(0, 1))), np.sqrt(np.mean(stated["LKneeAngles"] ** 2, axis=0))
+    np.testing.assert_allclose(said, seen, rtol=0.2)

@@ -76,6 +76,9 @@ STANDING = {"KAX": "thigh", "KNM": "thigh", "MED": "shank"}
 """The same of those that only the static trial has."""
 SKINNY = tuple(f"{side} {part}" for side in SIDES for part in ("thigh", "shank"))
 """Segments whose clusters move with skin; conventional, as of single markers."""
+APART = 0.5
+"""How far skin moves the markers of a cluster against each other, as a share of how far it moves all of them; chosen:
+over pins in thigh and shank of a walker it was 0.3 and 0.5 (`studies/gait_references.py`)."""
 PELVIS = ("ASI", "PSI", "ACR")
 """Names of the pelvis' markers without their first letter."""
 
@@ -206,15 +209,15 @@ def _placement(
 
 
 def _skin_of_clusters(model: _Model, sd: float) -> Iterator[Shifted]:
-    """Each marker of each cluster of a leg alone, and all of one together, along each axis of their segment."""
+    """All markers of each cluster of a leg together, and each alone by `APART` of it, along the segment's axes."""
     limbs = model.limbs(model.given.points)
     for segment, markers in model.clusters.items():
         if segment not in SKINNY:
             continue
         R = _segment(limbs, landmarks_of(segment)[0]).R
-        for moved in (*((marker,) for marker in markers), tuple(markers)):
+        for moved, share in ((tuple(markers), 1.0), *(((marker,), APART) for marker in markers)):
             for axis in range(3):
-                yield _moving_markers(model, moved, sd * R[..., axis])
+                yield _moving_markers(model, moved, share * sd * R[..., axis])
 
 
 def _moving_markers(model: _Model, names: Sequence[str], by: Floats) -> Shifted:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
@@ -31,9 +32,9 @@ def clusters(segments=SEGMENTS):
     return {name: tuple(f"{letter[name]}{NAMES[name.split()[-1]]}{k}" for k in (1, 2, 3, 4)) for name in segments}
 
 
-def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, noise_mm=0.0, **more):
+def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, seconds=2.2, **more):
     body = WalkingBody(MEASURES, plated=tuple(segments), unworn=unworn, worn=("LKNM", "RKNM", "LMED", "RMED"), **more)
-    return gait_laboratory(body, duration_s=2.2, noise_mm=noise_mm)
+    return gait_laboratory(body, duration_s=seconds)
 
 
 def by_clusters(lab, used, method=EXACT):
@@ -99,8 +100,8 @@ def files(tmp_path, lab):
 
 
 def test_files_of_a_laboratory_with_clusters_become_a_report_that_says_so(tmp_path):
-    segments = ("pelvis", "left thigh", "left shank")
-    lab = laboratory(segments, unworn=("LASI", "RASI", "SACR", "LKNE", "LTHI", "LTIB", "LANK"))
+    segments = ("pelvis", "left thigh")
+    lab = laboratory(segments, unworn=("LASI", "RASI", "SACR", "LKNE", "LTHI"), seconds=1.4)
     walks, static = files(tmp_path, lab)
     result = gait_of_files(
         walks, static=static, measures=MEASURES, clusters=clusters(segments), folder=tmp_path / "out",
@@ -177,3 +178,12 @@ def test_skin_under_clusters_makes_the_errors_that_are_stated():
         off.append(found - lab.signals["LKneeAngles"].values)
     seen, said = np.sqrt(np.mean(np.square(off), axis=(0, 1))), np.sqrt(np.mean(stated["LKneeAngles"] ** 2, axis=0))
     np.testing.assert_allclose(said, seen, rtol=0.2)
+
+
+def test_the_command_reads_clusters_and_says_what_it_does_not_understand(tmp_path, capsys):
+    walks, static = files(tmp_path, laboratory(("left thigh",), unworn=("LKNE", "LTHI"), seconds=1.4))
+    call = ["gait", str(walks[0]), "--static", str(static), "--no-uncertainty", "--output", str(tmp_path / "out")]
+    app([*call, "--cluster", "left_thigh=LTH1, LTH2,LTH3,LTH4"], result_action="return_value")
+    assert "carry left thigh" in capsys.readouterr().out
+    with pytest.raises(KinemarkError, match="left thigh=A,B,C"):
+        app([*call, "--cluster", "left thigh"], result_action="return_value", exit_on_error=False)

@@ -161,7 +161,7 @@ def test_clusters_want_a_standing_trial_and_are_not_plug_in_gaits(tmp_path):
 def test_skin_under_clusters_makes_the_errors_that_are_stated():
     """Against draws: all markers of a cluster together by 5 mm along each axis of the segment, each besides by half."""
     segments = ("left thigh", "left shank")
-    lab, used = laboratory(segments, unworn=("LKNE", "LTHI", "LTIB", "LANK")), clusters(segments)
+    lab, used = laboratory(segments, unworn=("LKNE", "LTHI", "LTIB", "LANK"), seconds=1.0), clusters(segments)
     stood = marker_points(lab.static)
     walk = with_landmarks(standard_trial(lab.walk, turn=np.eye(3)), stood, used).trial
     errors = GaitErrors(placement_mm=0, hip_mm=0, width_mm=0, plate_mm=0, tissue_mm=5.0, draws=0)

@@ -190,6 +190,8 @@ def _placement(
     model: _Model, sd: float, leg_markers: tuple[str, ...], *, pelvis: bool, static: bool
 ) -> Iterator[Shifted]:
     """Each marker along each axis of its segment."""
+    if sd <= 0:
+        return
     limbs = model.limbs(model.given.points)
     stood = model.limbs(with_wands(model.static)) if static and model.static is not None else None
     names = [n for n in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if pelvis and n in model.given.points]
@@ -211,7 +213,7 @@ def _placement(
 def _skin_of_clusters(model: _Model, sd: float) -> Iterator[Shifted]:
     """All markers of each cluster of a leg together, and each alone by `APART` of it, along the segment's axes."""
     limbs = model.limbs(model.given.points)
-    for segment, markers in model.clusters.items():
+    for segment, markers in model.clusters.items() if sd > 0 else ():
         if segment not in SKINNY:
             continue
         R = _segment(limbs, landmarks_of(segment)[0]).R

@@ -21,6 +21,8 @@ from .segment_inertia import INERTIAS
 from .stage import GAIT
 from .upper_body import UPPER_BODY_MARKERS
 
+Cutoffs = Sequence[float | None]
+"""Hz of markers."""
 WIDER = 2**0.5
 """By which another cut-off is higher; chosen: errors of moments of the swing are then about what is stated."""
 
@@ -48,9 +50,16 @@ class Physical(Method):
         """As chosen; contacts that the recording cuts still count."""
         return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
 
-    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
-        """(F, 3) mm by name, smoothed; the model's, and those of clusters besides."""
-        return marker_points(smoothed_trial(trial, self, besides=besides))
+    def markers(self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Cutoffs = ()) -> dict[str, Floats]:
+        """(F, 3) mm by name, smoothed; the model's, and those of clusters besides; low-passed at `cutoffs` if given."""
+        if not cutoffs:
+            return marker_points(smoothed_trial(trial, self, besides=besides))
+        return marker_points(replace(trial, trajectories=_filtered(_used(trial, besides), cutoffs)))
+
+    def cutoffs(self, trial: Trial, *, besides: Collection[str] = ()) -> Cutoffs:
+        """Hz of each of `markers`, None of one that is too short; nothing where no filter is."""
+        used = _used(trial, besides) if self.smoothing == "butterworth" else ()
+        return tuple(self.cutoff_hz or residual_cutoff(path, rate=trial.trajectories.rate) for path in used)
 
     def smoothed_otherwise(self, trial: Trial, *, besides: Collection[str] = ()) -> tuple[dict[str, Floats], ...]:
         """(F, 3) mm by name, filtered twice, and once at a cut-off that is `WIDER` times as high, each marker from its
@@ -61,7 +70,7 @@ class Physical(Method):
         if self.smoothing != "butterworth":
             return ()
         used, rate = _used(trial, besides), trial.trajectories.rate
-        cutoffs = [self.cutoff_hz or residual_cutoff(path, rate=rate) for path in used]
+        cutoffs = self.cutoffs(trial, besides=besides)
         once = _filtered(used, cutoffs)
         wider = [hz and min(WIDER * hz, HIGHEST * rate) for hz in cutoffs]
         others = (_filtered(once, cutoffs), _filtered(used, wider))
@@ -92,7 +101,7 @@ def _used(trial: Trial, besides: Collection[str]) -> Trajectories:
     return trial.trajectories.select([n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in wanted])
 
 
-def _filtered(markers: Trajectories, cutoffs: Sequence[float | None]) -> Trajectories:
+def _filtered(markers: Trajectories, cutoffs: Cutoffs) -> Trajectories:
     """Each marker at a cut-off of its own, Hz; as it is where there is none."""
     paths = [
         path if hz is None else smooth_butterworth(path, markers.rate, method=Butterworth(cutoff_hz=hz))

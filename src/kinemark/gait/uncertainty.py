@@ -8,9 +8,9 @@ Causes that stay as they are through a trial are shifted in all frames at once, 
 segment: where a marker sits on its landmark (in the static trial too), the hip joint centre, widths, skin over bone,
 and where the plates lie. A hip that a motion has shown stays in the bone where a marker of the pelvis is shifted. Noise
 of the markers is independent between frames, and derivatives make much of it, so that it is drawn at random (2): the
-deviation s of y over n trials with noise of the stated covariance, s √((n − 1)/(n − 3)), as few draws know it badly
-(JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is
-systematic, about what it takes when it is done once more, and what it would not take with a higher cut-off: its
+deviation s of y over n trials, filtered as the trial itself, with noise of the stated covariance, s √((n − 1)/(n − 3)),
+as few draws know it badly (JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is systematic, and about
+what it takes when it is done once more, and what it would not take with a higher cut-off: its
 standard uncertainty is √[(y(smoothed twice) − y)² + (y(√2 times the cut-off) − y)²] (3).
 """
 
@@ -347,7 +347,8 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
     roots = {path.name: _root(path.cov) for path in trial.trajectories}
     if errors.draws < FEWEST_DRAWS or not any(np.isfinite(root).any() for root in roots.values()):
         return {}
-    rng = np.random.default_rng(errors.seed)
+    rng, used = np.random.default_rng(errors.seed), list(model.given.points)
+    cutoffs = model.method.cutoffs(trial, besides=used)
     drawn: dict[str, list[Floats]] = {}
     for _ in range(errors.draws):
         paths = tuple(
@@ -355,7 +356,7 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
             for p in trial.trajectories
         )
         noisy = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
-        points = model.method.markers(noisy, besides=list(model.given.points))
+        points = model.method.markers(noisy, besides=used, cutoffs=cutoffs)
         for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
             drawn.setdefault(name, []).append(y)
     return {name: _spread(np.array(ys), angle=name.endswith("Angles")) for name, ys in drawn.items()}

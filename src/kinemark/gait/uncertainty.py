@@ -334,7 +334,8 @@ def _lost(trial: Trial, model: _Model) -> dict[str, Floats]:
     others = model.method.smoothed_otherwise(trial, besides=list(model.given.points))
     if not others:
         return {}
-    once, total = model.quantities(), {}
+    once = model.quantities()
+    total: dict[str, Floats] = {}
     for points in others:
         for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
             off = within_half_turn(y - once[name]) if name.endswith("Angles") else y - once[name]

@@ -144,7 +144,7 @@ def panel_grid(titles: Sequence[str], heads: Sequence[str] = ()) -> go.Figure:
     fig = make_subplots(
         rows=rows, cols=3, subplot_titles=titles, vertical_spacing=60 / (140 + 190 * rows), horizontal_spacing=0.07
     )
-    style = figure(60 + 190 * rows, margin={"l": 44, "r": 24, "t": 64 if heads else 40, "b": 44}).layout
+    style = figure(60 + 190 * rows, margin={"l": 44, "r": 24, "t": 78 if heads else 40, "b": 44}).layout
     fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
     fig.update_annotations(font_size=12)
     for column, head in enumerate(heads):

@@ -7,8 +7,9 @@
    without.
 2. `bone_truth`: a walk with pins in femur and tibia and four skin markers on each segment (Cereatti et al. 2017). The
    knee's angles (Grood and Suntay 1983) from least squares poses of the skin clusters, against those of the pins. The
-   clusters are laid upon the bones by their first ten frames. `sd` is what markers make that skin moves by
-   `--tissue-mm` on each axis, each for itself, and `misfit` what the clusters show of it.
+   clusters are laid upon the bones by their first ten frames. `together` is how far skin moves the mean of a cluster's
+   markers over the bone, `apart` how far each moves besides, which alone turns the cluster, and `misfit` what the
+   cluster shows of it. `sd` is what is stated: apart by `APART` of `--tissue-mm` on each axis.
 
     python studies/gait_references.py [--tissue-mm 5]
 """
@@ -30,6 +31,7 @@ from kinemark.data.subject_measures import LETTER, SIDES, LegMeasures, SubjectMe
 from kinemark.gait import Contact, Physical, Reaction, with_static_offsets
 from kinemark.gait.gait_trial import Inputs, gait_of
 from kinemark.gait.segments import level_axes
+from kinemark.gait.uncertainty import APART
 from kinemark.io.trial import read_trial
 from kinemark.kinematics import body_pose, knee_motion, rotation_covariance
 from kinemark.kinematics.pose import Template, carry, cluster_template
@@ -172,11 +174,16 @@ def row(
         print(f"  {side + ' ' + title:26s}{cells}{np.corrcoef(y[both], true[both])[0, 1]:13.3f}")
 
 
+def rms(values: Floats) -> float:
+    """Of all that is known."""
+    return float(np.sqrt(np.nanmean(values**2)))
+
+
 def bones(tissue_mm: float) -> None:
     """Table 2."""
     path = DATA / "bone_truth" / "dataSample_OTTAWA_walking.mat"
     trial = scipy.io.loadmat(path, squeeze_me=True, struct_as_record=False)["dataSample_OTTAWA_walking"].subj01.trial01
-    true, skin, covariance, misfit = {}, {}, {}, {}
+    true, skin, covariance, misfit, moved = {}, {}, {}, {}, {}
     for name in ("R_thigh", "R_shank"):
         part = getattr(trial, name)
         R, t = part.gRa.reshape(-1, 3, 3) @ FROM_FILE, part.gta
@@ -185,13 +192,17 @@ def bones(tissue_mm: float) -> None:
         xyz = np.einsum("fij,kfj->kfi", R, own) + t
         pose = body_pose(shape, xyz)
         true[name], skin[name] = (R, t), (pose.R, pose.t)
-        covariance[name] = rotation_covariance(shape, pose, tissue_mm)
+        covariance[name] = rotation_covariance(shape, pose, APART * tissue_mm)
+        off = own - shape[:, None]
+        moved[name] = rms(off.mean(0)), rms(off - off.mean(0))
         misfit[name] = float(np.sqrt(np.nanmean(pose.residual**2)))
     ours, theirs = (knee_motion(*each["R_thigh"], *each["R_shank"], side="right") for each in (skin, true))
     print(f"\nbone_truth, walking: {len(ours.deg)} frames at 120 Hz; knee from skin less knee from pins, deg")
     print(
         f"  misfit of the clusters: thigh {misfit['R_thigh']:.1f}, shank {misfit['R_shank']:.1f} mm a marker and axis"
     )
+    for name, (together, apart) in moved.items():
+        print(f"  skin over the {name[2:]}: together {together:.1f}, apart {apart:.1f} mm RMS along an axis")
     print(f"  {'':14s}{'range':>8s}{'mean':>8s}{'SD':>8s}{'RMS':>8s}{'sd':>8s}{'within 2 sd':>13s}")
     total = covariance["R_thigh"] + covariance["R_shank"]
     for k, title in enumerate(("flexion", "adduction", "rotation")):

@@ -152,6 +152,27 @@ def test_trials_for_hips_and_muscles_are_no_walks_and_count(tmp_path):
     assert "'push', which was not processed" in without["not_computed"]
 
 
+def test_clusters_that_the_session_names_carry_what_walks_do_not_wear(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    body = WalkingBody(
+        SubjectMeasures(leg, leg, mass_kg=70.0), plated=("left thigh", "pelvis"),
+        unworn=("LKNE", "LTHI", "LASI", "RASI", "SACR"),
+    )  # fmt: skip
+    lab = gait_laboratory(body, rate=50.0, duration_s=2.4)
+    for name, trial in {"walk": lab.walk, "stand": lab.static}.items():
+        (tmp_path / "results" / name).mkdir(parents=True)
+        write_c3d(tmp_path / "results" / name / f"{name}.c3d", trial)
+    rows = '[[trials]]\nname = "walk"\ndetections = "w.h5"\n[[trials]]\nname = "stand"\nkind = "static"\n'
+    rows += 'detections = "s.h5"\n'
+    table = '[gait.clusters]\nleft_thigh = ["LTH1", "LTH2", "LTH3", "LTH4"]\npelvis = ["PV1", "PV2", "PV3", "PV4"]\n'
+    (tmp_path / "session.toml").write_text(f'name = "s"\n[calibration]\nfile = "rig.toml"\n{GAIT}{table}{rows}')
+    figures = update_gait(tmp_path, tmp_path / "results", Session.open(tmp_path).settings, self_contained=False)
+    told = {f["kind"]: f["values"] for f in figures["findings"]}
+    assert told["gait_clusters"]["segments_list"] == ["left thigh", "pelvis"], figures.get("not_computed")
+    knee = next(c for c in figures["curves"] if c["name"] == "LKneeAngles")
+    assert np.ptp(np.array(knee["mean"], float)[:, 0]) == pytest.approx(57, abs=4)
+
+
 def test_a_clinical_recording_goes_from_cameras_to_gait(tmp_path):
     file = shared_data("cameras/gait9_bts/gait9.tdf")
     reference = read_tdf(file).trajectories
@@ -182,6 +203,7 @@ def test_a_clinical_recording_goes_from_cameras_to_gait(tmp_path):
     [
         ('[gait]\ntrials = ["walk09"]\n', "walk09"),
         ("[gait]\nplacement_mm = -1\n", "placement_mm"),
+        ('[gait.clusters]\nthigh = ["A", "B", "C"]\n', "left_thigh"),
         ("[gait.measures]\nmass_kg = 70\n", "left"),
         ('[gait]\nexports = "xls"\n', "xls"),
         ("[gait.measures.left]\nleg_mm = 89\nknee_mm = 100\nankle_mm = 70\n[gait.measures.right]\nleg_mm = 890\nknee_mm"

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
 from kinemark.engine.gait_settings import GaitSettings
-from kinemark.gait import Physical, analyse_gait, marker_points, with_static_offsets
+from kinemark.gait import Physical, analyse_gait, clinical_angles, marker_points, with_static_offsets
 from kinemark.gait.clusters import SEGMENTS, calibrated_body, with_wands
 from kinemark.gait.standard_trial import standard_trial, with_landmarks
+from kinemark.gait.uncertainty import GaitErrors, gait_uncertainty
 from kinemark.io.c3d import write_c3d
 from kinemark.synth import WalkingBody, gait_laboratory
 
@@ -30,9 +32,9 @@ def clusters(segments=SEGMENTS):
     return {name: tuple(f"{letter[name]}{NAMES[name.split()[-1]]}{k}" for k in (1, 2, 3, 4)) for name in segments}
 
 
-def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, noise_mm=0.0, **more):
+def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, seconds=2.2, **more):
     body = WalkingBody(MEASURES, plated=tuple(segments), unworn=unworn, worn=("LKNM", "RKNM", "LMED", "RMED"), **more)
-    return gait_laboratory(body, duration_s=2.2, noise_mm=noise_mm)
+    return gait_laboratory(body, duration_s=seconds)
 
 
 def by_clusters(lab, used, method=EXACT):
@@ -98,8 +100,8 @@ def files(tmp_path, lab):
 
 
 def test_files_of_a_laboratory_with_clusters_become_a_report_that_says_so(tmp_path):
-    segments = ("pelvis", "left thigh", "left shank")
-    lab = laboratory(segments, unworn=("LASI", "RASI", "SACR", "LKNE", "LTHI", "LTIB", "LANK"))
+    segments = ("pelvis", "left thigh")
+    lab = laboratory(segments, unworn=("LASI", "RASI", "SACR", "LKNE", "LTHI"), seconds=1.4)
     walks, static = files(tmp_path, lab)
     result = gait_of_files(
         walks, static=static, measures=MEASURES, clusters=clusters(segments), folder=tmp_path / "out",
@@ -154,3 +156,34 @@ def test_clusters_want_a_standing_trial_and_are_not_plug_in_gaits(tmp_path):
             walks, static=static, measures=MEASURES, clusters=clusters(), folder=tmp_path / "out",
             settings=GaitSettings(method="plug_in_gait", uncertainty=False),
         )  # fmt: skip
+
+
+def test_skin_under_clusters_makes_the_errors_that_are_stated():
+    """Against draws: all markers of a cluster together by 5 mm along each axis of the segment, each besides by half."""
+    segments = ("left thigh", "left shank")
+    lab, used = laboratory(segments, unworn=("LKNE", "LTHI", "LTIB", "LANK"), seconds=1.0), clusters(segments)
+    stood = marker_points(lab.static)
+    walk = with_landmarks(standard_trial(lab.walk, turn=np.eye(3)), stood, used).trial
+    errors = GaitErrors(placement_mm=0, hip_mm=0, width_mm=0, plate_mm=0, tissue_mm=5.0, draws=0)
+    known = with_static_offsets(MEASURES, stood, flat_foot=True)
+    stated = gait_uncertainty(walk, MEASURES, method=EXACT, errors=errors, static=stood, clusters=used)["soft tissue"]
+    body = calibrated_body(with_wands(stood), known, used)
+    points, rng, off = marker_points(walk), np.random.default_rng(3), []
+    for _ in range(80):
+        moved = dict(points)
+        for segment, markers in used.items():
+            R, together = getattr(lab.limbs.left, segment.split()[1]).R, 5.0 * rng.normal(size=3)
+            moved |= {name: points[name] + R @ (together + 2.5 * rng.normal(size=3)) for name in markers}
+        found = clinical_angles(body.limbs(moved, known, hip_centre="davis"))["LKneeAngles"]
+        off.append(found - lab.signals["LKneeAngles"].values)
+    seen, said = np.sqrt(np.mean(np.square(off), axis=(0, 1))), np.sqrt(np.mean(stated["LKneeAngles"] ** 2, axis=0))
+    np.testing.assert_allclose(said, seen, rtol=0.2)
+
+
+def test_the_command_reads_clusters_and_says_what_it_does_not_understand(tmp_path, capsys):
+    walks, static = files(tmp_path, laboratory(("left thigh",), unworn=("LKNE", "LTHI"), seconds=1.4))
+    call = ["gait", str(walks[0]), "--static", str(static), "--no-uncertainty", "--output", str(tmp_path / "out")]
+    app([*call, "--cluster", "left_thigh=LTH1, LTH2,LTH3,LTH4"], result_action="return_value")
+    assert "carry left thigh" in capsys.readouterr().out
+    with pytest.raises(KinemarkError, match="left thigh=A,B,C"):
+        app([*call, "--cluster", "left thigh"], result_action="return_value", exit_on_error=False)

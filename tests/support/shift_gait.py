@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from kinemark import gait
-from kinemark.data import Analog, ForcePlate, Trial
+from kinemark.data import Analog, ForcePlate, MarkerTrajectory, Trajectories, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.synth import WalkingBody, walking
 from support.shift_law import Answer, law, moved, on_grid
@@ -95,6 +95,21 @@ def _(by):
     found = gait.with_heels(gait.standard_trial(barefoot), at(by))
     points = gait.marker_points(found.trial)
     return Answer((points["LHEE"],), (found.turn, found.heels, gait.estimated_measures(points)))
+
+
+@law(gait.calibrated_body, gait.with_landmarks, gait.with_wands, mm=1e-6, share=1e-6)
+def _(by):
+    lean = WalkingBody(MEASURES, plated=("left thigh",), worn=("LKNM", "RKNM"))
+    stood = {name: on_grid(xyz) + by for name, xyz in lean.markers(lean.standing(3), walking=False).items()}
+    shown = gait.with_wands({name: xyz for name, xyz in stood.items() if name != "LTHI"})
+    plate = {"left thigh": ("LTH1", "LTH2", "LTH3", "LTH4")}
+    steps = {name: on_grid(xyz) + by for name, xyz in lean.markers(lean.limbs(np.arange(4) / 10.0)).items()}
+    body = gait.calibrated_body(stood, MEASURES, plate)
+    limbs = body.limbs(steps, MEASURES, hip_centre="davis")
+    paths = tuple(MarkerTrajectory.measured(name, xyz) for name, xyz in steps.items() if name != "LKNE")
+    walk = gait.standard_trial(Trial("walk", Trajectories(paths, 10.0)), turn=np.eye(3))
+    carried = gait.marker_points(gait.with_landmarks(walk, stood, plate).trial)
+    return Answer((shown["LTHI"], limbs.left.knee, carried["LKNE"]), (turned(limbs), body.misfit(steps)))
 
 
 @law(gait.mass_on_plates, share=1e-6)

@@ -2,12 +2,14 @@
 
 `lower_limbs` is the conventional gait model, `clinical_angles` what clinicians read of it, `reaction` and `contacts`
 the force plates and the feet on them, `joint_loads` inverse dynamics. `analyse_gait` does all of it for a trial;
+`calibrated_body` has clusters of markers carry segments;
 `standard_trial` brings another laboratory's names and axes to the model's; `foot_events`, `strides` and `gait_curves`
 cut it into strides.
 """
 
 from .clinical_angles import clinical_angles, progression
 from .clinical_moments import clinical_force, clinical_moment
+from .clusters import CalibratedBody, calibrated_body, with_wands
 from .estimated_measures import estimated_measures, mass_on_plates
 from .foot_events import foot_events
 from .functional_hip import FunctionalHip, functional_hip, with_functional_hips
@@ -21,12 +23,13 @@ from .plug_in_gait import PlugInGait
 from .reaction import Reaction, reaction
 from .segment_inertia import INERTIAS, SegmentInertia
 from .segments import Segment
-from .standard_trial import StandardTrial, standard_trial, with_heels
+from .standard_trial import StandardTrial, standard_trial, with_heels, with_landmarks
 from .static_trial import with_static_offsets
 from .time_distance import strides
 
 __all__ = [
     "INERTIAS",
+    "CalibratedBody",
     "Contact",
     "FunctionalHip",
     "GaitTrial",
@@ -41,6 +44,7 @@ __all__ = [
     "SegmentInertia",
     "StandardTrial",
     "analyse_gait",
+    "calibrated_body",
     "clinical_angles",
     "clinical_force",
     "clinical_moment",
@@ -62,5 +66,7 @@ __all__ = [
     "strides",
     "with_functional_hips",
     "with_heels",
+    "with_landmarks",
     "with_static_offsets",
+    "with_wands",
 ]

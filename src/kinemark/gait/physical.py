@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -12,6 +12,7 @@ from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
 from ..kinematics.smooth import residual_cutoff, smooth_butterworth
+from ..signal.filters import HIGHEST
 from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point
@@ -19,6 +20,11 @@ from .lower_limb import MODEL_MARKERS
 from .segment_inertia import INERTIAS
 from .stage import GAIT
 from .upper_body import UPPER_BODY_MARKERS
+
+Cutoffs = Sequence[float | None]
+"""Hz of markers."""
+WIDER = 2**0.5
+"""By which another cut-off is higher; chosen: errors of moments of the swing are then about what is stated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,23 +50,31 @@ class Physical(Method):
         """As chosen; contacts that the recording cuts still count."""
         return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
 
-    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
-        """(F, 3) mm by name, smoothed; the model's, and those of clusters besides."""
-        return marker_points(smoothed_trial(trial, self, besides=besides))
+    def markers(self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Cutoffs = ()) -> dict[str, Floats]:
+        """(F, 3) mm by name, smoothed; the model's, and those of clusters besides; low-passed at `cutoffs` if given."""
+        if not cutoffs:
+            return marker_points(smoothed_trial(trial, self, besides=besides))
+        return marker_points(replace(trial, trajectories=_filtered(_used(trial, besides), cutoffs)))
 
-    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats] | None:
-        """(F, 3) mm by name, filtered twice, each marker at the cut-off of the first time; None where no filter is.
+    def cutoffs(self, trial: Trial, *, besides: Collection[str] = ()) -> Cutoffs:
+        """Hz of each of `markers`, None of one that is too short; nothing where no filter is."""
+        used = _used(trial, besides) if self.smoothing == "butterworth" else ()
+        return tuple(self.cutoff_hz or residual_cutoff(path, rate=trial.trajectories.rate) for path in used)
+
+    def smoothed_otherwise(self, trial: Trial, *, besides: Collection[str] = ()) -> tuple[dict[str, Floats], ...]:
+        """(F, 3) mm by name, filtered twice, and once at a cut-off that is `WIDER` times as high, each marker from its
+        own; nothing where no filter is.
 
         What a filter H takes of the motion s, (1 − H) s, is hardly noise any more when it is done again: H (1 − H) s.
         """
         if self.smoothing != "butterworth":
-            return None
-        once = smoothed_trial(trial, self, besides=besides)
-        paths = []
-        for raw, path in zip(_used(trial, besides), once.trajectories, strict=True):
-            cutoff = self.cutoff_hz or residual_cutoff(raw, rate=trial.trajectories.rate)
-            paths.append(smooth_butterworth(path, trial.trajectories.rate, method=Butterworth(cutoff_hz=cutoff)))
-        return marker_points(replace(once, trajectories=replace(once.trajectories, paths=tuple(paths))))
+            return ()
+        used, rate = _used(trial, besides), trial.trajectories.rate
+        cutoffs = self.cutoffs(trial, besides=besides)
+        once = _filtered(used, cutoffs)
+        wider = [hz and min(WIDER * hz, HIGHEST * rate) for hz in cutoffs]
+        others = (_filtered(once, cutoffs), _filtered(used, wider))
+        return tuple(marker_points(replace(trial, trajectories=one)) for one in others)
 
 
 @GAIT.method("physical", Physical)
@@ -85,3 +99,12 @@ def _used(trial: Trial, besides: Collection[str]) -> Trajectories:
     """The model's markers and those besides."""
     wanted = {*MODEL_MARKERS, *UPPER_BODY_MARKERS, *besides}
     return trial.trajectories.select([n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in wanted])
+
+
+def _filtered(markers: Trajectories, cutoffs: Cutoffs) -> Trajectories:
+    """Each marker at a cut-off of its own, Hz; as it is where there is none."""
+    paths = [
+        path if hz is None else smooth_butterworth(path, markers.rate, method=Butterworth(cutoff_hz=hz))
+        for path, hz in zip(markers, cutoffs, strict=True)
+    ]
+    return replace(markers, paths=tuple(paths))

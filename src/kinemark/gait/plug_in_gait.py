@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from ..data import KinemarkError, Trial
@@ -31,12 +31,19 @@ class PlugInGait(Method):
         """Plug-in Gait's own."""
         return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration)
 
-    def markers(self, trial: Trial, *, besides: Collection[str] = ()) -> dict[str, Floats]:
+    def markers(
+        self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Sequence[float | None] = ()
+    ) -> dict[str, Floats]:
         """(F, 3) mm by name, as they are."""
         return marker_points(trial)
 
-    def smoothed_again(self, trial: Trial, *, besides: Collection[str] = ()) -> None:
+    def cutoffs(self, trial: Trial, *, besides: Collection[str] = ()) -> tuple[float | None, ...]:
         """Nothing is filtered."""
+        return ()
+
+    def smoothed_otherwise(self, trial: Trial, *, besides: Collection[str] = ()) -> tuple[dict[str, Floats], ...]:
+        """Nothing is filtered."""
+        return ()
 
 
 @GAIT.method("plug_in_gait", PlugInGait, source="Kadaba et al. 1990; Davis et al. 1991")

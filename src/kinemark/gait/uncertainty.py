@@ -8,9 +8,10 @@ Causes that stay as they are through a trial are shifted in all frames at once, 
 segment: where a marker sits on its landmark (in the static trial too), the hip joint centre, widths, skin over bone,
 and where the plates lie. A hip that a motion has shown stays in the bone where a marker of the pelvis is shifted. Noise
 of the markers is independent between frames, and derivatives make much of it, so that it is drawn at random (2): the
-deviation s of y over n trials with noise of the stated covariance, s √((n − 1)/(n − 3)), as few draws know it badly
-(JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is
-systematic, and about what it takes when it is done once more: its standard uncertainty is |y(smoothed twice) − y| (3).
+deviation s of y over n trials, filtered as the trial itself, with noise of the stated covariance, s √((n − 1)/(n − 3)),
+as few draws know it badly (JCGM 101:2008, 6.4.9). What smoothing takes of the motion itself is systematic, and about
+what it takes when it is done once more, and what it would not take with a higher cut-off: its
+standard uncertainty is √[(y(smoothed twice) − y)² + (y(√2 times the cut-off) − y)²] (3).
 """
 
 from __future__ import annotations
@@ -75,6 +76,9 @@ STANDING = {"KAX": "thigh", "KNM": "thigh", "MED": "shank"}
 """The same of those that only the static trial has."""
 SKINNY = tuple(f"{side} {part}" for side in SIDES for part in ("thigh", "shank"))
 """Segments whose clusters move with skin; conventional, as of single markers."""
+APART = 0.5
+"""How far skin moves the markers of a cluster against each other, as a share of how far it moves all of them; chosen:
+over pins in thigh and shank of a walker it was 0.3 and 0.5 (`studies/gait_references.py`)."""
 PELVIS = ("ASI", "PSI", "ACR")
 """Names of the pelvis' markers without their first letter."""
 
@@ -186,6 +190,8 @@ def _placement(
     model: _Model, sd: float, leg_markers: tuple[str, ...], *, pelvis: bool, static: bool
 ) -> Iterator[Shifted]:
     """Each marker along each axis of its segment."""
+    if sd <= 0:
+        return
     limbs = model.limbs(model.given.points)
     stood = model.limbs(with_wands(model.static)) if static and model.static is not None else None
     names = [n for n in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if pelvis and n in model.given.points]
@@ -205,15 +211,15 @@ def _placement(
 
 
 def _skin_of_clusters(model: _Model, sd: float) -> Iterator[Shifted]:
-    """Each marker of each cluster of a leg alone, and all of one together, along each axis of their segment."""
+    """All markers of each cluster of a leg together, and each alone by `APART` of it, along the segment's axes."""
     limbs = model.limbs(model.given.points)
-    for segment, markers in model.clusters.items():
+    for segment, markers in model.clusters.items() if sd > 0 else ():
         if segment not in SKINNY:
             continue
         R = _segment(limbs, landmarks_of(segment)[0]).R
-        for moved in (*((marker,) for marker in markers), tuple(markers)):
+        for moved, share in ((tuple(markers), 1.0), *(((marker,), APART) for marker in markers)):
             for axis in range(3):
-                yield _moving_markers(model, moved, sd * R[..., axis])
+                yield _moving_markers(model, moved, share * sd * R[..., axis])
 
 
 def _moving_markers(model: _Model, names: Sequence[str], by: Floats) -> Shifted:
@@ -325,14 +331,16 @@ def _moving(model: _Model, k: int, by: Floats) -> Shifted:
 
 def _lost(trial: Trial, model: _Model) -> dict[str, Floats]:
     """(3); nothing where nothing is smoothed."""
-    again = model.method.smoothed_again(trial, besides=list(model.given.points))
-    if again is None:
+    others = model.method.smoothed_otherwise(trial, besides=list(model.given.points))
+    if not others:
         return {}
-    once, twice = model.quantities(), replace(model, given=model.given._replace(points=again)).quantities()
-    return {
-        name: np.abs(within_half_turn(twice[name] - y) if name.endswith("Angles") else twice[name] - y)
-        for name, y in once.items()
-    }
+    once = model.quantities()
+    total: dict[str, Floats] = {}
+    for points in others:
+        for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
+            off = within_half_turn(y - once[name]) if name.endswith("Angles") else y - once[name]
+            total[name] = total.get(name, 0.0) + off**2
+    return {name: np.sqrt(square) for name, square in total.items()}
 
 
 def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]:
@@ -340,7 +348,8 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
     roots = {path.name: _root(path.cov) for path in trial.trajectories}
     if errors.draws < FEWEST_DRAWS or not any(np.isfinite(root).any() for root in roots.values()):
         return {}
-    rng = np.random.default_rng(errors.seed)
+    rng, used = np.random.default_rng(errors.seed), list(model.given.points)
+    cutoffs = model.method.cutoffs(trial, besides=used)
     drawn: dict[str, list[Floats]] = {}
     for _ in range(errors.draws):
         paths = tuple(
@@ -348,7 +357,7 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
             for p in trial.trajectories
         )
         noisy = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
-        points = model.method.markers(noisy, besides=list(model.given.points))
+        points = model.method.markers(noisy, besides=used, cutoffs=cutoffs)
         for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
             drawn.setdefault(name, []).append(y)
     return {name: _spread(np.array(ys), angle=name.endswith("Angles")) for name, ys in drawn.items()}

@@ -12,7 +12,7 @@ from plotly.subplots import make_subplots
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves, GaitReference
 from ..findings.plain import runs
-from .theme import FAINT, axis_style, empty, figure, label
+from .theme import FAINT, INK, axis_style, empty, figure, label
 
 SIDE_COLOURS = {"left": "#C62828", "right": "#0072B2"}
 """Left red, right blue; conventional in gait reports, and told apart by all."""
@@ -109,14 +109,15 @@ def panels_figure(
 
 def _key(fig: go.Figure, i: int, *, with_reference: bool) -> None:
     """Which line is which, in an empty panel."""
-    lines = [f'<span style="color:{colour}">━━ {side}</span>' for side, colour in SIDE_COLOURS.items()]
-    lines += ["┅┅ measured to ±", "┊ foot off"]
-    lines += [f'<span style="color:{REFERENCE_COLOUR}">▒▒ reference</span>'] if with_reference else []
+    lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items()]
+    lines += [("┅┅ measured to ±", INK), ("┊ foot off", INK)]
+    lines += [("▒▒ reference", REFERENCE_COLOUR)] if with_reference else []
     x, y = fig.layout[f"xaxis{i + 1}"].domain[0], fig.layout[f"yaxis{i + 1}"].domain[1]
-    fig.add_annotation(
-        text="<br>".join(lines), xref="paper", yref="paper", x=x, y=y, xanchor="left", yanchor="top",
-        align="left", showarrow=False, font={"size": 11},
-    )  # fmt: skip
+    for k, (text, colour) in enumerate(lines):
+        fig.add_annotation(
+            text=text, xref="paper", yref="paper", x=x, y=y, yshift=-16 * k, xanchor="left", yanchor="top",
+            showarrow=False, font={"size": 11, "color": colour},
+        )  # fmt: skip
 
 
 def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
@@ -143,7 +144,7 @@ def panel_grid(titles: Sequence[str], heads: Sequence[str] = ()) -> go.Figure:
     fig = make_subplots(
         rows=rows, cols=3, subplot_titles=titles, vertical_spacing=60 / (140 + 190 * rows), horizontal_spacing=0.07
     )
-    style = figure(60 + 190 * rows, margin={"l": 44, "r": 24, "t": 64 if heads else 40, "b": 44}).layout
+    style = figure(60 + 190 * rows, margin={"l": 44, "r": 24, "t": 78 if heads else 40, "b": 44}).layout
     fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
     fig.update_annotations(font_size=12)
     for column, head in enumerate(heads):

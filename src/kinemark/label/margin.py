@@ -172,7 +172,7 @@ def _rigid(template: Template) -> Floats:
 
 def _poses(stretches: Stretches, t: Ints, a: Ints, L: int) -> Floats:
     """(L) independent frames of all tracks t that are labels a."""
-    return 1.0 + np.bincount(a, stretches.weight[t] - 1.0, L)
+    return np.asarray(1.0 + np.bincount(a, stretches.weight[t] - 1.0, L), float)
 
 
 def _goes_on(stretches: Stretches, label: Ints, L: int) -> Floats:

@@ -29,8 +29,7 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(k x) · logistic(3 + 3 y)
-        · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W))                   (4)
+    p_label = logistic(k x) · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W))  (4)
 
 with y the loss by `rivals` (1), W the independent frames in which a is seen, and h how well the four stiffest distances
 hold (`held`); the β of another subject's template are others. An extra marker that took the name of an absent one fits
@@ -66,9 +65,9 @@ BETA_TRACK = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on, then all times 1.25, less
 0.2, by 234 random shreds of 0.4 to 5 s of walks and static trials' templates: with (2') more tracks were right than
 these said."""
-BETA_LABEL = (-1.84, 1.05, 1.11, 0.0, 0.0, 4.1, 1.32, 0.59, 3.88, 13.37, 0.0, 4.78, 2.01)
-"""Of (4), of the subject's own template; logistic regression on 7 749 labels of 190 random shreds, 40 % of them whole
-trials, of walks and static trials' templates; none but the first below 0, as what fits better makes no name less sure,
+BETA_LABEL = (-3.49, 0.44, 1.70, 0.32, 0.0, 3.39, 1.92, 1.34, 0.0, 11.09, 5.35, 3.91, 1.65)
+"""Of (4), of the subject's own template; measured on 7 749 labels of 190 random shreds, 40 % of them whole trials, of
+walks and static trials' templates; none but the first below 0, as what fits better makes no name less sure,
 and drawn to former ones by the squares of what each changes: subjects left out in turn chose both."""
 BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 4.0, 0.0, 0.0)
 """Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, those of
@@ -80,8 +79,6 @@ trials leave 0.18 open elsewhere."""
 GAINED, LOST = 0.25, 2.0
 """k of (4), 1/nats, where an exchange gains and where it loses; measured on the same 109 shreds: of static trials most
 names that an exchange would gain by are right."""
-NEARLY = 3.0
-"""Of (4), logits and 1/nats: where rivals lose nothing, one name in ten was wrong; measured likewise, of 1 to 4."""
 CHAIN_END = 0.5
 """Fit of a near label below which a chain of names may end at it; measured on the same shreds: one in ten right names
 of other children, and half of the wrong ones, are near such a label."""
@@ -311,8 +308,7 @@ def probability(
 ) -> Floats:
     """(T) by (1), with δ = shift; 0 for tracks without label."""
     other_way = np.where(found.exchange > 0, LOST, GAINED) * found.exchange
-    by_rivals = logistic(NEARLY * (1.0 + found.rival))
-    p_label = logistic(other_way) * by_rivals * logistic(label_features(found) @ np.asarray(label))
+    p_label = logistic(other_way) * logistic(label_features(found) @ np.asarray(label))
     p = p_label * logistic(track_logit(found, weight, track) + shift)
     return np.where(np.isfinite(p), p, 0.0)
 

@@ -30,7 +30,7 @@ nearest labels and the share n of the frames in which a is seen, of those in whi
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
     p_label = logistic(k x)
-        · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W))                     (4)
+        · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W))  (4)
 
 with y the loss by `rivals` (1), W the independent frames in which a is seen, and h how well the four stiffest distances
 hold (`held`); the β of another subject's template are others. An extra marker that took the name of an absent one fits

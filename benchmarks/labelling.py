@@ -87,7 +87,7 @@ class Cases(NamedTuple):
     """Of one shredded trial's named tracks: features of `label.margin` (3) and (4), and what came true.
 
     Attributes:
-        track: (n, 7). label: (n, 11). mate: (n) the track is what most samples of its label are. right: (n) these
+        track: (n, 7). label: (n, 13). mate: (n) the track is what most samples of its label are. right: (n) these
         samples are what they are called. share: (n) one over the label's tracks, so that each label counts once; 0
         where an exchange loses less than a nat, which (4) judges without coefficients.
     """

@@ -91,8 +91,10 @@ def test_stated_names_have_no_rivals_and_who_would_take_them_has_others():
     assert np.isinf(found[[3, 4]]).all() and np.isfinite(np.delete(found, [3, 4])).mean() > 0.9
 
 
-@pytest.mark.parametrize(("known", "told"), [(learn_template(walk(1)), False), (template(), True)])
-def test_they_are_asked_for_where_the_template_is_anothers(known, told):
+@pytest.mark.parametrize("known", [learn_template(walk(1)), template()])
+def test_right_names_lose_to_their_rivals_by_any_template(known):
     stretches = stretches_of(walk(7).select(known.names), known.size)
     found = margins(stretches, np.arange(39), known, PairScore.of_template(known))
-    assert (found.rival > 0).all() == told and told == (found.rival != 0).any()
+    assert (found.rival > 0).all()
+    plain = margins(stretches, np.arange(39), known, PairScore.of_template(known), exchanges=False)
+    assert (plain.rival == 0).all()

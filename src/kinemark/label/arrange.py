@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..data.array_types import Floats, Ints
 from .chains import rechained
 from .evidence import PairScore, Single
-from .shape import FLOOR, Shapes
+from .shape import ALL, FLOOR, Shapes
 from .stretches import Stretches
 from .sweeps import places
 from .template import Template
@@ -116,9 +116,7 @@ def _clearly_best(group: Ints, nats: Floats) -> NDArray[np.bool_]:
 
 def nats_of(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, share: float) -> Floats:
     """(M, L) of (1), 0.1 being `share`; the names of now tell where labels are."""
-    K, L = len(markers.xyz), len(shapes.sigma)
-    y = np.full((K, L, 3), np.nan, np.float32)
-    y[:, now[now >= 0]] = markers.xyz[:, now >= 0]
+    K, y = len(markers.xyz), _named(markers, now, len(shapes.sigma))
     each = shapes.nats(markers.xyz.astype(float), shapes.foretold(y))
     count = np.maximum(np.isfinite(each).sum(0), 1)
     nats = np.nansum(each, 0) / count
@@ -146,8 +144,28 @@ def _assigned(nats: Floats, least: float) -> Ints:
     return out
 
 
-def sum_of(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> float:
-    """Nats of a labelling; a marker that is there in some of the frames counts, and costs, by these."""
-    nats, own = nats_of(markers, now, shapes, pairs, TEMPER), np.flatnonzero(now >= 0)
-    share = np.isfinite(markers.xyz[:, own, 0]).mean(0)
-    return float((share * nats[own, now[own]]).sum()) - ABSENT * float(len(shapes.sigma) - share.sum())
+def sum_of(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, placed: Floats | None = None) -> float:
+    """Nats of a labelling; a marker that is there in some of the frames counts, and costs, by these.
+
+    Args:
+        placed: (L) of `own_places`, where they are known.
+    """
+    y, L = _named(markers, now, len(shapes.sigma)), len(shapes.sigma)
+    nats = own_places(markers, now, shapes) if placed is None else placed
+    seen = np.isfinite(y[..., 0]).sum(0)
+    nats = nats + TEMPER * pairs.of_own(y).sum(0) / np.maximum(seen, 1)
+    share = seen / len(y)
+    return float((share * nats).sum()) - ABSENT * float(L - share.sum())
+
+
+def own_places(markers: Markers, now: Ints, shapes: Shapes, at: Ints | slice = ALL) -> Floats:
+    """(n) nats of labels, all or some, by the places of the markers that are so called; 0 where nothing is known."""
+    each = shapes.nats_of_own(_named(markers, now, len(shapes.sigma)), at)
+    return np.asarray(np.nansum(each, 0) / np.maximum(np.isfinite(each).sum(0), 1))
+
+
+def _named(markers: Markers, now: Ints, L: int) -> Single:
+    """(K, L, 3) where each label is; NaN where no marker has it."""
+    y = np.full((len(markers.xyz), L, 3), np.nan, np.float32)
+    y[:, now[now >= 0]] = markers.xyz[:, now >= 0]
+    return y

@@ -68,6 +68,16 @@ class Hands(NamedTuple):
             out[own] = -WRONG_HAND * np.add.reduceat(wrong.astype(np.float32), first, axis=0)
         return out.T
 
+    def of_own(self, y: Single) -> Single:
+        """(K, L) nats that labels lose as what they are; y (K, L, 3) places, NaN where not seen."""
+        four, sign = self.four[:, :4], self.four[:, 4].astype(np.float32)
+        p = y[:, four[:, 0]]
+        u, v, w = (y[:, four[:, k]] - p for k in (1, 2, 3))
+        wrong = (sign * (u * np.cross(v, w)).sum(-1) < 0).astype(np.float32)
+        member = np.zeros((len(four), y.shape[1]), np.float32)
+        np.put_along_axis(member, four, np.float32(1.0), axis=1)
+        return -WRONG_HAND * (wrong @ member)
+
     def total(self, labelled: Single) -> float:
         """Nats that the labelled (L, 3) lose by all quadruples."""
         return float(hands(labelled, self.four[:, :4], self.four[:, 4]).sum())
@@ -128,6 +138,17 @@ class PairScore(NamedTuple):
         there = (column < len(seen)) & (seen[np.minimum(column, len(seen) - 1)] == own[mine]) if len(seen) else mine < 0
         nats[mine[there]] -= z[mine[there], :, column[there]]
         return nats if self.hands is None else nats + self.hands.of_points(xyz, labelled)
+
+    def of_own(self, y: Single) -> Single:
+        """(K, L) nats of labels as what they are, by all others; y (K, L, 3) places, NaN where not seen, which give 0.
+
+        The same as `of_points` has it for each point and its own label.
+        """
+        d = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1))
+        nats: Single = self.at(d, slice(None), slice(None)).sum(2)
+        if self.hands is None:
+            return nats
+        return np.where(np.isfinite(y[..., 0]), nats + self.hands.of_own(y), np.float32(0.0))
 
     @property
     def expected(self) -> NDArray[np.float64]:

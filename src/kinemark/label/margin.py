@@ -29,13 +29,15 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(k x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r) )   (4)
+    p_label = logistic(k x)
+        · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W))  (4)
 
-with y the loss by `rivals` (1), which is told by another subject's template alone, as its β differ, and h how well the
-four stiffest distances hold (`held`). An extra marker that took the name of an absent one fits fairly, but worse than
-the trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of their medians over all
-labels, and f_n' what f_n lacks of one half. r is 1 where the template knows a distance of the label that keeps, as to
-a marker of the same segment, and 0 where all its distances change, as of a static trial without segments.
+with y the loss by `rivals` (1), W the independent frames in which a is seen, and h how well the four stiffest distances
+hold (`held`); the β of another subject's template are others. An extra marker that took the name of an absent one fits
+fairly, but worse than the trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of
+their medians over all labels, and f_n' what f_n lacks of one half. r is 1 where the template knows a distance of the
+label that keeps, as to a marker of the same segment, and 0 where all its distances change, as of a static trial without
+segments.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
 measured, over many templates and trials (`benchmarks/labelling.py --fit`).
@@ -64,14 +66,14 @@ BETA_TRACK = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on, then all times 1.25, less
 0.2, by 234 random shreds of 0.4 to 5 s of walks and static trials' templates: with (2') more tracks were right than
 these said."""
-BETA_LABEL = (-7.87, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0, 2.0, 6.0, 0.0, 2.25)
-"""Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last six;
-those of f', h' and f_n', and 0.8 of the first, on 84 random shreds of 0.4 to 5 s of walks and static trials' templates,
-that of r, and −1 of the first, on 234."""
-BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 4.0, 0.0)
+BETA_LABEL = (-3.49, 0.44, 1.70, 0.32, 0.0, 3.39, 1.92, 1.34, 0.0, 11.09, 5.35, 3.91, 1.65)
+"""Of (4), of the subject's own template; measured on 7 749 labels of 190 random shreds, 40 % of them whole trials, of
+walks and static trials' templates; none but the first below 0, as what fits better makes no name less sure,
+and drawn to former ones by the squares of what each changes: subjects left out in turn chose both."""
+BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 4.0, 0.0, 0.0)
 """Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, those of
 f', h' and f_n', and 0.8 of the first, on 65 random shreds of 0.4 to 3 s and on four whole walks, see
-docs/theory/label.md."""
+docs/theory/label.md. W tells nothing here: on 90 more shreds, subjects left out in turn, the log score fell with it."""
 RIGID = 0.1
 """Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
 trials leave 0.18 open elsewhere."""
@@ -85,6 +87,8 @@ NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
 FIT_HIGH = 1.3
 """Fits above it tell no more than it; chosen, a third above what the template expects."""
+MOST_POSES = 11.0
+"""Of W; chosen: five seconds, longer trials were not measured."""
 MOST_NATS = 500.0
 """Margins above it tell no more than it; chosen."""
 
@@ -95,7 +99,7 @@ class Margins(NamedTuple):
     Attributes:
         track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. beside: f_t − f_a.
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
-        rival: y, 0 where the template is the subject's own. stiff: h.
+        rival: y. stiff: h. poses: W.
         fit_beside, stiff_beside: f_a and h less their medians of all labels that are there. rigid: r.
     """
 
@@ -111,6 +115,7 @@ class Margins(NamedTuple):
     frame_fit: Floats
     rival: Floats
     stiff: Floats
+    poses: Floats
     fit_beside: Floats
     stiff_beside: Floats
     rigid: Floats
@@ -127,7 +132,7 @@ def margins(
 ) -> Margins:
     """Of each track with a label, by the template's `pairs` and by what is known `after` the trial, where it is given.
 
-    x, which (3) does not need, is 0 without exchanges.
+    x and y, which (3) does not need, are 0 without exchanges.
     """
     y, L = places(stretches, label, len(template)), len(template)
     t = np.flatnonzero(label >= 0)
@@ -141,8 +146,7 @@ def margins(
         own_fit, _ = _of_labels(stretches, t, a, share, L)
     some = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
     lost = _exchanges(some, template, pairs, stretches.fixed) if exchanges else np.zeros(L)
-    doubted = exchanges and bool(np.any(template.doubt))
-    rival = lost_to_rivals(stretches, label, template, pairs) if doubted else np.zeros(L)
+    rival = lost_to_rivals(stretches, label, template, pairs) if exchanges else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats, label)
     stiff, there = stiffness_kept(some, pairs), np.unique(a)
@@ -150,7 +154,8 @@ def margins(
         least, second, share, share - own_fit[a], _goes_on(stretches, label, L)[t], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
-        stiff[a], _beside(label_fit, there)[a], _beside(stiff, there)[a], _rigid(template)[a],
+        stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
+        _rigid(template)[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
@@ -161,6 +166,11 @@ def margins(
 def _rigid(template: Template) -> Floats:
     """(L) 1 for labels of which the template knows a distance that keeps, else 0."""
     return np.asarray((template.spread < RIGID * template.distance).any(1), float)  # NaN, and the label itself, are not
+
+
+def _poses(stretches: Stretches, t: Ints, a: Ints, L: int) -> Floats:
+    """(L) independent frames of all tracks t that are labels a."""
+    return np.asarray(1.0 + np.bincount(a, stretches.weight[t] - 1.0, L), float)
 
 
 def _goes_on(stretches: Stretches, label: Ints, L: int) -> Floats:
@@ -273,13 +283,13 @@ def track_features(found: Margins, weight: Floats) -> Floats:
 
 
 def label_features(found: Margins) -> Floats:
-    """(T, 12) of (4); the same for all tracks of a label, but for the fit of their frames."""
+    """(T, 13) of (4); the same for all tracks of a label, but for the fit of their frames."""
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
     parts = (
         _log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present),
         _log(found.rival), found.stiff,
         *(np.minimum(part, 0.0) for part in (found.fit_beside, found.stiff_beside, found.near_fit - CHAIN_END)),
-        found.rigid,
+        found.rigid, np.log(np.minimum(found.poses, MOST_POSES)),
     )  # fmt: skip
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 

@@ -33,6 +33,8 @@ PLACED = 0.016
 """σ is never below this share of the body's size; chosen: 24 mm of 1.5 m."""
 FLOOR = -4.0
 """What a place costs that is off, nats; chosen."""
+ALL = slice(None)
+"""Of labels; by definition."""
 ROUNDS = 2
 """Of weights against neighbours that are off; chosen."""
 
@@ -72,24 +74,31 @@ class Shapes(NamedTuple):
         base = 3 * np.log(VOLUME * template.size / (sigma * np.sqrt(2 * np.pi)))
         return cls(near, place, sigma, known, np.maximum(base, 0.0))
 
-    def foretold(self, y: Single) -> Floats:
-        """(K, L, 3) places of labels from those of their neighbours in y (K, L, 3); NaN where too few are seen."""
-        seen = y[:, self.near].astype(float)
-        there = np.isfinite(seen[..., 0]) & self.known[:, None]
+    def foretold(self, y: Single, at: Ints | slice = ALL) -> Floats:
+        """(K, n, 3) places of labels, all or some, from those of their neighbours in y (K, L, 3); NaN where too few are
+        seen."""
+        seen = y[:, self.near[at]].astype(float)
+        there = np.isfinite(seen[..., 0]) & self.known[at, None]
         seen = np.where(there[..., None], seen, 0.0)
         weight = there.astype(float)
-        around = self.place[:, 1:]
+        place, sigma = self.place[at], self.sigma[at]
+        around = place[:, 1:]
         for _ in range(1 + ROUNDS):
             rotation, own, other = _laid(around, seen, weight)
             off = (around - own[..., None, :]) @ rotation + other[..., None, :] - seen
-            weight = there / (1.0 + (off**2).sum(-1) / self.sigma[:, None] ** 2)
-        out = ((self.place[:, 0] - own)[..., None, :] @ rotation)[..., 0, :] + other
+            weight = there / (1.0 + (off**2).sum(-1) / sigma[:, None] ** 2)
+        out = ((place[:, 0] - own)[..., None, :] @ rotation)[..., 0, :] + other
         return np.where((there.sum(-1) >= LEAST)[..., None], out, np.nan)
 
     def nats(self, x: Floats, foretold: Floats) -> Floats:
         """(…, N, L) (2) of points x (…, N, 3) beside places (…, L, 3); NaN where either is."""
         square = ((x[..., :, None, :] - foretold[..., None, :, :]) ** 2).sum(-1)
         return np.maximum(self.base - 0.5 * square / self.sigma**2, FLOOR)
+
+    def nats_of_own(self, y: Single, at: Ints | slice = ALL) -> Floats:
+        """(K, n) (2) of labels, all or some, where they are in y (K, L, 3); NaN where one is not seen or foretold."""
+        square = ((y[:, at] - self.foretold(y, at)) ** 2).sum(-1)
+        return np.maximum(self.base[at] - 0.5 * square / self.sigma[at] ** 2, FLOOR)
 
 
 def _scaled(D: Floats) -> Floats:

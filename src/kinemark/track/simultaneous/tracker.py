@@ -41,6 +41,7 @@ from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
+from .unmarked_merging import inferred_merging
 
 LEAST = 1e-6
 """px² of variance, the least that an image is given; chosen (see benchmarks/tracking.py)."""
@@ -110,8 +111,13 @@ def track_once(
     working = working._replace(images=moving)
     every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
+    ids = whole.id[ids]
+    points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+    merging = inferred_merging(points, cloud.detection.T, working.images, T, method)
+    images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
     solver = solver_for(detections, shared, working, errors)
-    cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, solver, method)
+    cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
+    cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     if working.rig is not rig:
         cloud = _on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
@@ -130,6 +136,21 @@ def track_once(
         outside,
         CameraTimes(*np.zeros((5, len(rig)))),
     )
+
+
+def _without_merged(
+    cloud: Cloud, ids: Ints, merged: Ints, solver: Solver, images: Images, method: Simultaneous
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks, those of merged images solved again: smoothed, or left out where that is vague."""
+    which, own = np.isin(cloud.detection, merged).any(1), (cloud.detection >= 0) & ~images.merged[cloud.detection]
+    again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
+    xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
+    xyz[which], cov[which], residual[which] = again.xyz, again.cov, again.residual
+    cloud, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
+    few = which & (own < 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
+    xyz[few], cov[few] = smoothed(TrackPoints(cloud.frame, ids, xyz, cov), few, own >= 2, 1 / cloud.rate, method)
+    good = ~which | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
+    return cloud.keep(good), ids[good]
 
 
 class FirstPass(NamedTuple):
@@ -264,13 +285,10 @@ def _with_second_pass(
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(
-        new, ((detection >= 0) & ~images.merged[detection]).sum(0), method
-    )
-    frame, ids = (
-        np.concatenate([cloud.frame[kept], new.frame[good]]),
-        np.concatenate([ids[kept], found.id[order][good]]),
-    )
+    own = ((detection >= 0) & ~images.merged[detection]).sum(0)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, own, method)
+    frame = np.concatenate([cloud.frame[kept], new.frame[good]])
+    ids = np.concatenate([ids[kept], found.id[order][good]])
     by_frame = np.argsort(frame, kind="stable")
     start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
     columns = (

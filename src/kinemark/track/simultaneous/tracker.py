@@ -36,6 +36,7 @@ from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
+from .noise_of_tracks import excess
 from .passes import Associations, run
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
@@ -109,7 +110,11 @@ def track_once(
     working = _working(detections, rig, images, noise, method)
     moving, method = with_learned_motion(working.images, detections.rate, method)
     working = working._replace(images=moving)
-    every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
+    first = _first_pass(detections, rig, images, working, method, errors)
+    if (more := excess(first.cloud.detection.T, working.images)).any():
+        working = working._replace(images=working.images.noisier(-more))
+        first = _first_pass(detections, rig, images, working, method, errors)
+    every, speaks, shared, cloud, ids = first
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
     ids = whole.id[ids]
     points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)

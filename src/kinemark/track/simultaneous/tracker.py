@@ -9,6 +9,9 @@ lost. Where two cameras alone see a track, what explains one of its images bette
 Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`).
 
+Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and the first pass is done again. Merged
+images that a file does not mark are inferred from the tracks (`unmarked_merging`).
+
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
 What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
@@ -130,17 +133,8 @@ def track_once(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(
-        Tracks(cloud, number),
-        every,
-        final,
-        speaks,
-        whole.stitches,
-        images,
-        noise,
-        outside,
-        CameraTimes(*np.zeros((5, len(rig)))),
-    )
+    tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
+    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
 
 
 def _without_merged(

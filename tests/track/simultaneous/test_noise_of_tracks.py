@@ -13,7 +13,7 @@ NOISE = 0.3
 
 
 def taken_for(times):
-    """Images of noise NOISE px, for which camera 1 is taken for so many times noisier, and those of each point (C, S)."""
+    """Images of noise NOISE px, but camera 1 taken for so many `times` as noisy; and those of each point (C, S)."""
     detections, marker = observe(ring(4), dance(frames=120, seed=2), noise=NOISE, seed=3)
     images = read_images(detections, ring(4))
     detection = np.full((4, 8 * 120), -1)

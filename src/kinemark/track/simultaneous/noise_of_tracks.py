@@ -6,9 +6,10 @@ times noisier than it is. Gates are then wide, and chance meetings of images man
 same. With r the distance of an image from the point that fits its three or more images best, which leaves of its
 variance v what is not in S, the place's,
 
-    v̂ = median( |r|² v / (v − tr S / 2) ) / (2 ln 2)                                      (1)
+    v̂ = quantile_p( |r|² v / (v − tr S / 2) ) / (−2 ln(1 − p))                            (1)
 
-is the variance of a camera's images. Where MARGIN times this is less than one FACTOR-th of what was learned, it takes
+is the variance of a camera's images, by the median and by the TAIL, whichever is more: images that are not taken in
+time are off where they are fast, and need all the room that was learned. Where MARGIN times this is less than one FACTOR-th of what was learned, it takes
 its place.
 """
 
@@ -25,6 +26,9 @@ from .kalman_states import KalmanStates
 FEWEST = 200
 """Images of a camera by which it is judged, at least; chosen."""
 
+MOST_CAMERAS = 4
+"""Cameras at most; chosen: with more, pairs are judged by others already, and of three scenes one became worse."""
+
 MARGIN = 2.0
 """Of (1), a ratio of variances: what is left to images that no track has yet, as they lie farther off; chosen."""
 
@@ -32,12 +36,17 @@ FACTOR = 4.0
 """Of (1), a ratio of variances; chosen: 2, with a MARGIN of 1.5, made a scene worse that this leaves alone (seed 12 of
 benchmarks/tracking_scenes.py: recall of what two cameras see 93.9 to 89.6 %)."""
 
+TAIL = 0.95
+"""p of (1); chosen: of infrared footage by cameras that are not synchronous few images are fast."""
+
 LEAST_LEFT = 0.1
 """Of an image's variance, the least that is left without the place's; chosen, as in `passes`."""
 
 
 def excess(detection: Ints, images: Images) -> Floats:
-    """(C) px² that the images of each camera have too much of, by the points of detections (C, S); 0 where little."""
+    """(C) px² that the images of each camera have too much of, by the points of detections (C, S); 0 where little, or of many cameras."""
+    if len(detection) > MOST_CAMERAS:
+        return np.zeros(len(detection))
     rows = np.flatnonzero((detection >= 0).sum(0) >= 3)
     detection = detection[:, rows[:: max(len(rows) // 20_000, 1)]]
     point = intersect(images, detection)
@@ -51,7 +60,8 @@ def excess(detection: Ints, images: Images) -> Floats:
             continue
         v = images.variance[own]
         left = np.maximum(1 - (place[c, 0, which] + place[c, 2, which]) / (2 * v), LEAST_LEFT)
-        seen = float(np.median(point.squared[c, which] * v / left)) / (2 * np.log(2))  # (1)
+        p = np.array([0.5, TAIL])
+        seen = float((np.quantile(point.squared[c, which] * v / left, p) / (-2 * np.log(1 - p))).max())  # (1)
         learned = float(np.median(v - images.margin[own]))
         out[c] = learned - MARGIN * seen if FACTOR * MARGIN * seen < learned else 0.0
     return out

@@ -9,8 +9,8 @@ variance v what is not in S, the place's,
     v̂ = quantile_p( |r|² v / (v − tr S / 2) ) / (−2 ln(1 − p))                            (1)
 
 is the variance of a camera's images, by the median and by the TAIL, whichever is more: images that are not taken in
-time are off where they are fast, and need all the room that was learned. Where MARGIN times this is less than one FACTOR-th of what was learned, it takes
-its place.
+time are off where they are fast, and need all the room that was learned. Where MARGIN times this is less than one
+FACTOR-th of what was learned, it takes its place.
 """
 
 from __future__ import annotations
@@ -44,7 +44,10 @@ LEAST_LEFT = 0.1
 
 
 def excess(detection: Ints, images: Images) -> Floats:
-    """(C) px² that the images of each camera have too much of, by the points of detections (C, S); 0 where little, or of many cameras."""
+    """(C) px² that the images of each camera have too much of, by the points of detections (C, S).
+
+    0 where it is little, and of more cameras than MOST_CAMERAS.
+    """
     if len(detection) > MOST_CAMERAS:
         return np.zeros(len(detection))
     rows = np.flatnonzero((detection >= 0).sum(0) >= 3)

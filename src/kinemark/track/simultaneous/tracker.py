@@ -9,6 +9,9 @@ lost. Where two cameras alone see a track, what explains one of its images bette
 Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`).
 
+Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and the first pass is done again. Merged
+images that a file does not mark are inferred from the tracks (`unmarked_merging`).
+
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
 What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
@@ -37,11 +40,13 @@ from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
+from .noise_of_tracks import excess
 from .passes import Associations, run
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
+from .unmarked_merging import inferred_merging
 
 LEAST = 1e-6
 """px² of variance, the least that an image is given; chosen (see benchmarks/tracking.py)."""
@@ -109,10 +114,19 @@ def track_once(
     working = _working(detections, rig, images, noise, method)
     moving, method = with_learned_motion(working.images, detections.rate, method)
     working = working._replace(images=moving)
-    every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
+    first = _first_pass(detections, rig, images, working, method, errors)
+    if (more := excess(first.cloud.detection.T, working.images)).any():
+        working = working._replace(images=working.images.noisier(-more))
+        first = _first_pass(detections, rig, images, working, method, errors)
+    every, speaks, shared, cloud, ids = first
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
+    ids = whole.id[ids]
+    points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+    merging = inferred_merging(points, cloud.detection.T, working.images, T, method)
+    images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
     solver = solver_for(detections, shared, working, errors)
-    cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, solver, method)
+    cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
+    cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     if working.rig is not rig:
         cloud = _on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
@@ -120,17 +134,23 @@ def track_once(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(
-        Tracks(cloud, number),
-        every,
-        final,
-        speaks,
-        whole.stitches,
-        images,
-        noise,
-        outside,
-        CameraTimes(*np.zeros((5, len(rig)))),
-    )
+    tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
+    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
+
+
+def _without_merged(
+    cloud: Cloud, ids: Ints, merged: Ints, solver: Solver, images: Images, method: Simultaneous
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks, those of merged images solved again: smoothed, or left out where that is vague."""
+    which, own = np.isin(cloud.detection, merged).any(1), (cloud.detection >= 0) & ~images.merged[cloud.detection]
+    again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
+    xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
+    xyz[which], cov[which], residual[which] = again.xyz, again.cov, again.residual
+    cloud, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
+    few = which & (own < 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
+    xyz[few], cov[few] = smoothed(TrackPoints(cloud.frame, ids, xyz, cov), few, own >= 2, 1 / cloud.rate, method)
+    good = ~which | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
+    return cloud.keep(good), ids[good]
 
 
 class FirstPass(NamedTuple):
@@ -271,13 +291,10 @@ def _with_second_pass(
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(
-        new, ((detection >= 0) & ~images.merged[detection]).sum(0), method
-    )
-    frame, ids = (
-        np.concatenate([cloud.frame[kept], new.frame[good]]),
-        np.concatenate([ids[kept], found.id[order][good]]),
-    )
+    own = ((detection >= 0) & ~images.merged[detection]).sum(0)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, own, method)
+    frame = np.concatenate([cloud.frame[kept], new.frame[good]])
+    ids = np.concatenate([ids[kept], found.id[order][good]])
     by_frame = np.argsort(frame, kind="stable")
     start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
     columns = (

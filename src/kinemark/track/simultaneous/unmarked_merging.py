@@ -1,0 +1,277 @@
+"""Merged images in files that do not say which are: known by the tracks.
+
+Below some distance r two markers are one image. In a camera of which the images lie about at random, the number of
+pairs of them that are x apart grows with x, but hardly any are nearer than r. With n pairs nearer than R, m of them
+nearer than r, and a share ε of what would be there that is nearer than r all the same (false images, or markers that
+were told apart), r has the log-likelihood
+
+    m ln ε − n ln(1 − (1 − ε) r²/R²)                                                       (1)
+
+over none; the likeliest is taken.
+
+Where a track j has no image in a camera, though another track i has one at b, about as near to the place p where j is
+expected as r / 2, either j is hidden there, or b is the image of both. In the latter case that of i alone would be
+
+    b' = 2 b − p,   variance 4 s² + s_p² + (SHARE |b − p|)²                                (2)
+
+as two markers alike have their common image in the middle. A run is such frames of the same i and j, and of the same
+cameras if there are several. Either reading gives a path of i through the run, from its place in the frames before to
+that in the frames after; with the innovations δ and S of the filter along it, the squared distances q of the images
+from the point that fits them best, Student's t of `likelihood`, and four times as much room for each image by (2),
+
+    score = Σ ln t(q') − ln t(q) + ln t(δ'ᵀ S'⁻¹ δ') / √|S'| − ln t(δᵀ S⁻¹ δ) / √|S| + ln 4     (3)
+
+is the log-likelihood ratio of an image of both to a marker that is hidden. Above LEAST the images of the run count as
+merged, anywhere within r / 2 of either marker, and their points as those of files that mark them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Bools, Floats, Ints
+from ...native import index_images, inverse
+from ...numerics.robust import student_log_likelihood
+from ...numerics.runs import equal_runs
+from .associate import predict_images
+from .candidate_points import intersect
+from .detection_index import Images
+from .kalman_states import KalmanStates, initial_states, predict, update
+from .likelihood import DEGREES_OF_FREEDOM, SURE
+from .neighbouring_points import TrackPoints
+from .simultaneous_method import Simultaneous
+
+LARGEST = 20.0
+"""R of (1), px; chosen: markers farther apart than that are told apart by any camera."""
+
+TOLD_APART = 0.03
+"""ε of (1), a share, without unit; chosen: false images that fall beside a marker's."""
+
+SHARE = 0.1
+"""Of (2): standard deviation of what an image has of one of its two markers, 0.5 in the mean; chosen: depths of one
+eighth apart make as much."""
+
+REACH = 0.65
+"""Of r: how far a common image lies from either marker at most, as that has SHARE more of the other; chosen."""
+
+LOOK = 8
+"""Frames before a run and after it, and at either end of it, that (3) is about; chosen, as in `neighbouring_points`."""
+
+LEAST = -2.0
+"""Of (3), a logarithm, without unit; chosen: on seeds 0 to 59 of benchmarks/tracking_scenes.py it finds 0.70 of the
+merged images of points that have two, and marks one image in eleven wrongly; 0 finds 0.62, and one in twenty."""
+
+
+class Claims(NamedTuple):
+    """K claims that images of a point are of another track too: rows of the points of either (K), which cameras (C, K),
+    and what would be the image of the first alone there, uv (C, K, 2) px of variance (C, K) px²."""
+
+    row: Ints
+    other: Ints
+    camera: Bools
+    uv: Floats
+    variance: Floats
+
+    def take(self, which: Bools | Ints) -> Claims:
+        """Only these."""
+        return Claims(
+            self.row[which], self.other[which], self.camera[:, which], self.uv[:, which], self.variance[:, which]
+        )
+
+
+class Merging(NamedTuple):
+    """Images (n) that are of two markers, and the variance in px² that they have as such, (r / 4)²."""
+
+    image: Ints
+    variance: float
+
+    def marked(self, images: Images) -> Images:
+        """The images with these marked."""
+        if not len(self.image):
+            return images
+        merged, variance = images.merged.copy(), images.variance.copy()
+        merged[self.image] = True
+        variance[self.image] += self.variance
+        return images._replace(merged=merged, variance=variance)
+
+
+class _Reading(NamedTuple):
+    """Points of K claims by one reading: xyz (3, K) mm, cov (3, 3, K) mm², said (K) log-likelihood of the images."""
+
+    xyz: Floats
+    cov: Floats
+    said: Floats
+
+
+def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> Merging:
+    """The images that points of detections (C, P) show to be of two tracks; none where the file marks any."""
+    none = Merging(np.zeros(0, np.int64), 0.0)
+    r = 0.0 if images.merged.any() else resolution(images)
+    if not r or len(points.id) < 2:
+        return none
+    claims = possible_claims(points, detection, images, r)
+    good = claims.take(scores(claims, points, detection, images, T, method) > LEAST)
+    camera, k = np.nonzero(good.camera)
+    return Merging(np.unique(detection[camera, good.row[k]]), r * r / 16)
+
+
+def resolution(images: Images) -> float:
+    """r of (1) in px, 0 where images are as near to each other as it comes."""
+    order = images.by_cell.order
+    cell = images.frame[order] * len(images.P) + images.camera[order]
+    near, second = images.near(cell, images.uv[order, 0], np.full(len(order), LARGEST))
+    first = order[near]
+    apart = np.hypot(*(images.uv[first] - images.uv[second]).T)
+    apart = np.sort(apart[(first < second) & (apart < LARGEST)])
+    r = np.arange(1.0, LARGEST / 2 + 0.5, 0.5)
+    m, n = np.searchsorted(apart, r), len(apart)
+    likely = m * np.log(TOLD_APART) - n * np.log(1 - (1 - TOLD_APART) * (r / LARGEST) ** 2)  # (1)
+    best = int(likely.argmax())
+    return float(r[best]) if likely[best] > SURE else 0.0
+
+
+def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
+    """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
+
+    Claims on several cameras at once are followed by one for each.
+    """
+    C, xyz, cov = len(images.P), points.xyz.T, points.cov.transpose(1, 2, 0)
+    expected = predict_images(images.P, KalmanStates(xyz, cov))
+    variance = (expected.S[:, 0] + expected.S[:, 2]) / 2
+    holder = np.full(len(images.uv), -1)
+    for camera in detection:
+        holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
+    held = index_images(images.uv, images.frame * C + images.camera, holder >= 0, n_cells=C * images.n_frames)
+    lacks = (detection < 0) & np.isfinite(expected.uv[:, 0]) & (variance < (r / 4) ** 2)
+    c, other = np.nonzero(lacks)
+    reach = REACH * r + 2 * np.sqrt(variance[c, other])
+    at, image = held.near(points.frame[other] * C + c, expected.uv[c, 0, other], reach)
+    apart = np.hypot(*(expected.uv[c[at], :, other[at]] - images.uv[image]).T)
+    inside = apart < reach[at]
+    c, other, image, apart = c[at][inside], other[at][inside], image[inside], apart[inside]
+    order = np.lexsort([apart, image])
+    order = order[np.diff(image[order], prepend=-1) > 0]
+    c, other, image, apart = c[order], other[order], image[order], apart[order]
+    spread = 4 * images.variance[image] + variance[c, other] + (SHARE * apart) ** 2
+    return _tabled(holder[image], other, c, 2 * images.uv[image] - expected.uv[c, :, other], spread, C)  # (2)
+
+
+def _tabled(row: Ints, other: Ints, c: Ints, uv: Floats, variance: Floats, C: int) -> Claims:
+    """Claims of single images (n) as those of each point on another track, and of each of their cameras alone."""
+    pair, which = np.unique(np.stack([row, other]), axis=1, return_inverse=True)
+    which = which.ravel()
+    both = Claims(
+        pair[0],
+        pair[1],
+        np.zeros((C, pair.shape[1]), bool),
+        np.zeros((C, pair.shape[1], 2)),
+        np.ones((C, pair.shape[1])),
+    )
+    both.camera[c, which], both.uv[c, which], both.variance[c, which] = True, uv, variance
+    several = both.camera.sum(0) > 1
+    c, k = np.nonzero(both.camera & several)
+    single = both.take(k)
+    alone = np.zeros_like(single.camera)
+    alone[c, np.arange(len(c))] = True
+    single = single._replace(camera=alone)
+    one, other_ones = both, single
+    return Claims(*(np.concatenate(pair, axis=int(pair[0].ndim > 1)) for pair in zip(one, other_ones, strict=True)))
+
+
+def scores(
+    claims: Claims, points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous
+) -> Floats:
+    """(K) of each claim, (3) of its run."""
+    if not len(claims.row):
+        return np.zeros(0)
+    frame, code = points.frame[claims.row], np.packbits(claims.camera, axis=0)
+    order = np.lexsort([frame, *code, points.id[claims.other], points.id[claims.row]])
+    claims, frame, code = claims.take(order), frame[order], code[:, order]
+    run = np.cumsum(np.diff(frame, prepend=frame[0]) > LOOK)
+    start = equal_runs(points.id[claims.row], points.id[claims.other], *code, run)
+    run = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    table = _steps(claims, points, start)
+    inside = table < -1
+    k = np.where(inside, -2 - table, 0)
+    score = np.where(inside, claims.camera.sum(0)[k] * np.log(4.0), 0.0).sum(0)
+    for sign, moved in ((1.0, True), (-1.0, False)):
+        reading = _read(claims, detection, images, moved=moved)
+        score += sign * _path(reading, table, points, T, method, frame)
+        score += sign * np.where(inside, reading.said[k], 0.0).sum(0)
+    out = np.empty(len(order))
+    out[order] = score[run]
+    return out
+
+
+def _read(claims: Claims, detection: Ints, images: Images, *, moved: bool) -> _Reading:
+    """The points of claims with their images as they are, or by (2)."""
+    own = detection[:, claims.row]
+    if moved:
+        c, k = np.nonzero(claims.camera)
+        own[c, k] = len(images.uv) + np.arange(len(c))
+        images = images._replace(
+            uv=np.concatenate([images.uv, claims.uv[c, k]]),
+            variance=np.concatenate([images.variance, claims.variance[c, k]]),
+        )
+    point, has = intersect(images, own), own >= 0
+    squared = np.nan_to_num(np.where(has, point.squared, 0.0).sum(0), nan=np.inf, posinf=1e6)
+    said = student_log_likelihood(squared, DEGREES_OF_FREEDOM, 2.0 * has.sum(0) - 3)
+    known = np.isfinite(point.cov).all((0, 1))
+    room = np.linalg.slogdet(np.where(known, point.cov, np.eye(3)[..., None]).transpose(2, 0, 1))[1] / 2
+    return _Reading(point.xyz, point.cov, said + room - np.where(has, np.log(images.variance[own]), 0.0).sum(0))
+
+
+def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
+    """(4 LOOK, R) what the path of each run leads through, in order: rows of points without claims before it, −2 − k of
+    claims k at its begin and its end, rows after it; −1 for none."""
+    free = np.ones(len(points.id), bool)
+    free[claims.row] = False
+    order = np.lexsort([points.frame, points.id])
+    rows = np.append(order[free[order]], 0)
+    key = (points.id * (int(points.frame.max()) + 1) + points.frame)[rows[:-1]]
+    first, last = start[:-1], start[1:] - 1
+    table = np.full((4 * LOOK, len(first)), -1)
+    for edge, way, to in ((first, -1, LOOK - 1), (last, 1, 3 * LOOK)):
+        row = claims.row[edge]
+        at = np.searchsorted(key, points.id[row] * (int(points.frame.max()) + 1) + points.frame[row])
+        for n in range(LOOK):
+            place = np.clip(at + way * n - (way < 0), -1, len(key))
+            near = rows[place]
+            there = (place >= 0) & (place < len(key)) & (points.id[near] == points.id[row])
+            there &= np.abs(points.frame[near] - points.frame[row]) <= 2 * LOOK
+            table[to + way * n] = np.where(there, near, -1)
+    for n in range(LOOK):
+        table[LOOK + n] = np.where(first + n <= last, -2 - (first + n), -1)
+        late = last - LOOK + 1 + n
+        table[2 * LOOK + n] = np.where(late >= first + LOOK, -2 - late, -1)
+    return table
+
+
+def _path(reading: _Reading, table: Ints, points: TrackPoints, T: float, method: Simultaneous, frame: Ints) -> Floats:
+    """(R) what the innovations along the path of each run add to (3)."""
+    R = table.shape[1]
+    total, begun, last = np.zeros(R), np.zeros(R, bool), np.zeros(R, np.int64)
+    motion = KalmanStates(np.zeros((9, R)), np.broadcast_to(np.eye(9)[..., None], (9, 9, R)).copy())
+    for row in table:
+        inside, there = row < -1, row != -1
+        k, s = np.where(inside, -2 - row, 0), np.maximum(row, 0)
+        z = np.where(inside, reading.xyz[:, k], points.xyz[s].T)
+        C = np.where(inside, reading.cov[..., k], points.cov[s].transpose(1, 2, 0))
+        there &= np.isfinite(z).all(0) & np.isfinite(C).all((0, 1))
+        at, z = np.where(inside, frame[k], points.frame[s]), np.where(there, z, 0.0)
+        C = np.where(there, C, np.eye(3)[..., None])
+        ahead = predict(motion, np.where(there & begun, (at - last) * T, 0.0), method.process_noise)
+        S, delta = ahead.cov + C, z - ahead.position
+        squared = np.einsum("it,ijt,jt->t", delta, inverse(S), delta)
+        said = student_log_likelihood(squared, DEGREES_OF_FREEDOM, np.full(R, 3.0))
+        said -= np.linalg.slogdet(S.transpose(2, 0, 1))[1] / 2
+        total += np.where(there & begun, said, 0.0)
+        N = inverse(C)
+        after = update(ahead, N, np.einsum("ijt,jt->it", N, delta))
+        new = initial_states(z, C, speed=method.velocity_sd, acceleration=method.acceleration_sd)
+        which = [there & begun, there & ~begun]
+        motion = KalmanStates(*(np.select(which, each[:2], each[2]) for each in zip(after, new, motion, strict=True)))
+        begun, last = begun | there, np.where(there, at, last)
+    return total

@@ -1,0 +1,94 @@
+"""Merged images that a file does not mark: known by the tracks of both markers."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import Detections
+from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous.candidate_points import intersect
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.neighbouring_points import TrackPoints
+from kinemark.track.simultaneous.unmarked_merging import (
+    LEAST,
+    inferred_merging,
+    possible_claims,
+    resolution,
+    scores,
+)
+from support.laboratory import observe, ring
+from support.motions import dance
+from support.scenes import make, scene, tally
+
+T, METHOD, FRAMES, RUN = 0.01, Simultaneous(), 60, slice(20, 40)
+
+
+def two_markers(*, merged):
+    """Images of two markers 12 mm apart, their points, and those of the first in camera 0 in frames RUN.
+
+    There the second has no image: it is in that of the first, or hidden. The first has images in two cameras only.
+    """
+    rig = ring(4)
+    first = dance(n=1, frames=FRAMES, seed=2)
+    both = np.concatenate([first, first + np.array([3.0, 4.0, 11.0])])
+    detections, marker = observe(rig, both, noise=0.05, seed=3)
+    images = read_images(detections, rig)
+    detection = np.full((4, 2, FRAMES), -1)
+    detection[images.camera, marker, images.frame] = np.arange(len(marker))
+    uv, own, other = images.uv.copy(), detection[0, 0, RUN], detection[0, 1, RUN].copy()
+    apart = np.hypot(*(uv[own] - uv[other]).T).max()
+    if merged:
+        uv[own] = (uv[own] + uv[other]) / 2
+    usable = images.usable.copy()
+    usable[other] = False
+    images = images._replace(uv=uv, usable=usable, by_cell=images.by_cell.keep(usable))
+    detection[0, 1, RUN] = -1
+    detection[2:, 0] = -1
+    held = detection.reshape(4, -1)
+    point = intersect(images, held)
+    points = TrackPoints(
+        np.tile(np.arange(FRAMES), 2), np.repeat([0, 1], FRAMES), point.xyz.T, point.cov.transpose(2, 0, 1)
+    )
+    return images, points, held, own, apart
+
+
+@pytest.mark.parametrize("merged", [True, False])
+def test_an_image_of_both_is_told_from_a_marker_that_is_hidden(merged):
+    images, points, held, own, apart = two_markers(merged=merged)
+    claims = possible_claims(points, held, images, 1.6 * apart)
+    said = scores(claims, points, held, images, T, METHOD)
+    first = claims.row < FRAMES
+    assert set(held[0, claims.row[first]]) == set(own)
+    assert (said[first] > LEAST).all() == merged
+    assert (said[first] < LEAST).all() == (not merged)
+
+
+@pytest.mark.parametrize("r", [4.0, 7.0])
+def test_the_distance_below_which_images_are_one_shows_in_all_of_them(r):
+    assert resolution(crowded(r)) == pytest.approx(r, abs=0.5)
+    assert resolution(crowded(0.0)) == 0
+
+
+def crowded(r):
+    """Images of two cameras, 80 places a frame at random in 500 px, without the later of any two nearer than r."""
+    rng, rig = np.random.default_rng(5), ring(2)
+    frames = [[np.empty((0, 2)) for _ in range(30)] for _ in rig]
+    for camera in frames:
+        for f, uv in enumerate(rng.uniform(0, 500, (30, 80, 2))):
+            near = np.linalg.norm(uv[:, None] - uv, axis=-1) < r
+            camera[f] = uv[~np.tril(near, -1).any(1)]
+    counts = np.array([[len(uv) for uv in camera] for camera in frames])
+    detections = Detections.build(rig.names, 100.0, counts, np.concatenate([uv for camera in frames for uv in camera]))
+    return read_images(detections, rig)
+
+
+def test_ghosts_of_merged_images_that_are_not_marked():
+    made = make(scene(6))
+    count = tally(made, track_detections(made.detections, made.rig))
+    assert count.ghosts <= 0.05 * count.frames  # 0.10 where nothing is inferred
+    assert count.more_found > 0.999 * count.more
+
+
+def test_what_a_file_marks_is_believed():
+    images, points, held, *_ = two_markers(merged=True)
+    marks = images._replace(merged=np.arange(len(images.uv)) == 0)
+    assert not len(inferred_merging(points, held, marks, T, METHOD).image)

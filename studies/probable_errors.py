@@ -28,7 +28,7 @@ from recordings import FOLDER as DATA
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from kinemark.data import Detections, KinemarkError, Origin, Rig, Trajectories
+from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, Rig, Trajectories
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.problems import Problem, Problems
 from kinemark.data.track_trajectories import trajectories_of
@@ -49,8 +49,9 @@ FILES = (
 NEAR = 8  # samples of a half that say whose it is
 OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
+EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 BINS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0001)
-KINDS = ("change", "spike", "piece", "ghost")
+KINDS = ("change", "spike", "spike_in_file", "piece", "ghost")
 
 
 class Known(NamedTuple):
@@ -80,7 +81,7 @@ def simulated(seeds: Sequence[int]) -> Iterator[Known]:
 
 
 def labelled(part: int) -> Iterator[Known]:
-    """Every second file of other systems, from the first or second on, without what was filled."""
+    """Every second file of other systems, from the first or second on, at its own rate and at lower ones."""
     files = sorted(file for pattern in FILES for file in (DATA / "mocap3d").glob(pattern)) if DATA.is_dir() else []
     for file in files[part::2]:
         whole = read_trial(file).trajectories
@@ -91,7 +92,15 @@ def labelled(part: int) -> Iterator[Known]:
         if len(seen) > 4:
             found = found.select([path.name for path in seen])
             owner = np.where(np.isfinite(found.xyz[..., 0]), np.arange(len(found))[:, None], -1)
-            yield Known(file.name, found, owner, found.xyz)
+            whole = Known(file.name, found, owner, found.xyz)
+            yield from (thinned(whole, k) for k in EVERY if found.rate / k >= LEAST_HZ)
+
+
+def thinned(known: Known, k: int) -> Known:
+    """One frame of so many."""
+    paths = tuple(MarkerTrajectory.measured(path.name, path.xyz[::k]) for path in known.trajectories)
+    few = Trajectories(paths, known.trajectories.rate / k)
+    return known._replace(trajectories=few, owner=known.owner[:, ::k], truth=known.truth[:, ::k])
 
 
 def with_faults(known: Known, seed: int) -> Known:
@@ -166,7 +175,8 @@ def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
         own, i, p = paths.frames[change.place.path], change.place.sample, change.place.path
         yield from _told("change", change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
     for spike in spikes(paths):
-        yield from _told("spike", spike.evidence, stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm))
+        off = stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm)
+        yield from _told(spike.kind, spike.evidence, off)
     for piece in pieces(paths):
         yield from _told("piece", piece.evidence, one_marker(known, piece.before, piece.after))
     for ghost in ghosts(paths, known.trajectories):

@@ -6,7 +6,7 @@ import pytest
 from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
-from support.walked import clean, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
+from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
 
 
 def changes_of(trial):
@@ -49,6 +49,19 @@ def test_a_spike_is_found_with_its_samples(first, stop):
     found = [one for one in spikes(Paths.of(spiked(clean(), 6, first, stop))) if one.wrong > 0.5]
     assert [(one.path, one.first, one.last) for one in found] == [(6, first, stop - 1)]
     assert abs(found[0].keep_mm - 40) < 6 and found[0].erase_mm < 6
+
+
+@pytest.mark.parametrize(("rate", "mm"), [(RATE, 40.0), (RATE / 2, 40.0), (RATE / 4, 80.0)])
+def test_what_jumps_with_all_that_is_near_it_is_motion_and_alone_it_is_a_spike(rate, mm):
+    trial = every(clean(), round(RATE / rate))
+    at = trial.n_frames // 2
+    near = np.linalg.norm(trial.xyz[:, at] - trial.xyz[6, at], axis=1).argsort()[:14].tolist()
+    together = trial
+    for p in near:
+        together = spiked(together, p, at, at + 2, mm=mm)
+    for moved, least, most in ((together, 0.0, 0.1), (spiked(trial, 6, at, at + 2, mm=mm), 0.2, 1.0)):
+        (own,) = (one for one in spikes(Paths.of(moved)) if (one.path, one.first, one.last) == (6, at, at + 1))
+        assert least < own.wrong < most
 
 
 def test_two_pieces_of_one_marker_are_likelier_one_than_two_of_two():

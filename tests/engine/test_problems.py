@@ -17,6 +17,7 @@ from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
 from kinemark.io.c3d import read_c3d, write_c3d
+from support.computed import computed, walker, with_computed
 from support.edited import scene
 from support.walked import clean, exchanged, nearest, spiked, walk, without
 
@@ -163,6 +164,22 @@ def test_an_audited_file_is_mended_in_its_journal_and_not_itself(tmp_path):
     assert (written.paths[6].origin == Origin.MISSING).sum() == 3
     off = np.linalg.norm(written.xyz - clean().xyz, axis=-1)
     assert np.nanmax(off) < 0.1
+
+
+def test_what_a_program_computed_of_markers_is_not_looked_at_and_this_is_said(tmp_path, capsys):
+    """The spike is in a frame that the search for computed points does not look at."""
+    whole = with_computed(walker(duration_s=4.0))
+    numbers = [whole.names.index(name) for name in ("RTIA", "LFEO", "LTHI")]
+    for p in numbers:
+        whole = spiked(whole, p, 105, 108)
+    source = tmp_path / "walk.c3d"
+    write_c3d(source, Trial("walk", whole))
+    done = audit_file(source)
+    assert set(done.aside) == set(computed(walker(duration_s=4.0)))
+    assert {name for one in done.found.asked for name in one.tracks} == {whole.names[numbers[-1]]}
+    with pytest.raises(SystemExit):
+        app(["audit", str(source)], result_action="return_value")
+    assert f"not looked at: {len(done.aside)} points that were computed" in capsys.readouterr().out
 
 
 def test_the_command_lists_with_a_status_and_a_bad_file_does_not_stop_the_others(tmp_path, capsys):

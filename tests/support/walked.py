@@ -51,6 +51,12 @@ def with_xyz(trial, xyz):
     return replace(trial, paths=tuple(new))
 
 
+def every(trial, k):
+    """One frame of so many."""
+    paths = tuple(MarkerTrajectory.measured(path.name, path.xyz[::k]) for path in trial)
+    return Trajectories(paths, trial.rate / k)
+
+
 def spiked(trial, p, first, stop, mm=40.0):
     """Samples stand off."""
     xyz = trial.paths[p].xyz.copy()

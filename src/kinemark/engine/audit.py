@@ -15,6 +15,7 @@ from ..data.problems import Alternative, Problem, Problems
 from ..label import Template
 from .edit_files import open_editing
 from .problems import problems
+from .put_aside import put_aside
 
 SURE = 0.9
 """Probability from which on a problem is mended without a person; chosen: one act of ten may have to be undone."""
@@ -24,10 +25,12 @@ ROUNDS = 5
 
 
 class Audit(NamedTuple):
-    """What was found in a file, as it is after mending, and what was mended."""
+    """What was found in a file, as it is after mending, what was mended, and names of points that are no markers
+    (`put_aside`), which are not looked at."""
 
     found: Problems
     mended: tuple[Problem, ...] = ()
+    aside: tuple[str, ...] = ()
 
 
 def audit_file(source: Path, *, template: Template | None = None, mend: bool = False, by: str = "") -> Audit:
@@ -50,7 +53,8 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
             editing.say(*_best(one).edits, why=f"{WHY}: {one.words}")
         mended += sure
         found = problems(editing, template=template)
-    return Audit(found, tuple(mended))
+    aside = put_aside(editing.source).aside if editing.source else ()
+    return Audit(found, tuple(mended), tuple(path.name for path in aside))
 
 
 def audit_files(

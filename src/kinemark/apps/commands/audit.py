@@ -15,6 +15,10 @@ if TYPE_CHECKING:  # these take long to import, and --help does without
     from ...engine.audit import Audit
 
 
+SHOWN = 6
+"""Names of computed points that are listed; chosen: they tell which program computed them."""
+
+
 def audit(
     source: Path,
     *sources: Path,
@@ -60,11 +64,14 @@ def audit(
 def _figures(one: Audit) -> dict[str, object]:
     from ..problems_output import problems_figures
 
-    return problems_figures(one.found) | {"mended": [problem.words for problem in one.mended]}
+    return problems_figures(one.found) | {"mended": [problem.words for problem in one.mended], "computed": [*one.aside]}
 
 
 def _text(one: Audit, every: bool) -> str:
     from ..problems_output import problems_text
 
-    mended = [f"mended: {problem.words}" for problem in one.mended]
-    return "\n".join([*mended, problems_text(one.found, every=every)])
+    said = [f"mended: {problem.words}" for problem in one.mended]
+    if one.aside:
+        some = ", ".join([*one.aside[:SHOWN], *["…"][: len(one.aside) - SHOWN]])
+        said.append(f"not looked at: {len(one.aside)} points that were computed of markers ({some})")
+    return "\n".join([*said, problems_text(one.found, every=every)])

@@ -1,4 +1,9 @@
-"""Spikes: samples of a path that jump away, and back within SPIKE_S, while it goes on before and after as one."""
+"""Spikes: samples of a path that jump away, and back within SPIKE_S, while it goes on before and after as one.
+
+A foot that strikes the floor jumps as well, where frames are few, and all its markers with it: what is near a path,
+and as far from it before as after, carries it meanwhile as a rigid body, unless the path has left it
+(`SpikeEvidence.left`).
+"""
 
 from __future__ import annotations
 
@@ -7,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...geometry.align import rigid_align
 from .paths import Ends, Paths, between, ends, meeting
 from .probability import probability
 
@@ -16,6 +22,17 @@ SPIKE_S = 0.15
 LEAST_MM = 1.0
 """mm below which distances do not differ; chosen."""
 
+NEAR, COMPANIONS = 12, 5
+"""Nearest paths, and those of them whose distance changes least, that a path is held against; chosen: of a segment, and
+of it with its neighbours."""
+
+TRACKED, IN_FILE = "spike", "spike_in_file"
+"""Kinds: samples with images behind them, which tracking may have taken wrongly, and those of files, which somebody
+looked at; by definition."""
+
+ALONE = -1.0
+"""`SpikeEvidence.left` without companions; chosen: between that of motion and that of spikes."""
+
 
 class SpikeEvidence(NamedTuple):
     """What tells of a spike.
@@ -24,6 +41,8 @@ class SpikeEvidence(NamedTuple):
         off: ln(1 + χ²/4) of its samples from where the path is by what is before and after, the least of them.
         without: the same of how before goes on in after. times: ln of how many times farther the samples are.
         seconds: ln of their duration, s. rate: ln of the trial's, Hz.
+        left: ln of how far the path is from where its companions carry it, as a share of how far the samples are off,
+            1 at most.
     """
 
     off: float
@@ -31,14 +50,17 @@ class SpikeEvidence(NamedTuple):
     times: float
     seconds: float
     rate: float
+    left: float
 
 
 class Spike(NamedTuple):
-    """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely that is wrong."""
+    """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely that is wrong;
+    the kind is one of `TRACKED` and `IN_FILE`."""
 
     path: int
     first: int
     last: int
+    kind: str
     evidence: SpikeEvidence
     wrong: float
     keep_mm: float
@@ -68,10 +90,16 @@ def spikes(paths: Paths) -> list[Spike]:
         times = float(np.log((off[n] + LEAST_MM) / (rest.off[n] + LEAST_MM)))
         seconds = float(np.log((last - first + 1) / paths.rate))
         evidence = SpikeEvidence(
-            float(np.log1p(squared[n] / 4)), float(without[n]), times, seconds, float(np.log(paths.rate))
+            float(np.log1p(squared[n] / 4)),
+            float(without[n]),
+            times,
+            seconds,
+            float(np.log(paths.rate)),
+            _left(paths, int(p[n]), int(own[a[n]]), int(own[b[n] + 1]), float(off[n])),
         )
-        wrong = probability("spike", evidence)
-        found.append(Spike(int(p[n]), first, last, evidence, wrong, float(off[n]), float(rest.off[n])))
+        kind = TRACKED if paths.images[p[n], first : last + 1].any() else IN_FILE
+        wrong = probability(kind, evidence)
+        found.append(Spike(int(p[n]), first, last, kind, evidence, wrong, float(off[n]), float(rest.off[n])))
     return _apart(found)
 
 
@@ -85,6 +113,23 @@ def _standing_off(paths: Paths, p: Ints, a: Ints, b: Ints, before: Ends, after: 
         off.append(d)
         squared.append(d**2 / (variance + paths.sd[p] ** 2))
     return np.min(off, axis=0), np.min(squared, axis=0)
+
+
+def _left(paths: Paths, p: int, before: int, after: int, off: float) -> float:
+    """`SpikeEvidence.left` of samples between two frames that are so far off, mm."""
+    frames = paths.frames[p]
+    middle = int(frames[np.searchsorted(frames, (before + after) / 2)])
+    three = paths.xyz[:, [before, min(middle, after - 1), after]]
+    d = np.linalg.norm(three - three[p], axis=2)
+    d[p] = np.nan
+    near = np.flatnonzero(np.isfinite(d).all(1))
+    near = near[np.argsort(d[near, 0] + d[near, 2])][:NEAR]
+    near = near[np.argsort(np.abs(d[near, 2] - d[near, 0]))][:COMPANIONS]
+    if len(near) < 3:
+        return ALONE
+    carried = [R @ three[p, k] + t for k in (0, 2) for R, t in [rigid_align(three[near, k], three[near, 1])]]
+    change = np.linalg.norm(three[p, 1] - np.mean(carried, axis=0))
+    return float(min(np.log((change + LEAST_MM) / (off + LEAST_MM)), 0.0))
 
 
 def _apart(found: list[Spike]) -> list[Spike]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from ...data import Origin, Trajectories
+from ...data import MarkerTrajectory, Origin, Trajectories, Trial
 from ...data.array_types import Floats, Ints
 from ...data.edits import UNNAMED, Claim, Edit, Erase, Stretch, Verdict, is_named
 from ...data.problems import Action, Alternative, ProblemKind, problem_id
@@ -15,6 +16,7 @@ from ...edit import Edited, stretch_of
 from ...report.words.problems import action_text
 from ..edit_makers import REVIEWED_BESIDE
 from ..editing import Editing
+from ..put_aside import put_aside
 
 VERSIONS = 3
 """Of a trial whose problems are kept, a number; chosen: now, before the last act, and what is judged besides."""
@@ -37,6 +39,18 @@ class Context:
     def now(self) -> Trajectories:
         """The trajectories as they are called now."""
         return self.edited.trajectories
+
+    @property
+    def computed(self) -> frozenset[str]:
+        """Points of a file that are no markers (`put_aside`): what they do is no problem of its own."""
+        source = self.editing.source
+        return frozenset() if source is None else _computed(source)
+
+    @property
+    def markers(self) -> tuple[MarkerTrajectory, ...]:
+        """The paths of now, those of computed points as never seen."""
+        away = self.computed
+        return tuple(_unseen(path) if path.name in away else path for path in self.now) if away else self.now.paths
 
     @property
     def start(self) -> int:
@@ -131,3 +145,15 @@ class Context:
             self.now, self.name(path), first=first + self.start, last=last + self.start, within=within,
             detections=e.detections, world=e.world,
         )  # fmt: skip
+
+
+@lru_cache(maxsize=VERSIONS)
+def _computed(source: Trial) -> frozenset[str]:
+    """Of a file's trial, once."""
+    return frozenset(path.name for path in put_aside(source).aside)
+
+
+@lru_cache(maxsize=1024)
+def _unseen(path: MarkerTrajectory) -> MarkerTrajectory:
+    """The same record for the same path, so that what is known of the others is not worked out again."""
+    return MarkerTrajectory.measured(path.name, np.full_like(path.xyz, np.nan))

@@ -46,7 +46,7 @@ def of_names(context: Context, template: Template | None) -> Iterator[Problem]:
 def _checked(context: Context, template: Template | None) -> CheckedNames | None:
     """What the check of names says; None where it cannot."""
     now = context.now
-    named = tuple(path for path in now if is_named(path.name))
+    named = tuple(path for path in now if is_named(path.name) and path.name not in context.computed)
     return _checked_names(named, now.rate, now.first_frame, template)
 
 

@@ -34,7 +34,7 @@ class Found(NamedTuple):
 def of_paths(context: Context) -> Iterator[Problem]:
     """All of them, not in order."""
     now = context.now
-    found = _found(now.paths, now.rate, now.first_frame, tuple(_told(context)))
+    found = _found(context.markers, now.rate, now.first_frame, tuple(_told(context)))
     for spike in found.spikes:
         yield _spike(context, spike)
     for change in found.changes:

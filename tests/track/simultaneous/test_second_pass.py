@@ -15,8 +15,9 @@ from kinemark.track.simultaneous.likelihood import FAIR, SURE, evidence
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.passes import Associations, _off_without_itself, without_outliers
 from kinemark.track.simultaneous.second_pass import second_pass
+from kinemark.track.simultaneous.solved_points import precise_enough
 from kinemark.track.simultaneous.stitch import stitched
-from kinemark.track.simultaneous.tracker import _without_evidence, precise_enough
+from kinemark.track.simultaneous.tracker import _without_evidence
 from support.laboratory import observe, ring
 from support.motions import dance
 

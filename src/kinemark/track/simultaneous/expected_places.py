@@ -27,7 +27,7 @@ from .learned_delays import VOLUME_MARGIN
 from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
 from .passes import without_outliers
 from .simultaneous_method import DEFAULT, Simultaneous
-from .tracker import Working, precise_enough, solved, solver_for
+from .solved_points import Working, precise_enough, solved, solver_for
 
 ITERATIONS = 2
 """Times in turn; chosen: the third finds hardly anything new."""

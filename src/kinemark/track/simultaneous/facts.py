@@ -33,8 +33,8 @@ from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints
 from .second_pass import points_between
 from .simultaneous_method import DEFAULT, Simultaneous
+from .solved_points import Working, precise_enough, solved, solver_for
 from .stitch import CLEAR_MARGIN, Stitch, stitched
-from .tracker import Working, precise_enough, solved, solver_for
 
 UNSAID, NO_MARKER = -1, -2
 """What is said of a point that is of no marker by its number; by definition."""

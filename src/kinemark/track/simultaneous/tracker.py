@@ -12,12 +12,9 @@ points (`second_pass`).
 Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and the first pass is done again. Merged
 images that a file does not mark are inferred from the tracks (`unmarked_merging`).
 
-Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
-its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
-What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
-filtered, and as much of it as those points have added afterwards (3).
+Where its images tell little, a point is given as its motion says (`solved_points`).
 
-Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (2). Positions are those of
+Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (1). Positions are those of
 the rig as given.
 """
 
@@ -28,9 +25,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Cloud, Detections, Matches, Rig, Tracks
+from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry.weighted_points import ImageErrors, usable_points, weighted_points
+from ...geometry.weighted_points import ImageErrors, usable_points
 from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
 from .adjusted_rig import adjusted_rig
@@ -45,17 +42,9 @@ from .passes import Associations, run
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
+from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_smoothed
 from .stitch import Stitch, stitched
 from .unmarked_merging import inferred_merging
-
-LEAST = 1e-6
-"""px² of variance, the least that an image is given; chosen (see benchmarks/tracking.py)."""
-
-UNCERTAIN = 5.0
-"""Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
-
-AT_ONCE = 20_000
-"""Points that are solved in one go; chosen: more would take memory and no less time."""
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
@@ -128,7 +117,7 @@ def track_once(
     cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     if working.rig is not rig:
-        cloud = _on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
+        cloud = on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     kept, number = np.unique(ids, return_inverse=True)
@@ -177,7 +166,7 @@ def _first_pass(
     cloud, number = solved(seen.frame, seen.detection, seen.xyz, solver), own.sum(0)
     filtered = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1))
     del seen, own  # what no longer counts, before the cloud is in memory twice
-    cloud = _with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting)
+    cloud = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting)
     return_memory()
     good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, number, method)
     good &= (speaks > SURE)[filtered.id]
@@ -208,46 +197,8 @@ def _followed(
     return every, seen, speaks
 
 
-class Solver(NamedTuple):
-    """What positions are solved from: detections and their rig, the variance (D) px² of images, their errors, the
-    usual share of the variance that the calibration leaves in all frames, and `Images.timing`."""
-
-    detections: Detections
-    rig: Rig
-    variance: Floats
-    errors: ImageErrors
-    lasting: float = 0.0
-    timing: Floats | None = None
-
-    def cov(self, detection: Ints) -> Floats:
-        """(P, C, 2, 2) px² of the images `detection` (P, C)."""
-        variance = self.variance[detection][..., None, None]
-        if self.timing is None:
-            return np.asarray(variance * np.eye(2))
-        flow = self.timing[detection][..., None]
-        across = np.maximum(variance - (flow**2).sum(-2, keepdims=True), LEAST)
-        return np.asarray(across * np.eye(2) + flow * flow.swapaxes(-1, -2))
-
-
-class Working(NamedTuple):
-    """The rig by which images are associated, the images in it, and their noise."""
-
-    rig: Rig
-    images: Images
-    noise: Noise
-
-
-def solver_for(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
-    """The solver for images (D) of which tracks share some."""
-    variance = _variance(shared, working.images, working.noise)
-    share = working.noise.lasting[working.images.camera] / variance
-    return Solver(
-        detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0, working.images.timing
-    )
-
-
 def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, method: Simultaneous) -> Working:
-    """The adjusted rig where its images agree better than those of the rig as given (2), otherwise that.
+    """The adjusted rig where its images agree better than those of the rig as given (1), otherwise that.
 
     Cameras whose images fit nothing are left out.
     """
@@ -260,25 +211,6 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given
     return Working(adjusted, moved.without(left.inconsistent), left)
-
-
-def _on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
-    """The points solved with the rig as it was given, the solver's.
-
-    Those of which the images say little keep their positions.
-    """
-    given = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
-    sd = _sd(given.cov)
-    known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
-    clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
-    xyz = np.where(clear[:, None], given.xyz, cloud.xyz)
-    cov = np.where(clear[:, None, None], given.cov, cloud.cov + _shared_cov(sd[clear], solver.lasting))  # (3)
-    return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
-
-
-def _shared_cov(sd: Floats, lasting: float) -> Floats:
-    """(3, 3) mm² of (3), from standard deviations (N) mm of points with this share of it."""
-    return lasting * (float(np.median(sd)) ** 2 / 3 if len(sd) else 0.0) * np.eye(3)
 
 
 def _with_second_pass(
@@ -343,67 +275,3 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
     out = np.zeros(len(order), bool)
     out[order] = ~sure[spell]
     return out
-
-
-def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
-    """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
-    variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
-    variance = np.maximum(variance, np.maximum(noise.white[images.camera], LEAST)) + noise.lasting[images.camera]
-    return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
-
-
-def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
-    """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
-    n, n_frames = len(frame), solver.detections.n_frames
-    xyz, cov, residual = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n)
-    for first in range(0, n, AT_ONCE):
-        part = slice(first, first + AT_ONCE)
-        matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), n_frames)
-        near = np.ascontiguousarray(guess[:, part].T)
-        points = weighted_points(
-            matches,
-            solver.detections,
-            solver.rig,
-            guess=near,
-            cov=solver.cov(matches.detection),
-            errors=solver.errors,
-        )
-        xyz[part], cov[part], residual[part] = points.xyz, points.cov, points.residual
-    start = np.searchsorted(frame, np.arange(n_frames + 1))
-    return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
-
-
-def _with_smoothed(
-    cloud: Cloud, filtered: TrackPoints, sound: Bools, T: float, method: Simultaneous, lasting: float
-) -> Cloud:
-    """The cloud, with uncertain points replaced by their smoothed positions (1), or by the filtered ones where these
-    are better known; a share `lasting` is no noise (3)."""
-    sd = _sd(cloud.cov)
-    known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
-    vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
-    if not vague.any():
-        return cloud
-    points = TrackPoints(filtered.frame, filtered.id, cloud.xyz, cloud.cov)
-    points = points if known.all() else points.take(known)
-    smooth = smoothed(points, vague[known], sound[known], T, method, 1 - lasting)
-    better = _sd(smooth[1]) < _sd(filtered.cov[vague])
-    moved = np.where(better[:, None], smooth[0], filtered.xyz[vague])
-    open_ = np.where(better[:, None, None], smooth[1], filtered.cov[vague]) + _shared_cov(
-        sd[known & ~vague], lasting
-    )  # (3)
-    gains = _sd(open_) < sd[vague]
-    rows = np.flatnonzero(vague)[gains]
-    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
-    xyz[rows], cov[rows] = moved[gains], open_[gains]
-    return replace(cloud, xyz=xyz, cov=cov)
-
-
-def _sd(cov: Floats) -> Floats:
-    """Standard deviation (P) of all three axes together, mm."""
-    return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
-
-
-def precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
-    """Whether points are precise enough to be given."""
-    sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.uncertain_sd / 5)) & (sd < method.max_sd)

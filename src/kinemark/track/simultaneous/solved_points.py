@@ -1,0 +1,152 @@
+"""Points solved from the images that are associated with them, and from their motion where images tell little.
+
+Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
+its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
+What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
+filtered, and as much of it as those points have added afterwards (2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Cloud, Detections, Matches, Rig
+from ...data.array_types import Bools, Floats, Ints
+from ...geometry.weighted_points import ImageErrors, weighted_points
+from .detection_index import Images
+from .measurement_noise import Noise
+from .neighbouring_points import TrackPoints, smoothed
+from .simultaneous_method import Simultaneous
+
+LEAST = 1e-6
+"""px² of variance, the least that an image is given; chosen (see benchmarks/tracking.py)."""
+
+UNCERTAIN = 5.0
+"""Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
+
+AT_ONCE = 20_000
+"""Points that are solved in one go; chosen: more would take memory and no less time."""
+
+
+class Solver(NamedTuple):
+    """What positions are solved from: detections and their rig, the variance (D) px² of images, their errors, the
+    usual share of the variance that the calibration leaves in all frames, and `Images.timing`."""
+
+    detections: Detections
+    rig: Rig
+    variance: Floats
+    errors: ImageErrors
+    lasting: float = 0.0
+    timing: Floats | None = None
+
+    def cov(self, detection: Ints) -> Floats:
+        """(P, C, 2, 2) px² of the images `detection` (P, C)."""
+        variance = self.variance[detection][..., None, None]
+        if self.timing is None:
+            return np.asarray(variance * np.eye(2))
+        flow = self.timing[detection][..., None]
+        across = np.maximum(variance - (flow**2).sum(-2, keepdims=True), LEAST)
+        return np.asarray(across * np.eye(2) + flow * flow.swapaxes(-1, -2))
+
+
+class Working(NamedTuple):
+    """The rig by which images are associated, the images in it, and their noise."""
+
+    rig: Rig
+    images: Images
+    noise: Noise
+
+
+def solver_for(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
+    """The solver for images (D) of which tracks share some."""
+    variance = _variance(shared, working.images, working.noise)
+    share = working.noise.lasting[working.images.camera] / variance
+    return Solver(
+        detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0, working.images.timing
+    )
+
+
+def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
+    """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
+    n, n_frames = len(frame), solver.detections.n_frames
+    xyz, cov, residual = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n)
+    for first in range(0, n, AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), n_frames)
+        near = np.ascontiguousarray(guess[:, part].T)
+        points = weighted_points(
+            matches,
+            solver.detections,
+            solver.rig,
+            guess=near,
+            cov=solver.cov(matches.detection),
+            errors=solver.errors,
+        )
+        xyz[part], cov[part], residual[part] = points.xyz, points.cov, points.residual
+    start = np.searchsorted(frame, np.arange(n_frames + 1))
+    return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
+
+
+def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
+    """The points solved with the rig as it was given, the solver's.
+
+    Those of which the images say little keep their positions.
+    """
+    given = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
+    sd = _sd(given.cov)
+    known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
+    clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
+    xyz = np.where(clear[:, None], given.xyz, cloud.xyz)
+    cov = np.where(clear[:, None, None], given.cov, cloud.cov + _shared_cov(sd[clear], solver.lasting))  # (2)
+    return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
+
+
+def with_smoothed(
+    cloud: Cloud, filtered: TrackPoints, sound: Bools, T: float, method: Simultaneous, lasting: float
+) -> Cloud:
+    """The cloud, with uncertain points replaced by their smoothed positions (1), or by the filtered ones where these
+    are better known; a share `lasting` is no noise (2)."""
+    sd = _sd(cloud.cov)
+    known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
+    vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
+    if not vague.any():
+        return cloud
+    points = TrackPoints(filtered.frame, filtered.id, cloud.xyz, cloud.cov)
+    points = points if known.all() else points.take(known)
+    smooth = smoothed(points, vague[known], sound[known], T, method, 1 - lasting)
+    better = _sd(smooth[1]) < _sd(filtered.cov[vague])
+    moved = np.where(better[:, None], smooth[0], filtered.xyz[vague])
+    open_ = np.where(better[:, None, None], smooth[1], filtered.cov[vague]) + _shared_cov(
+        sd[known & ~vague], lasting
+    )  # (2)
+    gains = _sd(open_) < sd[vague]
+    rows = np.flatnonzero(vague)[gains]
+    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
+    xyz[rows], cov[rows] = moved[gains], open_[gains]
+    return replace(cloud, xyz=xyz, cov=cov)
+
+
+def _sd(cov: Floats) -> Floats:
+    """Standard deviation (P) of all three axes together, mm."""
+    return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
+
+
+def precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
+    """Whether points are precise enough to be given."""
+    sd = _sd(cloud.cov)
+    return ((own >= 2) | (sd < method.uncertain_sd / 5)) & (sd < method.max_sd)
+
+
+def _shared_cov(sd: Floats, lasting: float) -> Floats:
+    """(3, 3) mm² of (2), from standard deviations (N) mm of points with this share of it."""
+    return lasting * (float(np.median(sd)) ** 2 / 3 if len(sd) else 0.0) * np.eye(3)
+
+
+def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
+    """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
+    variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
+    variance = np.maximum(variance, np.maximum(noise.white[images.camera], LEAST)) + noise.lasting[images.camera]
+    return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)

@@ -92,8 +92,8 @@ def labelled(part: int) -> Iterator[Known]:
         if len(seen) > 4:
             found = found.select([path.name for path in seen])
             owner = np.where(np.isfinite(found.xyz[..., 0]), np.arange(len(found))[:, None], -1)
-            whole = Known(file.name, found, owner, found.xyz)
-            yield from (thinned(whole, k) for k in EVERY if found.rate / k >= LEAST_HZ)
+            known = Known(file.name, found, owner, found.xyz)
+            yield from (thinned(known, k) for k in EVERY if found.rate / k >= LEAST_HZ)
 
 
 def thinned(known: Known, k: int) -> Known:

@@ -103,15 +103,13 @@ def track_once(
     working = _working(detections, rig, images, noise, method)
     moving, method = with_learned_motion(working.images, detections.rate, method)
     working = working._replace(images=moving)
-    first = _first_pass(detections, rig, images, working, method, errors)
-    if (more := excess(first.cloud.detection.T, working.images)).any():
+    every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
+    if (more := excess(cloud.detection.T, working.images)).any():
         working = working._replace(images=working.images.noisier(-more))
-        first = _first_pass(detections, rig, images, working, method, errors)
-    every, speaks, shared, cloud, ids = first
-    whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
+        every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
+    whole = stitched(_points(cloud, ids), T, method)
     ids = whole.id[ids]
-    points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
-    merging = inferred_merging(points, cloud.detection.T, working.images, T, method)
+    merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
     solver = solver_for(detections, shared, working, errors)
     cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
@@ -127,10 +125,17 @@ def track_once(
     return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
 
 
+def _points(cloud: Cloud, ids: Ints) -> TrackPoints:
+    """Of tracks ids (P)."""
+    return TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+
+
 def _without_merged(
     cloud: Cloud, ids: Ints, merged: Ints, solver: Solver, images: Images, method: Simultaneous
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks, those of merged images solved again: smoothed, or left out where that is vague."""
+    if not len(merged):
+        return cloud, ids
     which, own = np.isin(cloud.detection, merged).any(1), (cloud.detection >= 0) & ~images.merged[cloud.detection]
     again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
     xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
@@ -218,7 +223,7 @@ def _with_second_pass(
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks after the second pass."""
     return_memory()
-    points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+    points = _points(cloud, ids)
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]

@@ -36,6 +36,7 @@ from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
+from kinemark.engine.put_aside import put_aside
 from kinemark.io.trial import read_trial
 from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
@@ -81,10 +82,10 @@ def simulated(seeds: Sequence[int]) -> Iterator[Known]:
 
 
 def labelled(part: int) -> Iterator[Known]:
-    """Every second file of other systems, from the first or second on, at its own rate and at lower ones."""
+    """The markers of every second file of other systems, from the first or second on, at its own rate and lower ones."""
     files = sorted(file for pattern in FILES for file in (DATA / "mocap3d").glob(pattern)) if DATA.is_dir() else []
     for file in files[part::2]:
-        whole = read_trial(file).trajectories
+        whole = put_aside(read_trial(file)).rest
         found = whole.frames(0, min(whole.n_frames, LONGEST)).select(
             [p.name for p in whole if not p.name.startswith("*")]
         )

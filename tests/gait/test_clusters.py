@@ -33,7 +33,7 @@ def clusters(segments=SEGMENTS):
 
 
 def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, seconds=2.2, **more):
-    body = WalkingBody(MEASURES, plated=tuple(segments), unworn=unworn, worn=("LKNM", "RKNM", "LMED", "RMED"), **more)
+    body = WalkingBody(MEASURES, plated=tuple(segments), unworn=unworn, worn=("KNM", "MED"), **more)
     return gait_laboratory(body, duration_s=seconds)
 
 
@@ -52,6 +52,17 @@ def worst(lab, found, names):
         np.nanmax(np.abs((found.signals[s + n].values - lab.signals[s + n].values + 180) % 360 - 180))
         for s in "LR" for n in names
     )  # fmt: skip
+
+
+def test_inner_markers_stand_for_wands_that_were_left_off():
+    used, knees = clusters(("left thigh",)), []
+    whole = marker_points(laboratory(tuple(used), seconds=1.0).static)
+    bare = {name: xyz for name, xyz in whole.items() if name[1:] not in ("THI", "TIB")}
+    for stood in (whole, with_wands(bare)):
+        known = with_static_offsets(MEASURES, stood, flat_foot=True)
+        limbs = calibrated_body(stood, known, used).limbs(stood, known, hip_centre="davis")
+        knees += [limbs.left.knee, limbs.right.knee]
+    np.testing.assert_allclose(knees[2:], knees[:2], atol=1e-6)
 
 
 ANGLES = ("PelvisAngles", "HipAngles", "KneeAngles", "AnkleAngles")

@@ -52,7 +52,9 @@ def test_events_from_markers_are_those_of_the_plates(step, noise_mm, share):
         off, sd = 1000 * np.concatenate([one[kind] for one in every if one[kind]]).T
         assert len(off) > 20
         assert (np.abs(off) < 15).mean() > share and (np.abs(off) < 40).all()
-        least = 0.7 if step == 1 else 0.6  # the biases are of all subjects; of the others, strikes of every 2nd frame: 0.68
+        least = (
+            0.7 if step == 1 else 0.6
+        )  # the biases are of all subjects; of the others, strikes of every 2nd frame: 0.68
         assert least < np.sqrt(np.mean((off / sd) ** 2)) < 1.3, "expected errors are true within 30 %"
         if step == 1 and not noise_mm:
             assert abs(np.median(off)) < 3 and np.sqrt(np.mean(off**2)) < 8

@@ -103,7 +103,7 @@ def test_its_own_error_is_on_the_curves_and_a_misplaced_pelvis_marker_leaves_it_
     def knee(measures, **changed):
         causes = gait_uncertainty(lab.walk, measures, method=Physical(smoothing="none"),
                                   errors=replace(errors, **changed))  # fmt: skip
-        return {cause: np.sqrt(np.mean(of["LKneeAngles"] ** 2)) for cause, of in causes.items()}
+        return {cause: np.sqrt(np.mean(of["LKneeAngles"] ** 2)) for cause, of in causes.items() if "LKneeAngles" in of}
 
     assert knee(known)["hip centre"] < 0.01 * knee(MEASURES)["hip centre"]
     pelvis = WalkingBody(MEASURES, hip_error_mm=OFF, placement_mm={"SACR": np.array([0.0, 0.0, 10.0])})

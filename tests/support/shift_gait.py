@@ -99,7 +99,7 @@ def _(by):
 
 @law(gait.calibrated_body, gait.with_landmarks, gait.with_wands, mm=1e-6, share=1e-6)
 def _(by):
-    lean = WalkingBody(MEASURES, plated=("left thigh",), worn=("LKNM", "RKNM"))
+    lean = WalkingBody(MEASURES, plated=("left thigh",), worn=("KNM",))
     stood = {name: on_grid(xyz) + by for name, xyz in lean.markers(lean.standing(3), walking=False).items()}
     shown = gait.with_wands({name: xyz for name, xyz in stood.items() if name != "LTHI"})
     plate = {"left thigh": ("LTH1", "LTH2", "LTH3", "LTH4")}

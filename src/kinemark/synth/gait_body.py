@@ -25,6 +25,7 @@ from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Sid
 from ..gait.hip_centre import davis
 from ..gait.lower_limb import FOOT_SEQUENCE, Leg, LowerLimbs
 from ..gait.segments import Segment, relative, upright
+from ..gait.static_axes import STATIC_MARKERS
 from ..kinematics import principal, turned
 from .gait import ANKLE, GRID, HIP, KNEE, TILT, Stride, curve, pelvis_path, stride_of_soles
 
@@ -87,6 +88,8 @@ class WalkingBody:
     path: Stride = field(init=False)
 
     def __post_init__(self) -> None:
+        if unknown := [name for name in self.worn if name not in STATIC_MARKERS]:
+            raise ValueError(f"worn has {', '.join(unknown)}, wanted some of {', '.join(STATIC_MARKERS)}")
         object.__setattr__(self, "path", self._path())
 
     @property

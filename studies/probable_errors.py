@@ -82,7 +82,7 @@ def simulated(seeds: Sequence[int]) -> Iterator[Known]:
 
 
 def labelled(part: int) -> Iterator[Known]:
-    """The markers of every second file of other systems, from the first or second on, at its own rate and lower ones."""
+    """The markers of every second file of other systems, at its own rate and at lower ones."""
     files = sorted(file for pattern in FILES for file in (DATA / "mocap3d").glob(pattern)) if DATA.is_dir() else []
     for file in files[part::2]:
         whole = put_aside(read_trial(file)).rest

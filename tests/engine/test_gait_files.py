@@ -112,6 +112,10 @@ def test_devices_on_the_knees_show_their_axes(tmp_path):
     doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "thin", settings=how, **thin).figures
     doubt = next(f for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
     assert doubt["values"]["by_mm"] == pytest.approx(27.0, abs=0.1) and "left ankle" in doubt["text"]
+    wide = {**files, "measures": SubjectMeasures(replace(leg, ankle_mm=99.0), leg, mass_kg=70.0)}
+    doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "wide", settings=how, **wide).figures
+    text = next(f["text"] for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
+    assert "27\u00a0mm nearer to each other than the ankle is wide" in text
     how = replace(how, axes=False)
     plain = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "plain", settings=how, **files)
     assert plain.figures["measures"]["left"]["torsion_deg"] == 0

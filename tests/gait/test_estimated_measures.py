@@ -7,7 +7,7 @@ from kinemark.data import KinemarkError
 from kinemark.engine.gait_settings import GaitSettings
 from kinemark.engine.gait_walks import WIDTH_MM, known_measures, recorded
 from kinemark.gait import estimated_measures, marker_points
-from kinemark.gait.estimated_measures import WIDTH_SD_MM
+from kinemark.gait.estimated_measures import WIDTH_SD_MM, joints_by_share
 from kinemark.io.c3d.subject_measures import measures_of
 from support.plug_in_gait import CHILDREN, trial
 from support.shift_gait import stepping
@@ -23,7 +23,7 @@ def test_legs_and_mass_are_near_the_measured_ones(name):
     stated = measures_of(walk.given.source)
     nobody = recorded("walk", trial(name).__class__("walk", *list_of(trial(name))), {}, GaitSettings())
     found = known_measures(None, [nobody], None)
-    assert found.estimated == ("legs", "mass") and found.width_mm == WIDTH_SD_MM
+    assert found.estimated == ("legs", "mass", "knees", "ankles") and found.width_mm == WIDTH_SD_MM
     assert found.measures.mean_leg_mm == pytest.approx(stated.mean_leg_mm, abs=35)
     assert found.measures.mass_kg == pytest.approx(stated.mass_kg, rel=0.07)
     assert found.measures.left.knee_mm == pytest.approx(stated.left.knee_mm, abs=3 * WIDTH_SD_MM)
@@ -32,6 +32,23 @@ def test_legs_and_mass_are_near_the_measured_ones(name):
 
 def list_of(walk):
     return walk.trajectories, walk.analog, walk.plates, walk.events
+
+
+def test_widths_follow_from_markers_on_both_sides_of_a_joint():
+    points = marker_points(stepping())
+    plain = estimated_measures(points)
+    assert joints_by_share(points) == ("knees", "ankles")
+    for letter in "LR":
+        points |= {
+            letter + "KNM": points[letter + "KNE"] + (0, 60, 80),
+            letter + "MED": points[letter + "ANK"] + (75, 0, 0),
+        }
+    found = estimated_measures(points, marker_diameter_mm=10.0)
+    assert joints_by_share(points) == ()
+    for leg, before in ((found.left, plain.left), (found.right, plain.right)):
+        assert (leg.knee_mm, leg.ankle_mm) == pytest.approx((90.0, 65.0)) and leg.leg_mm == before.leg_mm
+    off = points | {"LKNM": points["LKNE"] + (600, 0, 0)}  # no knee is that wide
+    assert joints_by_share(off) == ("knees",) and estimated_measures(off).left.knee_mm == plain.left.knee_mm
 
 
 def test_units_that_are_no_millimetres_are_said():

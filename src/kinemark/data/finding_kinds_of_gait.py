@@ -12,8 +12,9 @@ GAIT_KINDS = (
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),
     Kind("gait_measures_estimated", "gait", "amber", "Nobody states the subject's measures: legs by the markers, "
-         "widths as their usual share, mass by the plates where there are. legs: mean of both.",
-         {"leg_mm": "mm", "mass_kg": "kg"}),
+         "mass by the plates where there are. legs: mean of both. widths of knees and ankles: by their \"markers\", as "
+         "their usual \"share\" of the leg, or \"both\".",
+         {"leg_mm": "mm", "mass_kg": "kg", "widths": "text"}),
     Kind("gait_heels_from_static", "gait", "info", "Heels that the walks do not have sit on the feet as in the static "
          "trial."),
     Kind("gait_markers_renamed", "gait", "info", "Markers of the file that were taken for the model's, as SACR = "

@@ -17,7 +17,7 @@ from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
 from ..gait.clusters import CalibratedBody, Clusters, calibrated_body, with_wands
 from ..gait.emg import Emg, emg, peak_of
-from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, mass_on_plates
+from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, joints_by_share, mass_on_plates
 from ..gait.foot_events import foot_events
 from ..gait.functional_hip import functional_hip, with_hips_of
 from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
@@ -66,7 +66,7 @@ class KnownMeasures(NamedTuple):
 
     Attributes:
         measures: of the subject, without offsets from the standing trial.
-        estimated: what of them nobody measured: "legs", "mass".
+        estimated: what of them nobody measured: "legs", "mass"; "knees", "ankles" whose widths no markers show.
         hips: what a functional trial shows of them; None where there is none.
     """
 
@@ -149,8 +149,9 @@ def known_measures(stated: SubjectMeasures | None, walks: Sequence[Recorded], st
         return KnownMeasures(found)
     masses = [m for m in (_mass(walk) for walk in walks) if m is not None]
     mass = float(np.median(masses)) if masses else None
-    measures = estimated_measures((static or walks[0]).points, mass_kg=mass)
-    return KnownMeasures(measures, ("legs",) if mass is None else ("legs", "mass"))
+    points = (static or walks[0]).points
+    parts = ("legs", *([] if mass is None else ["mass"]), *joints_by_share(points))
+    return KnownMeasures(estimated_measures(points, mass_kg=mass), parts)
 
 
 def with_hips(known: KnownMeasures, functional: Recorded, settings: GaitSettings) -> KnownMeasures:

@@ -117,7 +117,8 @@ def gait_figures(
     Args:
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
-        reference: band of controls. estimated: "legs" and "mass", where nobody measured them.
+        reference: band of controls. estimated: "legs" and "mass", where nobody measured
+            them; "knees" and "ankles", where markers do not show their widths either.
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
     """
@@ -236,7 +237,8 @@ def _of_files(
     """What of the files was not as the model wants it."""
     if estimated:
         mass = measures.mass_kg if "mass" in estimated else None
-        yield make_finding("gait_measures_estimated", leg_mm=measures.mean_leg_mm, mass_kg=mass)
+        widths = ("markers", "both", "share")[len({"knees", "ankles"} & set(estimated))]
+        yield make_finding("gait_measures_estimated", leg_mm=measures.mean_leg_mm, mass_kg=mass, widths=widths)
     if heels:
         yield make_finding("gait_heels_from_static", markers=heels)
     if renamed:

@@ -1,7 +1,8 @@
 """Measures of a subject whom nobody measured, from the markers and plates of a trial.
 
 leg     from the front of the pelvis to the ankle's marker, as long as it gets: its 85 % quantile              (1)
-knee, ankle   widths, as shares of the leg                                                                     (2)
+knee, ankle   as wide as their outer and inner markers are apart, less a marker; where there are no inner ones,
+        a share of the leg                                                                                     (2)
 mass    2 J / (g T), J the impulse of the vertical force of one contact, T the median stride: each foot carries the
         body for half of a stride, where feet carry alike                                                      (3)
 """
@@ -20,14 +21,16 @@ from ..data.subject_measures import LENGTHS_MM, LETTER, SIDES, LegMeasures, Side
 from .inverse_dynamics import GRAVITY
 from .plate_contacts import Contact
 from .reaction import Reaction
-from .segments import Z_UP
+from .segments import Z_UP, mean_length
 
 STRAIGHT = 0.85
 """Quantile (1); measured on 36 legs of eight subjects, walking and standing: off by 14 mm (RMS), others by more."""
 KNEE_SHARE, ANKLE_SHARE = 0.125, 0.08
 """(2), of the leg; measured on people: medians of eight subjects from 1.33 to 1.76 m whose files state both."""
 WIDTH_SD_MM = 10.0
-"""Standard uncertainty of (2), mm; measured on the same subjects."""
+"""Standard uncertainty of (2), mm; measured on the same subjects, of the shares. Of markers 5 mm off each it is 7."""
+ACROSS = {"knee_mm": ("KNE", "KNM"), "ankle_mm": ("ANK", "MED")}
+"""Markers outside and inside of a joint, after L or R, by its width; conventional (CGM2)."""
 
 
 def estimated_measures(
@@ -43,8 +46,18 @@ def estimated_measures(
     Raises:
         KinemarkError: no frame has a pelvis and both ankles, or a leg is none of a person's.
     """
-    left, right = (_leg(points, side) for side in SIDES)
+    left, right = (_leg(points, side, marker_diameter_mm) for side in SIDES)
     return SubjectMeasures(left, right, mass_kg=mass_kg, marker_diameter_mm=marker_diameter_mm)
+
+
+def joints_by_share(points: Mapping[str, Floats], *, marker_diameter_mm: float = 14.0) -> tuple[str, ...]:
+    """Of "knees" and "ankles" those whose width `estimated_measures` has as a share of the leg, on a side at least.
+
+    Args:
+        points: (F, 3) mm by the model's names. marker_diameter_mm: as there.
+    """
+    shown = {name: [_width(points, side, name, marker_diameter_mm) for side in SIDES] for name in ACROSS}
+    return tuple(joint for name, joint in (("knee_mm", "knees"), ("ankle_mm", "ankles")) if None in shown[name])
 
 
 def mass_on_plates(
@@ -69,7 +82,7 @@ def mass_on_plates(
     return float(np.median(impulses) / (GRAVITY * np.median(strides) / 2))
 
 
-def _leg(points: Mapping[str, Floats], side: Side) -> LegMeasures:
+def _leg(points: Mapping[str, Floats], side: Side, marker_diameter_mm: float) -> LegMeasures:
     front, ankle = (points.get(LETTER[side] + name) for name in ("ASI", "ANK"))
     length = np.zeros(0) if front is None or ankle is None else np.linalg.norm(front - ankle, axis=-1)
     length = length[np.isfinite(length)]
@@ -83,4 +96,14 @@ def _leg(points: Mapping[str, Floats], side: Side) -> LegMeasures:
     if not low <= leg <= high:
         raise KinemarkError(f"By its markers the {side} leg is {leg:.0f} mm long, wanted {low:g} to {high:g}. Check "
                             "the unit of length of the file, and which marker is which.")  # fmt: skip
-    return LegMeasures(leg, KNEE_SHARE * leg, ANKLE_SHARE * leg)
+    knee, ankle = (_width(points, side, name, marker_diameter_mm) for name in ACROSS)
+    return LegMeasures(leg, knee or KNEE_SHARE * leg, ankle or ANKLE_SHARE * leg)
+
+
+def _width(points: Mapping[str, Floats], side: Side, name: str, marker_diameter_mm: float) -> float | None:
+    """mm by (2), of a joint that has a marker on either side; None where it has not, or none that a person can have."""
+    outer, inner = (points.get(LETTER[side] + marker) for marker in ACROSS[name])
+    if outer is None or inner is None:
+        return None
+    apart, (low, high) = mean_length(outer - inner) - marker_diameter_mm, LENGTHS_MM[name]
+    return apart if low <= apart <= high else None

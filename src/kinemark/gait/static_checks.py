@@ -13,6 +13,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
+from .estimated_measures import ACROSS
 from .segments import mean_length, unit
 from .static_axes import DEVICE, device_worn
 
@@ -53,12 +54,13 @@ def _of_side(
     static: Mapping[str, Floats], stated: SubjectMeasures, shown: SubjectMeasures, side: Side
 ) -> Iterator[StaticDoubt]:
     letter, own, leg = LETTER[side], stated.leg(side), shown.leg(side)
-    for what, outer, inner, width in (
-        ("knee_width", "KNE", "KNM", own.knee_mm), ("ankle_width", "ANK", "MED", own.ankle_mm),
-    ):  # fmt: skip
+    widths: tuple[tuple[Contradiction, str, str, float], ...] = (
+        ("knee_width", *ACROSS["knee_mm"], own.knee_mm), ("ankle_width", *ACROSS["ankle_mm"], own.ankle_mm),
+    )  # fmt: skip
+    for what, outer, inner, width in widths:
         if {letter + outer, letter + inner} <= set(static):
             apart = mean_length(static[letter + outer] - static[letter + inner])
-            yield StaticDoubt(side, what, apart - width - stated.marker_diameter_mm)  # type: ignore[arg-type]
+            yield StaticDoubt(side, what, apart - width - stated.marker_diameter_mm)
     if device_worn(static, letter):
         a, b, c = (static[letter + name] for name in DEVICE)
         sides = [mean_length(u - v) for u, v in ((a, b), (b, c), (c, a))]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ...data import Finding
 from .template import Words, fill
 
@@ -43,10 +45,15 @@ def _estimated(found: Finding) -> str:
     mass = found.values["mass_kg"]
     weighed = "" if mass is None else fill(", and by the plates a mass of {mass_kg:1}", found)
     return fill("Nobody states the subject's measures. By the markers the legs are {leg_mm:0} long", found) + (
-        f"{weighed}; knees and ankles have the usual share of that, with error bars to match."
+        f"{weighed}; {WIDTHS.get(str(found.values['widths']), WIDTHS['share'])}, with error bars to match."
     )
 
 
+WIDTHS = {
+    "share": "knees and ankles have the usual share of that",
+    "markers": "knees and ankles are as wide as their markers show",
+    "both": "knees and ankles are as wide as their markers show, or have the usual share of that",
+}
 AXES = {
     "knee_width": "{trial}: the markers of the {side} knee are {by_mm:0} farther apart than the knee is wide",
     "ankle_width": "{trial}: the markers of the {side} ankle are {by_mm:0} farther apart than the ankle is wide",
@@ -64,7 +71,12 @@ FOR_AXES = {
 
 
 def _axes(found: Finding) -> str:
-    return fill(AXES.get(str(found.values["what"]), "{trial}: the axes of the {side} leg are doubtful"), found) + "."
+    template = AXES.get(str(found.values["what"]), "{trial}: the axes of the {side} leg are doubtful")
+    by_mm = found.values["by_mm"]
+    if isinstance(by_mm, float) and by_mm < 0:
+        template = template.replace("farther apart", "nearer to each other")
+        found = replace(found, values={**found.values, "by_mm": -by_mm})
+    return fill(template, found) + "."
 
 
 def _for_axes(found: Finding) -> str:

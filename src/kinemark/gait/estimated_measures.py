@@ -96,8 +96,8 @@ def _leg(points: Mapping[str, Floats], side: Side, marker_diameter_mm: float) ->
     if not low <= leg <= high:
         raise KinemarkError(f"By its markers the {side} leg is {leg:.0f} mm long, wanted {low:g} to {high:g}. Check "
                             "the unit of length of the file, and which marker is which.")  # fmt: skip
-    knee, ankle = (_width(points, side, name, marker_diameter_mm) for name in ACROSS)
-    return LegMeasures(leg, knee or KNEE_SHARE * leg, ankle or ANKLE_SHARE * leg)
+    widths = [_width(points, side, name, marker_diameter_mm) for name in ACROSS]
+    return LegMeasures(leg, widths[0] or KNEE_SHARE * leg, widths[1] or ANKLE_SHARE * leg)
 
 
 def _width(points: Mapping[str, Floats], side: Side, name: str, marker_diameter_mm: float) -> float | None:

@@ -74,7 +74,7 @@ setup(
     ext_modules=[
         Extension(
             "kinemark.native._native",
-            sources=[f"{FOLDER}/{name}.c" for name in ("library", "motion", "pixels", "shapes", "views")],
+            sources=[f"{FOLDER}/{name}.c" for name in ("clusters", "library", "motion", "pixels", "shapes", "views")],
             depends=[f"{FOLDER}/{name}.h" for name in ("native", "pixels_by_depth", "shape_light", "symmetric3")],
             # nobody asks for errno or for exceptions of floating point; a compiler without these flags goes on
             extra_compile_args=["-O3", "-fno-math-errno", "-fno-trapping-math"],

@@ -49,7 +49,7 @@ def _numpy_clusters(x: Floats, y: Floats, white: Bools, centres: Floats, turns: 
     for _ in range(turns):
         nearest, far = _nearest(x, y, centres, row)
         number, *sums = (np.bincount(row * k + nearest, weights, n * k) for weights in (None, x, y))
-        spread = np.bincount(row, far, n)
+        spread = np.bincount(row, far, n).astype(np.float64)  # of no pixels whole numbers come
         means = np.stack(sums, -1) / np.maximum(number, 1)[:, None]
         centres = np.where((number > 0)[:, None], means, centres.reshape(-1, 2)).reshape(centres.shape)
     return centres, spread

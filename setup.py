@@ -74,9 +74,10 @@ setup(
     ext_modules=[
         Extension(
             "kinemark.native._native",
-            sources=[f"{FOLDER}/{name}.c" for name in ("library", "motion", "pixels", "shapes", "views")],
-            depends=[f"{FOLDER}/{name}.h" for name in ("native", "pixels_by_depth", "symmetric3")],
-            extra_compile_args=["-O3", "-fno-math-errno"],  # nobody asks for errno; a compiler without it goes on
+            sources=[f"{FOLDER}/{name}.c" for name in ("clusters", "library", "motion", "pixels", "shapes", "views")],
+            depends=[f"{FOLDER}/{name}.h" for name in ("native", "pixels_by_depth", "shape_light", "symmetric3")],
+            # nobody asks for errno or for exceptions of floating point; a compiler without these flags goes on
+            extra_compile_args=["-O3", "-fno-math-errno", "-fno-trapping-math"],
             optional=True,  # without a compiler NumPy does the work
         )
     ],

@@ -69,7 +69,7 @@ def test_arguments_of_another_dtype_never_reach_the_library():
 def test_constants_of_both_languages_agree():
     assert f"VERSION = {compiled_library.VERSION} " in (SOURCES / "library.c").read_text()
     pixels = (SOURCES / "pixels.c").read_text()
-    shapes, used = (SOURCES / "shapes.c").read_text(), shape_images
+    shapes, used = (SOURCES / "shape_light.h").read_text(), shape_images
     assert f"TINY = {used.TINY:.0e}".replace("e-0", "e-") in shapes and f"CORNER = {used.CORNER}," in shapes
     assert f"MOST_CORRELATION = {used.MOST_CORRELATION};" in shapes and f"MOST = {shape_fits.MOST}," in shapes
     assert f"NODES = {len(used.NODES)}," in shapes and f"NODES_CORNER = {len(used.NODES_CORNER)} " in shapes

@@ -198,6 +198,15 @@ def intersect(rng):
     return Call(native.intersect, asked | {"camera": np.repeat(np.arange(5)[:, None], n, axis=1)}, {})
 
 
+def cluster_pixels(rng):
+    """Pixels on a grid, some of them white, and centres of which some lie on each other or far away."""
+    n, N, k = (int(number) for number in rng.integers((0, 0, 1), (5, 60, 6)))
+    x, y = rng.integers(0, 9, (2, n, N)) / 2
+    centres = rng.integers(0, 9, (n, k, 2)) / rng.choice([1.0, 3.0])
+    asked = {"x": x, "y": y, "white": rng.random((n, N)) < 0.6, "centres": centres}
+    return Call(native.cluster_pixels, asked, {"turns": int(rng.integers(0, 8))})
+
+
 SHAPES = {
     "discs": [0.3, -0.2, 3.1],
     "ellipse": [0.2, 0.1, 0.3, 0.02, 0.4],
@@ -228,7 +237,7 @@ CALLS = {
     made.__name__: made
     for made in (
         find_runs, group_runs, sum_pixels, cut_pixels, group_peaks, sum_peaks, predict, update, project, information,
-        index_images, image_index, near, candidates, intersect, fit_shapes,
+        index_images, image_index, near, candidates, intersect, cluster_pixels, fit_shapes,
     )
 }  # fmt: skip
 

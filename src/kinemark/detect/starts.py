@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from .. import native
 from ..data.array_types import Floats
 from .discs import DiscFit
 from .patches import CutOut
 
 LLOYD_STEPS = 6  # of grouping bright pixels round centres; chosen: few settle it (see studies/overlapping_markers.py)
+ROUNDING = 1e-9
+"""Of a sum of squares; of layouts that come to the same clusters, numbered otherwise, the first counts; chosen."""
 BLUR = 0.65  # px, first guess of w; chosen for usual lenses (see studies/overlapping_markers.py)
 
 
@@ -62,8 +65,10 @@ def disc_start(cut: CutOut, k: int) -> Floats:
         for first in (0.0, np.pi / k):
             turn = first + 2 * np.pi * np.arange(k)[:, None] / k
             layouts.append(middle[:, None] + np.cos(turn) * long[:, None] + np.sin(turn) * short[:, None])
-    clusters = [_lloyd(cut, c) for c in layouts]
-    best = np.argmin([spread for _, spread in clusters], axis=0)
+    places = cut.patches.x, cut.patches.y, cut.white
+    clusters = [native.cluster_pixels(*places, c, turns=LLOYD_STEPS) for c in layouts]
+    left = np.stack([spread for _, spread in clusters])
+    best = (left <= (1 + ROUNDING) * left.min(0)).argmax(0)
     centres = np.stack([c for c, _ in clusters])[best, np.arange(len(best))]
     r = np.sqrt(cut.white.sum(1) * cut.pixel / ((0.8 if k > 1 else 1.0) * k * np.pi))  # (3)
     r = np.broadcast_to(r[:, None, None], (len(r), k, 1))
@@ -83,18 +88,3 @@ def cut_start(cut: CutOut) -> Floats:
     back = np.where(cut.white, along, np.inf).min(1)
     centre = middle + (back + r)[:, None] * n
     return np.column_stack([centre, r, np.arctan2(n[:, 1], n[:, 0]), h, _tail(cut)])
-
-
-def _lloyd(cut: CutOut, centres: Floats) -> tuple[Floats, Floats]:
-    """Centres (n, k, 2) moved to the means of the white pixels nearest to them, a few times over.
-
-    Also (n) the sum of squares of what these were from the pixels in the last turn, px².
-    """
-    x, y = cut.patches.x, cut.patches.y
-    for _ in range(LLOYD_STEPS):
-        far = (x[:, None] - centres[..., :1]) ** 2 + (y[:, None] - centres[..., 1:]) ** 2
-        mine = (far.argmin(1)[:, None] == np.arange(centres.shape[1])[:, None]) & cut.white[:, None]
-        number = mine.sum(2)
-        mean = np.stack([(mine * at[:, None]).sum(2) for at in (x, y)], -1) / np.maximum(number, 1)[..., None]
-        centres = np.where((number > 0)[..., None], mean, centres)
-    return centres, (far * mine).sum((1, 2))

@@ -7,6 +7,7 @@ calls the compiled library or, where that is absent or `KINEMARK_PLAIN` is set, 
 from .compiled_library import PLAIN, Status, library, status
 from .group_pixels import GroupPixels, cut_pixels, group_peaks, sum_peaks
 from .image_index import ImageIndex, candidates, index_images
+from .pixel_clusters import cluster_pixels
 from .pixel_runs import find_runs
 from .pixel_sums import sum_pixels
 from .point_motion import predict, update
@@ -21,6 +22,7 @@ __all__ = [
     "ImageIndex",
     "Status",
     "candidates",
+    "cluster_pixels",
     "cut_pixels",
     "find_runs",
     "group_peaks",

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-VERSION = 3
+VERSION = 4
 """Of the functions' meaning, as in library.c: a library left over from another version is not used; by definition."""
 
 PLAIN = "KINEMARK_PLAIN"
@@ -69,12 +69,13 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {
         *3 * [_SIZE], _INTS, _FLOATS, _INTS, *2 * [_REAL], *2 * [_FLOATS], _BOOLS,
         _SIZE, _INTS, *3 * [_FLOATS], _REAL, _SIZE, *2 * [_INTS], *2 * [_FLOATS],
     ),
+    "cluster_pixels": (*4 * [_SIZE], *2 * [_FLOATS], _BOOLS, *3 * [_FLOATS]),
     "fit_shapes": (*5 * [_SIZE], *15 * [_FLOATS]),
     "intersect": (*4 * [_SIZE], *3 * [_FLOATS], *2 * [_INTS], *3 * [_FLOATS]),
 }  # fmt: skip
 """The arguments of each C function."""
 
-_RETURN_NOTHING = {"predict", "update", "project"}
+_RETURN_NOTHING = {"predict", "update", "project", "cluster_pixels"}
 
 
 class Status(NamedTuple):

@@ -113,7 +113,7 @@ def fit_shapes(
     if compiled := library():
         N = columns[0].shape[1]
         p, chi2, model, normal = start.copy(), np.empty(n), np.empty((n, N)), np.empty((n, P, P))
-        work = np.empty((P + 3, N))
+        work = np.empty((4, N))
         kind = _SHAPES.index(shape)
         sizes = kind, n, N, P, STEPS, _RULES, _NODES, _NODES_CORNER
         if compiled.fit_shapes(*sizes, *arrays[1:], p, chi2, model, normal, work):

@@ -1,27 +1,15 @@
 /* Shapes fitted to the grey levels of patches, as shape_fits.py; their light is that of shape_images.py. */
 
 #include <math.h>
+#include <string.h>
 
 #include "native.h"
+#include "shape_light.h"
 
-enum { DISCS, ELLIPSE, MOTION, CUT };            /* kinds, as in shape_fits.py */
-enum { MOST = 24, NODES = 7, NODES_CORNER = 6 }; /* parameters; nodes of the rules, as in shape_images.py */
-enum { PER_UNIT = 32, FAR = 6, ROWS = 2 * FAR * PER_UNIT + 1 }; /* of the table: rows to 1, and where it ends */
-
-static const double TINY = 1e-9, CORNER = 3.5, MOST_CORRELATION = 0.999; /* as in shape_images.py */
-
-/* What holds for a call. */
+/* The m pixels of a patch that have weight, root that of it. */
 typedef struct {
-    int kind, P; /* P parameters, of them the last three w, A and b */
-    int64_t N;   /* pixels of a patch */
-    double damping, down, up, most_damping, small_step, small_gain, hopeless, least_w, most_w;
-    const double *t, *t_weight, *corner, *corner_weight; /* the rules' nodes and weights */
-    double series[ROWS][6];                              /* of Φ and φ at steps of 1 / PER_UNIT from −FAR on */
-} Fit;
-
-typedef struct {
-    const double *x, *y, *grey, *root; /* root of the weight */
-    double white;
+    double *x, *y, *grey, *root, white;
+    int64_t m;
 } Patch;
 
 /* Where the fit stands, or would after a step. */
@@ -29,192 +17,70 @@ typedef struct {
     double p[MOST], chi2, H[MOST][MOST], g[MOST];
 } State;
 
-/* Φ(z), and φ(z) to *bell, by Taylor's series about the nearest row. */
-static inline double normal(const Fit *fit, double z, double *bell)
+/* (8): a grey level as the sensor shows it. */
+static inline double shown(double grey, double white)
 {
-    if (!(fabs(z) < FAR)) {
-        *bell = z != z ? z : 0;
-        return z != z ? z : z > 0;
-    }
-    int row = (int)((z + FAR) * PER_UNIT + 0.5);
-    double d = z - (row * (1.0 / PER_UNIT) - FAR);
-    const double *c = fit->series[row];
-    *bell = c[1] + d * (c[2] + d * (c[3] + d * (c[4] + d * c[5])));
-    return c[0] + d * (c[1] + d * (c[2] * (1.0 / 2) + d * (c[3] * (1.0 / 3) + d * (c[4] * (1.0 / 4) + d * c[5] * (1.0 / 5)))));
+    return grey < white || !(white < INFINITY) || grey != grey ? grey : white;
 }
 
-/* The series: Φ, then those of φ, whose n-th derivative is (−1)ⁿ Heₙ φ with He of Hermite. */
-static void fill_series(Fit *fit)
-{
-    for (int row = 0; row < ROWS; row++) {
-        double a = row / (double)PER_UNIT - FAR, aa = a * a, bell = 0.3989422804014327 * exp(-aa / 2);
-        double *c = fit->series[row];
-        c[0] = erfc(-a * 0.7071067811865476) / 2;
-        c[1] = bell, c[2] = -a * bell, c[3] = (aa - 1) / 2 * bell, c[4] = -a * (aa - 3) / 6 * bell;
-        c[5] = ((aa - 6) * aa + 3) / 24 * bell;
-    }
-}
-
-/* (2) of two outlines: Φ₂, and what φ(h) and φ(k), which are known, are multiplied by in its derivatives. */
-static double both(const Fit *fit, double h, double k, double of_h, double of_k, double rho, double *by_h, double *by_k)
-{
-    double product = of_h * of_k, none;
-    *by_h = of_k, *by_k = of_h;
-    if (!(fabs(h) < CORNER && fabs(k) < CORNER))
-        return product;
-    rho = rho > MOST_CORRELATION ? MOST_CORRELATION : rho < -MOST_CORRELATION ? -MOST_CORRELATION : rho;
-    double root = sqrt(1 - rho * rho), end = asin(rho), sum = 0;
-    *by_h = normal(fit, (k - rho * h) / root, &none);
-    *by_k = normal(fit, (h - rho * k) / root, &none);
-    for (int i = 0; i < NODES_CORNER; i++) {
-        double sine = sin(end * fit->corner[i]);
-        sum += fit->corner_weight[i] * exp((h * k * sine - (h * h + k * k) / 2) / (1 - sine * sine));
-    }
-    return product + end / 6.283185307179586 * sum;
-}
-
-/* (4): U at a pixel, and its derivatives by the discs' x, y, r and by w, which are not set where U is 0. */
-static inline double discs(const Fit *fit, int k, const double *p, double w, double x, double y, double *J)
-{
-    int a = 0, b = -1, near = 0; /* the two outlines that are nearest or deepest */
-    double s[MOST / 3], gx[MOST / 3], gy[MOST / 3], square[MOST / 3];
-    double f[2], slope[2], by[2] = {1, 1}, U, scale = 1 / w, reach = FAR * w;
-    for (int i = 0; i < k; i++) {
-        double dx = x - p[3 * i], dy = y - p[3 * i + 1], out = p[3 * i + 2] + reach;
-        gx[i] = dx, gy[i] = dy, square[i] = dx * dx + dy * dy;
-        near |= out > 0 && square[i] < out * out;
-    }
-    if (!near) /* what most pixels are, and no root is needed to see it */
-        return square[0] != square[0] ? square[0] : 0;
-    for (int i = 0; i < k; i++) {
-        double far = sqrt(square[i]) + TINY, unit = 1 / far;
-        s[i] = p[3 * i + 2] - far, gx[i] *= unit, gy[i] *= unit;
-        J[3 * i] = J[3 * i + 1] = J[3 * i + 2] = 0;
-        if (i > 0 && s[i] > s[a])
-            b = a, a = i;
-        else if (i > 0 && (b < 0 || s[i] > s[b]))
-            b = i;
-    }
-    f[0] = normal(fit, s[a] * scale, &slope[0]);
-    U = f[0];
-    if (k > 1) { /* (3) */
-        f[1] = normal(fit, s[b] * scale, &slope[1]);
-        U = 1 - both(fit, -s[a] * scale, -s[b] * scale, 1 - f[0], 1 - f[1], gx[a] * gx[b] + gy[a] * gy[b], &by[0],
-                     &by[1]);
-    }
-    J[3 * k] = 0;
-    for (int j = 0; j < (k > 1 ? 2 : 1); j++) {
-        int i = j ? b : a;
-        double rise = slope[j] * by[j] * scale;
-        J[3 * i] = rise * gx[i], J[3 * i + 1] = rise * gy[i], J[3 * i + 2] = rise;
-        J[3 * k] -= rise * s[i] * scale;
-    }
-    return U;
-}
-
-/* (5) */
-static inline double ellipse(const Fit *fit, const double *p, double w, double x, double y, double *J)
-{
-    double dx = x - p[0], dy = y - p[1], xx = p[2], xy = p[3], yy = p[4];
-    double mx = xx * dx + xy * dy, my = xy * dx + yy * dy, q = sqrt(mx * mx + my * my) + TINY;
-    double qx = (xx * mx + xy * my) / q, qy = (xy * mx + yy * my) / q, steepness = sqrt(qx * qx + qy * qy) + TINY;
-    double z = (1 - q) / (steepness * w), bell, U = normal(fit, z, &bell), by_q = bell / w / steepness;
-    J[0] = by_q * qx, J[1] = by_q * qy;
-    by_q /= -q;
-    J[2] = by_q * (mx * dx), J[3] = by_q * (mx * dy + my * dx), J[4] = by_q * (my * dy);
-    J[5] = -z * (bell / w);
-    return U;
-}
-
-/* (6) */
-static inline double motion(const Fit *fit, const double *p, double w, double x, double y, double *J)
-{
-    double U = 0, part[4];
-    for (int i = 0; i < 6; i++)
-        J[i] = 0;
-    for (int i = 0; i < NODES; i++) {
-        double t = fit->t[i], share = fit->t_weight[i], moved[3] = {p[0] + t * p[3], p[1] + t * p[4], p[2]};
-        double of = discs(fit, 1, moved, w, x, y, part);
-        if (of == 0)
-            continue;
-        U += share * of;
-        J[0] += share * part[0], J[1] += share * part[1], J[2] += share * part[2];
-        J[3] += share * t * part[0], J[4] += share * t * part[1], J[5] += share * part[3];
-    }
-    return U;
-}
-
-/* (7), with c and s the cosine and sine of θ */
-static inline double cut(const Fit *fit, const double *p, double w, double c, double s, double x, double y, double *J)
-{
-    double dx = x - p[0], dy = y - p[1], far = sqrt(dx * dx + dy * dy) + TINY, bell[2], by[2];
-    double s1 = p[2] - far, s2 = p[4] - (x * c + y * s);
-    double f1 = normal(fit, s1 / w, &bell[0]), f2 = normal(fit, s2 / w, &bell[1]);
-    double U = both(fit, s1 / w, s2 / w, f1, f2, (dx * c + dy * s) / far, &by[0], &by[1]);
-    double k1 = by[0] * bell[0] / w, k2 = by[1] * bell[1] / w;
-    J[0] = k1 * dx / far, J[1] = k1 * dy / far, J[2] = k1;
-    J[3] = k2 * (x * s - y * c), J[4] = k2, J[5] = -(k1 * s1 + k2 * s2) / w;
-    return U;
-}
-
-/* Σ a b over n numbers, in four sums that the processor forms side by side. */
+/* Σ a b over n numbers, in sums that the processor forms side by side. */
 static inline double dot(int64_t n, const double *a, const double *b)
 {
-    double sum[4] = {0, 0, 0, 0};
+    double sum[8] = {0, 0, 0, 0, 0, 0, 0, 0};
     int64_t t = 0;
-    for (; t + 4 <= n; t += 4)
-        for (int i = 0; i < 4; i++)
+    for (; t + 8 <= n; t += 8)
+        for (int i = 0; i < 8; i++)
             sum[i] += a[t + i] * b[t + i];
     for (; t < n; t++)
         sum[0] += a[t] * b[t];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
-/* χ², the normal matrix and its right side at state->p; the model too. work (P + 1, N): weighted derivatives and rest
-   of the pixels at an outline, the others count in four sums alone. */
-static void evaluate(const Fit *fit, const Patch *patch, State *state, double *model, double *work)
+/* χ², the normal matrix and its right side at state->p. */
+CLONES static void evaluate(const Fit *fit, const Patch *patch, State *state)
 {
     const int P = fit->P, A = P - 2, b = P - 1;
-    const double *p = state->p, w = p[P - 3];
-    const double c = fit->kind == CUT ? cos(p[3]) : 0, s = fit->kind == CUT ? sin(p[3]) : 0;
-    double J[MOST], AA = 0, Ab = 0, bb = 0, gA = 0, gb = 0, chi2 = 0, *rest = work + P * fit->N;
-    int64_t m = 0;
-    for (int64_t t = 0; t < fit->N; t++) {
-        double x = patch->x[t], y = patch->y[t], root = patch->root[t], U;
-        if (fit->kind == DISCS)
-            U = P == 6 ? discs(fit, 1, p, w, x, y, J) : P == 9 ? discs(fit, 2, p, w, x, y, J)
-                                                               : discs(fit, P / 3 - 1, p, w, x, y, J);
-        else if (fit->kind == ELLIPSE)
-            U = ellipse(fit, p, w, x, y, J);
-        else
-            U = fit->kind == MOTION ? motion(fit, p, w, x, y, J) : cut(fit, p, w, c, s, x, y, J);
-        double grey = p[b] + p[A] * U, off;
-        if (!(grey < patch->white) && patch->white < INFINITY) { /* (8) */
-            model[t] = grey != grey ? grey : patch->white;
-            off = root * (patch->grey[t] - model[t]);
-            chi2 += off * off;
-            continue;
+    const double *p = state->p;
+    Light light;
+    double rest[BLOCK];
+    state->chi2 = 0;
+    memset(state->H, 0, sizeof state->H), memset(state->g, 0, sizeof state->g);
+    for (int64_t first = 0; first < patch->m; first += BLOCK) {
+        const double *grey = patch->grey + first, *root = patch->root + first;
+        const int64_t n = patch->m - first < BLOCK ? patch->m - first : BLOCK;
+        light_of(fit, p, n, patch->x + first, patch->y + first, &light);
+        for (int64_t t = 0; t < n; t++) {
+            double all = p[b] + p[A] * light.U[t], seen = shown(all, patch->white);
+            rest[t] = root[t] * (grey[t] - seen);
+            light.J[b][t] = seen == all ? root[t] : 0; /* what is white says nothing */
         }
-        model[t] = grey;
-        off = root * (patch->grey[t] - grey);
-        chi2 += off * off;
-        if (U == 0 || U == 1) { /* no outline is near */
-            double rooted = root * root, bright = root * U;
-            AA += rooted * U * U, Ab += rooted * U, bb += rooted, gA += bright * off, gb += root * off;
-            continue;
-        }
+        for (int64_t t = 0; t < n; t++)
+            light.J[A][t] = light.J[b][t] * light.U[t];
         for (int i = 0; i < A; i++)
-            work[i * fit->N + m] = root * p[A] * J[i];
-        work[A * fit->N + m] = root * U, work[b * fit->N + m] = root, rest[m] = off;
-        m++;
+            for (int64_t t = 0; t < n; t++)
+                light.J[i][t] *= light.J[b][t] * p[A];
+        for (int i = 0; i < P; i++) {
+            for (int j = 0; j <= i; j++)
+                state->H[i][j] += dot(n, light.J[i], light.J[j]);
+            state->g[i] += dot(n, light.J[i], rest);
+        }
+        state->chi2 += dot(n, rest, rest);
     }
-    for (int i = 0; i < P; i++) {
-        for (int j = 0; j <= i; j++)
-            state->H[i][j] = state->H[j][i] = dot(m, work + i * fit->N, work + j * fit->N);
-        state->g[i] = dot(m, work + i * fit->N, rest);
+    for (int i = 0; i < P; i++)
+        for (int j = 0; j < i; j++)
+            state->H[j][i] = state->H[i][j];
+}
+
+/* The grey levels (N) of all pixels of a patch. */
+CLONES static void show(const Fit *fit, const double *p, const double *x, const double *y, double white, double *model)
+{
+    Light light;
+    for (int64_t first = 0; first < fit->N; first += BLOCK) {
+        const int64_t n = fit->N - first < BLOCK ? fit->N - first : BLOCK;
+        light_of(fit, p, n, x + first, y + first, &light);
+        for (int64_t t = 0; t < n; t++)
+            model[first + t] = shown(p[fit->P - 1] + p[fit->P - 2] * light.U[t], white);
     }
-    state->H[A][A] += AA, state->H[b][b] += bb, state->H[A][b] = state->H[b][A] = state->H[A][b] + Ab;
-    state->g[A] += gA, state->g[b] += gb, state->chi2 = chi2;
 }
 
 /* The step of Levenberg and Marquardt, by Cholesky's factors of the scaled normal matrix; 0 where there is none. */
@@ -267,13 +133,13 @@ static int converged(const Fit *fit, const State *now, const State *tried, doubl
     return moved < fit->small_step || now->chi2 - tried->chi2 < small || tried->chi2 < enough;
 }
 
-/* The fit of one patch, from state->p; the model is that of where it ends. work (P + 2, N). */
-static void fit_one(const Fit *fit, const Patch *patch, int64_t steps, double used, double wanted, double enough,
-                    State *now, double *model, double *work)
+/* The fit of one patch, from now->p. */
+static void fit_one(const Fit *fit, const Patch *patch, int64_t steps, double wanted, double enough, State *now)
 {
     const int P = fit->P;
-    double damping = fit->damping, step[MOST], *other = work + (P + 1) * fit->N;
-    evaluate(fit, patch, now, model, work);
+    const double used = patch->m > 1 ? (double)patch->m : 1;
+    double damping = fit->damping, step[MOST];
+    evaluate(fit, patch, now);
     for (int64_t n = 0; n < steps; n++) {
         State tried;
         int better = 0;
@@ -283,16 +149,13 @@ static void fit_one(const Fit *fit, const Patch *patch, int64_t steps, double us
             double *w = &tried.p[P - 3], *A = &tried.p[P - 2];
             *w = *w < fit->least_w ? fit->least_w : *w > fit->most_w ? fit->most_w : *w;
             *A = *A < 1 ? 1 : *A;
-            evaluate(fit, patch, &tried, other, work);
+            evaluate(fit, patch, &tried);
             better = now->chi2 - tried.chi2 >= 0;
         }
         damping *= better ? fit->down : fit->up;
         int done = better && converged(fit, now, &tried, used, wanted, enough);
-        if (better) {
+        if (better)
             *now = tried;
-            for (int64_t t = 0; t < fit->N; t++)
-                model[t] = other[t];
-        }
         if (done || damping > fit->most_damping)
             break;
     }
@@ -300,7 +163,7 @@ static void fit_one(const Fit *fit, const Patch *patch, int64_t steps, double us
 
 /* Shapes of one kind with P parameters in n patches of N pixels: parameters (n, P) are where each begins, and then
    where it ends, with χ² (n), the model (n, N) and the normal matrix (n, P, P). rules are the numbers of `Fit` from
-   damping on; nodes and weights come in rows of NODES (2, 7) and NODES_CORNER (2, 6); work (P + 3, N).
+   damping on; nodes and weights come in rows of NODES (2, 7) and NODES_CORNER (2, 6); work (4, N).
    0 where there is no such kind with so many parameters. */
 API int64_t fit_shapes(int64_t kind, int64_t n, int64_t N, int64_t P, int64_t steps, const double *rules,
                        const double *nodes, const double *nodes_corner, const double *x, const double *y,
@@ -313,19 +176,18 @@ API int64_t fit_shapes(int64_t kind, int64_t n, int64_t N, int64_t P, int64_t st
     Fit fit = {(int)kind, (int)P, N, rules[0], rules[1], rules[2], rules[3], rules[4], rules[5], rules[6], rules[7],
                rules[8], nodes, nodes + NODES, nodes_corner, nodes_corner + NODES_CORNER, {{0}}};
     fill_series(&fit);
-    double *root = work + (P + 2) * N;
     for (int64_t k = 0; k < n; k++) {
         State state;
-        Patch patch = {x + k * N, y + k * N, grey + k * N, root, white[k]};
-        double used = 0;
-        for (int64_t t = 0; t < N; t++) {
-            double own = weight[k * N + t];
-            root[t] = own < 0 ? 0 : sqrt(own);
-            used += own > 0;
-        }
+        Patch patch = {work, work + N, work + 2 * N, work + 3 * N, white[k], 0};
+        for (int64_t t = k * N; t < (k + 1) * N; t++)
+            if (!(weight[t] <= 0)) {
+                patch.x[patch.m] = x[t], patch.y[patch.m] = y[t], patch.grey[patch.m] = grey[t];
+                patch.root[patch.m++] = sqrt(weight[t]);
+            }
         for (int64_t i = 0; i < P; i++)
             state.p[i] = parameters[k * P + i];
-        fit_one(&fit, &patch, steps, used > 1 ? used : 1, wanted[k], enough[k], &state, model + k * N, work);
+        fit_one(&fit, &patch, steps, wanted[k], enough[k], &state);
+        show(&fit, state.p, x + k * N, y + k * N, white[k], model + k * N);
         chi2[k] = state.chi2;
         for (int64_t i = 0; i < P; i++) {
             parameters[k * P + i] = state.p[i];

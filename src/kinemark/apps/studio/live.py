@@ -170,8 +170,8 @@ class Live:
         await socket.close()
 
 
-def live_of(connection: HTTPConnection) -> Live:
-    """That of the app."""
+async def live_of(connection: HTTPConnection) -> Live:
+    """That of the app; awaited, so that no thread is waited for."""
     live = connection.app.state.live
     assert isinstance(live, Live)
     return live

@@ -4,12 +4,14 @@ import asyncio
 import json
 import shutil
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
+from kinemark.apps.studio import live, messages
 from kinemark.engine.session import Session
 from support.sessions import folder_of
 from support.studio import Studio
@@ -108,3 +110,16 @@ def test_open_pages_are_told_when_somebody_says_something(own):
 
     message, head = asyncio.run(told())
     assert message["head"] == head
+
+
+@pytest.mark.parametrize("others", [False, True])
+def test_small_pictures_are_begun_once_all_runs_are_over(studio, monkeypatch, others):
+    running, begun = studio.app.state.live, []
+    mosaics = SimpleNamespace(begin=lambda: begun.append(True))
+    monkeypatch.setattr(live, "mosaics_of", lambda document: mosaics)
+    key = studio.trial.rsplit("/", 1)[1]
+    monkeypatch.setitem(running.jobs, "a", messages.Job(id="a", trial=key, state="running"))
+    if others:
+        monkeypatch.setitem(running._running, "b", (running.desk.place(key), None))
+    running._follow("a", key, SimpleNamespace(progress=lambda: iter([("write", 1, 1)])))
+    assert running.jobs["a"].state == "done" and begun == ([] if others else [True])

@@ -14,7 +14,7 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 from kinemark.apps.studio import live, messages
 from kinemark.engine.session import Session
 from support.sessions import folder_of
-from support.studio import Studio
+from support.studio import Studio, file_in
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +73,19 @@ def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
     answer = studio.page.get(f"{studio.trial}/report")
     assert answer.status == 200 and answer.headers["content-security-policy"].startswith("sandbox allow-scripts ")
     assert b'src="../assets' not in answer.body and len(answer.body) > 1_000_000
+
+
+def test_where_there_is_no_report_it_is_said_why(studio, own, tmp_path):
+    assert studio.page.get(f"{studio.trial}/standing?screen=report").json() == {"ready": True, "words": ""}
+    (tmp_path / "own" / "results" / "one" / "report.html").unlink()
+    stands = own.page.get(f"{own.trial}/standing?screen=report").json()
+    assert not stands["ready"] and "run the trial" in stands["words"]
+    (tmp_path / "file").mkdir()
+    file_in(tmp_path / "file")
+    file = Studio(tmp_path / "file")
+    stands = file.page.get(f"{file.trial}/standing?screen=report").json()
+    assert not stands["ready"] and "walk.c3d is a file of trajectories" in stands["words"]
+    assert file.page.get("/api/trials/none/standing?screen=report").status == 404
 
 
 def test_without_a_browser_a_pdf_of_the_report_is_refused_in_words(studio, monkeypatch):

@@ -5,6 +5,7 @@ import {
 } from "three";
 import type { TrialHeader } from "../api/types";
 import type { Path, PathSet } from "../model/paths";
+import { Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
 import { clear, room } from "./room";
@@ -23,8 +24,6 @@ export interface Shown {
 export const ELLIPSOID = 2.7955, LARGER = 10;
 /** px about a marker in which a click means it; chosen. */
 const NEAR_PX = 12;
-/** px of a name, which is left out where another stands; chosen. */
-const NAME_PX = [44, 13] as const;
 /** s of trail before and after the frame; chosen. */
 const BACK_S = 0.8, AHEAD_S = 0.4;
 /** mm, radius of a marker; chosen: of 14 mm spheres, a little larger. */
@@ -241,18 +240,18 @@ export class Scene {
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, this.over.clientWidth, this.over.clientHeight);
     c.font = SANS;
-    const taken: [number, number][] = [];
-    for (const path of [...drawn].sort((a, b) => Number(some.has(b.name)) - Number(some.has(a.name)))) {
-      const own = some.has(path.name), at = this.onScreen(path, index);
-      if (!at) continue;
-      if (own) ring(c, at, this.shown.instead.length ? this.colours.a : this.colours.select);
-      if (!own && taken.some(([x, y]) => Math.abs(x - at[0]) < NAME_PX[0] && Math.abs(y - at[1]) < NAME_PX[1])) continue;
-      taken.push(at);
-      text(c, own && this.shown.instead.length ? `A ${path.name}` : path.name, at[0] + 9, at[1] - 7, own ? this.colours.ink : this.colours.faint, this.colours.view);
+    const names = new Names(c, this.colours.view), two = this.shown.instead.length > 0, { ink, faint } = this.colours;
+    for (const path of drawn) {
+      const at = some.has(path.name) ? this.onScreen(path, index) : null;
+      if (at) ring(c, at, two ? this.colours.a : this.colours.select), names.write(two ? `A ${path.name}` : path.name, at, ink, true);
     }
     for (const path of this.shown.instead) {
       const at = this.onScreen(path, index);
-      if (at) ring(c, at, this.colours.b, true), text(c, `B ${path.name}`, at[0] + 9, at[1] + 16, this.colours.ink, this.colours.view);
+      if (at) ring(c, at, this.colours.b, true), names.write(`B ${path.name}`, at, ink, true);
+    }
+    for (const path of drawn) {
+      const at = some.has(path.name) ? null : this.onScreen(path, index);
+      if (at) names.write(path.name, at, faint);
     }
   }
 
@@ -289,12 +288,4 @@ function ring(c: CanvasRenderingContext2D, [x, y]: [number, number], colour: str
   c.arc(x, y, 10, 0, 7);
   c.stroke();
   c.setLineDash([]);
-}
-
-function text(c: CanvasRenderingContext2D, what: string, x: number, y: number, colour: string, ground: string): void {
-  c.lineWidth = 3;
-  c.strokeStyle = ground;
-  c.strokeText(what, x, y);
-  c.fillStyle = colour;
-  c.fillText(what, x, y);
 }

@@ -103,7 +103,7 @@ export class Curves {
     const axis = { stroke: p.faint, grid: { stroke: p.line, width: 1 }, ticks: { show: false }, font: "10px sans-serif" };
     const plot = new uPlot(
       {
-        width, height, series, bands, legend: { show: false }, padding: [6, 8, k === 3 ? 0 : 6, 0],
+        width, height, series, bands, legend: { show: false }, padding: [6, 16, k === 3 ? 0 : 6, 0],
         cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
         scales: { x: { time: false, range: [view.window[0], Math.max(view.window[1], view.window[0] + 1)] } },
         axes: [{ ...axis, show: k === 3, size: 20, gap: 2 }, { ...axis, size: 50, gap: 3, label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],

@@ -5960,7 +5960,7 @@ export interface operations {
     get_standing_api_trials__trial__standing_get: {
         parameters: {
             query?: {
-                screen?: "trial" | "detect" | "digitise";
+                screen?: "trial" | "detect" | "digitise" | "report";
             };
             header?: never;
             path: {

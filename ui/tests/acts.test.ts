@@ -1,11 +1,11 @@
 /** Acts go out one after another, and none waits for the problems to be looked for. */
 import { expect, it, vi } from "vitest";
-import type { Act, PathsPart, Problems } from "../src/api/types";
+import type { Act, PathsPart, Problems, TrialHeader } from "../src/api/types";
 import { act, choose } from "../src/state/acts";
 import { get, set, useStore } from "../src/state/store";
 import { HEADER, path, problem, PROBLEMS, set as paths } from "./support";
 
-const answer: { paths: PathsPart | null } = vi.hoisted(() => ({ paths: null }));
+const answer: { paths: PathsPart | null; header?: TrialHeader } = vi.hoisted(() => ({ paths: null }));
 const said: Act[] = [], answers: ((problems: Problems) => void)[] = [];
 vi.mock("../src/api/client", async (real) => ({
   ...(await real<object>()),
@@ -83,4 +83,16 @@ it("leaves a person who went on where they are", async () => {
   answers[0]!({ ...PROBLEMS, problems: [problem("p3"), problem("p2")] });
   await taken;
   expect(get().problem).toBe("p2");
+});
+
+it("goes with a track that was named as a whole, and stays with one that has samples left", async () => {
+  const track = (name: string, samples: number): TrialHeader["tracks"][number] => ({ ...HEADER.tracks[0]!, name, samples });
+  for (const left of [0, 5]) {
+    show();
+    set({ selected: ["OLD", "B"] });
+    answer.header = { ...HEADER, tracks: [track("OLD", left), track("NEW", 9), track("B", 9)] };
+    await act({ kind: "claim", track: "OLD", name: "NEW" });
+    expect(get().selected).toEqual([left ? "OLD" : "NEW", "B"]);
+  }
+  delete answer.header;
 });

@@ -103,7 +103,7 @@ def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, kn
     """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
     shape = len(trajectories), trajectories.n_frames
     of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
-    said = said.of(~_refuted(said, claims, known.pieces))
+    said = said.of(~_refuted(said, claims, known))
     for p in np.unique(said.path[said.path >= 0]).tolist():
         mine = np.unique(said.stretch[said.path == p]).tolist()
         key = p, *((k, claims[k].where, said.frame[said.stretch == k].tobytes()) for k in mine)
@@ -115,8 +115,8 @@ def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, kn
     return of, apart
 
 
-def _refuted(said: Votes, claims: Sequence[Claim], pieces: Ints) -> Bools:
-    """(N) witnesses of claims that a later one contradicts (6); `pieces` (P, F) of the paths, as `crossings` has them.
+def _refuted(said: Votes, claims: Sequence[Claim], known: KnownVotes) -> Bools:
+    """(N) witnesses of claims that a later one contradicts (6), piece by piece of the paths, as `crossings` has them.
 
     Where pieces of one marker overlap, one's witnesses there give way to the other's, but still part the path from what
     it was called before.
@@ -126,7 +126,7 @@ def _refuted(said: Votes, claims: Sequence[Claim], pieces: Ints) -> Bools:
         return out
     voting = np.flatnonzero(said.path >= 0)
     rows = np.split(voting, np.searchsorted(said.stretch[voting], np.arange(1, len(claims))))
-    piece = said.path.copy()
+    piece, pieces = said.path.copy(), known.pieces(said.path[voting])
     piece[voting] += len(pieces) * pieces[said.path[voting], said.frame[voting]]  # one number for path and piece
     of_piece, of_name = dict[int, set[int]](), dict[str, set[int]]()
     for k, own in enumerate(rows):
@@ -156,7 +156,7 @@ def _within(frame: Ints, ends: Ints) -> Bools:
 
 def _owner(known: KnownVotes, p: int, claims: dict[int, Claim], said: Votes) -> tuple[Ints, Floats]:
     """The same (F) of one path; `claims` that have a witness on it, by their numbers."""
-    trajectories, piece = known.trajectories, known.pieces[p]
+    trajectories, piece = known.trajectories, known.pieces(np.array([p]))[p]
     of, apart = np.full(trajectories.n_frames, -1, np.int64), np.full(trajectories.n_frames, np.inf)
     on = {k: said.of(said.stretch == k) for k in claims}
     reached = {k: np.isin(piece, piece[own.frame[own.path == p]]) for k, own in on.items()}  # (7)
@@ -243,18 +243,22 @@ def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept
     """The paths by what their samples are called now; paths that nothing changed are the same."""
     parts: dict[str, list[tuple[int, Bools]]] = {}
     number = _first_free(trajectories)
-    claimed: list[bool] = np.any(of >= 0, axis=1).tolist()
+    there = np.array([path.origin != Origin.MISSING for path in trajectories]).reshape(of.shape)
+    as_it_was: list[bool] = ((of < 0) & (kept | ~there)).all(axis=1).tolist()
     for p, path in enumerate(trajectories):
-        present = path.origin != Origin.MISSING
-        if not claimed[p] and kept[p][present].all():
-            parts.setdefault(path.name, []).append((p, present))
+        if as_it_was[p]:
+            parts.setdefault(path.name, []).append((p, there[p]))
             continue
-        for name, mask in _pieces(path, claims, of[p], kept[p], present):
+        for name, mask in _pieces(path, claims, of[p], kept[p], there[p]):
             called = name
             if not called:
                 called, number = f"{UNNAMED}{number}", number + 1
             parts.setdefault(called, []).append((p, mask))
-    paths = tuple(_joined(trajectories, name, masks) for name, masks in parts.items())
+    alone = {masks[0][0] for masks in parts.values() if len(masks) == 1 and as_it_was[masks[0][0]]}
+    paths = tuple(
+        trajectories.paths[masks[0][0]] if masks[0][0] in alone else _joined(trajectories, name, masks)
+        for name, masks in parts.items()
+    )
     same = len(paths) == len(trajectories) and all(a is b for a, b in zip(paths, trajectories, strict=True))
     return trajectories if same else replace(trajectories, paths=paths)
 

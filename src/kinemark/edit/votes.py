@@ -85,13 +85,16 @@ class KnownVotes(dict[Stretch, Votes]):
         super().__init__()
         self.trajectories, self.detections, self.world = trajectories, detections, world
         self.rows: dict[object, tuple[Ints, Floats]] = {}
-        self._pieces: Ints | None = None
+        self._pieces = np.full((len(trajectories), trajectories.n_frames), -1, np.int64)
 
-    @property
-    def pieces(self) -> Ints:
-        """(P, F) the pieces of each path, as `crossings` has them."""
-        if self._pieces is None:
-            self._pieces = unbroken(self.trajectories.paths, self.trajectories)
+    def pieces(self, paths: Ints) -> Ints:
+        """(P, F) the pieces of each path, as `crossings` has them; −1 for those that were not among `paths` (N) yet.
+
+        All of them would take longer than whoever says the first word of a trial should wait.
+        """
+        new = np.unique(paths)
+        new = new[self._pieces[new, :1].ravel() < 0] if self._pieces.size else new[:0]
+        self._pieces[new] = unbroken([self.trajectories.paths[p] for p in new.tolist()], self.trajectories)
         return self._pieces
 
 

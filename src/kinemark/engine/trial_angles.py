@@ -195,8 +195,13 @@ def sided_model(
 
 def fits(model: Model, names: Sequence[str]) -> bool:
     """Whether markers of these names are all that a model wants, or are aliases of them."""
+    return not missing(model, names)
+
+
+def missing(model: Model, names: Sequence[str]) -> tuple[str, ...]:
+    """The markers that a model wants and that are not among these names, by its own or by an alias."""
     bare = {name.rsplit(":", 1)[-1] for name in names}
-    return all(bare & {marker, *model.aliases.get(marker, ())} for marker in model.markers)
+    return tuple(marker for marker in model.markers if not bare & {marker, *model.aliases.get(marker, ())})
 
 
 def _smoothed(raw: Trajectories, settings: AngleSettings) -> Trajectories:

@@ -24,6 +24,8 @@ from ..data.edits import SMOOTHING, Edit, Entry
 SEAL = re.compile(rb'(.*),"hash":"([0-9a-f]{64})"\}', re.DOTALL)
 NOTHING = hashlib.sha256(b"").hexdigest()
 """What the first line says of the line before it."""
+KNOWN_TEXTS = 8
+"""Journals that are kept as they were parsed; chosen: one that was edited is read several times in each act."""
 KNOWN_LINES = 4096
 """Lines that are kept as they were parsed, 2.5 kB each; chosen: more than a day's work."""
 
@@ -67,6 +69,7 @@ def hash_of(line: bytes) -> str:
     return hashlib.sha256(line.removesuffix(b"\n")).hexdigest()
 
 
+@lru_cache(maxsize=KNOWN_TEXTS)
 def parse_journal(content: bytes) -> JournalText:
     """All lines of a journal; those that are not right are named, and the rest stands."""
     lines = content.split(b"\n")

@@ -4,15 +4,17 @@ import asyncio
 import json
 import shutil
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
+from kinemark.apps.studio import live, messages
 from kinemark.engine.session import Session
 from support.sessions import folder_of
-from support.studio import Studio
+from support.studio import Studio, file_in
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +75,19 @@ def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
     assert b'src="../assets' not in answer.body and len(answer.body) > 1_000_000
 
 
+def test_where_there_is_no_report_it_is_said_why(studio, own, tmp_path):
+    assert studio.page.get(f"{studio.trial}/standing?screen=report").json() == {"ready": True, "words": ""}
+    (tmp_path / "own" / "results" / "one" / "report.html").unlink()
+    stands = own.page.get(f"{own.trial}/standing?screen=report").json()
+    assert not stands["ready"] and "run the trial" in stands["words"]
+    (tmp_path / "file").mkdir()
+    file_in(tmp_path / "file")
+    file = Studio(tmp_path / "file")
+    stands = file.page.get(f"{file.trial}/standing?screen=report").json()
+    assert not stands["ready"] and "walk.c3d is a file of trajectories" in stands["words"]
+    assert file.page.get("/api/trials/none/standing?screen=report").status == 404
+
+
 def test_without_a_browser_a_pdf_of_the_report_is_refused_in_words(studio, monkeypatch):
     monkeypatch.setenv("KINEMARK_BROWSER", "")
     answer = studio.page.get(f"{studio.trial}/report.pdf")
@@ -108,3 +123,16 @@ def test_open_pages_are_told_when_somebody_says_something(own):
 
     message, head = asyncio.run(told())
     assert message["head"] == head
+
+
+@pytest.mark.parametrize("others", [False, True])
+def test_small_pictures_are_begun_once_all_runs_are_over(studio, monkeypatch, others):
+    running, begun = studio.app.state.live, []
+    mosaics = SimpleNamespace(begin=lambda: begun.append(True))
+    monkeypatch.setattr(live, "mosaics_of", lambda document: mosaics)
+    key = studio.trial.rsplit("/", 1)[1]
+    monkeypatch.setitem(running.jobs, "a", messages.Job(id="a", trial=key, state="running"))
+    if others:
+        monkeypatch.setitem(running._running, "b", (running.desk.place(key), None))
+    running._follow("a", key, SimpleNamespace(progress=lambda: iter([("write", 1, 1)])))
+    assert running.jobs["a"].state == "done" and begun == ([] if others else [True])

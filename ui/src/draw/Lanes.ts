@@ -78,7 +78,7 @@ export class Lanes {
 
   private reveal(name: string): void {
     const top = this.rows.indexOf(name) * ROW;
-    if (top < this.scroll.scrollTop || top + ROW > this.scroll.scrollTop + this.scroll.clientHeight) this.scroll.scrollTop = Math.max(0, top - 24);
+    if (top < this.scroll.scrollTop || top + ROW > this.scroll.scrollTop + this.scroll.clientHeight) this.scroll.scrollTop = Math.max(0, top - 2 * ROW);
   }
 
   private later(): void {

@@ -5,6 +5,7 @@ import {
 } from "three";
 import type { TrialHeader } from "../api/types";
 import type { Path, PathSet } from "../model/paths";
+import { Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
 import { clear, room } from "./room";
@@ -23,10 +24,10 @@ export interface Shown {
 export const ELLIPSOID = 2.7955, LARGER = 10;
 /** px about a marker in which a click means it; chosen. */
 const NEAR_PX = 12;
-/** px of a name, which is left out where another stands; chosen. */
-const NAME_PX = [44, 13] as const;
 /** s of trail before and after the frame; chosen. */
 const BACK_S = 0.8, AHEAD_S = 0.4;
+/** mm from which a trial is seen at most at first, and share of the picture that holds it; chosen: names stand beside. */
+const FARTHEST_MM = 12000, WITHIN = 0.88;
 /** mm, radius of a marker; chosen: of 14 mm spheres, a little larger. */
 const RADIUS_MM = 11;
 
@@ -241,25 +242,38 @@ export class Scene {
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, this.over.clientWidth, this.over.clientHeight);
     c.font = SANS;
-    const taken: [number, number][] = [];
-    for (const path of [...drawn].sort((a, b) => Number(some.has(b.name)) - Number(some.has(a.name)))) {
-      const own = some.has(path.name), at = this.onScreen(path, index);
-      if (!at) continue;
-      if (own) ring(c, at, this.shown.instead.length ? this.colours.a : this.colours.select);
-      if (!own && taken.some(([x, y]) => Math.abs(x - at[0]) < NAME_PX[0] && Math.abs(y - at[1]) < NAME_PX[1])) continue;
-      taken.push(at);
-      text(c, own && this.shown.instead.length ? `A ${path.name}` : path.name, at[0] + 9, at[1] - 7, own ? this.colours.ink : this.colours.faint, this.colours.view);
+    const names = new Names(c, this.colours.view), two = this.shown.instead.length > 0, { ink, faint } = this.colours;
+    for (const path of drawn) {
+      const at = some.has(path.name) ? this.onScreen(path, index) : null;
+      if (at) ring(c, at, two ? this.colours.a : this.colours.select), names.write(two ? `A ${path.name}` : path.name, at, ink, true);
     }
     for (const path of this.shown.instead) {
       const at = this.onScreen(path, index);
-      if (at) ring(c, at, this.colours.b, true), text(c, `B ${path.name}`, at[0] + 9, at[1] + 16, this.colours.ink, this.colours.view);
+      if (at) ring(c, at, this.colours.b, true), names.write(`B ${path.name}`, at, ink, true);
+    }
+    for (const path of drawn) {
+      const at = some.has(path.name) ? null : this.onScreen(path, index);
+      if (at) names.write(path.name, at, faint);
     }
   }
 
   private frameAll(low: readonly number[], high: readonly number[]): void {
-    const size = Math.hypot(...low.map((v, k) => high[k]! - v)) || 1000;
+    const size = Math.hypot(...low.map((v, k) => high[k]! - v)) || 1000, [x, y, z] = low.map((v, k) => (v + high[k]!) / 2) as [number, number, number];
+    this.size();
     this.orbit.azimuth = high[0]! - low[0]! > high[1]! - low[1]! ? -1.1 : 0.45;
-    this.orbit.look((low[0]! + high[0]!) / 2, (low[1]! + high[1]!) / 2, (low[2]! + high[2]!) / 2, Math.min(size * 1.25, 12000));
+    let from = 0.5 * size;
+    do this.orbit.look(x, y, z, (from *= 1.05)), this.orbit.place();
+    while (from < FARTHEST_MM && !this.holds(low, high));
+  }
+
+  /** Whether the picture holds the corners of a box. */
+  private holds(low: readonly number[], high: readonly number[]): boolean {
+    for (let n = 0; n < 8; n++) {
+      const [x, y, z] = [0, 1, 2].map((k) => (n & (1 << k) ? high : low)[k]!) as [number, number, number];
+      this.spot.set(x, y, z).project(this.camera);
+      if (Math.max(Math.abs(this.spot.x), Math.abs(this.spot.y)) > WITHIN) return false;
+    }
+    return true;
   }
 }
 
@@ -289,12 +303,4 @@ function ring(c: CanvasRenderingContext2D, [x, y]: [number, number], colour: str
   c.arc(x, y, 10, 0, 7);
   c.stroke();
   c.setLineDash([]);
-}
-
-function text(c: CanvasRenderingContext2D, what: string, x: number, y: number, colour: string, ground: string): void {
-  c.lineWidth = 3;
-  c.strokeStyle = ground;
-  c.strokeText(what, x, y);
-  c.fillStyle = colour;
-  c.fillText(what, x, y);
 }

@@ -42,6 +42,8 @@ const hasTrial = (s: State): boolean => s.header !== null;
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
 const selected = (s: State): boolean => s.selected.length > 0;
 /** Values are said of markers; a track without a name is another one in the next run. */
+/** Whether there may be a report: of a session's trial. */
+const reported = (s: State): boolean => s.header?.session_id != null;
 const marker = (s: State): boolean => selected(s) && !s.selected[0]!.startsWith("*");
 /** Nothing, or a problem of these kinds, is looked at. */
 const free = (s: State, ...kinds: Problem["kind"][]): boolean => kinds.includes(currentProblem(s)?.kind ?? kinds[0]!);
@@ -94,15 +96,15 @@ export const COMMANDS: readonly Command[] = [
   { id: "name", keys: ["L"], title: "Name the selected track", group: "Names", screens: ["tracks", "labels", "gaps"], when: selected, foot: 28, hint: (s) => `name ${s.selected[0]}`, run: () => set({ dialog: "name" }) },
   { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => acts.claim(null) },
   { id: "sides", keys: ["Shift+X"], title: "Exchange left and right", group: "Names", screens: ["tracks", "labels"], when: (s) => (s.header?.marker_set?.pairs.length ?? 0) > 0, run: acts.exchangeSides },
-  { id: "labels-accept", keys: ["Shift+Enter"], title: "Accept all names above the limit", group: "Names", screens: ["labels"], foot: 1, hint: (s) => `name ${many(acts.sureLabels(LABEL_LIMIT).length, "track")} proposed with ${percent(LABEL_LIMIT)} or more${s.labels ? "" : " …"}`, run: () => acts.acceptLabels(LABEL_LIMIT) },
+  { id: "labels-accept", keys: ["Shift+Enter"], title: "Accept all names above the limit", group: "Names", screens: ["labels"], fits: (s) => !s.labels || acts.sureLabels(LABEL_LIMIT).length > 0, foot: 1, hint: (s) => `name ${many(acts.sureLabels(LABEL_LIMIT).length, "track")} proposed with ${percent(LABEL_LIMIT)} or more${s.labels ? "" : " …"}`, run: () => acts.acceptLabels(LABEL_LIMIT) },
   { id: "labels-ask", keys: ["A"], title: "Propose names by what lies beside the file", group: "Names", screens: ["labels"], when: (s) => s.labels?.can_ask === true, fits: (s) => !s.labels!.by, foot: 1, hint: () => "propose names", run: () => void askNames() },
   { id: "label-take", keys: ["Enter"], title: "Accept the name that is proposed", group: "Names", screens: ["labels"], when: (s) => proposalOf(s) !== null, foot: 2, hint: (s) => `${s.track} is ${proposalOf(s)!.name} (${percent(proposalOf(s)!.probability)})`, run: () => { const p = proposalOf(get()); if (p?.name) acts.claim(p.name, p.track); } },
   { id: "label-next", keys: ["N"], title: "Next track to be asked about", group: "Names", screens: ["labels"], foot: 3, hint: () => "next track", run: () => nextProposal(1) },
   { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextProposal(-1) },
   // Gaps and places
   { id: "fill", keys: ["G"], title: "Fill the gap here", group: "Gaps and places", screens: ["tracks"], when: marker, hint: (s) => wayTo(currentProblem(s), "fill")?.words ?? "fill the gap here", run: () => acts.settleGap("fill") },
-  { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${s.gap!.frames} frames, by ${wayOf(s.method ?? "best")}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
-  { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], foot: 2, hint: (s) => `fill all ${acts.acceptable().length} below ${s.limit} mm`, run: acts.fillAll },
+  { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${many(s.gap!.frames, "frame")}, by ${wayOf(s.method ?? "best")}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
+  { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], fits: () => acts.acceptable().length > 0, foot: 2, hint: (s) => `fill all ${acts.acceptable().length} below ${s.limit} mm`, run: acts.fillAll },
   { id: "method", keys: ["Shift+G"], title: "Next method", group: "Gaps and places", screens: ["gaps"], when: (s) => (s.candidates?.candidates.length ?? 0) > 1, foot: 3, hint: () => "next method", run: () => acts.nextMethod() },
   { id: "open", keys: ["O"], title: "Leave the gap open", group: "Gaps and places", screens: EDITOR, when: (s) => (s.screen === "gaps" ? s.gap !== null : marker(s)), fits: (s) => s.screen === "gaps" || wayTo(currentProblem(s), "leave_open") !== null, foot: 21, hint: () => "leave the gap open", run: () => acts.settleGap("leave_open") },
   { id: "gap-next", keys: ["N"], title: "Next gap", group: "Gaps and places", screens: ["gaps"], foot: 4, hint: () => "next gap", run: () => nextGap(1) },
@@ -141,9 +143,9 @@ export const COMMANDS: readonly Command[] = [
   { id: "why", keys: ["Shift+W"], title: "Why: a note for the next act", group: "Trial", when: hasTrial, run: () => set({ dialog: "why" }) },
   { id: "again", keys: ["Shift+M"], title: "Track again with what was said: a correction mends its neighbourhood", group: "Trial", when: (s) => (s.header?.has_detections ?? false) && (s.header?.edits ?? 0) > 0, run: () => void acts.trackAgain() },
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
-  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
-  { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: (s) => s.id !== null, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
-  { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" ? "the report alone, to print" : "print this page"), run: print },
+  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: (s) => hasTrial(s) && s.screen !== "home", foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
+  { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: reported, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
+  { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" && reported(s) ? "the report alone, to print" : "print this page"), run: print },
   // Go to
   ...SESSION_COMMANDS,
   ...UM2AS_COMMANDS,

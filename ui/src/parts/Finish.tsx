@@ -1,5 +1,6 @@
 import * as api from "../api/client";
-import { many } from "../model/format";
+import type { TrialHeader } from "../api/types";
+import { count, many } from "../model/format";
 import { act } from "../state/acts";
 import { runTrial, say, tried } from "../state/load";
 import { get, set, useStore } from "../state/store";
@@ -15,6 +16,13 @@ export async function write(): Promise<void> {
   if (written) say("done", [`Written: ${written.name}`, ...written.words].join(". "));
 }
 
+/** The frames that all named markers reach, of how many. */
+function common(header: TrialHeader | null): string {
+  const named = header?.tracks.filter((t) => t.named && t.first != null && t.last != null) ?? [];
+  const first = Math.max(...named.map((t) => t.first!)), last = Math.min(...named.map((t) => t.last!));
+  return named.length && first <= last ? ` (${first}–${last}: ${count(last - first + 1)} of ${count(header!.n_frames)})` : "";
+}
+
 export function Finish(): React.JSX.Element {
   const { header, problems } = useStore(), unnamed = header?.tracks.filter((t) => !t.named).length ?? 0, left = problems?.errors;
   const finish = async (e: React.FormEvent): Promise<void> => {
@@ -25,7 +33,7 @@ export function Finish(): React.JSX.Element {
   return (
     <Modal title="Finish the trial">
       <form className={styles.body} onSubmit={(e) => void finish(e)}>
-        <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at the frames that all of them have, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
+        <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at the frames that all of them have{common(header)}, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
         {left != null && <p>Errors expected: <b>{left.toFixed(1)}</b>.</p>}
         <div className={styles.actions}>
           <button type="button" className="button" onClick={() => (set({ dialog: null }), void write())}>Only write</button>

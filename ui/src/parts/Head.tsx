@@ -1,8 +1,9 @@
+import { useEffect, useState } from "react";
 import { Check, CloudOff, Loader2, Moon, Redo2, Search, Sun, SunMoon, Undo2 } from "lucide-react";
 import { byId } from "../keys/commands";
 import { when } from "../model/format";
 import { goTo } from "../state/load";
-import { set, useStore, type Theme } from "../state/store";
+import { set, useParts, useStore, type Theme } from "../state/store";
 import { chooseTheme } from "../state/theme";
 import styles from "./Head.module.css";
 import { Mark } from "./Mark";
@@ -26,11 +27,25 @@ function Where(): React.JSX.Element {
   );
 }
 
+/** ms of work before it is said: what most edits take less than is no news, and drawing it would delay them; chosen. */
+const LONG_MS = 150;
+
+/** Whether something is being worked on for long. */
+function useLongWork(): boolean {
+  const busy = useStore((s) => s.busy > 0), [long, setLong] = useState(false);
+  useEffect(() => {
+    if (!busy) return setLong(false);
+    const later = setTimeout(() => setLong(true), LONG_MS);
+    return () => clearTimeout(later);
+  }, [busy]);
+  return long;
+}
+
 function Saved(): React.JSX.Element | null {
-  const { header, busy, savedAt, connected } = useStore();
+  const { header, savedAt, connected } = useParts("header", "savedAt", "connected"), long = useLongWork();
   if (!connected) return <span className={`${styles.saved} ${styles.bad}`}><CloudOff size={14} aria-hidden />no server</span>;
   if (!header) return null;
-  if (busy) return <span className={styles.saved}><Loader2 size={14} className={styles.spin} aria-hidden />working</span>;
+  if (long) return <span className={styles.saved}><Loader2 size={14} className={styles.spin} aria-hidden />working</span>;
   return <span className={styles.saved}><Check size={14} aria-hidden />{savedAt ? `saved ${when(savedAt)}` : "no edits yet"}{header.by && ` · ${header.by}`}</span>;
 }
 

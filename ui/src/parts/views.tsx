@@ -82,16 +82,18 @@ export function SceneView(): React.JSX.Element {
 
 /** What is seen, in words; and the ellipsoid's size. */
 function SceneWords({ scene }: { scene: Scene | null }): React.JSX.Element {
-  const { selected, bands, paths } = useParts("selected", "bands", "paths"), text = useRef<HTMLSpanElement>(null);
+  const { selected, bands, paths } = useParts("selected", "bands", "paths"), text = useRef<HTMLSpanElement>(null), larger = useRef<HTMLSpanElement>(null);
   useEffect(() => {
     const off = playhead.on((frame) => {
       const path = paths?.byName.get(selected[0] ?? ""), i = frame - (paths?.firstFrame ?? 0);
-      text.current!.textContent = path ? (path.origin[i] ? `${path.name}  ${[0, 1, 2].map((k) => mmOf(path.xyz[3 * i + k]!)).join("  ")} mm  ± ${mm(path.sd[i]! * 1.96)}` : `${path.name}  missing here`) : "";
+      const sd = path?.origin[i] ? path.sd[i]! : NaN, known = sd > 0; // many files say nothing of it
+      text.current!.textContent = path ? (path.origin[i] ? `${path.name}  ${[0, 1, 2].map((k) => mmOf(path.xyz[3 * i + k]!)).join("  ")} mm${known ? `  ± ${mm(sd * 1.96)}` : ""}` : `${path.name}  missing here`) : "";
+      larger.current!.hidden = !known || !bands;
     });
     playhead.draw();
     return off;
-  }, [selected, paths, scene]);
-  return <p className={styles.words}><span ref={text} className="number" />{selected.length > 0 && bands && <span className="soft"> · 95 % ellipsoid × {LARGER}</span>}</p>;
+  }, [selected, paths, scene, bands]);
+  return <p className={styles.words}><span ref={text} className="number" /><span ref={larger} className="soft" hidden> · 95 % ellipsoid × {LARGER}</span></p>;
 }
 
 const mmOf = (v: number): string => v.toFixed(1);
@@ -117,8 +119,8 @@ export function CurvesView(): React.JSX.Element {
   }, [curves, header, paths, selected, first, last, bands, fourth, window, s.instead, s.candidates, s.method, s.screen]);
   return (
     <section className={styles.view} aria-label="Curves">
-      <div ref={place} className={styles.fill} role="img" aria-label={`X, Y, Z and ${fourth} of ${selected.join(" and ") || "no marker"} over time`} />
-      {!selected.length && <p className={styles.none}>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></p>}
+      <div ref={place} className={`${styles.fill} ${styles.under}`} role="img" aria-label={`X, Y, Z and ${fourth} of ${selected.join(" and ") || "no marker"} over time`} />
+      {!selected.length && <p className={styles.none}><span>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></span></p>}
       {selected.length > 0 && <CurveLegend />}
     </section>
   );

@@ -67,7 +67,7 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
       <span role="cell"><b>{g.marker}</b></span>
       <span role="cell" className="number">{g.frames} <small className="soft">{frames(g.first, g.last)}</small></span>
       <span role="cell" title={g.choice ?? g.method ?? undefined}>{wayOf(g.choice ?? g.method ?? "–")}</span>
-      <span role="cell" className={`number ${over ? styles.over : ""}`}>{mm(g.expected_mm)} mm{over && <span title="above the limit"> ▲</span>}</span>
+      <span role="cell" className={`number ${over ? styles.over : ""}`}>{g.expected_mm == null ? "–" : `${mm(g.expected_mm)} mm`}{over && <span title="above the limit"> ▲</span>}</span>
       <span role="cell"><span className={`pill ${TONE[g.state]}`}>{g.choice === "open" ? "left open" : g.state}</span></span>
     </div>
   );

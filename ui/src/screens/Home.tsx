@@ -47,6 +47,9 @@ export function Home(): React.JSX.Element {
   );
 }
 
+/** What a run says of its trial, as its report does. */
+const GRADES: Record<string, string> = { green: "good to use", amber: "usable with care", red: "not usable as it is", unknown: "not known" };
+
 function RunAll({ trials }: { trials: readonly TrialCard[] }): React.JSX.Element | null {
   const todo = trials.filter((t) => t.state === "not run" || t.state === "stale" || t.state === "failed");
   if (!todo.length) return null;
@@ -59,7 +62,7 @@ function RunAll({ trials }: { trials: readonly TrialCard[] }): React.JSX.Element
 function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean }): React.JSX.Element {
   return (
     <table className={styles.table}>
-      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure}>Markers</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure}>Problems</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
+      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure}>Markers</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure} title="Decisions of the tracking that were close; Tracks lists all that is probably wrong">Ambiguous</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
       <tbody>{trials.map((t) => <Trial key={t.id} trial={t} file={file} />)}</tbody>
     </table>
   );
@@ -75,7 +78,7 @@ function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.
       <td className={styles.figure}>{count(t.frames)}</td>
       <td className={styles.figure}>{t.markers == null ? "–" : `${t.named ?? 0}/${t.markers}`}</td>
       <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{t.state}</span>}</td>
-      <td>{t.verdict || <span className="soft">–</span>}</td>
+      <td>{GRADES[t.verdict] ?? (t.verdict || <span className="soft">–</span>)}</td>
       <td className={styles.figure}>{t.problems == null ? "–" : t.problems > 0 ? <b>{t.problems}</b> : t.problems}</td>
       <td className={styles.figure}>{t.edits || <span className="soft">0</span>}</td>
       <td className="soft">{t.last ? `${t.last.by} ${when(t.last.at)}` : ""}</td>

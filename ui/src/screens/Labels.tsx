@@ -19,7 +19,7 @@ export function Labels(): React.JSX.Element {
     <div className={styles.screen}>
       <section className={styles.figure} aria-label="Marker set">
         <header className={styles.head}><h1>Labels</h1><span className="soft">{header.marker_set ? header.marker_set.name || many(header.marker_set.names.length, "marker") : "no marker set"}</span></header>
-        {header.marker_set ? <Figure set={header.marker_set} /> : <p className={styles.none}>The session names no marker set. <code>marker_set = "kiss-15"</code> in session.toml draws it here; <code>kinemark marker-set list</code> shows which there are.</p>}
+        {header.marker_set ? <Figure set={header.marker_set} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: names are what stands in it, and what you say.</p> : <p className={styles.none}>The session names no marker set. <code>marker_set = "kiss-15"</code> in session.toml draws it here; <code>kinemark marker-set list</code> shows which there are.</p>}
         <Sides />
       </section>
       <section className={styles.tracks} aria-label="Tracks and names">

@@ -1,7 +1,7 @@
 /** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
 import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, SmoothingFunction } from "../api/types";
-import { percent } from "../model/format";
+import { many, percent } from "../model/format";
 import { decodePart } from "../model/paths";
 import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem, wayOf } from "../model/problems";
 import { fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
@@ -31,7 +31,7 @@ async function send(what: Act, words: string): Promise<ActDone | null> {
     const done = await api.act(id, header.head, what, why);
     if (get().id !== id) return null;
     if (!takeChanged(done)) await fetchChanged(done.changed, done.removed);
-    take(done.header);
+    take(done.header, what);
     set({ instead: null, detected: null, why: "", join: null, savedAt: new Date().toISOString() });
     said(done, words); // all of it in one tick, so that the page is drawn once
     looking = refreshProblems();
@@ -228,7 +228,7 @@ export async function fillGap(method = get().method ?? "best"): Promise<void> {
   const gap = gapHere();
   if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
   const rows = get().gaps?.gaps ?? [], at = rows.findIndex((g) => g.marker === gap.marker && g.first === gap.first);
-  const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${gap.frames} frames filled by ${method}`;
+  const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${many(gap.frames, "frame")} filled by ${method}`;
   const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
   if (!done || get().screen !== "gaps") return;
   const left = get().gaps?.gaps ?? [], next = [...rows.slice(at + 1), ...rows.slice(0, at)].map((g) => left.find((l) => l.marker === g.marker && l.first === g.first && undecided(l))).find(Boolean);

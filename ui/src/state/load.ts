@@ -1,6 +1,6 @@
 /** Getting what a screen shows, and going from one to another. The place is kept in the fragment of the address. */
 import * as api from "../api/client";
-import type { ActDone, Gaps, TrialHeader } from "../api/types";
+import type { Act, ActDone, Gaps, TrialHeader } from "../api/types";
 import { decodePart, mergePaths } from "../model/paths";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
@@ -162,10 +162,11 @@ export async function refetch(): Promise<void> {
   await Promise.all([refreshProblems(), fresh()]);
 }
 
-/** The header after an act; the selection loses what is there no more. */
-export function take(header: TrialHeader): void {
-  const names = new Set(header.tracks.map((track) => track.name));
-  set((s) => ({ header, savedAt: header.last?.at ?? s.savedAt, selected: s.selected.filter((name) => names.has(name)) }));
+/** The header after an act; the selection loses what is there no more, and goes with a track that was named as a whole. */
+export function take(header: TrialHeader, said?: Act): void {
+  const samples = new Map(header.tracks.map((track) => [track.name, track.samples]));
+  const now = (name: string): string => (said?.kind === "claim" && said.name && said.track === name && !samples.get(name) ? said.name : name);
+  set((s) => ({ header, savedAt: header.last?.at ?? s.savedAt, selected: [...new Set(s.selected.map(now))].filter((name) => samples.has(name)) }));
 }
 
 /** The paths that an act brought with its answer; whether it brought them. */

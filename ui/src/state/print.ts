@@ -10,8 +10,8 @@ const DRAWN_MS = 150;
 
 /** Print the page that is shown; of a report, its own page. */
 export function print(): void {
-  const { screen, id, theme } = get();
-  if (screen === "report" && id) return void window.open(api.reportAddress(id), "_blank", "noreferrer");
+  const { screen, id, theme, header } = get();
+  if (screen === "report" && id && header?.session_id != null) return void window.open(api.reportAddress(id), "_blank", "noreferrer");
   paint("light");
   setTimeout(() => {
     window.print();

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ from ...engine.angle_settings import AngleSettings
 from ...engine.angle_spikes import spike_cause
 from ...engine.keys import digest
 from ...engine.naming.label_stage import static_of
-from ...engine.trial_angles import TrialAngles, fits, sided_model, trial_angles
+from ...engine.trial_angles import TrialAngles, fits, missing, sided_model, trial_angles
 from ...engine.um2as import euler_files
 from ...findings.plain import runs
 from ...geometry import project
@@ -149,6 +150,18 @@ def known_models(document: OpenDocument) -> dict[str, str]:
     return found
 
 
+def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
+    """That no model has all its markers, and what the one of which most are there lacks."""
+    wanted = {name: sided_model(file, None, names)[0] for name, file in known.items()}
+    share = {name: 1 - len(missing(model, names)) / len(model.markers) for name, model in wanted.items()}
+    nearest = max(share, key=lambda name: share[name])
+    lacks = f"; {nearest} lacks {', '.join(missing(wanted[nearest], names))}" if share[nearest] > 0 else ""
+    return (
+        f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of your "
+        "own markers in session.toml, under [angles]."
+    )
+
+
 def basis_of(document: OpenDocument, trial: Trial, said: a.AngleChoice) -> Basis:
     """What angles are taken from.
 
@@ -163,7 +176,7 @@ def basis_of(document: OpenDocument, trial: Trial, said: a.AngleChoice) -> Basis
     fitting = [name for name, file in known.items() if fits(sided_model(file, None, names)[0], names)]
     name = said.model or usual or next(iter(fitting), None)
     if name is None:
-        raise KinemarkError("No model has all its markers in this trial. Name the markers on the screen Labels.")
+        raise KinemarkError(_none_fits(known, names))
     settings = AngleSettings() if own is None else own.settings()
     stated = {key: value for key, value in said.model_dump(exclude={"model"}).items() if value is not None}
     if stated.get("smoothing") == "none":
@@ -269,6 +282,5 @@ def _events(events: Events) -> list[a.EventKind]:
 
 def _model_row(document: OpenDocument, name: str, names: tuple[str, ...]) -> a.ModelRow:
     model, _ = sided_model(known_models(document)[name], None, names)
-    bare = {one.rsplit(":", 1)[-1] for one in names}
-    wants = [marker for marker in model.markers if not bare & {marker, *model.aliases.get(marker, ())}]
-    return a.ModelRow(name=name, fits=not wants, wants=wants)
+    wants = missing(model, names)
+    return a.ModelRow(name=name, fits=not wants, wants=list(wants))

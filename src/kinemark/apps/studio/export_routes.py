@@ -67,22 +67,36 @@ def free_name(given: Path, ending: str) -> Path:
 @router.get("/report", response_class=HTMLResponse)
 def get_report(trial: str, desk: TheDesk) -> HTMLResponse:
     """The report of the last run, with all that it draws with."""
-    page = _report(desk, trial)
+    page = report_of(desk, trial)
     return HTMLResponse(self_contained(page, page.parents[1] / ASSETS), headers={"Content-Security-Policy": SANDBOX})
 
 
 @router.get("/report.pdf", response_class=Response, responses={200: {"content": {"application/pdf": {}}}})
 def get_report_pdf(trial: str, desk: TheDesk) -> Response:
     """The report of the last run on A4 pages, printed by a browser of this computer; 422 where there is none."""
-    page = _report(desk, trial)
+    page = report_of(desk, trial)
     with tempfile.TemporaryDirectory(prefix="kinemark-") as folder:
         printed = print_pdf(page, Path(folder, "report.pdf")).read_bytes()
     return Response(printed, media_type="application/pdf")
 
 
-def _report(desk: Desk, trial: str) -> Path:
+class NoReport(NotThere):
+    """The trial is there, and no report of it."""
+
+
+def report_of(desk: Desk, trial: str) -> Path:
+    """The report's page.
+
+    Raises:
+        NotThere: there is no such trial. NoReport: it is a file, or was not run to its end.
+    """
     place = desk.place(trial)
-    page = place.path / "results" / str(place.trial) / REPORT
-    if place.trial is None or not page.is_file():
-        raise NotThere("There is no report yet: run the trial.")
+    if place.trial is None:
+        raise NoReport(
+            f"{place.name} is a file of trajectories: a report is written where a session is run. History says what "
+            "was changed here, and writes the edited file."
+        )
+    page = place.path / "results" / place.trial / REPORT
+    if not page.is_file():
+        raise NoReport("There is no report yet: run the trial.")
     return page

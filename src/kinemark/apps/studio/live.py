@@ -17,6 +17,7 @@ from ...data.progress import Cancelled
 from ...engine.jobs import Job, RunningJob
 from . import messages as m
 from .desk import Desk
+from .images import mosaics_of
 from .shelf import Place
 
 LOOK_S = 1.0
@@ -124,7 +125,10 @@ class Live:
             self._say(job.model_copy(update=update))
         self.desk.forget(key)
         with contextlib.suppress(KinemarkError):
-            self.moved(key, self.desk.document(key).head)
+            document = self.desk.document(key)
+            self.moved(key, document.head)
+            if not self._running and (mosaics := mosaics_of(document)) is not None:
+                mosaics.begin()  # the processors are free, and somebody is likely to look at it next
 
     def _progress(self, number: str, stage: str, share: float | None, seconds: float) -> None:
         left = seconds * (1 - share) / share if share else None
@@ -170,8 +174,8 @@ class Live:
         await socket.close()
 
 
-def live_of(connection: HTTPConnection) -> Live:
-    """That of the app."""
+async def live_of(connection: HTTPConnection) -> Live:
+    """That of the app; awaited, so that no thread is waited for."""
     live = connection.app.state.live
     assert isinstance(live, Live)
     return live

@@ -10,11 +10,12 @@ from ...data import KinemarkError
 from .desk import Desk
 from .detect_routes import opened_of, place_of
 from .digitise_routes import digitising_of
+from .export_routes import NoReport, report_of
 from .home_routes import desk_of
 from .messages import Standing
 from .shelf import NotThere
 
-Screen = Literal["trial", "detect", "digitise"]
+Screen = Literal["trial", "detect", "digitise", "report"]
 router = APIRouter(prefix="/api/trials/{trial}")
 
 
@@ -25,6 +26,8 @@ def get_standing(request: Request, trial: str, screen: Annotated[Screen, Query()
     desk.place(trial)
     try:
         _open(request, desk, trial, screen)
+    except NoReport as error:
+        return Standing(ready=False, words=str(error))
     except NotThere:
         raise
     except KinemarkError as error:
@@ -35,6 +38,8 @@ def get_standing(request: Request, trial: str, screen: Annotated[Screen, Query()
 def _open(request: Request, desk: Desk, trial: str, screen: Screen) -> None:
     if screen == "trial":
         desk.document(trial)
+    elif screen == "report":
+        report_of(desk, trial)
     elif screen == "detect":
         opened_of(request, place_of(request, trial))
     else:

@@ -22,10 +22,10 @@ from .stretches import Stretches
 from .sweeps import places, total_score
 from .template import Template
 
-NEARLY = 100.0
+NEARLY = 50.0
 """Loss of an exchange of limbs, nats a frame, up to which it is settled and scored; chosen: two legs that had each
-other's names lost 16 by it, in 17 trials by right names limbs of four pairs and more lost 136 and more."""
-MOST = 3
+other's names lost 16 by it, right legs 30 by static templates and 136 and more by others."""
+MOST = 2
 """Exchanges that are settled, at most, those that lose least; chosen."""
 LIMB = 3
 """Pairs of a limb, at least; chosen: exchanges of two pairs are among those of `exchange`."""

@@ -83,8 +83,7 @@ def solve(
     found = _from(label, stretches, template, pairs, least_fit)
     if np.any(template.doubt) and 0 < found.score < TURNED * found.expected * template.own_fit:
         found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
-    for turn in near_turns(places(stretches, found.label, len(template)), template, pairs, stretches.fixed):
-        found = _turned(found, turn, stretches, template, pairs, least_fit)
+    found = limbs_turned(found, stretches, template, pairs, least_fit)
     after = found.after or pairs
     kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
     return found._replace(label=_gone_on(stretches, kept, len(template)))
@@ -143,6 +142,15 @@ def _turned(
         return found
     turned = _from(label, stretches, template, pairs, least_fit)
     return turned if score_with_sides(stretches, turned.label, template, pairs) > least else found
+
+
+def limbs_turned(
+    found: Solution, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float
+) -> Solution:
+    """The labelling, with limbs that had each other's names put back where that has the greater score."""
+    for turn in near_turns(places(stretches, found.label, len(template)), template, pairs, stretches.fixed):
+        found = _turned(found, turn, stretches, template, pairs, least_fit)
+    return found
 
 
 def _gone_on(stretches: Stretches, label: Ints, L: int) -> Ints:

@@ -3,7 +3,8 @@
     python benchmarks/labelling.py [part of a row's name …] [--pieces 1 15] [--seeds 1 2]    the table
     python benchmarks/labelling.py --exchanges    tracks that go over from one marker to another: found, cut and named
     python benchmarks/labelling.py --varied [--seeds 1 2]    all rows, shredded in many ways
-    python benchmarks/labelling.py --fit    the coefficients of `label.margin`, from the rows that are tuned on
+
+How probabilities were measured, and how true they are of random shreds, is `labelling_shreds.py`.
 
 `labelling_cases.py` says which trials. Each marker is one track or is cut at random into 15; 2 ghosts a frame of 3 to
 40 frames each are added, and all are shuffled. For each row: samples with the right name, with a wrong one, and not
@@ -18,18 +19,14 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
-import scipy
 from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers
 from metrics import Metric
-from numpy.typing import NDArray
 
-from kinemark.data import Trajectories
 from kinemark.label import (
     Distances,
     Labels,
@@ -44,15 +41,6 @@ from kinemark.label import (
     score_switches,
     shredded,
 )
-from kinemark.label.evidence import PairScore
-from kinemark.label.margin import label_features, margins, track_features
-from kinemark.label.solve import solve
-from kinemark.label.stretches import stretches_of
-
-FRAMES = 160
-"""Of a trial that the coefficients are fitted to, its middle ones; chosen: 260 take nearly twice as long."""
-RIDGE = 1e-4
-"""On the squares of coefficients; chosen, so small that it only holds back what the cases do not tell."""
 
 
 class Result(NamedTuple):
@@ -75,77 +63,6 @@ def result(row: Row, how: Shredding, seed: int) -> Result:
     found = label(parts.tracks, row.template)
     spent = time.process_time() - clock
     return Result(score_labels(found, parts, row.template.names if row.fits else ()), found, spent)
-
-
-def middle(trial: Trajectories) -> Trajectories:
-    """At most so many frames of a trial as a fit looks at."""
-    first = max(0, trial.n_frames - FRAMES) // 2
-    return trial.frames(first, min(trial.n_frames, first + FRAMES))
-
-
-class Cases(NamedTuple):
-    """Of one shredded trial's named tracks: features of `label.margin` (3) and (4), and what came true.
-
-    Attributes:
-        track: (n, 7). label: (n, 13). mate: (n) the track is what most samples of its label are. right: (n) these
-        samples are what they are called. share: (n) one over the label's tracks, so that each label counts once; 0
-        where an exchange loses less than a nat, which (4) judges without coefficients.
-    """
-
-    track: NDArray[np.float64]
-    label: NDArray[np.float64]
-    mate: NDArray[np.bool_]
-    right: NDArray[np.bool_]
-    share: NDArray[np.float64]
-
-
-def cases(row: Row, how: Shredding, seed: int) -> Cases:
-    """A row's tracks, with the labels that `solve` gives them, whether or not the template fits."""
-    parts, method = tracks_of(row, how, seed), Distances()
-    stretches, pairs = stretches_of(parts.tracks, row.template.size), PairScore.of_template(row.template)
-    solved = solve(
-        stretches, row.template, pairs,
-        key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
-    )  # fmt: skip
-    found, about = solved.label, margins(stretches, solved.label, row.template, pairs, solved.after)
-    number = {name: k for k, name in enumerate(row.template.names)} if row.fits else {}
-    truth = np.array([-1 if name is None else number.get(name, -2) for name in parts.truth])
-    n, of, own = stretches.seen.sum(1), np.full(len(row.template), -3), np.flatnonzero(found >= 0)
-    for a in np.unique(found[own]):
-        tracks = np.flatnonzero(found == a)
-        of[a] = max(set(truth[tracks].tolist()), key=lambda b: n[tracks[truth[tracks] == b]].sum())
-    a = found[own]
-    return Cases(
-        track_features(about, stretches.weight)[own], label_features(about)[own],
-        truth[own] == of[a], of[a] == a, (about.exchange[own] > 1) / np.bincount(a, minlength=len(of))[a],
-    )  # fmt: skip
-
-
-def fitted(tuned: Sequence[Row]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """β of `label.margin` (3) and (4): logistic regressions over the tuned rows, each shredded in two ways."""
-    jobs = [
-        (row._replace(trial=middle(row.trial)), how, seed)
-        for k, row in enumerate(tuned)
-        for seed, how in ((1, Shredding(15)), (101, VARIED[k % len(VARIED)]))
-    ]
-    with ProcessPoolExecutor(2) as pool:
-        found = list(pool.map(cases, *zip(*jobs, strict=True), chunksize=4))
-    track, of_label, mate, right, share = (np.concatenate(part) for part in zip(*found, strict=True))
-    return logistic_regression(track, mate, np.ones(len(mate))), logistic_regression(of_label, right, share)
-
-
-def logistic_regression(
-    x: NDArray[np.float64], y: NDArray[np.bool_], weight: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Coefficients of the columns of x, the first of which is one; a little ridge."""
-    sign = 2.0 * y - 1
-
-    def loss(beta: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        z, ridge = sign * (x @ beta), RIDGE * np.r_[0, beta[1:]]
-        slope = -(weight * sign / (1 + np.exp(np.clip(z, -50, 50)))) @ x / weight.sum()
-        return float(weight @ np.logaddexp(0, -z) / weight.sum() + beta @ ridge), slope + 2 * ridge
-
-    return np.asarray(scipy.optimize.minimize(loss, np.zeros(x.shape[1]), jac=True, method="L-BFGS-B").x)
 
 
 def reliability_text(scores: Sequence[LabelScore]) -> list[str]:
@@ -259,16 +176,10 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="*", default=[1])
     parser.add_argument("--varied", action="store_true")
     parser.add_argument("--exchanges", action="store_true")
-    parser.add_argument("--fit", action="store_true")
     asked = parser.parse_args()
-    every = [*rows(), *(more_rows() if asked.varied or asked.fit else ())]
+    every = [*rows(), *(more_rows() if asked.varied else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
-    if asked.fit:
-        for label_name, doubted in (("BETA_LABEL", False), ("BETA_OTHER", True)):
-            own = [row for row in chosen if row.tuned and bool(np.any(row.template.doubt)) == doubted]
-            for name, beta in zip(("BETA_TRACK", label_name), fitted(own), strict=True):
-                print(name, "=", tuple(np.round(beta, 2).tolist()))
-    elif asked.exchanges:
+    if asked.exchanges:
         cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds)
     elif asked.varied:
         table([(row, VARIED[(k + 3) % len(VARIED)]) for k, row in enumerate(chosen)], asked.seeds)

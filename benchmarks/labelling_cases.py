@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.data import MarkerSet, MarkerTrajectory, Trajectories
 from kinemark.engine.put_aside import put_aside
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.trial import read_trial
@@ -48,6 +48,7 @@ SIDE = {
     "foot": "ANK HEE CPG LCA STL NAV P1M D1M P5M D5M TOE FMH SMH VMH MED",
     "upper arm": "SHO UPA ELB",
     "forearm": "ELB FRM WRA WRB",
+    "hand": "WRA WRB FIN",
 }
 BODY = {
     "head": "LFHD LBHD RFHD RBHD",
@@ -57,6 +58,18 @@ BODY = {
 SEGMENTS = {name: markers.split() for name, markers in BODY.items()} | {
     f"{side} {name}": [side + marker for marker in markers.split()] for side in "LR" for name, markers in SIDE.items()
 }
+MEET = {
+    "neck": ("head", "trunk"),
+    "back": ("trunk", "pelvis"),
+    **{
+        f"{side} {joint}": (one if one in BODY else f"{side} {one}", f"{side} {other}")
+        for side in "LR"
+        for joint, one, other in (
+            ("hip", "pelvis", "thigh"), ("knee", "thigh", "shank"), ("ankle", "shank", "foot"),
+            ("shoulder", "trunk", "upper arm"), ("elbow", "upper arm", "forearm"), ("wrist", "forearm", "hand"),
+        )
+    },
+}  # fmt: skip
 STATIC = 0.14
 """Relative spread of distances that a static trial does not show ; chosen, see docs/theory/label.md."""
 
@@ -237,8 +250,18 @@ def static_trials() -> Iterator[Row]:
         ("qualisys static", read("qualisys_gait/Static - CGM2 1.c3d"), gait, False),
         ("whole body static", body, only(move, list(body.names)), True),
     ):
-        template = learn_template(static, relative_spread=STATIC, segments=SEGMENTS)
-        yield Row(f"{name}, segments", template, trial, tuned=tuned)
+        yield Row(f"{name}, segments", static_template(static, segmented(static)), trial, tuned=tuned)
+
+
+def segmented(static: Trajectories) -> MarkerSet:
+    """The markers of a static trial, on the segments that they sit on, and which of these meet."""
+    segments = {key: tuple(name for name in own if name in static.names) for key, own in SEGMENTS.items()}
+    segments = {key: own for key, own in segments.items() if own}
+    return MarkerSet(
+        static.names,
+        segments,
+        joints={key: both for key, both in MEET.items() if set(both) <= segments.keys()},
+    )
 
 
 def static_sets() -> Iterator[Row]:
@@ -261,9 +284,11 @@ def static_sets() -> Iterator[Row]:
 def static_children() -> Iterator[Row]:
     """A static trial, with and without segments."""
     for name in tuple(CHILDREN)[1:]:
-        for segments in (SEGMENTS, None):
-            template = learn_template(child(name, 2), relative_spread=STATIC, segments=segments)
-            words = "segments" if segments else "no segments"
+        static = child(name, 2)
+        for words, template in (
+            ("segments", static_template(static, segmented(static))),
+            ("no segments", learn_template(static, relative_spread=STATIC)),
+        ):
             yield Row(f"{name} static, {words}", template, child(name, 0), tuned=name in TUNED_CHILDREN)
 
 

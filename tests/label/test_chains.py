@@ -90,10 +90,10 @@ def test_the_body_of_another_subject_that_was_named_turned_about_is_turned_back(
     true = np.array([template.names.index(name) for name in walk(7).names])
     wrong = mirrored(template.names)[true]
     given = Solution(wrong, *total_score(stretches, wrong, pairs), pairs)
-    turned = _turned(given, stretches, template, pairs, 0.3)
+    turned = _turned(given, mirrored(template.names), stretches, template, pairs, 0.3)
     np.testing.assert_array_equal(turned.label, true)
     right = Solution(true, *total_score(stretches, true, pairs), pairs)
-    assert _turned(right, stretches, template, pairs, 0.3) is right
+    assert _turned(right, mirrored(template.names), stretches, template, pairs, 0.3) is right
 
 
 def test_a_name_that_an_extra_marker_beside_could_bear_as_well_is_not_sure_and_a_far_one_changes_nothing():

@@ -1,10 +1,8 @@
 """Labelled trials checked for left and right: limbs whose sides are swapped, for a while or all through.
 
-A limb that is swapped keeps all distances within itself, so that no exchange of two markers shows it. Which markers
-make a limb follows from the pairs of left and right names: single linkage by their distance in the template gives
-groups from single pairs to the whole body. Each group is swapped as one and judged by all pairs that this touches, as
-any exchange ((1) of `exchange`); of groups that gain, the one that gains most is taken, and pairs are added to it and
-taken from it as long as that gains more.
+A limb that is swapped keeps all distances within itself, so that no exchange of two markers shows it. Each limb
+(`limbs`) is swapped as one; of those that gain, the one that gains most is taken, and pairs are added to it and taken
+from it as long as that gains more.
 """
 
 from __future__ import annotations
@@ -13,12 +11,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from ..data import Trajectories
 from .check import LEAST_NATS, WINDOW_S
 from .evidence import PairScore, Single
 from .exchange import Exchanger, Move
+from .limbs import exchange_of, limbs
 from .stretches import stretches_of
 from .sweeps import places
 from .template import Template
@@ -60,7 +58,7 @@ def find_side_swaps(
     stretches = stretches_of(known, template.size)
     y = places(stretches, np.array([template.names.index(name) for name in known.names]), len(template))
     exchanger = Exchanger.of(template, PairScore.of_template(template))
-    groups = _limbs(template, kept)
+    groups = limbs(template, kept)
     window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
     found = []
     for part in np.unique(window):
@@ -74,26 +72,12 @@ def find_side_swaps(
     return _merged(found, round(2 * WINDOW_S * trajectories.rate))
 
 
-def _limbs(template: Template, pairs: Sequence[tuple[str, str]]) -> list[list[tuple[str, str]]]:
-    """Groups of two pairs or more that may be swapped together, from limbs to the whole body."""
-    left, right = (np.array([template.names.index(pair[k]) for pair in pairs]) for k in (0, 1))
-    D = np.where(np.isfinite(template.distance), template.distance, template.size)
-    near = np.minimum(D[np.ix_(left, left)], D[np.ix_(right, right)])
-    near = (near + near.T) / 2
-    np.fill_diagonal(near, 0.0)
-    tree = scipy.cluster.hierarchy.linkage(scipy.spatial.distance.squareform(near, checks=False), "single")
-    groups = [[k] for k in range(len(pairs))]
-    for a, b, *_ in tree.tolist():
-        groups.append(groups[int(a)] + groups[int(b)])
-    return [[pairs[k] for k in sorted(group)] for group in groups[len(pairs) :]]
-
-
 def _best(
     y: Single, template: Template, exchanger: Exchanger, groups: list[list[tuple[str, str]]]
 ) -> tuple[list[tuple[str, str]], float, tuple[float, float]] | None:
     """The group whose swap gains most in these frames, if any gains enough."""
     seen = np.asarray(np.isfinite(y[..., 0]).any(0))
-    moves = [_move(template, group) for group in groups]
+    moves = [exchange_of(template, group) for group in groups]
     usable = np.array([float(np.mean(seen[list(move[0])])) > 0.5 for move in moves])
     gains = np.where(usable, exchanger.gains(y, moves), -np.inf)
     best, gain = groups[int(gains.argmax())], float(gains.max())
@@ -102,17 +86,11 @@ def _best(
     while True:
         turned = [[p for p in groups[-1] if (p in best) != (p == pair)] for pair in groups[-1]]
         turned = [group for group in turned if len(group) > 1]
-        gains = exchanger.gains(y, [_move(template, group) for group in turned])
+        gains = exchanger.gains(y, [exchange_of(template, group) for group in turned])
         if not len(turned) or gains.max() <= gain + 1e-6:
-            return best, gain, _off(y, template, _move(template, best))
+            return best, gain, _off(y, template, exchange_of(template, best))
         best = turned[int(gains.argmax())]
         gain = float(gains.max())
-
-
-def _move(template: Template, group: list[tuple[str, str]]) -> Move:
-    """Left and right of all pairs of a group exchanged."""
-    left, right = (tuple(template.names.index(pair[k]) for pair in group) for k in (0, 1))
-    return (*left, *right), (*right, *left)
 
 
 def _off(y: Single, template: Template, move: Move) -> tuple[float, float]:

@@ -16,6 +16,8 @@ from ..data.array_types import Floats, Ints
 from .arrange import markers_of
 from .stretches import Stretches
 
+SEEN = 0.3
+"""Share of the frames in which a label is seen, below which it counts as absent; chosen, as `arrange.LONG`."""
 CLAIMS = 0.3
 """Least of e(u, a) as a share of e(t, a); chosen: markers that had been robbed of their names had 0.44 to 1."""
 COUNTED = 0.5
@@ -51,3 +53,12 @@ def lost_to_claims(stretches: Stretches, label: Ints, nats: Floats) -> Floats:
             other = mean[m, free].max(initial=0.0)
             out[a] = COUNTED * (mean[m, a] - mean[claims, a].max() - other)
     return out
+
+
+def left_over(stretches: Stretches, label: Ints, L: int) -> tuple[int, int]:
+    """How many labels no marker has, and how many markers that are seen for long have no name.
+
+    Names that moved up one place end at a label that is absent, and begin at a marker that is none of the template's.
+    """
+    seen = np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
+    return int((seen < SEEN).sum()), int((markers_of(stretches, label, L).label < 0).sum())

@@ -71,7 +71,7 @@ def label_by_distances(
     label = np.full(len(stretches), -1) if refused else np.where(fixed == FREE, sides.label, np.maximum(fixed, -1))
     after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
     about = anchored(margins(stretches, label, template, pairs, after), label, fixed)
-    p = _probability(trajectories, template, after or pairs, label, about, stretches.weight, method)
+    p = probability_of_all(trajectories, template, after or pairs, label, about, stretches.weight, method)
     p = at_most_even(p, sides.undecided)
     state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(
@@ -88,7 +88,7 @@ def label_by_distances(
     )
 
 
-def _probability(
+def probability_of_all(
     trajectories: Trajectories,
     template: Template,
     pairs: PairScore,

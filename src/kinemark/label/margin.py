@@ -30,17 +30,18 @@ nearest labels and the share n of the frames in which a is seen, of those in whi
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
     p_label = logistic(k x)
-        · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W))  (4)
+        · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W, s > 0, s > 1)) (4)
 
 with y the loss by `rivals` (1), W the independent frames in which a is seen, and h how well the four stiffest distances
 hold (`held`); the β of another subject's template are others. An extra marker that took the name of an absent one fits
 fairly, but worse than the trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of
 their medians over all labels, and f_n' what f_n lacks of one half. r is 1 where the template knows a distance of the
 label that keeps, as to a marker of the same segment, and 0 where all its distances change, as of a static trial without
-segments.
+segments. Names that moved up one place end at a label that is absent and begin at a marker without name: s is 2 where
+the trial has neither (`left_over`), 1 where it has but one of the two, 0 where it has both.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
-measured, over many templates and trials (`benchmarks/labelling.py --fit`).
+measured, over many templates and trials (`benchmarks/labelling_shreds.py`).
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
 from .anatomy import Anatomy
-from .claims import lost_to_claims
+from .claims import left_over, lost_to_claims
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .held import stiffness_kept
@@ -63,17 +64,16 @@ from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
 BETA_TRACK = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84)
-"""Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on, then all times 1.25, less
-0.2, by 234 random shreds of 0.4 to 5 s of walks and static trials' templates: with (2') more tracks were right than
-these said."""
-BETA_LABEL = (-3.49, 0.44, 1.70, 0.32, 0.0, 3.39, 1.92, 1.34, 0.0, 11.09, 5.35, 3.91, 1.65)
-"""Of (4), of the subject's own template; measured on 7 749 labels of 190 random shreds, 40 % of them whole trials, of
-walks and static trials' templates; none but the first below 0, as what fits better makes no name less sure,
-and drawn to former ones by the squares of what each changes: subjects left out in turn chose both."""
-BETA_OTHER = (-3.26, 0.79, -0.09, 0.31, 0.0, 2.12, 2.25, 2.38, 1.0, 2.0, 4.0, 0.0, 0.0)
-"""Of (4), of another subject's template, without F; logits; measured on 52 shredded trials of other children, those of
-f', h' and f_n', and 0.8 of the first, on 65 random shreds of 0.4 to 3 s and on four whole walks, see
-docs/theory/label.md. W tells nothing here: on 90 more shreds, subjects left out in turn, the log score fell with it."""
+"""Of (3); logits; measured on the rows of benchmarks/labelling_cases.py that are tuned on, each shredded in two ways,
+then all times 1.25, less 0.2, by 234 random shreds of 0.4 to 5 s of walks and static trials' templates: with (2') more
+tracks were right than these said."""
+BETA_LABEL = (-0.92, 0.39, 1.52, 0.0, 0.0, 3.40, 1.05, 2.74, 0.0, 10.28, 0.0, 2.71, 0.0, 0.81, 0.0)
+"""Of (4), of the subject's own template; logits; measured by benchmarks/labelling_shreds.py on 10 658 labels of random
+shreds of walks' and static trials' templates; none but the first below 0, as what fits better makes no name less
+sure."""
+BETA_OTHER = (-4.11, 0.0, 0.0, 1.03, 0.0, 3.32, 2.22, 4.80, 1.49, 0.11, 0.0, 0.0, 0.0, 1.58, 1.72)
+"""Of (4), of another subject's template; logits; measured in the same way on 10 681 labels. W tells nothing here, as
+another subject's marker that is placed otherwise is so all through the trial."""
 RIGID = 0.1
 """Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
 trials leave 0.18 open elsewhere."""
@@ -101,6 +101,7 @@ class Margins(NamedTuple):
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
         rival: y. stiff: h. poses: W.
         fit_beside, stiff_beside: f_a and h less their medians of all labels that are there. rigid: r.
+        shut: s.
     """
 
     track: Floats
@@ -119,6 +120,7 @@ class Margins(NamedTuple):
     fit_beside: Floats
     stiff_beside: Floats
     rigid: Floats
+    shut: Floats
 
 
 def margins(
@@ -155,7 +157,7 @@ def margins(
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
-        _rigid(template)[a],
+        _rigid(template)[a], np.full(len(t), _shut(stretches, label, L) if exchanges else 0.0),
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
@@ -166,6 +168,11 @@ def margins(
 def _rigid(template: Template) -> Floats:
     """(L) 1 for labels of which the template knows a distance that keeps, else 0."""
     return np.asarray((template.spread < RIGID * template.distance).any(1), float)  # NaN, and the label itself, are not
+
+
+def _shut(stretches: Stretches, label: Ints, L: int) -> float:
+    """s of (4), of the whole trial."""
+    return float(sum(n == 0 for n in left_over(stretches, label, L)))
 
 
 def _poses(stretches: Stretches, t: Ints, a: Ints, L: int) -> Floats:
@@ -283,15 +290,20 @@ def track_features(found: Margins, weight: Floats) -> Floats:
 
 
 def label_features(found: Margins) -> Floats:
-    """(T, 13) of (4); the same for all tracks of a label, but for the fit of their frames."""
+    """(T, 15) of (4); the same for all tracks of a label, but for the fit of their frames."""
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
     parts = (
         _log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present),
         _log(found.rival), found.stiff,
         *(np.minimum(part, 0.0) for part in (found.fit_beside, found.stiff_beside, found.near_fit - CHAIN_END)),
-        found.rigid, np.log(np.minimum(found.poses, MOST_POSES)),
+        found.rigid, np.log(np.minimum(found.poses, MOST_POSES)), found.shut > 0, found.shut > 1,
     )  # fmt: skip
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
+
+
+def exchange_odds(found: Margins) -> Floats:
+    """(T) first factor of (4)."""
+    return logistic(np.where(found.exchange > 0, LOST, GAINED) * found.exchange)
 
 
 def _log(nats: Floats) -> Floats:
@@ -308,8 +320,7 @@ def probability(
     label: Sequence[float] = BETA_LABEL,
 ) -> Floats:
     """(T) by (1), with δ = shift; 0 for tracks without label."""
-    other_way = np.where(found.exchange > 0, LOST, GAINED) * found.exchange
-    p_label = logistic(other_way) * logistic(label_features(found) @ np.asarray(label))
+    p_label = exchange_odds(found) * logistic(label_features(found) @ np.asarray(label))
     p = p_label * logistic(track_logit(found, weight, track) + shift)
     return np.where(np.isfinite(p), p, 0.0)
 

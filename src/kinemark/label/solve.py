@@ -12,6 +12,7 @@ from .arrange import arranged
 from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
+from .limbs import near_turns, score_with_sides
 from .pool import pooled
 from .side_pairs import mirrored
 from .stretches import FREE, Stretches
@@ -81,7 +82,8 @@ def solve(
     label = _further(label, stretches, template, pairs, key_frames, beam)
     found = _from(label, stretches, template, pairs, least_fit)
     if np.any(template.doubt) and 0 < found.score < TURNED * found.expected * template.own_fit:
-        found = _turned(found, stretches, template, pairs, least_fit)
+        found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
+    found = limbs_turned(found, stretches, template, pairs, least_fit)
     after = found.after or pairs
     kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
     return found._replace(label=_gone_on(stretches, kept, len(template)))
@@ -122,21 +124,33 @@ def _from(label: Ints, stretches: Stretches, template: Template, pairs: PairScor
     return found
 
 
-def _turned(found: Solution, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float) -> Solution:
-    """What the other sides of all names lead to, where that has the greater score; the labelling as it was otherwise.
+def _turned(
+    found: Solution, other: Ints, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float
+) -> Solution:
+    """What other names (L) of labels lead to, where that has the greater score; the labelling as it was otherwise.
 
     Nearly all distances of a body are those of its mirror image, so that a search can end in a body that is turned
-    about, with left names on the right; no move of a few labels leads out of it.
+    about, with left names on the right, or with the names of each leg on the other one; no move of a few labels leads
+    out of it.
     """
-    other = mirrored(template.names)
     if (other == np.arange(len(other))).all():
         return found
     label = np.where(found.label >= 0, other[found.label], -1)
     label = _settled(stretches, label, template, pairs, least_fit)
-    if total_score(stretches, label, pairs)[0] <= found.score:
+    least = score_with_sides(stretches, found.label, template, pairs)
+    if score_with_sides(stretches, label, template, pairs) <= least:
         return found
     turned = _from(label, stretches, template, pairs, least_fit)
-    return turned if turned.score > found.score else found
+    return turned if score_with_sides(stretches, turned.label, template, pairs) > least else found
+
+
+def limbs_turned(
+    found: Solution, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float
+) -> Solution:
+    """The labelling, with limbs that had each other's names put back where that has the greater score."""
+    for turn in near_turns(places(stretches, found.label, len(template)), template, pairs, stretches.fixed):
+        found = _turned(found, turn, stretches, template, pairs, least_fit)
+    return found
 
 
 def _gone_on(stretches: Stretches, label: Ints, L: int) -> Ints:

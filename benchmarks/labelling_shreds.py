@@ -1,0 +1,242 @@
+"""Random shreds of labelled trials: how often names are right by their probability, and the coefficients of it.
+
+    python benchmarks/labelling_shreds.py static:31000-31060 …    reliability of these seeds
+    python benchmarks/labelling_shreds.py --fit                   the coefficients of `label.margin` (4), by `FITTED`
+
+Kinds are own (the subject's walks), static (static trials) and other (another subject's template). A row of
+`labelling_cases.py` is drawn at random; two in five shreds are of the whole trial, the others windows of 0.4 to 3 s;
+two in five have neither absent nor extra markers, the others up to 4 and 3; 1 to 25 pieces a marker; 0 to 5 ghosts a
+frame of all kinds. Names of one label are right or wrong together, so that each label of a shred counts once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+import numpy as np
+import scipy
+from labelling_cases import (
+    CHILDREN,
+    MIXED,
+    Row,
+    halves,
+    other_child,
+    placed_otherwise,
+    same_subject,
+    several_children,
+    static_children,
+    static_sets,
+    static_trials,
+    walkers,
+    walkers_of_many_kinds,
+)
+
+from kinemark.data.array_types import Bools, Floats, Ints
+from kinemark.label import Distances, shredded
+from kinemark.label.decided_sides import at_most_even, decided_sides
+from kinemark.label.distances import probability_of_all
+from kinemark.label.evidence import PairScore
+from kinemark.label.margin import Margins, exchange_odds, label_features, margins
+from kinemark.label.score import BINS
+from kinemark.label.solve import solve
+from kinemark.label.stretches import stretches_of
+
+FITTED = (
+    "static:30000-30140",
+    "own:30000-30060",
+    "own:9000-9050",
+    "other:9000-9110",
+    "other:9500-9560",
+    "other:30000-30020",
+)
+"""Seeds by which the coefficients were measured; chosen: as many shreds as an hour labels."""
+RIDGE = 0.3
+"""On the squares of what a coefficient changes by one standard deviation of its feature; chosen: subjects left out in
+turn told 0.1, 0.3 and 1 alike."""
+
+
+class Shred(NamedTuple):
+    """Of T tracks with a name: what is known of each, what it is called and is.
+
+    Attributes:
+        row, seed: of which. doubted: the template is another subject's. about: margins of all tracks.
+        weight: (T) independent frames. label, truth: (T) −1 and below for none. probability: (T).
+        samples: (T). real: samples of markers that the template knows.
+    """
+
+    row: str
+    seed: int
+    doubted: bool
+    about: Margins
+    weight: Floats
+    label: Ints
+    truth: Ints
+    probability: Floats
+    samples: Ints
+    real: int
+
+
+@cache
+def rows_of(kind: str) -> tuple[Row, ...]:
+    """From which a row is drawn."""
+    if kind == "other":
+        pairs = [row for name in CHILDREN for row in other_child(name)]
+        scaled = [row for row in walkers_of_many_kinds() if "scaled" in row.name]
+        return (*pairs, *[*several_children()] * 2, *scaled, *placed_otherwise())
+    if kind == "static":
+        return (*[*static_trials()] * 2, *static_sets(), *static_children())
+    kinds = [row for row in walkers_of_many_kinds() if "scaled" not in row.name and "frame" not in row.name]
+    return (*same_subject(), *halves(), *walkers(), *kinds)
+
+
+def drawn(kind: str, seed: int) -> tuple[Row, dict[str, Any]]:
+    """A row, its trial cut to a window, and the arguments of `shredded`."""
+    rng, rows = np.random.default_rng([seed, 1616]), rows_of(kind)
+    row = rows[int(rng.integers(len(rows)))]
+    F, rate, many = row.trial.n_frames, row.trial.rate, len(row.trial) > 20
+    whole, pieces, clean = rng.random() < 0.4, int(rng.choice([1, 1, 1, 2, 4, 8, 15, 25])), rng.random() < 0.4
+    how: dict[str, Any] = {
+        "ghosts": float(rng.choice([0, 1, 2, 3, 5])),
+        "kinds": (("walk",), MIXED)[rng.integers(2)],
+        "absent": 0 if clean else int(rng.choice([0, 0, 1, 2, 3, 4] if many else [0, 0, 1])),
+        "extra": 0 if clean else int(rng.choice([0, 0, 1, 2, 3] if many else [0, 1])),
+    }
+    n = F if whole else int(np.clip(rng.uniform(0.4, 3) * rate, 20, F))
+    first = int(rng.integers(0, F - n + 1))
+    return row._replace(trial=row.trial.frames(first, first + n)), how | {"pieces": max(1, min(pieces, n // 4))}
+
+
+def shred(kind: str, seed: int) -> Shred | None:
+    """One, labelled; None where it was refused."""
+    row, how = drawn(kind, seed)
+    parts, method, template = shredded(row.trial, seed=seed, **how), Distances(), row.template
+    stretches, pairs = stretches_of(parts.tracks, template.size), PairScore.of_template(template)
+    found = solve(
+        stretches, template, pairs,
+        key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
+    )  # fmt: skip
+    sides = decided_sides(stretches, found.label, template, pairs)
+    if found.score < method.least_fit * template.own_fit * found.expected:
+        return None
+    after = found.after if (sides.label == found.label).all() else None
+    about = margins(stretches, sides.label, template, pairs, after)
+    p = probability_of_all(parts.tracks, template, after or pairs, sides.label, about, stretches.weight, method)
+    number = {name: k for k, name in enumerate(template.names)}
+    truth = np.array([-1 if name is None else number.get(name, -2) for name in parts.truth])
+    n = stretches.seen.sum(1)
+    return Shred(
+        row.name, seed, bool(np.any(template.doubt)), about, stretches.weight, sides.label, truth,
+        at_most_even(p, sides.undecided), n, int(n[truth >= 0].sum()),
+    )  # fmt: skip
+
+
+class Cases(NamedTuple):
+    """Of labels of shreds: features (n, k) of (4), odds (n) of its first factor, whether they are right, on what."""
+
+    x: Floats
+    odds: Floats
+    right: Bools
+    doubted: Bools
+
+
+def cases(shreds: Sequence[Shred]) -> Cases:
+    """Each label of each shred, by its longest track."""
+    x, odds, right, doubted = [], [], [], []
+    for one in shreds:
+        features, odd = label_features(one.about), exchange_odds(one.about)
+        for a in np.unique(one.label[one.label >= 0]).tolist():
+            own = np.flatnonzero(one.label == a)
+            longest = own[one.samples[own].argmax()]
+            x.append(features[longest])
+            odds.append(odd[longest])
+            right.append(one.samples[own][one.truth[own] == a].sum() > 0.5 * one.samples[own].sum())
+            doubted.append(one.doubted)
+    return Cases(np.array(x), np.array(odds), np.array(right), np.array(doubted))
+
+
+def fitted(x: Floats, odds: Floats, right: Bools) -> Floats:
+    """β of (4), the most probable one; none but the first is below 0, as what fits better makes no name less sure."""
+    scale = np.r_[0.0, x[:, 1:].std(0)]
+
+    def loss(beta: Floats) -> tuple[float, Floats]:
+        own = 1 / (1 + np.exp(-np.clip(x @ beta, -30, 30)))
+        p = np.clip(own * odds, 1e-12, 1 - 1e-12)
+        slope = np.where(right, 1 - own, -p / (1 - p) * (1 - own))
+        held = RIDGE * scale**2 * beta
+        return float(-np.log(np.where(right, p, 1 - p)).sum() + beta @ held), -slope @ x + 2 * held
+
+    start, bounds = np.r_[1.0, np.full(x.shape[1] - 1, 0.5)], [(None, None), *[(0, None)] * (x.shape[1] - 1)]
+    return np.asarray(scipy.optimize.minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds).x)
+
+
+def reliability_text(p: Floats, right: Bools, share: Floats) -> list[str]:
+    """A line a bin; share (n): what each case counts."""
+    out = []
+    for low, high in pairwise(BINS):
+        own = (p >= low) & ((p < high) | (high >= 1))
+        if own.any():
+            w = share[own] / share[own].sum()
+            out.append(
+                f"  {low:.2f}–{high:.2f} {own.sum():7d} tracks {share[own].sum():8.1f} labels  mean p "
+                f"{w @ p[own]:.4f}  right {w @ right[own]:.4f}"
+            )
+    return out
+
+
+def table(shreds: Sequence[Shred]) -> None:
+    """Reliability of tracks, each label of a shred counting once, and what is sure and right, or sure and wrong."""
+    kept = [(one, one.label >= 0) for one in shreds]
+    p = np.concatenate([one.probability[own] for one, own in kept])
+    right = np.concatenate([(one.label == one.truth)[own] for one, own in kept])
+    n = np.concatenate([one.samples[own] for one, own in kept])
+    share = np.concatenate([1 / np.bincount(one.label[own])[one.label[own]] for one, own in kept])
+    real, sure = sum(one.real for one in shreds), p >= Distances().sure
+    print(*reliability_text(p, right, share), sep="\n")
+    log = -np.log(np.clip(np.where(right, p, 1 - p), 1e-6, 1))
+    print(
+        f"  {len(shreds)} shreds; of {sure.sum()} sure tracks {(sure & ~right).sum()} are wrong "
+        f"({100 * (sure & ~right).sum() / max(sure.sum(), 1):.3f} %); samples sure and right "
+        f"{100 * n[sure & right].sum() / real:.2f} %, sure and wrong {100 * n[sure & ~right].sum() / real:.3f} %, "
+        f"right if all are taken {100 * n[right].sum() / real:.2f} %; log score {share @ log / share.sum():.4f}"
+    )
+
+
+def seeds_of(part: str) -> list[tuple[str, int]]:
+    """Kind and seed, from `kind:from-to`."""
+    kind, both = part.split(":")
+    first, stop = map(int, both.split("-"))
+    return [(kind, seed) for seed in range(first, stop)]
+
+
+def main() -> None:
+    """Do what the arguments say."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("seeds", nargs="*", help="kind:from-to")
+    parser.add_argument("--fit", action="store_true")
+    asked = parser.parse_args()
+    jobs = [job for part in asked.seeds or FITTED for job in seeds_of(part)]
+    with ProcessPoolExecutor(2) as pool:
+        shreds = [one for one in pool.map(shred, *zip(*jobs, strict=True), chunksize=4) if one is not None]
+    for doubted in (False, True):
+        own_kind = [one for one in shreds if one.doubted == doubted]
+        if own_kind:
+            print("another subject's template" if doubted else "the subject's own template")
+            table(own_kind)
+    if asked.fit:
+        every = cases(shreds)
+        for name, own in (("BETA_LABEL", ~every.doubted), ("BETA_OTHER", every.doubted)):
+            if own.any():
+                beta = fitted(every.x[own], every.odds[own], every.right[own])
+                print(name, "=", tuple(np.round(beta, 2).tolist()))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,78 @@
+"""Limbs whose names are exchanged as wholes are found, and put back where that scores more."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.io.marker_sets import read_marker_set
+from kinemark.label import learn_template
+from kinemark.label.claims import left_over
+from kinemark.label.evidence import PairScore
+from kinemark.label.limbs import near_turns, score_with_sides
+from kinemark.label.side_pairs import mirrored
+from kinemark.label.solve import Solution, limbs_turned
+from kinemark.label.stretches import FREE, stretches_of
+from kinemark.label.sweeps import places, total_score
+from support.wearing import body_of, moving
+
+LEG = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
+ARM = ("UPA", "ELB", "FRM", "WRA", "WRB", "FIN")
+
+
+@cache
+def walk(seed):
+    worn = read_marker_set("plug-in-gait-full")
+    return moving(worn, body_of(worn, 4), seed, duration_s=0.6)
+
+
+@cache
+def known():
+    return learn_template(walk(3)).of_another(1.02)
+
+
+def named(limb):
+    """Stretches and labels of another walk: true ones, and with the names of these limbs on the other side."""
+    template, trial = known(), walk(13)
+    truth = np.array([template.names.index(name) for name in trial.names])
+    ends = [name for name in template.names if name.startswith(("L", "R")) and name[1:].startswith(limb)]
+    assert len(ends) == 2 * len(limb)
+    other, turn = mirrored(template.names), np.arange(len(template))
+    at = [template.names.index(name) for name in ends]
+    turn[at] = other[at]
+    return stretches_of(trial, template.size), truth, turn[truth]
+
+
+@pytest.mark.parametrize("limb", [LEG, ARM])
+def test_limbs_with_each_others_names_are_put_back_and_right_ones_stay(limb):
+    template, pairs = known(), PairScore.of_template(known())
+    stretches, truth, exchanged = named(limb)
+    for label in (truth, exchanged):
+        found = Solution(label, *total_score(stretches, label, pairs))
+        assert (limbs_turned(found, stretches, template, pairs, 0.3).label == truth).all()
+
+
+def test_the_exchange_of_legs_that_are_exchanged_is_tried_and_right_ones_score_more():
+    template, pairs = known(), PairScore.of_template(known())
+    stretches, truth, exchanged = named(LEG)
+    none = np.full(len(truth), FREE)
+    turns = near_turns(places(stretches, exchanged, len(template)), template, pairs, none)
+    assert any((turn[exchanged] == truth).all() for turn in turns)
+    assert score_with_sides(stretches, truth, template, pairs) > score_with_sides(stretches, exchanged, template, pairs)
+
+
+def test_stated_names_keep_their_side():
+    template, pairs = known(), PairScore.of_template(known())
+    stretches, _, exchanged = named(LEG)
+    stated = np.array([template.names.index("LKNE")])
+    for turn in near_turns(places(stretches, exchanged, len(template)), template, pairs, stated):
+        assert turn[stated[0]] == stated[0]
+
+
+def test_what_is_left_over_are_absent_labels_and_long_markers_without_name():
+    stretches, truth, _ = named(LEG)
+    L = len(known())
+    assert left_over(stretches, truth, L) == (0, 0)
+    without = np.where(truth == 5, -1, truth)
+    assert left_over(stretches, without, L) == (1, 1)
+    assert left_over(stretches, without, L + 1) == (2, 1)

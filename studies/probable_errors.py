@@ -32,7 +32,7 @@ from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, R
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.problems import Problem, Problems
 from kinemark.data.track_trajectories import trajectories_of
-from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
+from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
@@ -52,7 +52,7 @@ OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 BINS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0001)
-KINDS = ("change", "spike", "spike_in_file", "piece", "ghost")
+KINDS = ("change", "spike", "spike_in_file", "leap", "piece", "ghost")
 
 
 class Known(NamedTuple):
@@ -110,10 +110,11 @@ def with_faults(known: Known, seed: int) -> Known:
     return known._replace(trajectories=faulty.trajectories, owner=owner, faulty=faulty)
 
 
-def both(some: Iterator[Known]) -> Iterator[Known]:
+def both(some: Iterator[Known], *, drawn: int = 1) -> Iterator[Known]:
+    """Each as it is, and with faults that are drawn so many times."""
     for k, known in enumerate(some):
         yield known
-        yield with_faults(known, k)
+        yield from (with_faults(known, k + 1000 * n) for n in range(drawn))
 
 
 # Truth
@@ -149,6 +150,16 @@ def stands_off(known: Known, p: int, first: int, last: int, mm: float) -> bool |
     return bool(len(there)) and float(np.median(there)) > max(0.4 * mm, 2 * usual, OFF_MM)
 
 
+def leapt(known: Known, p: int, f: int, g: int, mm: float) -> bool | None:
+    """Whether path p comes off its marker between two frames."""
+    a, b = halves(known, p, f, g)
+    if a < 0:
+        return None
+    off = (known.trajectories.paths[p].xyz - known.truth[a])[f : g + 1]
+    step = np.linalg.norm(off - off[0], axis=1)
+    return a != b if np.isnan(step).all() else bool(np.nanmax(step) > max(0.4 * mm, OFF_MM))
+
+
 def one_marker(known: Known, p: int, q: int) -> bool | None:
     own, other = (np.flatnonzero(known.trajectories.paths[k].origin != Origin.MISSING) for k in (p, q))
     a, b = whose(known.owner[p][own[-NEAR:]]), whose(known.owner[q][other[:NEAR]])
@@ -178,6 +189,8 @@ def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
     for spike in spikes(paths):
         off = stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm)
         yield from _told(spike.kind, spike.evidence, off)
+    for leap in leaps(paths):
+        yield from _told("leap", leap.evidence, leapt(known, leap.path, leap.before, leap.after, leap.mm))
     for piece in pieces(paths):
         yield from _told("piece", piece.evidence, one_marker(known, piece.before, piece.after))
     for ghost in ghosts(paths, known.trajectories):
@@ -231,6 +244,9 @@ def truth_of(known: Known, one: Problem) -> bool | None:
         return no_marker(known, who[0])
     if one.kind == "join" and len(who) == 2:
         return one_marker(known, *who)
+    if one.kind == "join" and known.rig is None:
+        mm = max((way.jump_mm for way in one.alternatives if np.isfinite(way.jump_mm)), default=0.0)
+        return leapt(known, who[0], first, last, mm)
     return changed(known, who[0], first, last)
 
 
@@ -304,7 +320,7 @@ def clean(n: int = 6) -> None:
 
 def main(*what: Any) -> None:
     if "fit" in what:
-        fit(known for some in (simulated(TUNE), labelled(0)) for known in both(some))
+        fit(known for some in (both(simulated(TUNE)), both(labelled(0), drawn=3)) for known in some)
     check(f"Simulated scenes {CHECK.start} to {CHECK.stop - 1}", both(simulated(CHECK)))
     check("Files of other systems, every second", both(labelled(1)))
     clean()

@@ -5,6 +5,10 @@ stretch    the same for 0.2 to 1 s only: a mislabelled stretch
 join       a path goes on as another one, whose own rest is a path without a name
 spike      1 to 6 samples stand 15 to 100 mm off
 cut        a path is two, from a gap on
+rough      in files: up to three paths near each other have up to three wrong stretches each within a second, of 1 to 20
+           frames, at another marker's place or 20 to 200 mm off; some end or begin at a gap; steps are smeared over 1
+           to 6 frames, as filters do
+smeared    in files: two paths have each other's samples from a frame on, and were filtered afterwards
 """
 
 from __future__ import annotations
@@ -57,6 +61,11 @@ class Faulty:
         """The trial as it is now."""
         pairs = zip(self.names, self.columns, strict=True)
         return replace(self.source, paths=tuple(MarkerTrajectory(name, **columns) for name, columns in pairs))
+
+    @property
+    def images(self) -> bool:
+        """Whether the trial was tracked from images."""
+        return any(columns["detection"].shape[1] for columns in self.columns)
 
     def seen(self, p: int) -> Ints:
         """Frames that a path has."""
@@ -172,8 +181,69 @@ def cut(faulty: Faulty, rng: np.random.Generator) -> bool:
     return True
 
 
+def rough(faulty: Faulty, rng: np.random.Generator) -> bool:
+    where = place(faulty, rng, at_gap=False)
+    if not where or faulty.images:
+        return False
+    p, f = where
+    second = round(faulty.source.rate)
+    for path in [p, *faulty.near(p, f)[:3]][: int(rng.integers(1, 4))]:
+        for _ in range(int(rng.integers(1, 4))):
+            wrong_stretch(faulty, rng, path, int(f + rng.integers(-second // 2, second // 2 + 1)))
+    return True
+
+
+def wrong_stretch(faulty: Faulty, rng: np.random.Generator, p: int, f: int) -> None:
+    """From frame f on, where the path is seen before and after."""
+    n = round(float(np.exp(rng.uniform(0, np.log(20)))))
+    own, stop = faulty.seen(p), f + n
+    if own.size < 40 or f < own[5] or stop > own[-5]:
+        return
+    x = faulty.columns[p]["xyz"]
+    others = faulty.near(p, f)[:3]
+    if others and rng.random() < 0.5:
+        off = faulty.columns[int(rng.choice(others))]["xyz"][f] - x[f]
+    else:
+        off = float(np.exp(rng.uniform(np.log(20), np.log(200)))) * (v := rng.normal(size=3)) / np.linalg.norm(v)
+    if not np.isfinite(off).all():
+        return
+    inside = np.zeros(len(x))
+    inside[f:stop] = 1.0
+    x += smeared_over(inside, int(rng.integers(1, 7)))[:, None] * off
+    side, missing = rng.random(), int(rng.integers(2, 20))
+    if side < 0.25:
+        faulty.blank(stop, stop + missing, p)
+    elif side < 0.5:
+        faulty.blank(f - missing, f, p)
+    faulty.done += [("rough", f)] if side < 0.25 or side >= 0.5 else [("rough", stop)]
+
+
+def smeared(faulty: Faulty, rng: np.random.Generator) -> bool:
+    where = place(faulty, rng, at_gap=False)
+    others = faulty.near(*where)[:3] if where else []
+    if not where or not others or faulty.images:
+        return False
+    (p, f), q, n = where, int(rng.choice(others)), int(rng.integers(2, 7))
+    faulty.exchange(p, q, f, 10**9)
+    inside = np.zeros(faulty.source.n_frames)
+    inside[f:] = 1.0
+    for one, other in ((p, q), (q, p)):
+        own, its = faulty.columns[one]["xyz"], faulty.columns[other]["xyz"]
+        step = np.nan_to_num(own[f] - its[f])
+        own += (smeared_over(inside, n) - inside)[:, None] * step
+    faulty.done.append(("smeared", f))
+    return True
+
+
+def smeared_over(inside: Floats, n: int) -> Floats:
+    """A step of 0 to 1 that goes on over n frames, as a filter leaves it."""
+    weight = np.hanning(n + 2)[1:-1]
+    return np.convolve(np.pad(inside, n, mode="edge"), weight / weight.sum(), mode="same")[n:-n]
+
+
 KINDS: dict[str, Callable[[Faulty, np.random.Generator], bool]] = {
-    "exchange": exchange, "stretch": stretch, "join": join, "spike": spike, "cut": cut
+    "exchange": exchange, "stretch": stretch, "join": join, "spike": spike, "cut": cut, "rough": rough,
+    "smeared": smeared,
 }  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.data.edits import is_named
-from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
+from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
 
@@ -62,6 +62,54 @@ def test_what_jumps_with_all_that_is_near_it_is_motion_and_alone_it_is_a_spike(r
     for moved, least, most in ((together, 0.0, 0.1), (spiked(trial, 6, at, at + 2, mm=mm), 0.2, 1.0)):
         (own,) = (one for one in spikes(Paths.of(moved)) if (one.path, one.first, one.last) == (6, at, at + 1))
         assert least < own.wrong < most
+
+
+def smeared(trial, p, first, stop, off, frames):
+    """Samples stand off, and the steps there and back go on over some frames, as filters leave them."""
+    inside = np.zeros(trial.n_frames)
+    inside[first:stop] = 1.0
+    weight = np.hanning(frames + 2)[1:-1] / np.hanning(frames + 2).sum()
+    slow = np.convolve(np.pad(inside, frames, mode="edge"), weight, mode="same")[frames:-frames]
+    return with_xyz(trial, {p: trial.paths[p].xyz + slow[:, None] * np.asarray(off)})
+
+
+def likely_leaps(trial, above=0.5):
+    return [one for one in leaps(Paths.of(trial)) if one.wrong > above]
+
+
+@pytest.mark.parametrize("frames", [1, 2, 4])
+@pytest.mark.parametrize("seed", [3, 8])
+def test_a_path_that_goes_over_to_another_place_within_some_frames_leaps(seed, frames):
+    trial = clean(seed=seed)
+    assert not likely_leaps(trial, 0.05)
+    for p, f in ((4, 150), (9, 220), (15, 260)):
+        (one,) = likely_leaps(smeared(trial, p, f, None, [60.0, 50.0, 0.0], frames), 0.2)
+        assert one.path == p and not one.back and 40 < one.mm < 90
+        assert f - frames <= one.before < f <= one.after <= f + frames and one.after - one.before <= frames + 1
+
+
+def test_a_leap_that_ends_in_a_gap_is_found_on_either_side_of_it():
+    whole = smeared(clean(), 6, 200, None, [80.0, 0.0, 0.0], 3)
+    for first, stop in ((204, 240), (150, 190)):
+        (one,) = likely_leaps(without(whole, 6, first, stop))
+        assert one.path == 6 and one.before < 200 <= one.after
+
+
+def test_leaps_there_and_back_are_one_whose_samples_are_wrong():
+    (one,) = likely_leaps(smeared(clean(), 6, 200, 215, [0.0, 90.0, 0.0], 3))
+    assert one.back and one.before < 200 and 215 <= one.after < 220
+
+
+def test_what_leaps_with_all_that_is_near_it_is_motion():
+    trial = every(clean(), 4)
+    at = trial.n_frames // 2
+    near = np.linalg.norm(trial.xyz[:, at] - trial.xyz[6, at], axis=1).argsort()[:14].tolist()
+    together = trial
+    for p in near:
+        together = smeared(together, p, at, None, [0.0, 0.0, 90.0], 1)
+    assert not [one for one in likely_leaps(together, 0.1) if one.path == 6]
+    (alone,) = [one for one in likely_leaps(smeared(trial, 6, at, None, [0.0, 0.0, 90.0], 1), 0.2) if one.path == 6]
+    assert alone.before < at <= alone.after
 
 
 def test_two_pieces_of_one_marker_are_likelier_one_than_two_of_two():

@@ -19,7 +19,7 @@ from kinemark.engine.problems import filled_gaps, problems
 from kinemark.io.c3d import read_c3d, write_c3d
 from support.computed import computed, walker, with_computed
 from support.edited import scene
-from support.walked import clean, exchanged, nearest, spiked, walk, without
+from support.walked import clean, exchanged, nearest, spiked, walk, with_xyz, without
 
 P, AT = 9, 200
 
@@ -57,6 +57,25 @@ def test_taking_the_best_alternatives_gives_the_trial_back(tmp_path):
         (faulty().names[6], "erased", 3)
     ]
     assert not asked(editing)
+
+
+@pytest.mark.parametrize(("stop", "action"), [(None, "cut"), (215, "erase")])
+def test_a_leap_is_one_problem_and_its_best_alternative_leaves_only_right_samples(tmp_path, stop, action):
+    xyz = clean().paths[6].xyz.copy()
+    away = np.zeros(len(xyz))
+    away[200:stop] = 1.0
+    away[199:201] = 0.3, 0.8
+    xyz += away[:, None] * [0.0, 90.0, 30.0]
+    editing = editing_of(with_xyz(clean(), {6: xyz}), tmp_path)
+    (one,) = problems(editing).asked
+    assert (one.kind, one.tracks) == ("join", (clean().names[6],)) and one.first <= 200 < one.last
+    best = one.alternatives[0]
+    assert best.action == action
+    editing.say(*best.edits)
+    left = editing.edited().trajectories[clean().names[6]].xyz
+    off = np.linalg.norm(left - clean().paths[6].xyz, axis=1)
+    assert np.nanmax(off) < 1e-9 and np.isfinite(off).sum() >= (199 if stop is None else len(xyz) - 20)
+    assert not asked(editing, 0.05)
 
 
 def test_a_verdict_takes_a_problem_away_and_undo_brings_it_back_with_its_id(tmp_path):

@@ -9,7 +9,7 @@ import numpy as np
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
 from kinemark.edit import connection, cropped, difference, replay, stretch_of
-from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
+from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
@@ -79,11 +79,11 @@ def _(by):
     return Answer(rest=[one[:5] for one in (*found.renamed, *found.changed)])
 
 
-@law(changes, places, spikes, pieces, ghosts, share=1e-2)
+@law(changes, places, spikes, leaps, pieces, ghosts, share=1e-2)
 def _(by):
     whole = trial(by)
     paths = Paths.of(whole)
-    some = [*changes(paths, places(paths)), *spikes(paths), *pieces(paths), *ghosts(paths, whole)]
+    some = [*changes(paths, places(paths)), *spikes(paths), *leaps(paths), *pieces(paths), *ghosts(paths, whole)]
     return Answer(rest=[round(one.wrong, 2) for one in some])
 
 

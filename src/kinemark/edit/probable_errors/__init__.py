@@ -2,6 +2,7 @@
 
 from .changes import Change, changes
 from .ghosts import Ghost, ghosts
+from .leaps import Leap, leaps
 from .paths import Paths
 from .pieces import Piece, pieces
 from .places import Partner, Place, places
@@ -11,6 +12,7 @@ from .spikes import Spike, spikes
 __all__ = [
     "Change",
     "Ghost",
+    "Leap",
     "Partner",
     "Paths",
     "Piece",
@@ -18,6 +20,7 @@ __all__ = [
     "Spike",
     "changes",
     "ghosts",
+    "leaps",
     "name_probability",
     "pieces",
     "places",

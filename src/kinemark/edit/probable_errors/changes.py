@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
-from .paths import Ends, Meeting, Paths, ends, meeting
+from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
 from .probability import probability
 from .shape import Distances, distances, misfit
@@ -204,8 +204,8 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     return best
 
 
-USUAL_MM, SIGNIFICANT = 10.0, 11.34
-"""mm; and χ² of three degrees of freedom that 1 in 100 exceeds; chosen."""
+USUAL_MM = 10.0
+"""mm beside which distances are told apart; chosen."""
 USUAL_MISFIT = 1.0
 """Misfit by shape of halves that are one marker, in the mean; measured by studies/probable_errors.py."""
 SHAPE_NATS = 4.0

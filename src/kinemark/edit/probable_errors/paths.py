@@ -46,6 +46,8 @@ TESTS = 400
 """Pieces that are taken out at most, over all paths; chosen."""
 HALF = 2.366
 """Median of χ² with three degrees of freedom; by definition."""
+SIGNIFICANT = 11.34
+"""χ² of three degrees of freedom that 1 in 100 exceeds; by definition."""
 
 JUMP, JUMP_MM = 6.0, 3.0
 """Times what is usual, and mm besides noise, of (5); chosen: noise alone reaches them once in thousands of samples."""
@@ -206,13 +208,31 @@ def _tests(paths: Paths, held: int) -> tuple[Ints, Ints]:
     return np.array(who, np.int64), np.array(index, np.int64)
 
 
+def sudden(paths: Paths, p: int) -> tuple[Ints, Ints]:
+    """Indices of the samples of path p from which a step to the next frame differs from the step before, and from the
+    step after it, by as much as (5) says; the path's first and last step do."""
+    own = paths.frames[p]
+    if len(own) < 3:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    before, after, most = _step_changes(paths.xyz[p, own], own, paths.sd[p])
+    before[0] = after[-1] = np.inf
+    step = np.diff(own) == 1
+    return np.flatnonzero(step & (before > most)), np.flatnonzero(step & (after > most))
+
+
 def _jumps(xyz: Floats, frame: Ints, sd: float) -> Ints:
     """Indices of last samples (N, 3) before jumps (5), from one frame to the next."""
     if len(xyz) < 3:
         return np.zeros(0, np.int64)
-    rate = np.diff(xyz, axis=0) / np.diff(frame)[:, None]
-    before, after = np.vstack([rate[:1], rate[:-1]]), np.vstack([rate[1:], rate[-1:]])
-    off = np.minimum(np.linalg.norm(rate - before, axis=1), np.linalg.norm(rate - after, axis=1))
+    before, after, most = _step_changes(xyz, frame, sd)
+    return np.flatnonzero((np.diff(frame) == 1) & (np.minimum(before, after) > most))
+
+
+def _step_changes(xyz: Floats, frame: Ints, sd: float) -> tuple[Floats, Floats, Floats]:
+    """How much each step (N − 1) differs from that before and after it, 0 where there is none; and (5), mm a frame."""
+    change = np.linalg.norm(np.diff(np.diff(xyz, axis=0) / np.diff(frame)[:, None], axis=0), axis=1)
+    before, after = np.append(0.0, change), np.append(change, 0.0)
+    off = np.minimum(before, after)
     usual = scipy.ndimage.median_filter(off, 2 * USUAL_STEPS + 1, mode="nearest")
     usual = np.minimum(usual, RESTLESS * np.median(off))
-    return np.flatnonzero((np.diff(frame) == 1) & (off > JUMP * (usual + sd) + JUMP_MM))
+    return before, after, JUMP * (usual + sd) + JUMP_MM

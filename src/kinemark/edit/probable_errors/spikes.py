@@ -12,19 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
-from ...geometry.align import rigid_align
+from .carried import LEAST_MM, left_mm
 from .paths import Ends, Paths, between, ends, meeting
 from .probability import probability
 
 SPIKE_S = 0.15
 """s; chosen: longer than an image that was taken wrongly lasts."""
-
-LEAST_MM = 1.0
-"""mm below which distances do not differ; chosen."""
-
-NEAR, COMPANIONS = 12, 5
-"""Nearest paths, and those of them whose distance changes least, that a path is held against; chosen: of a segment, and
-of it with its neighbours."""
 
 TRACKED, IN_FILE = "spike", "spike_in_file"
 """Kinds: samples with images behind them, which tracking may have taken wrongly, and those of files, which somebody
@@ -119,17 +112,8 @@ def _left(paths: Paths, p: int, before: int, after: int, off: float) -> float:
     """`SpikeEvidence.left` of samples between two frames that are so far off, mm."""
     frames = paths.frames[p]
     middle = int(frames[np.searchsorted(frames, (before + after) / 2)])
-    three = paths.xyz[:, [before, min(middle, after - 1), after]]
-    d = np.linalg.norm(three - three[p], axis=2)
-    d[p] = np.nan
-    near = np.flatnonzero(np.isfinite(d).all(1))
-    near = near[np.argsort(d[near, 0] + d[near, 2])][:NEAR]
-    near = near[np.argsort(np.abs(d[near, 2] - d[near, 0]))][:COMPANIONS]
-    if len(near) < 3:
-        return ALONE
-    carried = [R @ three[p, k] + t for k in (0, 2) for R, t in [rigid_align(three[near, k], three[near, 1])]]
-    change = np.linalg.norm(three[p, 1] - np.mean(carried, axis=0))
-    return float(min(np.log((change + LEAST_MM) / (off + LEAST_MM)), 0.0))
+    change = left_mm(paths, p, min(middle, after - 1), before, after)
+    return ALONE if np.isnan(change) else float(min(np.log((change + LEAST_MM) / (off + LEAST_MM)), 0.0))
 
 
 def _apart(found: list[Spike]) -> list[Spike]:

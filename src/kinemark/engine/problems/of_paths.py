@@ -10,13 +10,29 @@ import numpy as np
 
 from ...data import MarkerTrajectory, Trajectories
 from ...data.edits import Edit, is_named
-from ...data.problems import Alternative, Problem, ProblemKind
-from ...edit.probable_errors import Change, Ghost, Paths, Piece, Spike, changes, ghosts, pieces, places, spikes
+from ...data.problems import ASK_ABOVE, Alternative, Problem, ProblemKind
+from ...edit.probable_errors import (
+    Change,
+    Ghost,
+    Leap,
+    Paths,
+    Piece,
+    Spike,
+    changes,
+    ghosts,
+    leaps,
+    pieces,
+    places,
+    spikes,
+)
+from ...edit.probable_errors.spikes import IN_FILE
 from ...report.words.problems import problem_text
 from .context import VERSIONS, Context
 
 TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
+LIKELY = 0.5
+"""Probability from which on a spike or a leap stands for the changes at its edges; chosen."""
 GHOST_MM = 20.0
 """mm that a sample of no marker is off; chosen: what filling may be off at most."""
 
@@ -26,6 +42,7 @@ class Found(NamedTuple):
 
     paths: Paths
     spikes: tuple[Spike, ...]
+    leaps: tuple[Leap, ...]
     changes: tuple[Change, ...]
     pieces: tuple[Piece, ...]
     ghosts: tuple[Ghost, ...]
@@ -37,6 +54,8 @@ def of_paths(context: Context) -> Iterator[Problem]:
     found = _found(context.markers, now.rate, now.first_frame, tuple(_told(context)))
     for spike in found.spikes:
         yield _spike(context, spike)
+    for leap in found.leaps:
+        yield _leap(context, leap)
     for change in found.changes:
         yield _change(context, found.paths, change)
     for piece in found.pieces:
@@ -53,9 +72,12 @@ def _found(
     """Of these paths; verdicts, choices for gaps and events leave them the same records, and undo brings them back."""
     now = Trajectories(some, rate, first_frame)
     paths = Paths.of(now)
-    found = tuple(spikes(paths))
-    own = _once(_not_in_spikes(changes(paths, places(paths, told)), found, paths), paths)
-    return Found(paths, found, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)))
+    own = changes(paths, places(paths, told))
+    off, gone = _each_once(spikes(paths), _not_exchanged(leaps(paths), own))
+    own = _once(_not_in_others(own, off, gone, paths), paths)
+    telling = _worth_a_look(own, off, gone)
+    off, gone = (tuple(one for one in some if not _beside(one, telling, paths)) for some in (off, gone))
+    return Found(paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)))
 
 
 def _told(context: Context) -> Iterator[tuple[int, float, int]]:
@@ -71,13 +93,63 @@ def _told(context: Context) -> Iterator[tuple[int, float, int]]:
                 yield path, (decision.first + decision.last) / 2, others[0] if others else -1
 
 
-def _not_in_spikes(some: Sequence[Change], found: Sequence[Spike], paths: Paths) -> list[Change]:
-    """The changes that are not the edge of a spike that is likelier."""
-    inside = {(s.path, f): s.wrong for s in found for f in range(s.first - 1, s.last + 1)}
-    frames = [int(paths.frames[one.place.path][one.place.sample]) for one in some]
-    return [
-        one for one, f in zip(some, frames, strict=True) if inside.get((one.place.path, f), 0.0) < max(one.wrong, 0.5)
-    ]
+def _not_exchanged(gone: Sequence[Leap], some: Sequence[Change]) -> list[Leap]:
+    """The leaps that are no exchange of two paths, which is likely and says more."""
+    known = [
+        (path, one.place.middle) for one in some if one.wrong >= LIKELY and one.partner.path >= 0
+        for path in (one.place.path, one.partner.path)
+    ]  # fmt: skip
+    return [one for one in gone if not any(one.path == path and one.before <= f <= one.after for path, f in known)]
+
+
+def _each_once(off: Sequence[Spike], gone: Sequence[Leap]) -> tuple[tuple[Spike, ...], tuple[Leap, ...]]:
+    """Without the spikes that leaps say, and the leaps into likely spikes or out of them."""
+    left = tuple(one for one in off if not _said(gone, one.path, one.first, one.last, one.wrong))
+    edge = {
+        leap for spike in left for leap in gone
+        if spike.path == leap.path and spike.first - 1 <= leap.before and leap.after <= spike.last + 1
+        and spike.wrong >= LIKELY
+    }  # fmt: skip
+    return left, tuple(leap for leap in gone if leap not in edge)
+
+
+def _said(gone: Sequence[Leap], path: int, first: int, last: int, wrong: float) -> bool:
+    """Whether a leap that is as likely says what is seen in these frames."""
+    return any(one.path == path and one.before <= last and first <= one.after and wrong <= one.wrong for one in gone)
+
+
+def _worth_a_look(own: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap]) -> dict[int, list[float]]:
+    """path → frames of what is worth a look there."""
+    found = [(one.place.path, one.place.middle, one.place.middle, one.wrong) for one in own]
+    found += [(one.partner.path, one.place.middle, one.place.middle, one.wrong) for one in own]
+    found += [(one.path, one.first, one.last, one.wrong) for one in off]
+    found += [(one.path, one.before, one.after, one.wrong) for one in gone]
+    frames: dict[int, list[float]] = {}
+    for path, first, last, wrong in found:
+        if wrong >= ASK_ABOVE:
+            frames.setdefault(path, []).extend((first, last))
+    return frames
+
+
+def _beside(one: Spike | Leap, telling: dict[int, list[float]], paths: Paths) -> bool:
+    """Whether what a file shows is not worth a look, and seen with what is."""
+    if one.wrong >= ASK_ABOVE or (isinstance(one, Spike) and one.kind != IN_FILE):
+        return False
+    first, last = (one.first, one.last) if isinstance(one, Spike) else (one.before, one.after)
+    near = TOGETHER_S * paths.rate
+    return any(first - near <= frame <= last + near for frame in telling.get(one.path, ()))
+
+
+def _not_in_others(some: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], paths: Paths) -> list[Change]:
+    """The changes that are not the edge of a spike that is likelier, and that leaps do not say."""
+    inside = {(s.path, f): s.wrong for s in off for f in range(s.first - 1, s.last + 1)}
+    kept = []
+    for one in some:
+        path, (f, g) = one.place.path, paths.frames[one.place.path][one.place.sample :][:2].tolist()
+        edge = inside.get((path, f), 0.0) >= max(one.wrong, LIKELY)
+        if not edge and not _said(gone, path, f + 1, g - 1, one.wrong):
+            kept.append(one)
+    return kept
 
 
 def _once(some: Sequence[Change], paths: Paths) -> list[Change]:
@@ -156,6 +228,29 @@ def _spike(context: Context, spike: Spike) -> Problem:
     return Problem(
         context.id("spike", spike.path, spike.first), "spike", tracks, first, last, first, wrong, n, cost,
         problem_text("spike", tracks, first, last, spike.keep_mm), _by_cost(keep, erase), spike.evidence._asdict(),
+    )  # fmt: skip
+
+
+def _leap(context: Context, leap: Leap) -> Problem:
+    """A path that is elsewhere some frames later."""
+    p, f, g, wrong = leap.path, leap.before, leap.after, leap.wrong
+    tracks, own = (context.name(p),), context.samples(p)
+    first, last = f + context.start, g + context.start
+    inside, sides = int(((own > f) & (own < g)).sum()), min(int((own <= f).sum()), int((own >= g).sum()))
+    n = max(inside if leap.back else sides, 1)
+    keep = context.alternative(
+        "keep", tracks, last, 1 - wrong, wrong * n * leap.mm, [context.verdict("join", (p,), f, g, right=True)],
+        mm=leap.mm,
+    )  # fmt: skip
+    between = context.erase(p, f + 1, g - 1) if g > f + 1 else ()
+    rest = () if leap.back else context.claim(p, context.marker(p, "b"), g)
+    gone = context.alternative(
+        "erase" if leap.back else "cut", tracks, last, wrong, (1 - wrong) * n * leap.mm,
+        [*between, *rest, context.verdict("join", (p,), f, g, right=False)],
+    )  # fmt: skip
+    return Problem(
+        context.id("join", p, (f + g) / 2), "join", tracks, first, last, last, wrong, n, wrong * n * leap.mm,
+        problem_text("join", tracks, first, last, leap.mm), _by_cost(keep, gone), leap.evidence._asdict(),
     )  # fmt: skip
 
 

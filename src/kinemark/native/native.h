@@ -19,8 +19,9 @@
 #endif
 
 /* Before a function that goes over many numbers: compiled twice, and of the two that is taken which the processor at
-   hand can run. Both give the same to the last bit, as AVX2 by itself has no fused products. */
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
+   hand can run. Both give the same to the last bit, as AVX2 by itself has no fused products. -DCLONES= makes one. */
+#ifdef CLONES
+#elif defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define CLONES

@@ -233,6 +233,8 @@ def degenerate():
     spikes[2] = -1e9
     early = ordinary[:5].copy()
     early[:, 100:110] = np.nan
+    alternate = ordinary[:5].copy()
+    alternate[0, 1::2] = np.nan
     return {
         "two markers only": ordinary[:2],
         "no reference markers": ordinary[:1],
@@ -247,6 +249,7 @@ def degenerate():
         "spikes of 1e9": spikes,
         "1e200": np.full((4, 60, 3), 1e200),
         "all missing at once": early,
+        "never seen in two frames running": alternate,
     }
 
 

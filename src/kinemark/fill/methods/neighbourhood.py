@@ -56,4 +56,4 @@ def columns(known: KnownSamples, hood: Neighbourhood, frames: Ints) -> tuple[Flo
     """(1): signals (F, 3 K) in these frames, and the centres (F, 3) taken out."""
     x = known.at(hood.markers, frames[:, None])
     centre = np.einsum("fki->fi", x[:, : hood.n_seen]) / hood.n_seen
-    return (x - centre[:, None]).reshape(len(frames), -1), centre
+    return (x - centre[:, None]).reshape(len(frames), 3 * len(hood.markers)), centre

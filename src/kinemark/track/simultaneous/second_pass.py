@@ -104,6 +104,7 @@ def points_between(
         good = ((associated >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
             break
+        return_memory()
         known = known.plus(new.take(good))
         detection = np.concatenate([detection, associated[:, good]], 1)
     rows = np.arange(old, len(known.id))

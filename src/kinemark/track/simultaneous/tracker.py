@@ -21,9 +21,10 @@ the rig as given.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
@@ -171,6 +172,7 @@ def _first_pass(
     cloud, number = solved(seen.frame, seen.detection, seen.xyz, solver), own.sum(0)
     filtered = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1))
     del seen, own  # what no longer counts, before the cloud is in memory twice
+    return_memory()
     cloud = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting)
     return_memory()
     good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, number, method)
@@ -235,10 +237,18 @@ def _with_second_pass(
     by_frame = np.argsort(frame, kind="stable")
     start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
     columns = (
-        np.concatenate([getattr(cloud, name)[kept], getattr(new, name)[good]])[by_frame]
+        _joined(getattr(cloud, name), kept, getattr(new, name), good, by_frame)
         for name in ("xyz", "cov", "residual", "detection")
     )
     return Cloud(cloud.rate, start, *columns), ids[by_frame]
+
+
+def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
+    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
+    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
+    out[old] = one[np.flatnonzero(kept)[order[old]]]
+    out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
+    return out
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -23,6 +23,8 @@ export interface CurveView {
 
 /** Standard deviations of a band that holds 95 % on one axis. */
 const BAND = 1.96;
+/** Frames between two marks of the axis. */
+const STEPS = [1, 10, 100, 1000, 10_000, 100_000].flatMap((n) => [n, 2 * n, 5 * n]);
 const TITLES = ["X mm", "Y mm", "Z mm"] as const;
 
 export class Curves {
@@ -106,7 +108,7 @@ export class Curves {
         width, height, series, bands, legend: { show: false }, padding: [6, 16, k === 3 ? 0 : 6, 0],
         cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
         scales: { x: { time: false, range: [view.window[0], Math.max(view.window[1], view.window[0] + 1)] } },
-        axes: [{ ...axis, show: k === 3, size: 20, gap: 2 }, { ...axis, size: 50, gap: 3, label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
+        axes: [{ ...axis, show: k === 3, size: 20, gap: 2, incrs: STEPS, values: (_, at) => at.map(String) }, { ...axis, size: 50, gap: 3, label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
         hooks: { drawClear: [(u): void => shade(u, view.marked, p)] },
       },
       dataOf(view, frames, k), this.element,

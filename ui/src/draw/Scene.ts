@@ -26,6 +26,8 @@ export const ELLIPSOID = 2.7955, LARGER = 10;
 const NEAR_PX = 12;
 /** s of trail before and after the frame; chosen. */
 const BACK_S = 0.8, AHEAD_S = 0.4;
+/** mm from which a trial is seen at most at first, and share of the picture that holds it; chosen: names stand beside. */
+const FARTHEST_MM = 12000, WITHIN = 0.88;
 /** mm, radius of a marker; chosen: of 14 mm spheres, a little larger. */
 const RADIUS_MM = 11;
 
@@ -256,9 +258,22 @@ export class Scene {
   }
 
   private frameAll(low: readonly number[], high: readonly number[]): void {
-    const size = Math.hypot(...low.map((v, k) => high[k]! - v)) || 1000;
+    const size = Math.hypot(...low.map((v, k) => high[k]! - v)) || 1000, [x, y, z] = low.map((v, k) => (v + high[k]!) / 2) as [number, number, number];
+    this.size();
     this.orbit.azimuth = high[0]! - low[0]! > high[1]! - low[1]! ? -1.1 : 0.45;
-    this.orbit.look((low[0]! + high[0]!) / 2, (low[1]! + high[1]!) / 2, (low[2]! + high[2]!) / 2, Math.min(size * 1.25, 12000));
+    let from = 0.5 * size;
+    do this.orbit.look(x, y, z, (from *= 1.05)), this.orbit.place();
+    while (from < FARTHEST_MM && !this.holds(low, high));
+  }
+
+  /** Whether the picture holds the corners of a box. */
+  private holds(low: readonly number[], high: readonly number[]): boolean {
+    for (let n = 0; n < 8; n++) {
+      const [x, y, z] = [0, 1, 2].map((k) => (n & (1 << k) ? high : low)[k]!) as [number, number, number];
+      this.spot.set(x, y, z).project(this.camera);
+      if (Math.max(Math.abs(this.spot.x), Math.abs(this.spot.y)) > WITHIN) return false;
+    }
+    return true;
   }
 }
 

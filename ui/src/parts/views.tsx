@@ -120,7 +120,7 @@ export function CurvesView(): React.JSX.Element {
   return (
     <section className={styles.view} aria-label="Curves">
       <div ref={place} className={`${styles.fill} ${styles.under}`} role="img" aria-label={`X, Y, Z and ${fourth} of ${selected.join(" and ") || "no marker"} over time`} />
-      {!selected.length && <p className={styles.none}>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></p>}
+      {!selected.length && <p className={styles.none}><span>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></span></p>}
       {selected.length > 0 && <CurveLegend />}
     </section>
   );

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -150,12 +150,15 @@ def known_models(document: OpenDocument) -> dict[str, str]:
     return found
 
 
-def _none_fits(rows: Sequence[a.ModelRow]) -> str:
-    """That no model has all its markers, and what the one that lacks fewest of them lacks."""
-    nearest = min(rows, key=lambda row: len(row.wants))
+def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
+    """That no model has all its markers, and what one lacks of which most are there."""
+    wanted = {name: sided_model(file, None, names)[0] for name, file in known.items()}
+    lacking = {name: missing(model, names) for name, model in wanted.items()}
+    near = [name for name in known if 2 * len(lacking[name]) < len(wanted[name].markers)]
+    lacks = "".join(f"; {name} lacks {', '.join(lacking[name])}" for name in near)
     return (
-        f"No model has all its markers in this trial; {nearest.name} lacks {', '.join(nearest.wants)}. Name markers on "
-        "the screen Labels, or state a model of your own markers in session.toml, under [angles]."
+        f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of your "
+        "own markers in session.toml, under [angles]."
     )
 
 
@@ -173,7 +176,7 @@ def basis_of(document: OpenDocument, trial: Trial, said: a.AngleChoice) -> Basis
     fitting = [name for name, file in known.items() if fits(sided_model(file, None, names)[0], names)]
     name = said.model or usual or next(iter(fitting), None)
     if name is None:
-        raise KinemarkError(_none_fits([_model_row(document, one, names) for one in known]))
+        raise KinemarkError(_none_fits(known, names))
     settings = AngleSettings() if own is None else own.settings()
     stated = {key: value for key, value in said.model_dump(exclude={"model"}).items() if value is not None}
     if stated.get("smoothing") == "none":

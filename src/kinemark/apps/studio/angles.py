@@ -157,8 +157,8 @@ def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
     near = [name for name in known if 2 * len(lacking[name]) < len(wanted[name].markers)]
     lacks = "".join(f"; {name} lacks {', '.join(lacking[name])}" for name in near)
     return (
-        f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of your "
-        "own markers in session.toml, under [angles]."
+        f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of "
+        "your own markers in session.toml, under [angles]."
     )
 
 

@@ -7,10 +7,11 @@ import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
+from kinemark.apps.studio.angles import _none_fits
 from kinemark.data import Events, MarkerTrajectory, Trajectories, Trial
 from kinemark.engine.trial_angles import AngleSettings, trial_angles
 from kinemark.engine.um2as import limb_angles
-from kinemark.io.model_toml import load_model
+from kinemark.io.model_toml import load_model, models
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.io.um2as import read_angles
 from kinemark.synth.arm import arm
@@ -104,3 +105,9 @@ def test_models_are_known_by_name_and_never_by_path(eating, tmp_path):
         for what in ("", "/export"):
             assert asked(studio, what, model=name).status == 404
     assert "wants" in asked(studio, model="isb_shoulder").json()["words"]
+
+
+def test_where_no_model_fits_it_is_said_what_the_nearest_lacks():
+    known, wanted = {name: name for name in models()}, load_model("um2as").markers
+    assert f"; um2as lacks {wanted[-1]}. Name" in _none_fits(known, wanted[:-1])
+    assert "lacks" not in _none_fits(known, wanted[:1])

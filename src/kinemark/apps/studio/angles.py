@@ -151,14 +151,14 @@ def known_models(document: OpenDocument) -> dict[str, str]:
 
 
 def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
-    """That no model has all its markers, and what the one of which most are there lacks."""
+    """That no model has all its markers, and what one lacks of which most are there."""
     wanted = {name: sided_model(file, None, names)[0] for name, file in known.items()}
-    share = {name: 1 - len(missing(model, names)) / len(model.markers) for name, model in wanted.items()}
-    nearest = max(share, key=lambda name: share[name])
-    lacks = f"; {nearest} lacks {', '.join(missing(wanted[nearest], names))}" if share[nearest] > 0 else ""
+    lacking = {name: missing(model, names) for name, model in wanted.items()}
+    near = [name for name in known if 2 * len(lacking[name]) < len(wanted[name].markers)]
+    lacks = "".join(f"; {name} lacks {', '.join(lacking[name])}" for name in near)
     return (
-        f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of your "
-        "own markers in session.toml, under [angles]."
+        f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of "
+        "your own markers in session.toml, under [angles]."
     )
 
 

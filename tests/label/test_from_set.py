@@ -1,5 +1,6 @@
 """A marker set with a static trial, or with a height, names the markers of a subject who wears it."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 import scipy
 from labelling import shredded
 
-from kinemark.data import KinemarkError
+from kinemark.data import KinemarkError, MarkerTrajectory
 from kinemark.io.marker_sets import marker_sets, read_marker_set
 from kinemark.label import figure_template, label, static_template
 from kinemark.label.anatomy import Anatomy
@@ -139,3 +140,32 @@ def test_feet_and_pelvis_tell_the_front_and_with_it_the_sides():
     assert anatomy.agreement(y[:, mirrored(trial.names)]) < 0.5
     none = [name for name in trial.names if not name.endswith(("HEE", "TOE"))]
     assert Anatomy.of(none).agreement(np.moveaxis(trial.select(none).xyz, 1, 0)) == 0
+
+
+@pytest.mark.parametrize("hand", [1, -1])
+def test_elbow_wrist_and_hand_tell_the_two_markers_of_a_wrist_apart(hand):
+    """From the elbow all three lie in one direction, yet the four are far from one plane."""
+    worn, still, _ = subject("plug-in-gait-full", 4)
+    elbow, one, two = (np.nanmedian(still[name].xyz, axis=0) for name in ("LELB", "LWRA", "LWRB"))
+    out = np.cross(one - elbow, two - elbow)
+    raised = still["LFIN"].xyz + hand * 60.0 * out / np.linalg.norm(out)
+    paths = tuple(MarkerTrajectory.measured("LFIN", raised) if p.name == "LFIN" else p for p in still)
+    template = static_template(replace(still, paths=paths), worn)
+    at = [template.names.index(name) for name in ("LELB", "LWRA", "LWRB", "LFIN")]
+    (k,) = (k for k, quad in enumerate(template.handed.tolist()) if set(quad) == set(at))
+    order = [at.index(a) for a in template.handed[k].tolist()]
+    assert template.sign[k] == hand * round(np.linalg.det(np.eye(4)[order]))
+
+
+def test_quadruples_that_are_nearly_in_one_plane_from_every_corner_are_left_out():
+    worn, still, _ = subject("plug-in-gait-full", 4)
+    template = static_template(still, worn)
+    at = np.stack([np.nanmedian(still[name].xyz, axis=0) for name in template.names])
+    for quad in template.handed.tolist():
+        best = 0.0
+        for k in range(4):
+            p, *others = at[np.roll(quad, k)]
+            u, v, w = (one - p for one in others)
+            best = max(best, abs(u @ np.cross(v, w)) / np.prod([np.linalg.norm(one) for one in (u, v, w)]))
+        alone = any({template.names[i] for i in quad} <= {*markers} for markers in worn.segments.values())
+        assert best > (0.1 if alone else 0.3)

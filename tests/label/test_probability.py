@@ -10,7 +10,7 @@ from kinemark.label import label, learn_template, shredded
 from kinemark.label.calibration import Cases, calibrated_shift, cases_of, shift_of
 from kinemark.label.decided_sides import decided_sides
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import logistic, margins, probability
+from kinemark.label.margin import BETA_OTHER, logistic, margins, probability
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
@@ -140,3 +140,23 @@ def test_a_template_knows_what_it_scores_on_its_own_data():
     jump = np.repeat(rng.normal(0, 400, (12, 3, 3)), 40, axis=1) + rng.normal(0, 1.0, (12, 120, 3))
     odd = Trajectories(tuple(MarkerTrajectory.measured(f"m{k}", x) for k, x in enumerate(jump)), 100.0)
     assert learn_template(odd).own_fit == pytest.approx(0.7)
+
+
+def test_a_name_is_surer_where_nothing_is_left_over_that_it_could_have_moved_up_to():
+    """A label that no marker has, a marker that has no name, and both at once."""
+    whole = walk(7, 39)
+    by = learn_template(walk(1, 39)).of_another(1.0)
+    stretches, pairs, true = known(whole, by)
+    a, other = (by.names.index(name) for name in ("X3", "X20"))
+    alike = margins(stretches, true, by, pairs)
+    p = {}
+    for shut in (0.0, 1.0, 2.0):
+        about = alike._replace(shut=np.full(len(true), shut))
+        p[shut] = probability(about, stretches.weight, label=BETA_OTHER)
+    assert (p[0.0] < p[1.0]).all() and (p[1.0] < p[2.0]).all()
+    assert (alike.shut == 2).all()
+    without = np.where(np.isin(true, [a]), -1, true)  # its marker has no name, and its label is absent
+    assert (margins(stretches, without, by, pairs).shut[without >= 0] == 0).all()
+    kept = whole.select([name for name in whole.names if name != by.names[other]])
+    stretches, pairs, true = known(kept, by)
+    assert (margins(stretches, true, by, pairs).shut == 1).all()

@@ -67,13 +67,12 @@ BETA_TRACK = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84)
 """Of (3); logits; measured on the rows of benchmarks/labelling_cases.py that are tuned on, each shredded in two ways,
 then all times 1.25, less 0.2, by 234 random shreds of 0.4 to 5 s of walks and static trials' templates: with (2') more
 tracks were right than these said."""
-BETA_LABEL = (-0.92, 0.39, 1.52, 0.0, 0.0, 3.40, 1.05, 2.74, 0.0, 10.28, 0.0, 2.71, 0.0, 0.81, 0.0)
+BETA_LABEL = (-1.57, 0.34, 1.28, 0.0, 0.0, 3.11, 1.54, 2.44, 0.0, 11.86, 0.0, 3.18, 0.92, 0.45, 0.03)
 """Of (4), of the subject's own template; logits; measured by benchmarks/labelling_shreds.py on 10 658 labels of random
 shreds of walks' and static trials' templates; none but the first below 0, as what fits better makes no name less
 sure."""
-BETA_OTHER = (-4.11, 0.0, 0.0, 1.03, 0.0, 3.32, 2.22, 4.80, 1.49, 0.11, 0.0, 0.0, 0.0, 1.58, 1.72)
-"""Of (4), of another subject's template; logits; measured in the same way on 10 681 labels. W tells nothing here, as
-another subject's marker that is placed otherwise is so all through the trial."""
+BETA_OTHER = (-3.82, 0.0, 0.0, 1.00, 0.0, 3.27, 2.24, 4.33, 1.45, 0.63, 0.0, 0.03, 0.0, 1.54, 1.39)
+"""Of (4), of another subject's template; logits; measured in the same way on 10 681 labels."""
 RIGID = 0.1
 """Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
 trials leave 0.18 open elsewhere."""

@@ -17,6 +17,7 @@ from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
 from kinemark.io.c3d import read_c3d, write_c3d
+from kinemark.label import computed_points
 from support.computed import computed, walker, with_computed
 from support.edited import scene
 from support.walked import clean, exchanged, nearest, spiked, walk, with_xyz, without
@@ -199,6 +200,15 @@ def test_what_a_program_computed_of_markers_is_not_looked_at_and_this_is_said(tm
     with pytest.raises(SystemExit):
         app(["audit", str(source)], result_action="return_value")
     assert f"not looked at: {len(done.aside)} points that were computed" in capsys.readouterr().out
+
+
+def test_an_audit_looks_for_computed_points_once(tmp_path, monkeypatch):
+    source, calls = tmp_path / "walk.c3d", []
+    write_c3d(source, Trial("walk", with_computed(walker(duration_s=4.0))))
+    monkeypatch.setattr(
+        "kinemark.engine.put_aside.computed_points", lambda tracks: calls.append(tracks) or computed_points(tracks)
+    )
+    assert audit_file(source, mend=True).aside and len(calls) == 1
 
 
 def test_the_command_lists_with_a_status_and_a_bad_file_does_not_stop_the_others(tmp_path, capsys):

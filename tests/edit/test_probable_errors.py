@@ -6,6 +6,7 @@ import pytest
 from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
+from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
 
 
@@ -110,6 +111,30 @@ def test_what_leaps_with_all_that_is_near_it_is_motion():
     assert not [one for one in likely_leaps(together, 0.1) if one.path == 6]
     (alone,) = [one for one in likely_leaps(smeared(trial, 6, at, None, [0.0, 0.0, 90.0], 1), 0.2) if one.path == 6]
     assert alone.before < at <= alone.after
+
+
+def test_partners_are_the_paths_whose_halves_come_nearest_by_how_far_a_marker_may_come():
+    """Against the definition, said for one path at a time."""
+    rng = np.random.default_rng(2)
+    trial = clean()
+    for p in range(0, len(trial), 2):
+        first = int(rng.integers(20, 300))
+        trial = without(trial, p, first, first + int(rng.integers(2, 120)))
+    paths = Paths.of(trial)
+    for place in places(paths):
+        (f, g), shares = paths.frames[place.path][place.sample :][:2], {}
+        for q, own in enumerate(paths.frames):
+            before, after = own[own <= place.middle], own[own > place.middle]
+            here = [(before[-1], g)] if len(before) and g - before[-1] < APART_S * RATE else []
+            here += [(after[0], f)] if len(after) and after[0] - f < APART_S * RATE else []
+            if q != place.path and here:
+                shares[q] = min(
+                    np.linalg.norm(paths.xyz[q, a] - paths.xyz[place.path, b])
+                    / (REACH_MM + REACH_SPEED * abs(int(a) - int(b)) / RATE)
+                    for a, b in here
+                )
+        nearest_four = sorted((q for q in shares if shares[q] < 1), key=shares.get)[:PARTNERS]
+        assert {one.path for one in place.partners} >= {-1, *nearest_four}
 
 
 def test_two_pieces_of_one_marker_are_likelier_one_than_two_of_two():

@@ -1,6 +1,7 @@
 """Problems of a trial: what is seeded is listed, alternatives mend it, and what was decided is not asked again."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +18,11 @@ from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
 from kinemark.io.c3d import read_c3d, write_c3d
+from kinemark.io.trial import read_trial
+from kinemark.label import computed_points
 from support.computed import computed, walker, with_computed
 from support.edited import scene
+from support.shared import shared_data
 from support.walked import clean, exchanged, nearest, spiked, walk, with_xyz, without
 
 P, AT = 9, 200
@@ -199,6 +203,28 @@ def test_what_a_program_computed_of_markers_is_not_looked_at_and_this_is_said(tm
     with pytest.raises(SystemExit):
         app(["audit", str(source)], result_action="return_value")
     assert f"not looked at: {len(done.aside)} points that were computed" in capsys.readouterr().out
+
+
+def test_leaps_of_rough_tracks_of_another_system_lie_in_problems_worth_a_look(tmp_path):
+    source = tmp_path / "gait9.tdf"
+    shutil.copy(shared_data("cameras/gait9_bts/gait9.tdf"), source)
+    tracks, asked = read_trial(source).trajectories, audit_file(source).found.asked
+    leaps = [
+        (path.name, int(k) + tracks.first_frame)
+        for path in tracks
+        for k in np.flatnonzero(np.linalg.norm(np.diff(path.xyz, axis=0), axis=1) > 40)
+    ]
+    found = [any(name in one.tracks and one.first - 2 <= k <= one.last + 2 for one in asked) for name, k in leaps]
+    assert len(leaps) == 93 and sum(found) >= 90 and len(asked) < 100
+
+
+def test_an_audit_looks_for_computed_points_once(tmp_path, monkeypatch):
+    source, calls = tmp_path / "walk.c3d", []
+    write_c3d(source, Trial("walk", with_computed(walker(duration_s=4.0))))
+    monkeypatch.setattr(
+        "kinemark.engine.put_aside.computed_points", lambda tracks: calls.append(tracks) or computed_points(tracks)
+    )
+    assert audit_file(source, mend=True).aside and len(calls) == 1
 
 
 def test_the_command_lists_with_a_status_and_a_bad_file_does_not_stop_the_others(tmp_path, capsys):

@@ -27,6 +27,7 @@ def stretch_of(
     detections: Detections | None = None,
     world: str = "",
     among: Trajectories | None = None,
+    pieces: Ints | None = None,
 ) -> Stretch:
     """A stretch of one trajectory, with witnesses spread evenly over its samples, always one at each end.
 
@@ -41,6 +42,7 @@ def stretch_of(
         detections: behind the samples; None for a file without its images.
         world: key of the cameras whose world the places are in.
         among: the paths of the trial before all edits, on whose places it may step; `trajectories` where None.
+        pieces: (F) of the path, where they are known (`crossings.unbroken`).
 
     Raises:
         KeyError: there is no such trajectory.
@@ -54,7 +56,8 @@ def stretch_of(
     if not inside.any():
         raise ValueError(f"{name} has no sample in frames {low or 'from the first'} to {high or 'the last'}")
     chosen = _spread(frames[inside], None if at is None else at - trajectories.first_frame)
-    chosen = _in_each_piece(chosen, frames[inside], unbroken([path], among or trajectories)[0])
+    pieces = unbroken([path], among or trajectories)[0] if pieces is None else pieces
+    chosen = _in_each_piece(chosen, frames[inside], pieces)
     return Stretch(
         first, last, tuple(_witness(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world
     )

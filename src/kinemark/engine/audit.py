@@ -15,7 +15,7 @@ from ..data.problems import Alternative, Problem, Problems
 from ..label import Template
 from .edit_files import open_editing
 from .problems import problems
-from .put_aside import put_aside
+from .put_aside import computed_names
 
 SURE = 0.9
 """Probability from which on a problem is mended without a person; chosen: one act of ten may have to be undone."""
@@ -26,7 +26,7 @@ ROUNDS = 5
 
 class Audit(NamedTuple):
     """What was found in a file, as it is after mending, what was mended, and names of points that are no markers
-    (`put_aside`), which are not looked at."""
+    (`computed_names`), which are not looked at."""
 
     found: Problems
     mended: tuple[Problem, ...] = ()
@@ -53,8 +53,7 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
             editing.say(*_best(one).edits, why=f"{WHY}: {one.words}")
         mended += sure
         found = problems(editing, template=template)
-    aside = put_aside(editing.source).aside if editing.source else ()
-    return Audit(found, tuple(mended), tuple(path.name for path in aside))
+    return Audit(found, tuple(mended), computed_names(editing.source) if editing.source else ())
 
 
 def audit_files(

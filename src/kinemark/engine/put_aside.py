@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from functools import lru_cache
 from itertools import count
 from typing import NamedTuple
 
 from ..data import MarkerTrajectory, Trajectories, Trial
 from ..io.c3d import modeled_points
 from ..label import computed_points
+
+FILES = 3
+"""Trials whose computed points are remembered, a number; chosen: those that are looked at side by side."""
 
 
 class PutAside(NamedTuple):
@@ -30,6 +34,12 @@ def put_aside(trial: Trial, *, keep: Collection[str] = ()) -> PutAside:
     away = {name for name in found if name not in keep and name.rpartition(":")[2] not in keep}
     rest = tracks.select([name for name in tracks.names if name not in away])
     return PutAside(rest, tuple(path for path in tracks if path.name in away)) if len(rest) else PutAside(tracks)
+
+
+@lru_cache(maxsize=FILES)
+def computed_names(trial: Trial) -> tuple[str, ...]:
+    """Points of a file that are no markers, worked out once for each trial."""
+    return tuple(path.name for path in put_aside(trial).aside)
 
 
 def put_back(done: Trajectories, aside: Collection[MarkerTrajectory]) -> Trajectories:

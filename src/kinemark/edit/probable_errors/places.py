@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 from ...numerics.runs import true_runs
 from .paths import Paths
 
@@ -78,8 +78,8 @@ def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Pl
         i = paths.index_before(p, frame)
         if 0 <= i < len(paths.frames[p]) - 1:
             found.setdefault((p, i), set()).update({q} - {-1})
-    unsure = _unsure(paths, told)
-    return [_place(paths, p, i, others, (p, i) in unsure) for (p, i), others in sorted(found.items())]
+    unsure, beside = _unsure(paths, told), _Beside.of(paths)
+    return [_place(paths, beside, p, i, others, (p, i) in unsure) for (p, i), others in sorted(found.items())]
 
 
 def _unsure(paths: Paths, told: Iterable[tuple[int, float, int]]) -> set[tuple[int, int]]:
@@ -92,10 +92,26 @@ def _unsure(paths: Paths, told: Iterable[tuple[int, float, int]]) -> set[tuple[i
     return out
 
 
-def _place(paths: Paths, p: int, i: int, others: set[int], told: bool) -> Place:
+class _Beside(NamedTuple):
+    """(M, F) of each path and frame, the frame of its last sample up to there, −1 before the first, and of its first
+    from there on, F after the last."""
+
+    last: Ints
+    next: Ints
+
+    @classmethod
+    def of(cls, paths: Paths) -> _Beside:
+        n = paths.seen.shape[1]
+        at = np.arange(n)
+        last = np.maximum.accumulate(np.where(paths.seen, at, -1), axis=1)
+        ahead = np.minimum.accumulate(np.where(paths.seen, at, n)[:, ::-1], axis=1)[:, ::-1]
+        return cls(last, ahead)
+
+
+def _place(paths: Paths, beside: _Beside, p: int, i: int, others: set[int], told: bool) -> Place:
     own = paths.frames[p]
     middle = (own[i] + own[i + 1]) / 2
-    near = dict.fromkeys([*sorted(others), *_partners(paths, p, i, middle)])
+    near = dict.fromkeys([*sorted(others), *_partners(paths, beside, p, i)])
     cuts = [cut for q in near for cut in _cuts(paths, q, float(own[i]), float(own[i + 1]))]
     return Place(p, i, float(middle), (NOBODY, *cuts), told)
 
@@ -109,28 +125,22 @@ def _cuts(paths: Paths, q: int, first: float, last: float) -> list[Partner]:
     return [Partner(q, j) for j in sorted(at | set(inside.tolist()))]
 
 
-def _partners(paths: Paths, p: int, i: int, middle: float) -> list[int]:
+def _partners(paths: Paths, beside: _Beside, p: int, i: int) -> list[int]:
     """Those whose halves are nearest to the halves of p."""
-    own = paths.frames[p]
-    a, b = paths.xyz[p, own[i]], paths.xyz[p, own[i + 1]]
-    scored = []
-    for q, frames in enumerate(paths.frames):
-        if q == p or not len(frames):
-            continue
-        j = int(np.searchsorted(frames, middle, side="right")) - 1
-        near = []
-        if j >= 0 and own[i + 1] - frames[j] < APART_S * paths.rate:
-            near.append(_far(paths, paths.xyz[q, frames[j]], b, own[i + 1] - frames[j]))
-        if j + 1 < len(frames) and frames[j + 1] - own[i] < APART_S * paths.rate:
-            near.append(_far(paths, paths.xyz[q, frames[j + 1]], a, frames[j + 1] - own[i]))
-        if near and min(near) < 1:
-            scored.append((min(near), q))
-    return [q for _, q in sorted(scored)[:PARTNERS]]
-
-
-def _far(paths: Paths, x: Floats, y: Floats, frames: float) -> float:
-    """Distance by how far a marker may come in these frames."""
-    return float(np.linalg.norm(x - y)) / (REACH_MM + REACH_SPEED * float(frames) / paths.rate)
+    f, g = paths.frames[p][i : i + 2].tolist()
+    middle, longest = (f + g) // 2, APART_S * paths.rate
+    last, ahead = beside.last[:, middle], beside.next[:, middle + 1]
+    near = np.full(len(last), np.inf)
+    for there, at, end, frames in (
+        ((last >= 0) & (g - last < longest), last, paths.xyz[p, g], g - last),
+        ((ahead < beside.last.shape[1]) & (ahead - f < longest), ahead, paths.xyz[p, f], ahead - f),
+    ):
+        q = np.flatnonzero(there)
+        far = np.linalg.norm(paths.xyz[q, at[q]] - end, axis=1)
+        near[q] = np.minimum(near[q], far / (REACH_MM + REACH_SPEED * frames[q] / paths.rate))
+    near[p] = np.inf
+    order = np.argsort(near, kind="stable")[:PARTNERS]
+    return order[near[order] < 1].tolist()
 
 
 def _near(paths: Paths) -> Iterator[tuple[int, float, int]]:

@@ -48,7 +48,8 @@ def distances(paths: Paths, p: int, middle: float, side: int) -> Distances:
     if len(own) < ENOUGH:
         unknown = np.full(len(paths.frames), np.nan)
         return Distances(unknown, unknown)
-    d = np.linalg.norm(paths.xyz[:, own] - paths.xyz[p, own], axis=-1)
+    off = paths.xyz[:, own] - paths.xyz[p, own]
+    d = np.sqrt(np.einsum("mfk,mfk->mf", off, off))
     there = np.isfinite(d)
     n_there = there.sum(1)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...data import MarkerTrajectory, Origin, Trajectories, Trial
+from ...data import MarkerTrajectory, Origin, Trajectories
 from ...data.array_types import Floats, Ints
 from ...data.edits import UNNAMED, Claim, Edit, Erase, Stretch, Verdict, is_named
 from ...data.problems import Action, Alternative, ProblemKind, problem_id
 from ...edit import Edited, stretch_of
+from ...edit.crossings import unbroken
 from ...report.words.problems import action_text
 from ..edit_makers import REVIEWED_BESIDE
 from ..editing import Editing
-from ..put_aside import put_aside
+from ..put_aside import computed_names
 
 VERSIONS = 3
 """Of a trial whose problems are kept, a number; chosen: now, before the last act, and what is judged besides."""
@@ -24,7 +25,7 @@ GRID_MM, GRID_S = 50.0, 0.1
 """To which places and times are rounded in the id of a problem; chosen: far above what reprocessing moves them."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Context:
     """A trial that is looked at.
 
@@ -40,11 +41,21 @@ class Context:
         """The trajectories as they are called now."""
         return self.edited.trajectories
 
+    @cached_property
+    def pieces(self) -> Ints:
+        """(M, F) of each path, unbroken (`crossings.unbroken`): worked out once for all that is said of it."""
+        return unbroken(self.now.paths, self.now)
+
+    @cached_property
+    def own(self) -> tuple[Ints, ...]:
+        """Frames that each path has, from 0."""
+        return tuple(np.flatnonzero(path.origin != Origin.MISSING) for path in self.now)
+
     @property
     def computed(self) -> frozenset[str]:
         """Points of a file that are no markers (`put_aside`): what they do is no problem of its own."""
         source = self.editing.source
-        return frozenset() if source is None else _computed(source)
+        return frozenset() if source is None else frozenset(computed_names(source))
 
     @property
     def markers(self) -> tuple[MarkerTrajectory, ...]:
@@ -82,7 +93,9 @@ class Context:
         """
         a, b = (None if f is None else f + self.start for f in (first, last))
         e = self.editing
-        return stretch_of(self.now, self.name(path), first=a, last=b, detections=e.detections, world=e.world)
+        return stretch_of(
+            self.now, self.name(path), first=a, last=b, detections=e.detections, world=e.world, pieces=self.pieces[path]
+        )
 
     def claim(
         self, path: int, name: str | None, first: int | None = None, last: int | None = None, *, again: bool = False
@@ -123,7 +136,7 @@ class Context:
 
     def samples(self, path: int) -> Ints:
         """Frames that a path has, from 0."""
-        return np.flatnonzero(self.now.paths[path].origin != Origin.MISSING)
+        return self.own[path]
 
     def apart(self, one: int, other: int) -> float:
         """Median distance of two paths, mm; NaN where they are never seen together."""
@@ -143,14 +156,8 @@ class Context:
             return None
         return stretch_of(
             self.now, self.name(path), first=first + self.start, last=last + self.start, within=within,
-            detections=e.detections, world=e.world,
+            detections=e.detections, world=e.world, pieces=self.pieces[path],
         )  # fmt: skip
-
-
-@lru_cache(maxsize=VERSIONS)
-def _computed(source: Trial) -> frozenset[str]:
-    """Of a file's trial, once."""
-    return frozenset(path.name for path in put_aside(source).aside)
 
 
 @lru_cache(maxsize=1024)

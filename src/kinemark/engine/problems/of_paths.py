@@ -25,7 +25,6 @@ from ...edit.probable_errors import (
     places,
     spikes,
 )
-from ...edit.probable_errors.spikes import IN_FILE
 from ...report.words.problems import problem_text
 from .context import VERSIONS, Context
 
@@ -75,8 +74,7 @@ def _found(
     own = changes(paths, places(paths, told))
     off, gone = _each_once(spikes(paths), _not_exchanged(leaps(paths), own))
     own = _once(_not_in_others(own, off, gone, paths), paths)
-    telling = _worth_a_look(own, off, gone)
-    off, gone = (tuple(one for one in some if not _beside(one, telling, paths)) for some in (off, gone))
+    own, off, gone = _without_beside(own, off, gone, paths)
     return Found(paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)))
 
 
@@ -118,26 +116,36 @@ def _said(gone: Sequence[Leap], path: int, first: int, last: int, wrong: float) 
     return any(one.path == path and one.before <= last and first <= one.after and wrong <= one.wrong for one in gone)
 
 
-def _worth_a_look(own: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap]) -> dict[int, list[float]]:
-    """path → frames of what is worth a look there."""
+def _without_beside(
+    own: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], paths: Paths
+) -> tuple[list[Change], tuple[Spike, ...], tuple[Leap, ...]]:
+    """Without what files show that is not worth a look, and near to what is: it is looked at with that."""
+    telling = _worth_a_look(own, off, gone, TOGETHER_S * paths.rate)
+
+    def kept(path: int, first: float, last: float, wrong: float) -> bool:
+        near = (low <= last and first <= high for low, high in telling.get(path, ()))
+        return wrong >= ASK_ABOVE or bool(paths.images[path].any()) or not any(near)
+
+    return (
+        [one for one in own if kept(one.place.path, one.place.middle, one.place.middle, one.wrong)],
+        tuple(one for one in off if kept(one.path, one.first, one.last, one.wrong)),
+        tuple(one for one in gone if kept(one.path, one.before, one.after, one.wrong)),
+    )
+
+
+def _worth_a_look(
+    own: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], near: float
+) -> dict[int, list[tuple[float, float]]]:
+    """path → frames near to which something is worth a look."""
     found = [(one.place.path, one.place.middle, one.place.middle, one.wrong) for one in own]
     found += [(one.partner.path, one.place.middle, one.place.middle, one.wrong) for one in own]
     found += [(one.path, one.first, one.last, one.wrong) for one in off]
     found += [(one.path, one.before, one.after, one.wrong) for one in gone]
-    frames: dict[int, list[float]] = {}
+    frames: dict[int, list[tuple[float, float]]] = {}
     for path, first, last, wrong in found:
         if wrong >= ASK_ABOVE:
-            frames.setdefault(path, []).extend((first, last))
+            frames.setdefault(path, []).append((first - near, last + near))
     return frames
-
-
-def _beside(one: Spike | Leap, telling: dict[int, list[float]], paths: Paths) -> bool:
-    """Whether what a file shows is not worth a look, and seen with what is."""
-    if one.wrong >= ASK_ABOVE or (isinstance(one, Spike) and one.kind != IN_FILE):
-        return False
-    first, last = (one.first, one.last) if isinstance(one, Spike) else (one.before, one.after)
-    near = TOGETHER_S * paths.rate
-    return any(first - near <= frame <= last + near for frame in telling.get(one.path, ()))
 
 
 def _not_in_others(some: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], paths: Paths) -> list[Change]:

@@ -33,6 +33,7 @@ from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
+from .companions import with_companions
 from .detection_index import Images, read_images
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
@@ -115,6 +116,8 @@ def track_once(
     solver = solver_for(detections, shared, working, errors)
     cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
+    whole = with_companions(points := _points(cloud, ids), whole, T, method)
+    cloud, ids = _once_a_frame(cloud, whole.id[points.id])
     if working.rig is not rig:
         cloud = on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
@@ -129,6 +132,14 @@ def track_once(
 def _points(cloud: Cloud, ids: Ints) -> TrackPoints:
     """Of tracks ids (P)."""
     return TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+
+
+def _once_a_frame(cloud: Cloud, ids: Ints) -> tuple[Cloud, Ints]:
+    """The points and their tracks, of two of one track in a frame that of more images."""
+    order = np.lexsort([-(cloud.detection >= 0).sum(1), ids, cloud.frame])
+    kept = np.zeros(len(ids), bool)
+    kept[order] = begins(cloud.frame[order], ids[order])
+    return cloud.keep(kept), ids[kept]
 
 
 def _without_merged(

@@ -1,0 +1,215 @@
+"""Joining by companions: pieces that have the same place among others before a gap and after it are one track.
+
+A stitch (`stitch`) needs motion, which says nothing after some tenths of a second, and three steady distances within a
+second. Where a plate or a whole body moves fast, or leaves the view for seconds, many pieces end and begin at once.
+What they keep are the distances to all that is seen beside them on both sides. Of the end of one piece and the
+beginning of another, with the median distance to track k in the frames next to the gap r ± σ before it and r' ± σ'
+after it, each with what the covariances of both points say of it,
+
+    score_k = 2 ln(L (1 − ε) / √(2π (σ² + σ'²)) exp(−(r' − r)² / 2 (σ² + σ'²)) + ε)        (1)
+
+is twice the log-likelihood ratio of one marker to two, of which the distances could be any of a length L, as (2) of
+`stitch`, but for the share ε of companions that do not keep their distance. The mean of (1) counts three times, as a
+place has three coordinates, whatever the number of companions; of the MATES nearest companions and of the MATES
+steadiest ones the lower mean counts, as what is far away says little of where on the body a marker is (2).
+
+The pair of the highest score is joined first, where no piece that is there at the time of either has a score within
+`stitch.CLEAR_MARGIN` of it, and the pieces joined so far are not there at the same time (3), but for OVERLAP frames in
+which an ended track may drift. What is joined is then one companion of the others, so this is done ROUNDS times, with
+long pieces first. What a marker cannot reach in the gap is not compared.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data.array_types import Bools, Floats, Ints
+from .neighbouring_points import TrackPoints, rows_of
+from .simultaneous_method import Simultaneous
+from .stitch import CLEAR_MARGIN, LEAST, Stitch, Stitched
+
+NEXT = 24
+"""Frames at either side of a gap from which distances are known; chosen (see studies/infrared_footage.py)."""
+
+FEWEST = 3
+"""Frames with both from which a distance is known; chosen: the shortest tracks have four."""
+
+MATES = 4
+"""Companions of (2), and the fewest of a join; chosen (see studies/infrared_footage.py and
+benchmarks/tracking_scenes.py)."""
+
+STRAY = 0.02
+"""ε of (1); chosen: one companion in fifty was exchanged itself."""
+
+SURE = 12.0
+"""Least score of a join, in units of (1); chosen (see benchmarks/tracking_scenes.py, seeds 0 to 29 and 50000 to
+50049): by 11, 207 joins are right and 6 wrong, by 12 195 and 3. 9.2 is a hundred times likelier."""
+
+LONG = 12
+"""Points of the pieces that are joined before shorter ones are looked at; chosen (see studies/infrared_footage.py)."""
+
+OVERLAP = 3
+"""Frames of (3); chosen (see studies/infrared_footage.py)."""
+
+ROUNDS = 4
+"""Times at most that (3) is done; chosen: the fourth finds hardly anything new."""
+
+MAX_PAIRS = 10_000
+"""Pairs of pieces that are compared at most, those of the shortest gaps; chosen: more take long."""
+
+AT_ONCE = 1_000
+"""Pairs that are worked out in one go; more would take memory and no less time; chosen."""
+
+MAD_SD = 1.4826
+"""Standard deviation of a normal distribution over its median absolute deviation; by definition."""
+
+
+class Places(NamedTuple):
+    """Of n ends of pieces the distance (n, N) mm from each of N tracks, NaN where not known, and its variance, mm²."""
+
+    distance: Floats
+    variance: Floats
+
+    def of(self, which: Ints) -> Places:
+        """Only these ends."""
+        return Places(self.distance[which], self.variance[which])
+
+
+class Pairs(NamedTuple):
+    """n pairs of pieces: the earlier and the later one (n) each, the score (2) and the usual σ of (1), mm."""
+
+    a: Ints
+    b: Ints
+    score: Floats
+    sd: Floats
+
+    def take(self, which: Bools) -> Pairs:
+        """Only these."""
+        return Pairs(self.a[which], self.b[which], self.score[which], self.sd[which])
+
+
+def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simultaneous) -> Stitched:
+    """The stitches and more, of P points whose tracks are numbered after the stitches; T s between frames."""
+    piece = rows_of(points)
+    pairs, ids = _possible(points, piece, T, method), np.arange(len(piece))
+    found: list[Stitch] = []
+    for least in (LONG, 1):
+        for _ in range(ROUNDS):
+            length = np.bincount(ids[points.id], minlength=len(ids))[ids]
+            long = pairs.take((length[pairs.a] >= least) & (length[pairs.b] >= least) & (ids[pairs.a] != ids[pairs.b]))
+            if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long))):
+                break
+            found += joined
+    return Stitched(np.append(ids, np.arange(len(ids), len(whole.id)))[whole.id], whole.stitches + found)
+
+
+def _possible(points: TrackPoints, piece: NDArray[np.int32], T: float, method: Simultaneous) -> Pairs:
+    """Pieces of which the second begins as the first ends, or later, where the marker can be by then."""
+    there = piece >= 0
+    some = np.flatnonzero(there.any(1))
+    if not len(some):
+        return Pairs(some, some, *np.zeros((2, 0)))
+    first, last = there[some].argmax(1), there.shape[1] - 1 - there[some, ::-1].argmax(1)
+    gap = first - last[:, None]
+    ended, begun = points.xyz[piece[some, last]], points.xyz[piece[some, first]]
+    reach = 3 * method.velocity_sd * T * np.maximum(np.abs(gap), 1) + method.uncertain_sd
+    near = np.linalg.norm(begun - ended[:, None], axis=-1) < reach
+    a, b = np.nonzero(near & (gap > -OVERLAP) & (first > first[:, None]) & (last > last[:, None]))
+    soon = np.sort(np.argsort(gap[a, b], kind="stable")[:MAX_PAIRS])
+    return Pairs(some[a[soon]], some[b[soon]], *np.zeros((2, len(soon))))
+
+
+def _scored(points: TrackPoints, piece: NDArray[np.int32], ids: Ints, pairs: Pairs) -> Pairs:
+    """The pairs that have a score above 0."""
+    rows = rows_of(points._replace(id=ids[points.id]))
+    spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
+    (a, end), (b, begin) = (np.unique(one, return_inverse=True) for one in pairs[:2])
+    ends, begins = _places(points, piece, rows, ids, a, -1), _places(points, piece, rows, ids, b, 1)
+    score, sd = np.zeros((2, len(pairs.a)))
+    for first in range(0, len(score), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        score[part], sd[part] = _scores(ends.of(end[part]), begins.of(begin[part]), spread)
+    return Pairs(pairs.a, pairs.b, score, sd).take(score > 0)
+
+
+def _places(
+    points: TrackPoints, piece: NDArray[np.int32], rows: NDArray[np.int32], ids: Ints, which: Ints, way: int
+) -> Places:
+    """Of the ends (way −1) or beginnings (1) of pieces `which`, in the frames next to them."""
+    distance, variance = np.full((2, len(which), len(rows)), np.nan)
+    for k, i in enumerate(which.tolist()):
+        frames = np.flatnonzero(piece[i] >= 0)[::way][:NEXT]
+        there = rows[:, frames] >= 0
+        beside = there.sum(1) >= FEWEST
+        beside[ids[i]] = False
+        others, own = rows[np.ix_(beside, frames)], piece[i, frames]
+        off = np.where(there[beside, :, None], points.xyz[others], np.nan) - points.xyz[own]
+        r = np.linalg.norm(off, axis=-1)
+        u = off / np.maximum(r, LEAST)[..., None]
+        said = np.einsum("nfi,nfij,nfj->nf", u, points.cov[others] + points.cov[own], u)
+        middle = _medians(r)
+        steady = MAD_SD * _medians(np.abs(r - middle[:, None]))
+        distance[k, beside] = middle
+        variance[k, beside] = np.maximum(steady**2, np.nanmean(said, axis=1)) + LEAST**2
+    return Places(distance, variance)
+
+
+def _medians(rows: Floats) -> Floats:
+    """Medians (n) of rows (n, F), each with some numbers, without NaN; np.nanmedian takes five times as long."""
+    ordered, number = np.sort(rows, axis=1), np.isfinite(rows).sum(1)
+    k = np.arange(len(rows))
+    return np.asarray((ordered[k, (number - 1) // 2] + ordered[k, number // 2]) / 2)
+
+
+def _scores(before: Places, after: Places, spread: float) -> tuple[Floats, Floats]:
+    """(2) of n pairs, −∞ of fewer than MATES companions, and the usual σ of (1), mm."""
+    squared = before.variance + after.variance
+    off = (after.distance - before.distance) ** 2 / squared
+    score = 2 * np.log((1 - STRAY) * spread / np.sqrt(2 * np.pi * squared) * np.exp(-off / 2) + STRAY)
+    none = ~np.isfinite(score)
+    means, usual = [], []
+    for order in (np.minimum(before.distance, after.distance), squared):
+        best = np.argsort(np.where(none, np.inf, order), axis=1, kind="stable")[:, :MATES]
+        some, there = np.take_along_axis(score, best, 1), ~np.take_along_axis(none, best, 1)
+        enough = there.sum(1) == MATES
+        means.append(np.where(enough, np.where(there, some, 0.0).mean(1), -np.inf))
+        usual.append(np.sqrt(np.where(there, np.take_along_axis(squared, best, 1), 0.0).mean(1)))
+    return 3 * np.min(means, axis=0), usual[0]
+
+
+def _joined(there: Bools, ids: Ints, pairs: Pairs) -> list[Stitch]:
+    """The joins by (3), the likeliest first; `ids` are then those of what is joined."""
+    found = []
+    for p in np.argsort(-pairs.score, kind="stable").tolist():
+        a, b, score = int(pairs.a[p]), int(pairs.b[p]), float(pairs.score[p])
+        if score < SURE:
+            break
+        before, after = int(ids[a]), int(ids[b])
+        if before == after or _meet(there, ids == before, ids == after):
+            continue
+        rival = _rival(there, ids, pairs, a, b)
+        if score - rival < CLEAR_MARGIN:
+            continue
+        ids[ids == max(before, after)] = min(before, after)
+        last, first = int(np.flatnonzero(there[a])[-1]), int(there[b].argmax())
+        found.append(Stitch(a, b, score, score - rival, float(pairs.sd[p]), last, first))
+    return found
+
+
+def _meet(there: Bools, one: Bools, other: Bools) -> bool:
+    """Whether any two pieces of one group and another are there at the same time for more than OVERLAP frames."""
+    both = there[one].astype(np.float32) @ there[other].T.astype(np.float32)
+    return bool((both > OVERLAP).any())
+
+
+def _rival(there: Bools, ids: Ints, pairs: Pairs, a: int, b: int) -> float:
+    """The highest score of either piece with another marker's, that which is there at the time of its rival."""
+    scores = [0.0]
+    for one, other, own, taken in ((pairs.a, pairs.b, a, b), (pairs.b, pairs.a, b, a)):
+        near = np.flatnonzero((one == own) & ~np.isin(ids[other], ids[[a, b]]))
+        at_once = (there[other[near]] & there[taken]).sum(1) > OVERLAP
+        scores.append(float(pairs.score[near][at_once].max(initial=0.0)))
+    return max(scores)

@@ -16,7 +16,7 @@ steadiest ones the lower mean counts, as what is far away says little of where o
 The pair of the highest score is joined first, where no piece that is there at the time of either has a score within
 `stitch.CLEAR_MARGIN` of it, and the pieces joined so far are not there at the same time (3), but for OVERLAP frames in
 which an ended track may drift. What is joined is then one companion of the others, so this is done ROUNDS times, with
-long pieces first. What a marker cannot reach in the gap is not compared.
+long pieces first. What a marker cannot reach in the gap is not compared, nor what is there for a few frames.
 """
 
 from __future__ import annotations
@@ -35,21 +35,24 @@ NEXT = 24
 """Frames at either side of a gap from which distances are known; chosen (see studies/infrared_footage.py)."""
 
 FEWEST = 3
-"""Frames with both from which a distance is known; chosen: the shortest tracks have four."""
+"""Frames with both from which a distance is known, as the shortest tracks have four, and companions of a join, as a
+place has three coordinates; chosen."""
 
 MATES = 4
-"""Companions of (2), and the fewest of a join; chosen (see studies/infrared_footage.py and
-benchmarks/tracking_scenes.py)."""
+"""Companions of (2); chosen (see studies/infrared_footage.py and benchmarks/tracking_scenes.py)."""
 
 STRAY = 0.02
 """ε of (1); chosen: one companion in fifty was exchanged itself."""
 
-SURE = 12.0
-"""Least score of a join, in units of (1); chosen (see benchmarks/tracking_scenes.py, seeds 0 to 29 and 50000 to
-50049): by 11, 207 joins are right and 6 wrong, by 12 195 and 3. 9.2 is a hundred times likelier."""
+LONG, SHORTEST = 48, 16
+"""Points of the pieces that are joined before shorter ones are looked at, and the fewest of a piece; chosen (see
+benchmarks/tracking_scenes.py, seeds 50000 to 50049 and 70000 to 70059, studies/infrared_footage.py). Of 4222 tracks
+with 99 changes of marker, joins leave 4047 with 104; with all pieces 3836 with 124, and 49 tracks for 65 of the
+footage: a piece of few points is often of two markers by itself."""
 
-LONG = 12
-"""Points of the pieces that are joined before shorter ones are looked at; chosen (see studies/infrared_footage.py)."""
+SURE = 12.0
+"""Least score of a join of which a piece is not long, in units of (1), where CLEAR_MARGIN is that of long ones; chosen
+(see benchmarks/tracking_scenes.py, seeds 0 to 29 and 50000 to 50049): by 11 twice as many joins are wrong."""
 
 OVERLAP = 3
 """Frames of (3); chosen (see studies/infrared_footage.py)."""
@@ -96,11 +99,11 @@ def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simu
     piece = rows_of(points)
     pairs, ids = _possible(points, piece, T, method), np.arange(len(piece))
     found: list[Stitch] = []
-    for least in (LONG, 1):
+    for least, sure in ((LONG, CLEAR_MARGIN), (SHORTEST, SURE)):
         for _ in range(ROUNDS):
             length = np.bincount(ids[points.id], minlength=len(ids))[ids]
             long = pairs.take((length[pairs.a] >= least) & (length[pairs.b] >= least) & (ids[pairs.a] != ids[pairs.b]))
-            if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long))):
+            if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long), sure)):
                 break
             found += joined
     return Stitched(np.append(ids, np.arange(len(ids), len(whole.id)))[whole.id], whole.stitches + found)
@@ -165,7 +168,7 @@ def _medians(rows: Floats) -> Floats:
 
 
 def _scores(before: Places, after: Places, spread: float) -> tuple[Floats, Floats]:
-    """(2) of n pairs, −∞ of fewer than MATES companions, and the usual σ of (1), mm."""
+    """(2) of n pairs, −∞ of fewer than FEWEST companions, and the usual σ of (1), mm; one that lacks says nothing."""
     squared = before.variance + after.variance
     off = (after.distance - before.distance) ** 2 / squared
     score = 2 * np.log((1 - STRAY) * spread / np.sqrt(2 * np.pi * squared) * np.exp(-off / 2) + STRAY)
@@ -174,18 +177,18 @@ def _scores(before: Places, after: Places, spread: float) -> tuple[Floats, Float
     for order in (np.minimum(before.distance, after.distance), squared):
         best = np.argsort(np.where(none, np.inf, order), axis=1, kind="stable")[:, :MATES]
         some, there = np.take_along_axis(score, best, 1), ~np.take_along_axis(none, best, 1)
-        enough = there.sum(1) == MATES
+        enough = there.sum(1) >= FEWEST
         means.append(np.where(enough, np.where(there, some, 0.0).mean(1), -np.inf))
         usual.append(np.sqrt(np.where(there, np.take_along_axis(squared, best, 1), 0.0).mean(1)))
     return 3 * np.min(means, axis=0), usual[0]
 
 
-def _joined(there: Bools, ids: Ints, pairs: Pairs) -> list[Stitch]:
-    """The joins by (3), the likeliest first; `ids` are then those of what is joined."""
+def _joined(there: Bools, ids: Ints, pairs: Pairs, sure: float) -> list[Stitch]:
+    """The joins by (3) of scores above `sure`, the likeliest first; `ids` are then those of what is joined."""
     found = []
     for p in np.argsort(-pairs.score, kind="stable").tolist():
         a, b, score = int(pairs.a[p]), int(pairs.b[p]), float(pairs.score[p])
-        if score < SURE:
+        if score < sure:
             break
         before, after = int(ids[a]), int(ids[b])
         if before == after or _meet(there, ids == before, ids == after):

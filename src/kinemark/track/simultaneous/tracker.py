@@ -116,12 +116,12 @@ def track_once(
     solver = solver_for(detections, shared, working, errors)
     cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
-    whole = with_companions(points := _points(cloud, ids), whole, T, method)
-    cloud, ids = _once_a_frame(cloud, whole.id[points.id])
     if working.rig is not rig:
         cloud = on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
+    whole = with_companions(_points(cloud, ids), whole, T, method)
+    cloud, ids = _once_a_frame(cloud, whole.id[ids])
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)

@@ -133,10 +133,9 @@ def left_out(found: KrigingFit, blocks: list[Ints]) -> float:
         found: the fit.
         blocks: the frames of each block.
     """
-    lower = scipy.linalg.lapack.dpotri(found.factor, lower=True)[0]  # zero above the diagonal, as the factor is
-    inverse = lower + lower.T
-    inverse.flat[:: len(inverse) + 1] /= 2
-    off = [np.linalg.solve(inverse[b[:, None], b], found.weights[b]) for b in blocks]  # (5)
+    half = scipy.linalg.lapack.dtrtri(found.factor, lower=True)[0]  # K⁻¹ is its square, of which blocks are needed
+    columns = [half[b.min() :, b] for b in blocks]  # zero above
+    off = [np.linalg.solve(of.T @ of, found.weights[b]) for of, b in zip(columns, blocks, strict=True)]  # (5)
     return float(np.linalg.norm(np.concatenate(off), axis=1).mean())
 
 

@@ -48,7 +48,12 @@ def read(folder):
     paths = read_c3d(folder / "one.c3d").trajectories
     figures = json.loads((folder / "quality.json").read_text())
     found = {one["kind"]: one for one in figures["findings"]}
-    return (paths.first_frame, paths.first_frame + paths.n_frames - 1), figures, found, (folder / "report.html").read_text()
+    return (
+        (paths.first_frame, paths.first_frame + paths.n_frames - 1),
+        figures,
+        found,
+        (folder / "report.html").read_text(),
+    )
 
 
 def test_sentences_page_and_c3d_count_alike(folder):
@@ -58,7 +63,7 @@ def test_sentences_page_and_c3d_count_alike(folder):
     assert f"no images after frame {STOPS}; the recording ends with frame {last}." in stopped["text"]
     assert stopped["frames"] == [[STOPS + 1, last]]  # values and words say the same
     assert f"frame {LOST}–{LOST}" in lost["text"]
-    assert f"(frames {first} to {last})" in figures["verdict"]["sentences"][0]
+    assert f"(frames {first} to {last})" in figures["verdict"]["sentences"][1]
     for said in (stopped["text"], lost["text"], f"(frames {first} to {last})", f"the first is frame {first}."):
         assert said in page
     shown = [int(number) for number in re.findall(r"c\d+, frame (\d+)", page)]

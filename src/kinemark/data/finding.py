@@ -101,7 +101,7 @@ class Finding:
     values: Mapping[str, Value] = field(default_factory=dict)
 
     def numbered(self, first_frame: int) -> Finding:
-        """The same with its frames, which count from 0, as numbers in the recording, where the first is `first_frame`."""
+        """The same with its frames, which count from 0, as numbers in the recording, whose first is `first_frame`."""
         return replace(self, frames=tuple((first + first_frame, last + first_frame) for first, last in self.frames))
 
     def as_dict(self) -> dict[str, Any]:

@@ -170,7 +170,9 @@ class _Camera:
         try:
             self.waiting += [*find_suspects(images, method=method)]
         except KinemarkError as error:
-            raise KinemarkError(f"Camera {self.name}, batch from frame {first + 1} of {self.source.n_frames} on: {error}") from None
+            raise KinemarkError(
+                f"Camera {self.name}, batch from frame {first + 1} of {self.source.n_frames} on: {error}"
+            ) from None
         if sum(len(part.pixels.grey) for part in self.waiting if part.pixels) > WAITING:
             self._explain()
 

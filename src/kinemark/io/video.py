@@ -179,7 +179,9 @@ def decoded(
         if stream.codec_context.name == "ffv1" and packet.size:
             seen[intact(bytes(packet))] = n
             if min(seen.values()) >= 0:
-                raise KinemarkError(f"{path}: frame {seen[False] + 1} has a wrong checksum: it is damaged. Copy it again.")
+                raise KinemarkError(
+                    f"{path}: frame {seen[False] + 1} has a wrong checksum: it is damaged. Copy it again."
+                )
         yield from packet.decode()
 
 

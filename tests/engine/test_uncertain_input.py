@@ -55,8 +55,8 @@ CASES = {
 
 
 def since(one, first):
-    """Whether a finding is about the frames from the first to the last of the recording."""
-    return one.frames == ((first, PATHS.shape[1] - 1),)
+    """Whether a finding is about the frames from `first`, counted from 0, to the last of the recording."""
+    return one.frames == ((first + 1, PATHS.shape[1]),)
 
 
 WANTED = {
@@ -124,4 +124,4 @@ def test_two_cameras_have_their_troubles_too(tmp_path, case):
     quality = Session.open(tmp_path).run()["one"].quality
     assert quality["verdict"]["grade"] != "green"
     if case == "stops":
-        assert found(quality, "camera_stopped")[0].frames == ((HALF, PATHS.shape[1] - 1),)
+        assert found(quality, "camera_stopped")[0].frames == ((HALF + 1, PATHS.shape[1]),)

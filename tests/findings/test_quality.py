@@ -35,7 +35,7 @@ def test_a_perfect_trial_is_green_and_its_figures_are_known():
     figures = judge(rig, capture(rig, walk()))
     assert figures["verdict"]["grade"] == "green"
     assert figures["findings"] == []
-    assert figures["recording"] == {"frames": 40, "rate_hz": 50.0, "duration_s": 0.8}
+    assert figures["recording"] == {"first_frame": 1, "frames": 40, "rate_hz": 50.0, "duration_s": 0.8}
     assert figures["points"]["count"] == 120
     assert figures["points"]["per_frame_mean"] == 3
     assert figures["points"]["cameras_per_point"] == {"4": 120}
@@ -131,7 +131,7 @@ def test_a_subject_that_is_away_for_a_while_is_not_missing_then(names):
     assert figures["trajectories"]["in_view_runs"] == [[0, 30], [60, 90]]
     assert figures["trajectories"]["completeness_in_view_share"] == 1
     assert not found(figures, "incomplete")
-    assert "(frames 0 to 29 and 60 to 89), 100" in summary(figures)
+    assert "(frames 1 to 30 and 61 to 90), 100" in summary(figures)
 
 
 def test_markers_that_are_lost_while_the_cameras_see_them_are_missing():

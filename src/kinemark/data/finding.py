@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -87,7 +87,8 @@ class Finding:
     Attributes:
         kind: of `finding_kinds.KINDS`; severity: "red", "amber" or "info"; stage: where it arises.
         cameras, markers: names of those that it is about; empty where it is about none in particular.
-        frames: first and last frame, both included, of each stretch that it is about.
+        frames: first and last frame, both included, of each stretch that it is about. What tracking and labelling find
+            counts from 0; `numbered` makes numbers in the recording of it, and figures and words have these.
         values: its numbers, by the names and in the units that the kind declares.
     """
 
@@ -98,6 +99,10 @@ class Finding:
     markers: tuple[str, ...] = ()
     frames: tuple[tuple[int, int], ...] = ()
     values: Mapping[str, Value] = field(default_factory=dict)
+
+    def numbered(self, first_frame: int) -> Finding:
+        """The same with its frames, which count from 0, as numbers in the recording, whose first is `first_frame`."""
+        return replace(self, frames=tuple((first + first_frame, last + first_frame) for first, last in self.frames))
 
     def as_dict(self) -> dict[str, Any]:
         """As plain data for JSON."""

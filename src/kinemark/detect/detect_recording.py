@@ -135,7 +135,7 @@ def _detect_camera(
         if size is None:
             size = images.shape[1:]
             _check_mask(mask, size, name)
-        _check_size(images, size, first, name)
+        _check_size(images, size, f"{name}: frame {first + 1} of {source.n_frames}")
         images = images if ground is None else ground.taken_from(images, first)
         if ready is None:  # nothing has stood out from the background so far, so there was no marker either
             ready = levelled(method, images)
@@ -170,7 +170,9 @@ class _Camera:
         try:
             self.waiting += [*find_suspects(images, method=method)]
         except KinemarkError as error:
-            raise KinemarkError(f"Camera {self.name}, batch from frame {first} on: {error}") from None
+            raise KinemarkError(
+                f"Camera {self.name}, batch from frame {first + 1} of {self.source.n_frames} on: {error}"
+            ) from None
         if sum(len(part.pixels.grey) for part in self.waiting if part.pixels) > WAITING:
             self._explain()
 
@@ -219,10 +221,10 @@ def _check_mask(mask: NDArray[np.bool_] | None, size: tuple[int, ...], name: str
         )
 
 
-def _check_size(images: NDArray[np.uint8 | np.uint16], size: tuple[int, ...], first: int, name: str) -> None:
+def _check_size(images: NDArray[np.uint8 | np.uint16], size: tuple[int, ...], where: str) -> None:
     if images.shape[1:] != size:
         raise KinemarkError(
-            f"Camera {name}: frame {first} has {_by(images.shape[1:])}, and the first one {_by(size)}. "
+            f"Camera {where} has {_by(images.shape[1:])}, and the first one {_by(size)}. "
             "Export the recording again, all frames in one size."
         )
 

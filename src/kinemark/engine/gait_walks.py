@@ -280,9 +280,9 @@ def gait_of_trial(
     if causes:
         found = replace(found, signals=with_uncertainty(found.signals, causes))
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
-    start = (trial.trajectories.first_frame - 1) / rate
+    first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
-    return GaitOfTrial(trial.name, found, events, steps, trial.events, start, _emg(trial), way)
+    return GaitOfTrial(trial.name, found, events, steps, trial.events, (first - 1) / rate, _emg(trial), way, first)
 
 
 def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:

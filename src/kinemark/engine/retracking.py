@@ -50,7 +50,7 @@ def _compute(entries: tuple[Entry, ...], inputs: Any, records: Records) -> Track
     method, place = inputs.settings.track, inputs.settings.reconstruct
     method = method if isinstance(method, Simultaneous) else Simultaneous()
     place = place if isinstance(place, LeastSquares) else LeastSquares()
-    first = inputs.source.of.frames[0] if inputs.source.of.frames else 1
+    first = inputs.source.of.first_frame
     facts = facts_of_tracks(tracked.tracks, entries, detections, rig, first_frame=first)
     margin = place.volume_margin if place.within_volume else None
     mended = mended_tracks(

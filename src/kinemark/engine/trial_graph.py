@@ -170,6 +170,7 @@ def _trial(inputs: TrialInputs, records: Records) -> Trial:
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], last_tracked(records), inputs.source.of
+    first = of.first_frame
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
@@ -186,12 +187,13 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *subtracted(detections),
             *_channels(beside, filled.trajectories),
             *swapped,
-            *_diagnostics(tracked, records),
-            *(records["label"].findings if "label" in records else ()),
+            *(one.numbered(first) for one in _diagnostics(tracked, records)),
+            *(one.numbered(first) for one in (records["label"].findings if "label" in records else ())),
             *(records["edit"].findings if "edit" in records else ()),
             *(found_by_angles(records["angles"]) if "angles" in records else ()),
         ),
         ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
+        first_frame=first,
         track_names=records["label"].tracker_names if "label" in records else None,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, cropped(edited.trajectories, edited)),

@@ -68,9 +68,7 @@ def tracks_of(records: Records) -> Tracks:
 
 def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:
     """The trajectories as they were measured, named where an operator said how, or the labelling."""
-    measured = to_trajectories(tracks_of(records), inputs.rig)
-    if inputs.source.of.frames is not None:
-        measured = replace(measured, first_frame=inputs.source.of.frames[0])
+    measured = replace(to_trajectories(tracks_of(records), inputs.rig), first_frame=inputs.source.of.first_frame)
     operated = inputs.source.operated()
     if operated is not None:
         return called(measured, operated.names, records["detect"].n_frames)

@@ -45,7 +45,7 @@ class GaitOfTrial(NamedTuple):
     Attributes:
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
-        way: "level", "running" or "stairs".
+        way: "level", "running" or "stairs". first_frame: its number in the recording.
     """
 
     name: str
@@ -56,6 +56,7 @@ class GaitOfTrial(NamedTuple):
     start_s: float
     emg: Mapping[str, Emg]
     way: str = "level"
+    first_frame: int = 1
 
 
 class HipsShown(NamedTuple):
@@ -293,7 +294,7 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
         if contact.reason:
             yield make_finding(
                 "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
-                frames=[(contact.first + 1, contact.stop)],
+                frames=[(contact.first + trial.first_frame, contact.stop - 1 + trial.first_frame)],
             )  # fmt: skip
     cut = [name for name, channel in trial.emg.items() if channel.saturated]
     if cut:

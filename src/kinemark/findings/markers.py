@@ -159,6 +159,7 @@ def trajectory_figures(
         "filled_samples": (origin == Origin.FILLED).sum(),
         "edited_samples": (origin == Origin.EDITED).sum(),
         "completeness_share": share(seen.sum(), seen.size),
+        "first_frame": trajectories.first_frame,
         "in_view_frames": list(in_view(trajectories)),
         "in_view_runs": runs(inside),
         "completeness_in_view_share": completeness(trajectories, inside) if known else math.nan,

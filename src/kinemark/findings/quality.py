@@ -36,6 +36,7 @@ def quality(
     filling: Mapping[str, Any] | None = None,
     identity: Mapping[str, str] | None = None,
     track_names: Sequence[str] | None = None,
+    first_frame: int | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
@@ -47,10 +48,12 @@ def quality(
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
         ambiguous_decisions: decisions of the tracker that were close.
-        findings: what the stages found themselves, as what the tracking says of its input.
+        findings: what the stages found themselves, as what the tracking says of its input; frames as numbers in the
+            recording.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
         track_names: what the tracks of `ambiguous_decisions` became, empty for no marker; `*1`, `*2`, … where None.
+        first_frame: number in the recording of the first frame of `detections`; that of the trajectories where None.
         identity: the plain data of an `Identity`; None where nobody says whose recording it is.
 
     Raises:
@@ -67,7 +70,7 @@ def quality(
             "session": session,
             "trial": trial,
             "identity": dict(identity or asdict(Identity())),
-            "recording": _recording(detections),
+            "recording": _recording(detections, trajectories.first_frame if first_frame is None else first_frame),
             "calibration": {
                 "method": rig.method,
                 "cameras_not_used": [n for n in rig.names if n not in rig_used.names],
@@ -112,9 +115,9 @@ def _check(cloud: Cloud, detections: Detections) -> None:
         raise ValueError(f"tracks refer to detection {cloud.detection.max()}, but there are only {len(detections)}")
 
 
-def _recording(detections: Detections) -> dict[str, Any]:
-    n = detections.n_frames
-    return {"frames": n, "rate_hz": detections.rate, "duration_s": share(n, detections.rate)}
+def _recording(detections: Detections, first_frame: int) -> dict[str, Any]:
+    n, rate = detections.n_frames, detections.rate
+    return {"first_frame": first_frame, "frames": n, "rate_hz": rate, "duration_s": share(n, rate)}
 
 
 def _volume(rig: Rig, trajectories: Trajectories) -> dict[str, Any]:

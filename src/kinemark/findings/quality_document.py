@@ -29,7 +29,7 @@ class FindingData(TypedDict):
     cameras: list[str]
     markers: list[str]
     frames: list[Annotated[list[int], Field(min_length=2, max_length=2)]]
-    """First and last frame, both included, of each stretch."""
+    """First and last frame, both included, of each stretch: numbers in the recording, as the words have them."""
     values: dict[str, Any]
     """Numbers by name; their units are declared with the kind."""
     text: NotRequired[str]
@@ -51,7 +51,7 @@ class VerdictData(TypedDict):
 
 @documented
 class DecisionData(TypedDict):
-    """A decision of the tracking that was close."""
+    """A decision of the tracking that was close; frames from 0, and time from there."""
 
     kind: DecisionKind
     first_frame: int
@@ -67,6 +67,8 @@ class DecisionData(TypedDict):
 class RecordingData(TypedDict):
     """What was recorded."""
 
+    first_frame: int
+    """Its number in the recording: 1, or as `frames` of the session says; what counts from 0 is 0 there."""
     frames: Count
     rate_hz: float
     duration_s: Number
@@ -195,8 +197,10 @@ class TrajectoriesData(TypedDict):
     filled_samples: Count
     edited_samples: Count
     completeness_share: Share
+    first_frame: int
+    """Number in the recording of the frame from which `in_view_frames` counts: another one where edits trimmed."""
     in_view_frames: Annotated[list[int], Field(min_length=2, max_length=2)]
-    """First frame in which the subject is in view, and the one after the last."""
+    """First frame in which the subject is in view, and the one after the last; from 0."""
     in_view_runs: list[Annotated[list[int], Field(min_length=2, max_length=2)]]
     """The same of each stretch, where it was away in between."""
     completeness_in_view_share: Share
@@ -246,7 +250,7 @@ class StepData(TypedDict):
 
 @documented
 class GapData(TypedDict):
-    """One gap, and what became of it."""
+    """One gap, and what became of it; frames are numbers in the recording."""
 
     marker: str
     first_frame: int

@@ -115,7 +115,8 @@ def _complete(figures: Figures) -> Finding:
         "gaps": markers["gaps"],
         "longest_s": markers["longest_gap_s"],
     }
-    frames = [(first, stop - 1) for first, stop in markers["in_view_runs"]]
+    start = markers["first_frame"]
+    frames = [(first + start, stop - 1 + start) for first, stop in markers["in_view_runs"]]
     if markers["completeness_in_view_share"] is not None:
         return make_finding("completeness", frames=frames, **values)
     return make_finding("completeness_unknown", frames=frames, used_share=_used_share(figures), **values)

@@ -102,7 +102,7 @@ class ExactVideo:
             self._restart()
             return self.frame(n)
         if found is None:
-            raise KinemarkError(f"{self.path} ends before frame {n}: it is truncated. Copy it again.")
+            raise KinemarkError(f"{self.path} ends before frame {n + 1}: it is truncated. Copy it again.")
         check_pixels(str(self.path), found.width, found.height)
         return grey(found, str(self.path))
 

@@ -156,10 +156,10 @@ def decode_video(path: Path | str, info: VideoInfo) -> Iterator[Image]:
             stream.codec_context.options = STRICT
             for frame in decoded(path, container, stream):
                 if frame.is_corrupt:
-                    raise KinemarkError(f"{path}: frame {n} is damaged. Copy the video again.")
+                    raise KinemarkError(f"{path}: frame {n + 1} is damaged. Copy the video again.")
                 if (frame.width, frame.height) != info.size:
                     found = (frame.width, frame.height)
-                    raise KinemarkError(f"{path}: frame {n} has the size {found}, wanted {info.size}. Convert it.")
+                    raise KinemarkError(f"{path}: frame {n + 1} has the size {found}, wanted {info.size}. Convert it.")
                 n += 1
                 yield grey(frame, str(path))
     except av.FFmpegError as error:
@@ -179,7 +179,9 @@ def decoded(
         if stream.codec_context.name == "ffv1" and packet.size:
             seen[intact(bytes(packet))] = n
             if min(seen.values()) >= 0:
-                raise KinemarkError(f"{path}: frame {seen[False]} has a wrong checksum: it is damaged. Copy it again.")
+                raise KinemarkError(
+                    f"{path}: frame {seen[False] + 1} has a wrong checksum: it is damaged. Copy it again."
+                )
         yield from packet.decode()
 
 
@@ -211,7 +213,7 @@ def encode(path: Path, frames: Iterable[Image], first: Image, rate: float) -> No
         stream.codec_context.thread_type = "AUTO"
         for n, image in enumerate(frames):
             if image.shape != first.shape or image.dtype != first.dtype:
-                raise ValueError(f"frame {n} is {image.dtype} {image.shape}, the first {first.dtype} {first.shape}")
+                raise ValueError(f"frame {n + 1} is {image.dtype} {image.shape}, the first {first.dtype} {first.shape}")
             pixels: Any = np.ascontiguousarray(image)
             container.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format=GREY[first.dtype])))
         container.mux(stream.encode(None))

@@ -50,7 +50,7 @@ KINDS = {
 
 
 def fullest_frames(detections: Detections) -> list[int]:
-    """The frame of each camera (C) that is shown: most spots that are invalid or merged, then most spots."""
+    """The frame of each camera (C), from 0, that is shown: most spots that are invalid or merged, then most spots."""
     if not detections.n_frames:
         return [0] * len(detections.cameras)
     faulty = np.zeros(detections.counts.shape, np.int64)
@@ -60,15 +60,22 @@ def fullest_frames(detections: Detections) -> list[int]:
 
 
 def spots_figure(
-    detections: Detections, cameras: list[dict[str, Any]], pictures: Sequence[GreyLevels] | None = None
+    detections: Detections,
+    cameras: list[dict[str, Any]],
+    pictures: Sequence[GreyLevels] | None = None,
+    *,
+    first_frame: int = 1,
 ) -> go.Figure:
-    """A panel a camera: its picture (H, W) of the frame of `fullest_frames`, the spots in it, and all invalid ones."""
+    """A panel a camera: its picture (H, W) of the frame of `fullest_frames`, the spots in it, and all invalid ones.
+
+    `first_frame` is the number of the first frame in the recording.
+    """
     if not len(detections):
         return empty("No camera saw anything.")
     rows, columns = -(-len(cameras) // COLUMNS), min(COLUMNS, len(cameras))
     shown = fullest_frames(detections)
     names = labels(camera["name"] for camera in cameras)
-    titles = [f"{name}, frame {number(f)}" for name, f in zip(names, shown, strict=True)]
+    titles = [f"{name}, frame {number(f + first_frame)}" for name, f in zip(names, shown, strict=True)]
     gaps = {"vertical_spacing": 0.24 / rows, "horizontal_spacing": 0.05}
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
     legend = {"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"}

@@ -50,15 +50,15 @@ def label_table(labels: Mapping[str, Any]) -> Table:
     return Table(head, rows, marked=marked, absent="No marker has a name.")
 
 
-def unsure_table(labels: Mapping[str, Any]) -> Table:
-    """A row for each track whose name is not sure, so that it has none."""
+def unsure_table(labels: Mapping[str, Any], first_frame: int) -> Table:
+    """A row for each track whose name is not sure, so that it has none; `first_frame` is the recording's."""
     unsure: Sequence[Mapping[str, Any]] = labels["unsure"]
     rows = [
         [
             one["name"],
             percent(one["probability"]),
             one["runner_up"] or "no marker",
-            f"{number(one['first_frame'])}–{number(one['last_frame'])}",
+            f"{number(one['first_frame'] + first_frame)}–{number(one['last_frame'] + first_frame)}",
             number(one["samples"]),
         ]
         for one in unsure[:MOST_UNSURE]

@@ -93,7 +93,9 @@ def page(
 ) -> str:
     """The page as text; the drawing library is inside where `library` is None."""
     drawn = figures(quality, rig.select(detections.cameras), detections, tracks, trajectories)
-    drawn["spots"] = spots_figure(detections, quality["cameras"], pictures)
+    drawn["spots"] = spots_figure(
+        detections, quality["cameras"], pictures, first_frame=quality["recording"]["first_frame"]
+    )
     drawn["calibration"] = empty(UNJUDGED) if judged is None else slices_figure(dict(judged), upwards(rig))
     digitising, labels = quality.get("digitising") or None, quality.get("labels")
     return render(
@@ -112,7 +114,7 @@ def page(
         digitised_table=digitising and digitised_table(digitising),
         label_line=labels and label_line(labels),
         label_table=labels and label_table(labels),
-        unsure_table=labels and unsure_table(labels),
+        unsure_table=labels and unsure_table(labels, quality["recording"]["first_frame"]),
         spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], inconsistent_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),

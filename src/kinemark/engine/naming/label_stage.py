@@ -59,7 +59,7 @@ def name_trial(
     if named is not None:
         return stated_by_recording(tracks, named)
     templates = templates_of_trial(of.root, of.settings, earlier, of.entry)
-    first = of.frames[0] if of.frames else 1
+    first = of.first_frame
     claimed = claimed_tracks(numbered(tracks, first), claims, detections, world=world_key(of.rig))
     stated = _stated(of)
     found = name_tracks(tracks, templates, how=label, stated=stated, first_frame=first, claimed=claimed)

@@ -67,7 +67,7 @@ def name_tracks(
     figures["switches"] = [{"frame": one.frame, "before": one.before, "after": one.after} for one in switches]
     if any(by):
         figures["subjects"], figures["undecided"] = list(by), [list(pair) for pair in undecided]
-    findings = [*_lost(facts.lost), *label_findings(figures, labels, template=bool(by))]
+    findings = [*_lost(facts.lost, points.first_frame), *label_findings(figures, labels, template=bool(by))]
     kept = _without(joined, ghosts)
     names = renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
     contradicts = {s: found for s, one in by.items() if (found := _contradicts(markers_of(done, s), one, s))}
@@ -218,9 +218,9 @@ def learnt_of(trajectories: Trajectories, accepted: bool) -> Trajectories:
     return Trajectories(tuple(paths), trajectories.rate * len(rows) / max(F, 1))
 
 
-def _lost(lost: Sequence[StatedName]) -> tuple[Finding, ...]:
-    """Statements that are about no track of this trial."""
+def _lost(lost: Sequence[StatedName], first_frame: int) -> tuple[Finding, ...]:
+    """Statements that are about no track of this trial; frames from 0."""
     if not lost:
         return ()
-    frames = tuple((one.frame - 1, one.frame - 1) for one in lost)
+    frames = tuple((one.frame - first_frame,) * 2 for one in lost)
     return (make_finding("stated_names_lost", markers=[one.name for one in lost], frames=frames, statements=len(lost)),)

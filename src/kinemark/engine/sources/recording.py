@@ -44,6 +44,11 @@ class Recording:
     frames: Frames
     results: Path
 
+    @property
+    def first_frame(self) -> int:
+        """Number in the recording of the first frame of the stretch."""
+        return 1 if self.frames is None else self.frames[0]
+
     def rate(self, stated: float | None) -> float:
         """Frames a second that are taken: by what the settings say of the recording, else as the file does."""
         rate = self.settings.rate_hz / self.entry.every if self.settings.rate_hz else stated
@@ -98,13 +103,12 @@ class Recording:
                 f"{found.rate:g} Hz. "
                 f"Give rates within {MAX_RATE_RATIO:g} times of it."
             )
-        first = 0 if self.frames is None else self.frames[0] - 1
-        return at_common_time(found, delay, rate=rate, first_frame=first)
+        return at_common_time(found, delay, rate=rate, first_frame=self.first_frame - 1)
 
     def image_of(self, camera: str, frame: int, source: ImageSource) -> int:
         """Number of the camera's image that is nearest in time to a frame of the stretch, both in the recording."""
         cameras, rate = self.settings.cameras, self.rate(source.rate)
-        f = frame if self.frames is None else frame + self.frames[0] - 1
+        f = frame + self.first_frame - 1
         late, own = cameras.delays_ms.get(camera, 0.0) / 1000, self._own_rate(camera, rate)
         return int(np.clip(round((f / rate - late) * own), 0, source.n_frames - 1))
 

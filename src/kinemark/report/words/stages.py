@@ -47,7 +47,7 @@ LABELLING_WORDS = {
     ),
     "stated_names_lost": Words(
         "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
-        "State them where the marker is tracked; the frame counts from 1 in the file of names.",
+        "State them where the marker is tracked.",
     ),
     "trial_contradicts_template": Words(
         "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "

@@ -100,12 +100,12 @@ def _number(found: Finding, name: str) -> float:
 
 def _stopped(found: Finding) -> str:
     last = found.frames[0][0] - 1 if found.frames else "–"
-    return fill(f"{{Cameras}} has no images after frame {last} of {{recorded_frames}}.", found)
+    return fill(f"{{Cameras}} has no images after frame {last}; the recording ends with frame {{last_frame}}.", found)
 
 
 def _started_late(found: Finding) -> str:
     first = found.frames[-1][1] + 1 if found.frames else "–"
-    return fill(f"{{Cameras}} has no images before frame {first} of {{recorded_frames}}.", found)
+    return fill(f"{{Cameras}} has no images before frame {first}; the recording begins with {{first_frame}}.", found)
 
 
 def _shifted(found: Finding) -> str:

@@ -41,9 +41,11 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
         mend: take the best alternative of whatever is SURE to be wrong. by: who says it.
 
     Raises:
-        KinemarkError: it cannot be read, or its journal not be written.
+        KinemarkError: it cannot be read, has no trajectories, or its journal cannot be written.
     """
     editing = open_editing(source, by=by)
+    if not len(editing.trajectories):
+        raise KinemarkError(f"{source} has no trajectories. Give a file of markers in space, as a C3D file.")
     found, mended = problems(editing, template=template), list[Problem]()
     for _ in range(ROUNDS if mend else 0):
         sure = _beside_each_other([one for one in found.asked if one.wrong >= SURE and _best(one).action != "keep"])

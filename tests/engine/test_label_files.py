@@ -79,6 +79,10 @@ def test_names_are_not_judged_by_another_subjects_template(files):
     assert check_text(files / "right.c3d", found).splitlines()[0].endswith("name the trial anew: kinemark label.")
     with pytest.raises(KinemarkError, match="do not fit the template: it is of another subject"):
         audit_file(files / "right.c3d", template=other.template, mend=True)
+    strange = tuple(replace(path, name=f"P{k}") for k, path in enumerate(walk(7)))
+    write_trial(Trial("strange", Trajectories(strange, 100.0)), files / "strange.c3d")
+    with pytest.raises(KinemarkError, match="0 of the template's 15 markers are in the trial"):
+        audit_file(files / "strange.c3d", template=own.template)
     assert not (files / "edits").exists() and not audit_file(files / "right.c3d", template=own.template).found.asked
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from kinemark.data import Trajectories
 from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
@@ -189,3 +190,8 @@ def test_a_minute_after_the_last_sample_of_a_smooth_path_nothing_is_known_and_no
     assert np.isfinite(place).all() and variance[0] > 1e6
     near, _ = continued(end, np.array([6.0]), 100.0, 4000.0)
     assert np.abs(near).max() < 0.01
+
+
+def test_where_there_is_no_path_nothing_is_wrong():
+    paths = Paths.of(Trajectories((), RATE))
+    assert not places(paths) and not leaps(paths) and not spikes(paths) and not pieces(paths)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial, same
+from kinemark.engine.audit import audit_file
 from kinemark.engine.check_files import check_figures, check_file, check_text
 from kinemark.engine.label_files import label_file, label_files, label_text, template_of
 from kinemark.engine.subject_templates import Known, subject_template, with_trial
@@ -66,6 +67,23 @@ def test_names_exchanged_for_a_while_are_found_where_they_are(files):
     assert "exchanged in frames" in check_text(files / "turned.c3d", found)
     first, last = check_figures(found)["exchanged"][0]["frames"]
     assert first == found.exchanged[0].first + 1 and last == found.exchanged[0].stop
+
+
+def test_names_are_not_judged_by_another_subjects_template(files):
+    tall = tuple(MarkerTrajectory.measured(p.name, p.xyz * 1.4) for p in walk(1))
+    write_trial(Trial("tall", Trajectories(tall, 100.0)), files / "tall.c3d")
+    write_trial(Trial("right", walk(7)), files / "right.c3d")
+    own, other = template_of([files / "known.c3d"]), template_of([files / "tall.c3d"])
+    assert check_file(files / "right.c3d", own).off_share < 0.1
+    found = check_file(files / "right.c3d", other)
+    assert check_text(files / "right.c3d", found).splitlines()[0].endswith("name the trial anew: kinemark label.")
+    with pytest.raises(KinemarkError, match="do not fit the template: it is of another subject"):
+        audit_file(files / "right.c3d", template=other.template, mend=True)
+    strange = tuple(replace(path, name=f"P{k}") for k, path in enumerate(walk(7)))
+    write_trial(Trial("strange", Trajectories(strange, 100.0)), files / "strange.c3d")
+    with pytest.raises(KinemarkError, match="0 of the template's 15 markers are in the trial"):
+        audit_file(files / "strange.c3d", template=own.template)
+    assert not (files / "edits").exists() and not audit_file(files / "right.c3d", template=own.template).found.asked
 
 
 def test_what_is_missing_is_said(files):

@@ -9,7 +9,7 @@ import pytest
 
 from kinemark import KinemarkError
 from kinemark.apps.cli import app
-from kinemark.data import Origin, Trial
+from kinemark.data import MarkerTrajectory, Origin, Trajectories, Trial
 from kinemark.data.edits import Claim, Erase, Verdict
 from kinemark.data.problems import ASK_ABOVE, OF_IDENTITY
 from kinemark.edit import Renamed, difference
@@ -216,6 +216,15 @@ def test_leaps_of_rough_tracks_of_another_system_lie_in_problems_worth_a_look(tm
     ]
     found = [any(name in one.tracks and one.first - 2 <= k <= one.last + 2 for one in asked) for name, k in leaps]
     assert len(leaps) == 93 and sum(found) >= 90 and len(asked) < 100
+
+
+@pytest.mark.parametrize("markers", [0, 2])
+def test_a_file_without_samples_of_markers_is_no_clean_file(tmp_path, markers):
+    source, unseen = tmp_path / "empty.c3d", np.full((9, 3), np.nan)
+    paths = tuple(MarkerTrajectory.measured(name, unseen) for name in ("A", "B")[:markers])
+    write_c3d(source, Trial("empty", Trajectories(paths, 100.0)))
+    with pytest.raises(KinemarkError, match=r"has no trajectories\. Give a file of markers in space"):
+        audit_file(source)
 
 
 def test_an_audit_looks_for_computed_points_once(tmp_path, monkeypatch):

@@ -1,11 +1,13 @@
 """Measures of subjects whom nobody measured, against what files state of those whom somebody did."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError
+from kinemark.data import KinemarkError, MarkerTrajectory
 from kinemark.engine.gait_settings import GaitSettings
-from kinemark.engine.gait_walks import WIDTH_MM, known_measures, recorded
+from kinemark.engine.gait_walks import WIDTH_MM, completed, known_measures, recorded
 from kinemark.gait import estimated_measures, marker_points
 from kinemark.gait.estimated_measures import WIDTH_SD_MM, joints_by_share
 from kinemark.io.c3d.subject_measures import measures_of
@@ -58,3 +60,14 @@ def test_units_that_are_no_millimetres_are_said():
     hidden = marker_points(stepping()) | {"LANK": np.full((400, 3), np.nan)}
     with pytest.raises(KinemarkError, match="left leg cannot be measured"):
         estimated_measures(hidden)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_walk_in_another_unit_than_its_standing_trial_is_refused(factor):
+    standing = stepping()
+    paths = tuple(MarkerTrajectory.measured(p.name, p.xyz * factor) for p in standing.trajectories)
+    walk = replace(standing, trajectories=replace(standing.trajectories, paths=paths))
+    right, wrong = (recorded("walk", one, {}, GaitSettings(up="z")) for one in (standing, walk))
+    assert completed(right, right).points.keys() == right.points.keys()
+    with pytest.raises(KinemarkError, match=r"walk: By its markers the left leg is .* unit of length"):
+        completed(wrong, right)

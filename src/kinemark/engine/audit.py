@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from ..data import KinemarkError
 from ..data.problems import Alternative, Problem, Problems
 from ..label import Template
@@ -41,9 +43,11 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
         mend: take the best alternative of whatever is SURE to be wrong. by: who says it.
 
     Raises:
-        KinemarkError: it cannot be read, or its journal not be written.
+        KinemarkError: it cannot be read, has no samples, its journal cannot be written, or the template does not fit.
     """
     editing = open_editing(source, by=by)
+    if not np.isfinite(editing.trajectories.xyz).any():
+        raise KinemarkError(f"{source} has no trajectories. Give a file of markers in space, as a C3D file.")
     found, mended = problems(editing, template=template), list[Problem]()
     for _ in range(ROUNDS if mend else 0):
         sure = _beside_each_other([one for one in found.asked if one.wrong >= SURE and _best(one).action != "keep"])

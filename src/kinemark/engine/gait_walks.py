@@ -17,7 +17,7 @@ from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
 from ..gait.clusters import CalibratedBody, Clusters, calibrated_body, with_wands
 from ..gait.emg import Emg, emg, peak_of
-from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, joints_by_share, mass_on_plates
+from ..gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measures, joints_by_share, mass_on_plates
 from ..gait.foot_events import foot_events
 from ..gait.functional_hip import functional_hip, with_hips_of
 from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
@@ -121,7 +121,8 @@ def completed(walk: Recorded, static: Recorded | None) -> Recorded:
     """A walk with the landmarks that clusters carry, and with the heels that only the standing trial has.
 
     Raises:
-        KinemarkError: a marker of a cluster or of the model is not there; the message begins with the walk's name.
+        KinemarkError: a marker of a cluster or of the model is not there, or a leg is none of a person's; the message
+            begins with the walk's name.
     """
     try:
         if static is not None and static.clusters:
@@ -129,6 +130,7 @@ def completed(walk: Recorded, static: Recorded | None) -> Recorded:
         if static is not None:
             walk = replace(walk, standard=with_heels(walk.standard, static.points))
         check_markers(walk.points)
+        check_legs(walk.points)
     except KinemarkError as error:
         raise KinemarkError(f"{walk.name}: {error}") from None
     return walk

@@ -82,22 +82,43 @@ def mass_on_plates(
     return float(np.median(impulses) / (GRAVITY * np.median(strides) / 2))
 
 
+def check_legs(points: Mapping[str, Floats]) -> None:
+    """A walk's legs by (1), whoever states the measures: the unit of length of a file may be wrong.
+
+    Args:
+        points: (F, 3) mm by the model's names; legs that no frame shows are not looked at.
+
+    Raises:
+        KinemarkError: a leg is none of a person's.
+    """
+    for side in SIDES:
+        _length(points, side)
+
+
 def _leg(points: Mapping[str, Floats], side: Side, marker_diameter_mm: float) -> LegMeasures:
-    front, ankle = (points.get(LETTER[side] + name) for name in ("ASI", "ANK"))
-    length = np.zeros(0) if front is None or ankle is None else np.linalg.norm(front - ankle, axis=-1)
-    length = length[np.isfinite(length)]
-    if not len(length):
+    leg = _length(points, side)
+    if leg is None:
         raise KinemarkError(
             f"The {side} leg cannot be measured: no frame shows the front of the pelvis and the ankle. State the "
             "subject's measures."
         )
+    widths = [_width(points, side, name, marker_diameter_mm) for name in ACROSS]
+    return LegMeasures(leg, widths[0] or KNEE_SHARE * leg, widths[1] or ANKLE_SHARE * leg)
+
+
+def _length(points: Mapping[str, Floats], side: Side) -> float | None:
+    """mm by (1); None where no frame shows it."""
+    front, ankle = (points.get(LETTER[side] + name) for name in ("ASI", "ANK"))
+    length = np.zeros(0) if front is None or ankle is None else np.linalg.norm(front - ankle, axis=-1)
+    length = length[np.isfinite(length)]
+    if not len(length):
+        return None
     leg = float(np.quantile(length, STRAIGHT))
     low, high = LENGTHS_MM["leg_mm"]
     if not low <= leg <= high:
         raise KinemarkError(f"By its markers the {side} leg is {leg:.0f} mm long, wanted {low:g} to {high:g}. Check "
                             "the unit of length of the file, and which marker is which.")  # fmt: skip
-    widths = [_width(points, side, name, marker_diameter_mm) for name in ACROSS]
-    return LegMeasures(leg, widths[0] or KNEE_SHARE * leg, widths[1] or ANKLE_SHARE * leg)
+    return leg
 
 
 def _width(points: Mapping[str, Floats], side: Side, name: str, marker_diameter_mm: float) -> float | None:

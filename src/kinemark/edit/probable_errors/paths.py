@@ -173,7 +173,8 @@ def meeting(before: Ends, after: Ends, rate: float, q: float) -> Meeting:
 
 def _noise(xyz: Floats) -> Floats:
     """(M) by (3)."""
-    third = np.abs(np.diff(xyz, 3, axis=1)).reshape(len(xyz), -1)
+    third = np.abs(np.diff(xyz, 3, axis=1))
+    third = third.reshape(len(xyz), third[0].size if len(third) else 0)
     known = np.isfinite(third)
     usual = np.median(third[known]) if known.any() else 1.0
     sd = np.array([np.median(row[ok]) if ok.sum() > 30 else usual for row, ok in zip(third, known, strict=True)])

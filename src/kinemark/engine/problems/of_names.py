@@ -31,10 +31,16 @@ OFF_MM = 20.0
 
 
 def of_names(context: Context, template: Template | None) -> Iterator[Problem]:
-    """All of them; none where neither a template nor the trial itself can tell."""
+    """All of them; none where neither a template nor the trial itself can tell.
+
+    Raises:
+        KinemarkError: the template does not fit the names, or has too few of them, so that none can be judged by it.
+    """
     checked = _checked(context, template)
     if checked is None:
         return
+    if template is not None and checked.unfit:
+        raise KinemarkError(checked.unfit)
     for one in checked.exchanged:
         yield _problem(context, "swap", one.markers, one, one.gain)
     for swap in checked.swapped:
@@ -62,6 +68,8 @@ def _checked_names(
         own = learn_template(named) if template is None else template
         return check_names(without_prefix(named, own.names), own, sides_by_name(own.names))
     except KinemarkError:
+        if template is not None and len(named):
+            raise
         return None
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous
-from kinemark.track.simultaneous.companions import OVERLAP, with_companions
+from kinemark.track.simultaneous.companions import OVERLAP, once_a_frame, with_companions
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.stitch import Stitched
 from support.motions import dance
@@ -83,6 +83,22 @@ def test_a_track_that_another_takes_over_may_last_a_few_frames_more(frames, one)
     assert (joined(points).id[9] == 0) == one
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("drifts", [0, 9])
+def test_of_a_track_that_another_takes_over_what_drifts_goes(seed, drifts):
+    points = in_pieces(plate(seed), {0: (200, 200)}, later=OVERLAP - 1)
+    both = (points.frame >= 200 - OVERLAP + 1) & (points.frame < 200)
+    wrong = both & (points.id == drifts)
+    points.xyz[wrong] += [30.0, -20.0, 10.0]
+    as_one = points._replace(id=np.where(points.id == 9, 0, points.id))
+    kept = once_a_frame(as_one, 1 / RATE, Simultaneous())
+    assert np.flatnonzero(~kept).tolist() == np.flatnonzero(wrong).tolist()
+
+
+def test_tracks_with_one_point_a_frame_keep_all():
+    assert once_a_frame(in_pieces(plate(0), AWAY), 1 / RATE, Simultaneous()).all()
+
+
 def test_what_was_stitched_before_stays_one():
     points, before = in_pieces(plate(3), AWAY), np.arange(14)
     before = np.append(before, [0, 9])  # two more fragments: of track 0, and of track 9
@@ -98,4 +114,5 @@ def test_joins_are_told_with_their_frames():
 
 def test_nothing_to_join():
     none = TrackPoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)), np.zeros((0, 3, 3)))
+    assert once_a_frame(none, 1 / RATE, Simultaneous()).tolist() == []
     assert joined(none).id.tolist() == [] and joined(in_pieces(plate(0), {})).id.tolist() == list(range(9))

@@ -15,7 +15,8 @@ steadiest ones the lower mean counts, as what is far away says little of where o
 
 The pair of the highest score is joined first, where no piece that is there at the time of either has a score within
 `stitch.CLEAR_MARGIN` of it, and the pieces joined so far are not there at the same time (3), but for OVERLAP frames in
-which an ended track may drift. What is joined is then one companion of the others, so this is done ROUNDS times, with
+which one of them may drift: of two points that a track then has in a frame, the one that fits the motion of its others
+better is left (4). What is joined is then one companion of the others, so this is done ROUNDS times, with
 long pieces first. What a marker cannot reach in the gap is not compared, nor what is there for a few frames.
 """
 
@@ -27,7 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
-from .neighbouring_points import TrackPoints, rows_of
+from ...numerics.runs import begins
+from .neighbouring_points import TrackPoints, off_the_motion, rows_of
 from .simultaneous_method import Simultaneous
 from .stitch import CLEAR_MARGIN, LEAST, Stitch, Stitched
 
@@ -107,6 +109,28 @@ def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simu
                 break
             found += joined
     return Stitched(np.append(ids, np.arange(len(ids), len(whole.id)))[whole.id], whole.stitches + found)
+
+
+def once_a_frame(points: TrackPoints, T: float, method: Simultaneous) -> Bools:
+    """(P) the points of which each track has one in a frame, by (4)."""
+    twice = _in_frames_of_several(points)
+    if not twice.any():
+        return ~twice
+    off = np.zeros(len(points.id))
+    off[twice] = off_the_motion(points, twice, T, method)
+    order = np.lexsort([off, points.id, points.frame])
+    kept = np.zeros(len(points.id), bool)
+    kept[order] = begins(points.frame[order], points.id[order])
+    return kept
+
+
+def _in_frames_of_several(points: TrackPoints) -> Bools:
+    """(P) points beside which their track has another in their frame."""
+    order = np.lexsort([points.id, points.frame])
+    new = np.append(begins(points.frame[order], points.id[order]), True)
+    several = np.empty(len(order), bool)
+    several[order] = ~(new[:-1] & new[1:])
+    return several
 
 
 def _possible(points: TrackPoints, piece: NDArray[np.int32], T: float, method: Simultaneous) -> Pairs:

@@ -106,16 +106,39 @@ def _smoothed(
     share: float,
 ) -> tuple[Floats, Floats]:
     """The same of some rows (n), with those of each track in each frame (N, F)."""
-    id, frame = points.id[row], points.frame[row]
     around = points.xyz[row].T
+    both = _beside(points, rows, row, sound, T, method, share)
+    N = inverse(points.cov[row].transpose(1, 2, 0) * share)
+    both = update(both, N, np.einsum("ijt,jt->it", N, around - both.position))
+    return both.position.T, both.cov.transpose(2, 0, 1)
+
+
+def off_the_motion(points: TrackPoints, which: Bools, T: float, method: Simultaneous) -> Floats:
+    """(n) squared distances of the points `which` (P) from where the other points of their tracks lead, in standard
+    deviations; of one track there may be several in a frame."""
+    row = np.flatnonzero(which)
+    motion = _beside(points, rows_of(points), row, ~which, T, method)
+    off = points.xyz[row] - motion.position.T
+    S = motion.cov.transpose(2, 0, 1) + points.cov[row]
+    return np.asarray((off * np.linalg.solve(S, off[..., None])[..., 0]).sum(1))
+
+
+def _beside(
+    points: TrackPoints,
+    rows: NDArray[np.int32],
+    row: Ints,
+    sound: Bools,
+    T: float,
+    method: Simultaneous,
+    share: float = 1.0,
+) -> KalmanStates:
+    """What sound points (P) before and after say of the motion at the points of some rows (n), by (1)."""
+    id, frame, around = points.id[row], points.frame[row], points.xyz[row].T
     near = [np.where(sound[one], one, -1) for one in (rows_near(rows, id, frame, way) for way in (-1, 1))]
     for one in near:
         one[0] = -1
     before, after = (motion_from(points, one, around, T, method, share) for one in near)
-    both = between(before, reversed_time(after))
-    N = inverse(points.cov[row].transpose(1, 2, 0) * share)
-    both = update(both, N, np.einsum("ijt,jt->it", N, around - both.position))
-    return both.position.T, both.cov.transpose(2, 0, 1)
+    return between(before, reversed_time(after))
 
 
 def between(before: KalmanStates, after: KalmanStates) -> KalmanStates:

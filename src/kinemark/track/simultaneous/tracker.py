@@ -33,7 +33,7 @@ from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
-from .companions import with_companions
+from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
@@ -121,7 +121,9 @@ def track_once(
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     whole = with_companions(_points(cloud, ids), whole, T, method)
-    cloud, ids = _once_a_frame(cloud, whole.id[ids])
+    ids = whole.id[ids]
+    once = once_a_frame(_points(cloud, ids), T, method)
+    cloud, ids = cloud.keep(once), ids[once]
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
@@ -132,14 +134,6 @@ def track_once(
 def _points(cloud: Cloud, ids: Ints) -> TrackPoints:
     """Of tracks ids (P)."""
     return TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
-
-
-def _once_a_frame(cloud: Cloud, ids: Ints) -> tuple[Cloud, Ints]:
-    """The points and their tracks, of two of one track in a frame that of more images."""
-    order = np.lexsort([-(cloud.detection >= 0).sum(1), ids, cloud.frame])
-    kept = np.zeros(len(ids), bool)
-    kept[order] = begins(cloud.frame[order], ids[order])
-    return cloud.keep(kept), ids[kept]
 
 
 def _without_merged(

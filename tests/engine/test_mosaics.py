@@ -6,6 +6,7 @@ import pytest
 
 from kinemark import KinemarkError
 from kinemark.engine.mosaics import BACK, Mosaics, layout_of
+from kinemark.io.exact_video import ExactVideo
 from kinemark.io.images import open_images
 from support.numbered_video import WIDTH, bars, number, write_numbered
 
@@ -128,4 +129,54 @@ def test_the_first_frames_are_begun_unless_one_was_asked_for(sources, tmp_path):
     mosaics._behind.submit(lambda: None).result()
     assert all(mosaics.ready(n) for n in range(FRAMES))
     assert shown(mosaics, 7) == [7, 507, 1007]
+    mosaics.close()
+
+
+class Decoded:
+    """Counts images as they are decoded, and asks for a frame in the midst of what is made behind."""
+
+    def __init__(self, monkeypatch):
+        self.count, self.at, self.then = 0, -1, None
+        true = ExactVideo._keep
+
+        def keep(video, n, image):
+            self.count += 1
+            if self.count == self.at:
+                self.then()
+            true(video, n, image)
+
+        monkeypatch.setattr(ExactVideo, "_keep", keep)
+
+
+@pytest.mark.parametrize("at", [1, 2, 40, 100])
+def test_no_more_is_decoded_behind_once_a_frame_was_asked_for(sources, tmp_path, monkeypatch, at):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    decoded = Decoded(monkeypatch)
+    decoded.at, decoded.then = at, lambda: setattr(mosaics, "_asked", (7, 1))  # as `jpeg` begins
+    mosaics._asked = asked = 100, -1
+    mosaics._ahead(asked)
+    assert at <= decoded.count < at + len(sources)  # no camera more than the image that it was at
+    monkeypatch.undo()
+    assert all(shown(mosaics, n) == [n, n + 500, n + 1000] for n in (7, 99, 50, 51, 8))
+    mosaics.close()
+
+
+def test_a_step_on_decodes_one_image_of_each_camera(sources, tmp_path, monkeypatch):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    mosaics._ahead = lambda asked: None
+    assert shown(mosaics, 40) == [40, 540, 1040]
+    decoded = Decoded(monkeypatch)
+    for n in range(41, 59):
+        assert shown(mosaics, n) == [n, n + 500, n + 1000]
+    assert decoded.count == 18 * len(sources)
+    mosaics.close()
+
+
+def test_what_was_decoded_on_the_way_is_a_picture_as_soon_as_the_answer_is_there(sources, tmp_path):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    for n in (0, 10, 20):
+        assert shown(mosaics, n) == [n, n + 500, n + 1000]
+        assert all(mosaics.ready(k) for k in range(n))
+    mosaics._behind.submit(lambda: None).result()
+    assert not mosaics._drawn
     mosaics.close()

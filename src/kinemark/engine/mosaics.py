@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import KinemarkError
+from ..data.progress import Cancelled
 from ..io.exact_frames import ExactImages
 from ..io.images import ImageSource, jpeg_bytes, png_bytes, scaled
 from ..io.pixels import Image
@@ -108,6 +109,7 @@ class Mosaics:
         self._behind = ThreadPoolExecutor(1, "mosaics")
         self._asked: tuple[int, int] | None = None
         self._made = set[int]()
+        self._drawn: dict[int, list[Image]] = {}  # the tiles of frames that are no files yet
         self._making = threading.Lock()
 
     def jpeg(self, n: int) -> bytes:
@@ -117,7 +119,7 @@ class Mosaics:
             KinemarkError: there is no such frame, or an image is damaged.
         """
         before, _ = self._asked or (n, 0)
-        self._asked = asked = n, n - before
+        self._asked = asked = n, n - before  # from here on nothing more is decoded behind
         found = self._mosaic(n)
         self._behind.submit(self._ahead, asked)
         return found
@@ -129,8 +131,8 @@ class Mosaics:
             self._behind.submit(self._ahead, asked)
 
     def ready(self, n: int) -> bytes | None:
-        """The same where it was made already; nothing is begun for it."""
-        return self._kept.get(self._name(n))
+        """The same where it was made already; nothing is decoded for it."""
+        return self._encoded(n) or self._kept.get(self._name(n))
 
     def crop(self, camera: str, n: int, x: int, y: int, width: int, height: int) -> bytes:
         """A part of one camera's image as PNG, in its own pixels.
@@ -155,20 +157,36 @@ class Mosaics:
         for images in self._open.values():
             images.close()
 
-    def _mosaic(self, n: int) -> bytes:
-        """Kept, or made now."""
-        found = self._kept.get(self._name(n))
+    def _mosaic(self, n: int, go_on: Callable[[], None] = lambda: None) -> bytes:
+        """Kept, or made now, unless `go_on` raises."""
+        found = self.ready(n)
         if found is None:
             with self._making:  # by turns, or each would lead the decoders away from where the other needs them
-                for k in range(self._start(n), n):
-                    if k not in self._made:
-                        self._make(k)
-                found = self._kept.get(self._name(n)) or self._make(n)
+                found = self.ready(n) or self._made_now(n, go_on)
         self._made.add(n)
         return found
 
-    def _make(self, n: int) -> bytes:
-        content = jpeg_bytes(self._drawn(n))
+    def _made_now(self, n: int, go_on: Callable[[], None]) -> bytes:
+        """And those that are decoded on the way to it, which are encoded behind."""
+        first = self._start(n)
+        new = [k for k in range(first, n + 1) if k == n or not (k in self._made or k in self._drawn)]
+        by_camera = self._pool.map(lambda tile: self._tiles(tile, new, go_on), self.layout.tiles)
+        frames = list(zip(*by_camera, strict=True))
+        content = self._kept_as_file(n, list(frames.pop()))
+        self._drawn.update((k, list(small)) for k, small in zip(new, frames, strict=False))
+        return content
+
+    def _encoded(self, n: int) -> bytes | None:
+        """The file of a frame that was drawn; None where it was not."""
+        small = self._drawn.get(n)
+        if small is None:
+            return None
+        content = self._kept_as_file(n, small)
+        self._drawn.pop(n, None)
+        return content
+
+    def _kept_as_file(self, n: int, small: list[Image]) -> bytes:
+        content = jpeg_bytes(self._side_by_side(small))
         self._kept.put(self._name(n), content)
         self._made.add(n)
         return content
@@ -186,24 +204,38 @@ class Mosaics:
         return str(Path(self.recording) / f"{n:07d}.jpg")
 
     def _ahead(self, asked: tuple[int, int]) -> None:
-        """Frames about the one that was asked for, until another one is."""
-        with suppress(KinemarkError):  # whoever asks for the damaged frame is told
-            for k in _about(*asked, self.n_frames):
-                if self._asked != asked:
-                    return
-                if k not in self._made:
-                    self._mosaic(k)
+        """Frames about the one that was asked for, until another one is: then not one image more is decoded."""
+        for k in list(self._drawn):
+            self._encoded(k)
 
-    def _drawn(self, n: int) -> Image:
+        def go_on() -> None:
+            if self._asked != asked:
+                raise Cancelled
+
+        with suppress(KinemarkError, Cancelled):  # whoever asks for the damaged frame is told
+            for k in _about(*asked, self.n_frames):
+                go_on()
+                if k not in self._made:
+                    self._mosaic(k, go_on)
+
+    def _side_by_side(self, small: list[Image]) -> Image:
         """(H, W) uint8."""
         whole = np.zeros((self.layout.height, self.layout.width), np.uint8)
-        small = self._pool.map(lambda tile: self._tile(tile, n), self.layout.tiles)
         for tile, image in zip(self.layout.tiles, small, strict=True):
             whole[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width] = image
         return whole
 
-    def _tile(self, tile: Tile, n: int) -> Image:
-        return scaled(self._in_eight_bits(tile.camera, self._image(tile.camera, n)), tile.width, tile.height)
+    def _tiles(self, tile: Tile, wanted: list[int], go_on: Callable[[], None]) -> list[Image]:
+        """A camera's images of some frames, rising, small: one image is decoded after the other, while it may go on."""
+        found = []
+        for k in wanted:
+            for before in range(self._decoded_from(tile.camera, k), k):
+                go_on()
+                self._image(tile.camera, before)
+            go_on()
+            image = self._in_eight_bits(tile.camera, self._image(tile.camera, k))
+            found.append(scaled(image, tile.width, tile.height))
+        return found
 
     def _in_eight_bits(self, camera: str, image: Image) -> Image:
         """(H, W) uint8: the bits that a camera uses, by the first image that is seen of it."""

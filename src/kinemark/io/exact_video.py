@@ -137,17 +137,17 @@ class ExactVideo:
         for frame in self._frames:
             if frame.pts is None or frame.pts > wanted:
                 return self._again_from_key(index, n, key)
-            self._keep(index, frame.pts, frame)
+            number = int(np.searchsorted(index.time, frame.pts))
+            if index.time[number] == frame.pts:
+                self._keep(number, frame)
             if frame.pts == wanted:
                 self._next = n + 1
                 return frame
         return None
 
-    def _keep(self, index: FrameIndex, time: int, frame: av.VideoFrame) -> None:
+    def _keep(self, number: int, frame: av.VideoFrame) -> None:
         """Among the recent ones, by its number."""
-        number = int(np.searchsorted(index.time, time))
-        if index.time[number] == time:
-            self._recent[number] = frame
+        self._recent[number] = frame
         while len(self._recent) > RECENT:
             del self._recent[next(iter(self._recent))]
 
@@ -166,9 +166,12 @@ class ExactVideo:
 
     def _counted(self, n: int) -> av.VideoFrame | None:
         """By counting from the start, or from where decoding stands."""
+        if n in self._recent:
+            return self._recent[n]
         if self._next > n:
             self._restart()
         for frame in self._frames:
+            self._keep(self._next, frame)
             self._next += 1
             if self._next == n + 1:
                 return frame

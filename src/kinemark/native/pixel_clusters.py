@@ -42,6 +42,7 @@ def cluster_pixels(x: Floats, y: Floats, white: Bools, centres: Floats, *, turns
     return _numpy_clusters(x, y, white, centres, turns)
 
 
+@np.errstate(all="ignore")
 def _numpy_clusters(x: Floats, y: Floats, white: Bools, centres: Floats, turns: int) -> tuple[Floats, Floats]:
     n, k, _ = centres.shape
     row, column = np.nonzero(white)

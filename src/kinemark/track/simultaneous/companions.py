@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.runs import begins
 from .neighbouring_points import TrackPoints, off_the_motion, rows_of
 from .simultaneous_method import Simultaneous
@@ -49,7 +50,7 @@ STRAY = 0.02
 LONG, SHORTEST = 48, 16
 """Points of the pieces that are joined before shorter ones are looked at, and the fewest of a piece; chosen (see
 benchmarks/tracking_scenes.py, seeds 50000 to 50049 and 70000 to 70059, studies/infrared_footage.py). Of 4222 tracks
-with 99 changes of marker, joins leave 4047 with 104; with all pieces 3836 with 124, and 49 tracks for 65 of the
+with 99 changes of marker, joins leave 4047 with 104; with all pieces 3836 with 124, and 49 tracks for 69 of the
 footage: a piece of few points is often of two markers by itself."""
 
 SURE = 12.0
@@ -67,9 +68,6 @@ MAX_PAIRS = 10_000
 
 AT_ONCE = 1_000
 """Pairs that are worked out in one go; more would take memory and no less time; chosen."""
-
-MAD_SD = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation; by definition."""
 
 
 class Places(NamedTuple):
@@ -178,7 +176,7 @@ def _places(
         u = off / np.maximum(r, LEAST)[..., None]
         said = np.einsum("nfi,nfij,nfj->nf", u, points.cov[others] + points.cov[own], u)
         middle = _medians(r)
-        steady = MAD_SD * _medians(np.abs(r - middle[:, None]))
+        steady = SD_PER_MEDIAN * _medians(np.abs(r - middle[:, None]))
         distance[k, beside] = middle
         variance[k, beside] = np.maximum(steady**2, np.nanmean(said, axis=1)) + LEAST**2
     return Places(distance, variance)

@@ -6,29 +6,25 @@ part of one camera's image in its own pixels where somebody looks closer than a 
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
 
 import numpy as np
 
 from ..data import KinemarkError
 from ..data.progress import Cancelled
 from ..io.exact_frames import ExactImages
-from ..io.images import ImageSource, jpeg_bytes, png_bytes, scaled
+from ..io.images import ImageSource, jpeg_bytes, png_bytes
 from ..io.pixels import Image
 from .kept_files import KeptFiles
+from .small_videos import SmallImages
+from .tiles import Smaller, Tile, layout_of
 
-WIDTHS = (960, 640, 480, 400)
-"""px, of a tile where there are 1, 2, 3 or 4 cameras; chosen: what fits beside the rest on a screen of 1366 px."""
-MANY = 320
-"""px, of a tile where there are more; chosen, as above."""
 AHEAD, BACK = 240, 48
 """Frames that are made after the one asked for, and before it in blocks; chosen: some seconds of most recordings to go
 on in, half a second to go back in. To decode backwards costs a group of frames each time, so a block is made forwards.
@@ -41,62 +37,24 @@ WORKERS = 4
 """Threads that decode cameras side by side; chosen: more than most machines have to spare."""
 
 
-class Tile(NamedTuple):
-    """Where a camera's image is in the mosaic, px."""
-
-    camera: str
-    x: int
-    y: int
-    width: int
-    height: int
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Tiles in rows, and the size of the whole, px; both even."""
-
-    tiles: tuple[Tile, ...]
-    width: int
-    height: int
-
-
-def layout_of(sources: Mapping[str, ImageSource]) -> Layout:
-    """Tiles of one size for all cameras, each with its image as large as fits; fields have their true height."""
-    n = len(sources)
-    columns = math.ceil(math.sqrt(n))
-    largest = WIDTHS[n - 1] if n <= len(WIDTHS) else MANY
-    cell_w = _even(min(largest, max(source.size[0] for source in sources.values())))
-    shapes = {name: _fitted(source, cell_w) for name, source in sources.items()}
-    cell_h = max(height for _, height in shapes.values())
-    tiles = [
-        Tile(name, k % columns * cell_w, k // columns * cell_h, *shape)
-        for k, (name, shape) in enumerate(shapes.items())
-    ]
-    return Layout(tuple(tiles), columns * cell_w, math.ceil(n / columns) * cell_h)
-
-
-def _fitted(source: ImageSource, width: int) -> tuple[int, int]:
-    """Width and height of a tile."""
-    w, h = source.size[0], source.size[1] * (2 if source.interlaced else 1)
-    width = _even(min(width, w))
-    return width, max(_even(round(width * h / w)), 2)
-
-
-def _even(n: int) -> int:
-    return max(n - n % 2, 2)
-
-
 class Mosaics:
     """The mosaics of one trial's recording."""
 
     def __init__(
-        self, sources: Mapping[str, ImageSource], folder: Path, *, recording: str = "", most: int = KEPT
+        self,
+        sources: Mapping[str, ImageSource],
+        folder: Path,
+        *,
+        recording: str = "",
+        most: int = KEPT,
+        small: Mapping[str, SmallImages] = MappingProxyType({}),
     ) -> None:
         """Nothing is opened yet; mosaics are kept in the folder, where it can be written.
 
         Args:
             sources: by camera. folder: of the mosaics of a trial. recording: tells them from those of what was
-                recorded there before. most: bytes that are kept, the longest unused going first.
+                recorded there before. most: bytes that are kept, the longest unused going first. small: by camera,
+                pictures that were made of it before.
         """
         self.sources, self.recording = dict(sources), recording
         self._kept = KeptFiles(folder, most=most, most_in_memory=IN_MEMORY)
@@ -104,7 +62,8 @@ class Mosaics:
         self.n_frames = min(source.n_frames for source in sources.values())
         self._open: dict[str, ExactImages] = {}
         self._locks = {name: threading.Lock() for name in sources}
-        self._bits: dict[str, int] = {}
+        self._smaller = {tile.camera: Smaller(tile) for tile in self.layout.tiles}
+        self._small = dict(small)
         self._pool = ThreadPoolExecutor(WORKERS, "tiles")
         self._behind = ThreadPoolExecutor(1, "mosaics")
         self._asked: tuple[int, int] | None = None
@@ -146,7 +105,7 @@ class Mosaics:
         if not (0 <= x < x + width <= w and 0 <= y < y + height <= h):
             raise KinemarkError(f"{camera} has {w} × {h} px; {width} × {height} from ({x}, {y}) is no part of that.")
         image = self._image(camera, n)
-        shown = self._in_eight_bits(camera, image)
+        shown = self._smaller[camera].in_eight_bits(image)
         return png_bytes(np.ascontiguousarray(shown[y : y + height, x : x + width]))
 
     def close(self) -> None:
@@ -156,6 +115,8 @@ class Mosaics:
         self._pool.shutdown()
         for images in self._open.values():
             images.close()
+        for small in self._small.values():
+            small.close()
 
     def _mosaic(self, n: int, go_on: Callable[[], None] = lambda: None) -> bytes:
         """Kept, or made now, unless `go_on` raises."""
@@ -197,6 +158,8 @@ class Mosaics:
         return max(min(first, default=n), n - BACK, 0)
 
     def _decoded_from(self, camera: str, n: int) -> int:
+        if (small := self._small.get(camera)) is not None and n in small.frames:
+            return n
         with self._locks[camera]:
             return self._images(camera).decoded_from(n)
 
@@ -233,16 +196,17 @@ class Mosaics:
                 go_on()
                 self._image(tile.camera, before)
             go_on()
-            image = self._in_eight_bits(tile.camera, self._image(tile.camera, k))
-            found.append(scaled(image, tile.width, tile.height))
+            found.append(self._small_image(tile.camera, k))
         return found
 
-    def _in_eight_bits(self, camera: str, image: Image) -> Image:
-        """(H, W) uint8: the bits that a camera uses, by the first image that is seen of it."""
-        if image.dtype == np.uint8:
-            return image
-        shift = self._bits.setdefault(camera, max(int(image.max()).bit_length() - 8, 0))
-        return (image >> shift).clip(0, 255).astype(np.uint8)
+    def _small_image(self, camera: str, n: int) -> Image:
+        if (small := self._small.get(camera)) is not None and n in small.frames:
+            try:
+                with self._locks[camera]:
+                    return small.frame(n).copy()
+            except KinemarkError:
+                self._small.pop(camera, None)  # damaged: made again of the images
+        return self._smaller[camera](self._image(camera, n))
 
     def _image(self, camera: str, n: int) -> Image:
         with self._locks[camera]:

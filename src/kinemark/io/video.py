@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,8 @@ ROUNDING = 1.5e-3  # Matroska counts in ms; of the format
 INDEXED = ("matroska", "avi")
 """Containers whose own index says when a frame is shown; edit lists of others may cut some off."""
 STRICT = {"err_detect": "explode"}  # a damaged frame must fail, not be painted over
+LOOKED_AT = 300
+"""Packets of a video by which one sees whether all are key frames; chosen: longer than groups of frames are."""
 GREY = {np.dtype(np.uint8): "gray", np.dtype(np.uint16): "gray16le"}
 
 
@@ -140,6 +142,18 @@ def truncated(path: Path | str, found: int, stated: int) -> KinemarkError:
         f"{path} gives {found} frames and states {stated}: it is truncated or damaged. Copy it again; to work with "
         f"what is left of it, convert it first: ffmpeg -i {Path(path).name} -c:v ffv1 part.mkv"
     )
+
+
+def has_dependent_frames(path: Path) -> bool:
+    """Whether frames of a video are decoded after others, by its first ones; False where it cannot be read."""
+    try:
+        with opened(path) as container:
+            stream = video_stream(path, container)
+            if stream.codec.intra_only:
+                return False
+            return not all(p.is_keyframe for p in islice(container.demux(stream), LOOKED_AT) if p.size)
+    except (KinemarkError, av.FFmpegError):
+        return False
 
 
 def decode_video(path: Path | str, info: VideoInfo) -> Iterator[Image]:

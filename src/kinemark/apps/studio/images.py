@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ...data import KinemarkError
-from ...engine.keys import digest, file_key
 from ...engine.mosaics import Mosaics
+from ...engine.small_videos import small_images
+from ...engine.tiles import recording_key
 from . import messages
 from .desk import OpenDocument
 
@@ -47,7 +48,5 @@ def _mosaics(document: OpenDocument) -> Mosaics | None:
         sources = document.inputs.source.of.images()
     except KinemarkError:  # they were moved since the trial was run
         return None
-    files = [path for source in sources.values() for path in source.paths]
-    taken = [(source.interlaced, source.every) for source in sources.values()]
-    recording = digest(file_key(*files), list(sources), taken)
-    return Mosaics(sources, document.inputs.folder / FOLDER, recording=recording)
+    folder = document.inputs.folder
+    return Mosaics(sources, folder / FOLDER, recording=recording_key(sources), small=small_images(sources, folder))

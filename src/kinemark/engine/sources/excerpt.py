@@ -49,8 +49,8 @@ class Excerpt:
 
 
 def frame_of(source: ImageSource, f: int) -> GreyLevels:
-    """One frame (H, W) of a camera; all before it are decoded as well."""
-    return next(islice(source.frames(), f, None))
+    """One frame (H, W) of a camera."""
+    return source.frames_at(np.array([f]))[0]
 
 
 def excerpt_of(source: ImageSource, of: Recording) -> ImageSource | Excerpt:

@@ -13,6 +13,7 @@ from ...detect import detect
 from ...io.images import ImageSource
 from ..keys import digest, file_key
 from ..recordings import masks_key, masks_of, methods_of
+from ..small_videos import watched
 from .excerpt import excerpt_of, pictures_of
 from .recording import Recording
 from .trial_source import OperatorIdentities
@@ -36,7 +37,8 @@ class Images:
     def detections(self, threads: int | None = None) -> Detections:
         """By the session's `[detect]`, without what its `[masks]` cover."""
         of, images = self.of, self.of.images()
-        sources = [excerpt_of(source, of) for source in images.values()]
+        taken = {name: excerpt_of(source, of) for name, source in images.items()}
+        sources = watched(images, taken, of.first_frame - 1, of.results)
         total = sum(source.n_frames for source in sources)
         method: Any = of.settings.detect
         found = detect(

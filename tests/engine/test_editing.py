@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark import KinemarkError
-from kinemark.data import Origin, Trial, same
+from kinemark.data import MarkerTrajectory, Origin, Trial, same
 from kinemark.edit import Edited, Reviewed
 from kinemark.engine.edit_files import journal_at, open_editing, write_edited
 from kinemark.engine.edit_stage import unreviewed
@@ -104,6 +104,19 @@ def test_a_file_is_edited_beside_itself_and_never_changed(tmp_path):
     assert np.array_equal(done["*3"].xyz, was["*3"].xyz)
     with pytest.raises(KinemarkError, match="nothing is overwritten"):
         write_edited(open_editing(source), tmp_path / "done.c3d")
+
+
+def test_a_marker_that_was_given_another_name_leaves_no_empty_one(tmp_path):
+    source, made = tmp_path / "walk.c3d", paths_without_images(frames=60)
+    names = ("LKNE", "RKNE", "LANK", "RANK")
+    paths = [replace(path, name=name) for path, name in zip(made, names, strict=False)]
+    empty = MarkerTrajectory.measured("LHEE", np.full((60, 3), np.nan))
+    write_c3d(source, Trial("walk", replace(made, paths=(*paths, empty))))
+    Editing.of_file(source).claim("LKNE", "LKNX")
+    write_edited(open_editing(source), tmp_path / "done.c3d")
+    done = read_c3d(tmp_path / "done.c3d").trajectories
+    assert {"LKNX", "LHEE"} <= set(done.names) and "LKNE" not in done.names  # one empty in the file itself stays
+    assert np.array_equal(done["LKNX"].xyz, read_c3d(source).trajectories["LKNE"].xyz)
 
 
 def test_two_clicked_images_are_a_place(session):

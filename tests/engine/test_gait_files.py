@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import Events, KinemarkError, Trial
+from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
 from kinemark.engine.gait_reference import reference_of_files
@@ -40,6 +40,25 @@ def walk(tmp_path):
     write_c3d(tmp_path / "walk.c3d", Trial("walk", subject.trajectories))
     (tmp_path / "anna.toml").write_text(MEASURES, encoding="utf-8")
     return tmp_path
+
+
+def test_angles_with_gaps_are_told_and_filling_is_named(walk):
+    whole = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    trial = read_trial(walk / "walk.c3d")
+    knee = trial.trajectories["RKNE"]
+    xyz = knee.xyz.copy()
+    xyz[200:230] = np.nan  # a part of one stride
+    paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
+    write_c3d(walk / "gappy.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    gappy = gait_of_files([walk / "gappy.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    kinds = [[f for f in one.figures["findings"] if f["kind"] == "gait_angles_with_gaps"] for one in (whole, gappy)]
+    assert not kinds[0] and len(kinds[1]) == 1
+    values = kinds[1][0]["values"]
+    assert (
+        values["side"] == "right"
+        and 1 <= values["cut"] <= 2 < values["strides"]
+        and "kinemark fill" in kinds[1][0]["advice"]
+    )
 
 
 def test_a_walk_gives_page_tables_figures_and_a_file(walk):

@@ -9,6 +9,9 @@ GAIT_KINDS = (
          {"trial": "text"}),
     Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",
          {"side": "text", "strides": "count"}),
+    Kind("gait_angles_with_gaps", "gait", "amber", "Strides of a side in which more than a tenth of some angle is not "
+         "known, for markers are missing; and how much of all its angles is not.",
+         {"side": "text", "cut": "count", "strides": "count", "unknown_share": "share"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),
     Kind("gait_measures_estimated", "gait", "amber", "Nobody states the subject's measures: legs by the markers, "

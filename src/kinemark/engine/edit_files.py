@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..data import KinemarkError, MarkerTrajectory, Trajectories
 from ..edit import Edited
 from ..fill import fill
@@ -45,6 +47,9 @@ def journal_at(path: Path) -> Journal:
 def write_edited(editing: Editing, target: Path) -> tuple[FileNote, ...]:
     """Write a file's trial with its edits; gaps are filled where somebody chose how.
 
+    A marker of which the edits leave nothing, as one that was given another name, is not written; one that is empty in
+    the file itself is.
+
     Returns:
         What was odd in the file, and what the target cannot hold.
 
@@ -59,8 +64,16 @@ def write_edited(editing: Editing, target: Path) -> tuple[FileNote, ...]:
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
     edited = editing.edited()
     check_methods(edited.choices)
-    whole = replace(editing.source, trajectories=_filled_as_chosen(edited))
+    before, after = editing.source.trajectories, _filled_as_chosen(edited)
+    emptied = _seen(before) - _seen(after)
+    after = replace(after, paths=tuple(path for path in after if path.name not in emptied))
+    whole = replace(editing.source, trajectories=after)
     return (*read_notes(editing.source.notes), *write_trial(with_edits(whole, edited), target))
+
+
+def _seen(trajectories: Trajectories) -> set[str]:
+    """Names of the markers that have samples."""
+    return {path.name for path in trajectories if np.isfinite(path.xyz).any()}
 
 
 def _filled_as_chosen(edited: Edited) -> Trajectories:

@@ -130,6 +130,7 @@ def gait_figures(
         *([] if axes is None else _of_axes(axes)),
         *([] if clusters is None else _of_clusters(clusters)),
         *_findings(trials, strides, measures, static),
+        *_of_gaps(curves),
     ]
     uncertainty = _uncertainty(causes)
     figures = {
@@ -282,6 +283,19 @@ def _findings(
         yield make_finding("foot_offsets_unknown")
     if why := _no_moments(trials, measures):
         yield make_finding("gait_without_moments", why=why)
+
+
+def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
+    """Strides of whose angles a part is not known; angles that no stride has are of markers that nobody wore."""
+    for side in SIDES:
+        angles = [one for one in curves if one.side == side and one.unit == "deg" and np.isfinite(one.values).any()]
+        if not angles:
+            continue
+        whole = np.all([one.whole for one in angles], axis=0)
+        if not whole.all():
+            unknown = float(np.mean([np.isnan(one.values).any(2).mean() for one in angles]))
+            cut, n = int((~whole).sum()), len(whole)
+            yield make_finding("gait_angles_with_gaps", side=side, cut=cut, strides=n, unknown_share=unknown)
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:

@@ -29,7 +29,7 @@ SMALL = 20.0
 """Extent of all markers, in the unit of a file that does not say it, below which it is m and not mm; chosen."""
 SAME_RATE = 0.05
 """Share by which the rate of the heading and that of the times may differ without a note; chosen, times are rounded."""
-AGAIN = "Copy or export it again, or read what there is with --partial (partial=True)."
+AGAIN = "Copy or export it again, or write what is left to another file: kinemark convert FROM TO --partial."
 OFF_ORIGIN = 1e-6
 """mm from (0, 0, 0) at which a sample at the very origin is written, because zeros say missing; chosen."""
 

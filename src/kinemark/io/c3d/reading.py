@@ -64,7 +64,7 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
     if lost and not partial:
         raise KinemarkError(
             f"{name} ({len(raw)} bytes) is cut off or damaged. Unreadable: {'; '.join(lost)}. "
-            "Copy or export it again, or read what is left with --partial (partial=True)."
+            "Copy or export it again, or write what is left to another file: kinemark convert FROM TO --partial."
         )
     oddities = _oddities(doc, header, layout, end, len(doc.tail))
     notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities, *scaling)

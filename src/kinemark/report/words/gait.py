@@ -110,6 +110,11 @@ GAIT_WORDS = {
         "{strides} {strides:stride|strides} of the {side} side: how strides differ is hardly known.",
         "Give several walks together.",
     ),
+    "gait_angles_with_gaps": Words(
+        "{cut} of {strides} {strides:stride|strides} of the {side} side have angles with gaps, {unknown_share:1} of "
+        "all their points: markers are missing there.",
+        "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d; or in a session, [fill].",
+    ),
     "foot_offsets_unknown": Words(
         "There is no static trial and no stated offset of the feet: ankle and foot angles are those of the line from "
         "ankle to toe.",

@@ -5,6 +5,8 @@ import pytest
 
 from kinemark import KinemarkError
 from kinemark.engine.mosaics import Mosaics
+from kinemark.engine.session import Session
+from kinemark.engine.simulate import Scene, simulate
 from kinemark.engine.small_videos import FOLDER, small_images, watched
 from kinemark.engine.sources.excerpt import Excerpt
 from kinemark.io.exact_frames import ExactImages
@@ -162,3 +164,12 @@ class Deep:
 
     def batches(self, n):
         return (images.astype(np.uint16) << 4 for images in self.source.batches(n))
+
+
+def test_a_run_leaves_them_for_its_recording(tmp_path):
+    scene = Scene(cameras=3, seconds=0.6, focal_px=500.0, size_px=(240, 180), noise=1.0)
+    simulate(tmp_path, scene=scene)
+    Session.open(tmp_path).run()
+    found = {name: open_images(tmp_path / "walk01" / f"{name}.mkv") for name in ("cam1", "cam2", "cam3")}
+    small = small_images(found, tmp_path / "results" / "walk01")
+    assert {name: len(one.frames) for name, one in small.items()} == {name: s.n_frames for name, s in found.items()}

@@ -167,7 +167,7 @@ class Deep:
 
 
 def test_a_run_leaves_them_for_its_recording(tmp_path):
-    scene = Scene(cameras=3, seconds=0.6, focal_px=500.0, size_px=(240, 180), noise=1.0)
+    scene = Scene(cameras=3, seconds=0.6, focal_px=500.0, size_px=(488, 378), noise=1.0)
     simulate(tmp_path, scene=scene)
     Session.open(tmp_path).run()
     found = {name: open_images(tmp_path / "walk01" / f"{name}.mkv") for name in ("cam1", "cam2", "cam3")}

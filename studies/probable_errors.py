@@ -52,7 +52,7 @@ OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 BINS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0001)
-KINDS = ("change", "spike", "spike_in_file", "leap", "piece", "ghost")
+KINDS = ("change", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "ghost")
 
 
 class Known(NamedTuple):
@@ -185,14 +185,14 @@ def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
     ]
     for change in changes(paths, places(paths, told)):
         own, i, p = paths.frames[change.place.path], change.place.sample, change.place.path
-        yield from _told("change", change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
+        yield from _told(change.kind, change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
     for spike in spikes(paths):
         off = stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm)
         yield from _told(spike.kind, spike.evidence, off)
     for leap in leaps(paths):
         yield from _told("leap", leap.evidence, leapt(known, leap.path, leap.before, leap.after, leap.mm))
     for piece in pieces(paths):
-        yield from _told("piece", piece.evidence, one_marker(known, piece.before, piece.after))
+        yield from _told(piece.kind, piece.evidence, one_marker(known, piece.before, piece.after))
     for ghost in ghosts(paths, known.trajectories):
         yield from _told("ghost", ghost.evidence, no_marker(known, ghost.path))
 

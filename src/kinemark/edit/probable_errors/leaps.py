@@ -12,7 +12,7 @@ Tracks that have images are not looked at: a tracker takes another marker's imag
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,9 +25,13 @@ SMEARED, SMEARED_S = 6, 0.15
 """Frames, and s, over which a leap may be smeared, at most; chosen: low-pass filters of half the frequency that frames
 can show leave as many, and what takes longer may be motion."""
 
-TESTS, RARE = 40, 0.9
-"""Steps of a path that say how fast it leaves its companions otherwise, and the share of them that are slower; chosen:
-a tenth of a path may be wrong, and the most of a stride is not fast."""
+USUAL_S, TESTS = 1.0, 24
+"""s on each side of a leap in which a path says how fast it leaves its companions otherwise, and its steps there that
+do; chosen: a stride, in which half of the steps may be wrong. Who lies first, and runs then, leaves faster later on."""
+
+BESIDE = 7
+"""Nearest paths that say how much what is near a leap leaves what carries it; chosen: more than a segment has, so that
+three of them may leap as well."""
 
 TOGETHER_S, SOME = 0.2, 0.05
 """s between leaps of a path that are one, as of changes, and their least probability; chosen: what is not worth a look
@@ -42,7 +46,9 @@ class LeapEvidence(NamedTuple):
         left: ln of how far the path comes from where its companions carry it, mm; without companions, from where its
             own motion leads.
         speed: ln of the same a second, mm/s.
-        usual: ln of the speed with which the path leaves its companions otherwise, mm/s.
+        usual: ln of the speed with which the path leaves its companions in other steps near to it, their median, mm/s.
+        beside: ln of how far what is nearest comes from where it is carried at once, the median, mm.
+        often: ln of how many times a second a marker's motion may begin to leap, in the whole trial.
         rate: ln of the trial's, Hz.
     """
 
@@ -50,6 +56,8 @@ class LeapEvidence(NamedTuple):
     left: float
     speed: float
     usual: float
+    beside: float
+    often: float
     rate: float
 
 
@@ -73,14 +81,14 @@ def leaps(paths: Paths) -> list[Leap]:
         return []
     met = _meeting(paths, rows)
     telling = np.flatnonzero(met.squared > SIGNIFICANT).tolist()
-    usual = {path: _usual(paths, path) for path in {rows[n][0] for n in telling}}
+    leaving = _Leaving(paths, _often(paths, {rows[n][:2] for n in telling}))
     found = []
     for n in telling:
         path, i, j = rows[n]
         f, g = int(paths.frames[path][i]), int(paths.frames[path][j + 1])
-        evidence = _evidence(paths, path, f, g, float(met.off[n]), float(met.squared[n]), usual[path])
+        evidence = leaving.evidence(path, f, g, float(met.off[n]), float(met.squared[n]))
         found.append(Leap(path, f, g, evidence, probability("leap", evidence), float(met.off[n])))
-    return _together(paths, _apart(found))
+    return _together(paths, _apart(found), found)
 
 
 def _meeting(paths: Paths, rows: Sequence[tuple[int, int, int]]) -> Meeting:
@@ -101,27 +109,61 @@ def _rows(paths: Paths, p: int) -> Iterator[tuple[int, int, int]]:
                 yield p, i, j
 
 
-def _evidence(paths: Paths, p: int, f: int, g: int, off: float, squared: float, usual: float) -> LeapEvidence:
-    """Between frames f and g, with how before goes on in after."""
-    left = left_mm(paths, p, g, f)
-    mm = off if np.isnan(left) else left
-    return LeapEvidence(
-        float(np.log1p(squared / 4)),
-        float(np.log(mm + LEAST_MM)),
-        float(np.log((mm + LEAST_MM) * paths.rate / (g - f))),
-        usual,
-        float(np.log(paths.rate)),
-    )
+def _often(paths: Paths, starts: set[tuple[int, int]]) -> float:
+    """`LeapEvidence.often`, of paths and indices of samples from which leaps may begin."""
+    return float(np.log((len(starts) + 1) / (paths.seen.sum() / paths.rate + 1)))
 
 
-def _usual(paths: Paths, p: int) -> float:
-    """`LeapEvidence.usual`: what is faster is rare, of steps from one frame to the next that are evenly spread."""
-    own = paths.frames[p]
-    steps = np.flatnonzero(np.diff(own) == 1)
-    some = own[steps[np.linspace(0, len(steps) - 1, min(len(steps), TESTS)).astype(int)]]
-    mm = np.array([left_mm(paths, p, int(f) + 1, int(f)) for f in some])
-    known = mm[np.isfinite(mm)]
-    return float(np.log((np.quantile(known, RARE) if len(known) else 0.0) + LEAST_MM) + np.log(paths.rate))
+class _Leaving:
+    """How paths leave their companions, each step and pair of frames worked out once."""
+
+    def __init__(self, paths: Paths, often: float) -> None:
+        self.paths, self.often = paths, often
+        self.known: dict[tuple[int, int, int], float] = {}
+
+    def mm(self, p: int, f: int, g: int) -> float:
+        """`left_mm` of path p from frame f to frame g."""
+        key = p, f, g
+        if key not in self.known:
+            self.known[key] = left_mm(self.paths, p, g, f)
+        return self.known[key]
+
+    def evidence(self, p: int, f: int, g: int, off: float, squared: float) -> LeapEvidence:
+        """Between frames f and g, with how before goes on in after."""
+        rate, left = self.paths.rate, self.mm(p, f, g)
+        mm = off if np.isnan(left) else left
+        return LeapEvidence(
+            float(np.log1p(squared / 4)),
+            float(np.log(mm + LEAST_MM)),
+            float(np.log((mm + LEAST_MM) * rate / (g - f))),
+            float(np.log((self._usual(p, f, g) + LEAST_MM) * rate)),
+            float(np.log(self._beside(p, f, g) + LEAST_MM)),
+            self.often,
+            float(np.log(rate)),
+        )
+
+    def _usual(self, p: int, f: int, g: int) -> float:
+        """mm a frame, of steps beside those from frame f to g."""
+        own, far = self.paths.frames[p], USUAL_S * self.paths.rate
+        near = own[np.searchsorted(own, f - far) : np.searchsorted(own, g + far)]
+        steps = near[:-1][np.diff(near) == 1]
+        steps = steps[(steps < f) | (steps >= g)]
+        every = max(1, round(2 * far / TESTS))
+        return _median(self.mm(p, int(step), int(step) + 1) for step in steps[steps % every == 0])
+
+    def _beside(self, p: int, f: int, g: int) -> float:
+        """mm that the paths nearest to p leave what carries them from frame f to g."""
+        there = self.paths.seen[:, f] & self.paths.seen[:, g]
+        there[p] = False
+        near = np.flatnonzero(there)
+        d = np.linalg.norm(self.paths.xyz[near, f] - self.paths.xyz[p, f], axis=1)
+        return _median(self.mm(int(q), f, g) for q in near[np.argsort(d, kind="stable")[:BESIDE]])
+
+
+def _median(some: Iterable[float]) -> float:
+    """Of those that are known; 0 where none is."""
+    known = [value for value in some if np.isfinite(value)]
+    return float(np.median(known)) if known else 0.0
 
 
 def _apart(found: list[Leap]) -> list[Leap]:
@@ -133,8 +175,9 @@ def _apart(found: list[Leap]) -> list[Leap]:
     return kept
 
 
-def _together(paths: Paths, found: list[Leap]) -> list[Leap]:
-    """Of one path, those of some probability that follow each other soon are one, as likely as the likeliest."""
+def _together(paths: Paths, found: list[Leap], some: Sequence[Leap]) -> list[Leap]:
+    """Of one path, those of some probability that follow each other soon are one, as likely as the likeliest; `some`
+    are also those that share frames with others."""
     groups: list[list[Leap]] = []
     for one in sorted(found, key=lambda leap: (leap.path, leap.before)):
         last = groups[-1][-1] if groups else None
@@ -143,14 +186,38 @@ def _together(paths: Paths, found: list[Leap]) -> list[Leap]:
             groups[-1].append(one)
         else:
             groups.append([one])
-    return [_one(paths, group) if len(group) > 1 else group[0] for group in groups]
+    likely: dict[int, list[Leap]] = {}
+    for one in some:
+        if one.wrong >= SOME:
+            likely.setdefault(one.path, []).append(one)
+    return [_one(paths, group, likely.get(group[0].path, ())) for group in groups]
 
 
-def _one(paths: Paths, group: list[Leap]) -> Leap:
-    """Several leaps of a path."""
+def _one(paths: Paths, group: list[Leap], some: Sequence[Leap]) -> Leap:
+    """Several leaps of a path, or one: there and back where the path is carried from before all of `some` that share
+    frames with it to after them."""
     best = max(group, key=lambda leap: (leap.wrong, leap.mm))
-    p, f, g = best.path, group[0].before, group[-1].after
+    first, last = group[0].before, group[-1].after
+    for f, g in ((first, last), _span(first, last, some)):
+        if (f, g) != (best.before, best.after) and _left(paths, best.path, f, g) < _farthest(best, f, g, some) / 2:
+            return best._replace(before=f, after=g, mm=_farthest(best, f, g, some), back=True)
+    return best._replace(before=first, after=last)
+
+
+def _span(first: int, last: int, some: Sequence[Leap]) -> tuple[int, int]:
+    """Frames of those that share frames with these."""
+    beside = [one for one in some if one.before < last and first < one.after]
+    return min([first, *(one.before for one in beside)]), max([last, *(one.after for one in beside)])
+
+
+def _left(paths: Paths, p: int, f: int, g: int) -> float:
+    """mm from where what is near path p carries it from frame f to g; without, from where motion leads."""
     left = left_mm(paths, p, g, f)
     if np.isnan(left):
-        left = float(_meeting(paths, [(p, paths.index_before(p, f), paths.index_before(p, g) - 1)]).off[0])
-    return best._replace(before=f, after=g, back=left < best.mm / 2)
+        return float(_meeting(paths, [(p, paths.index_before(p, f), paths.index_before(p, g) - 1)]).off[0])
+    return left
+
+
+def _farthest(best: Leap, f: int, g: int, some: Sequence[Leap]) -> float:
+    """mm that the leaps between two frames come off, at most."""
+    return max(float(np.exp(one.evidence.left)) for one in (best, *some) if f <= one.before and one.after <= g)

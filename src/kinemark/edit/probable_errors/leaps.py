@@ -12,26 +12,18 @@ Tracks that have images are not looked at: a tracker takes another marker's imag
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from .carried import LEAST_MM, left_mm
+from .carried import LEAST_MM, Leaving, left_mm
 from .paths import SIGNIFICANT, Meeting, Paths, ends, meeting, sudden
 from .probability import probability
 
 SMEARED, SMEARED_S = 6, 0.15
 """Frames, and s, over which a leap may be smeared, at most; chosen: low-pass filters of half the frequency that frames
 can show leave as many, and what takes longer may be motion."""
-
-USUAL_S, TESTS = 1.0, 24
-"""s on each side of a leap in which a path says how fast it leaves its companions otherwise, and its steps there that
-do; chosen: a stride, in which half of the steps may be wrong. Who lies first, and runs then, leaves faster later on."""
-
-BESIDE = 7
-"""Nearest paths that say how much what is near a leap leaves what carries it; chosen: more than a segment has, so that
-three of them may leap as well."""
 
 TOGETHER_S, SOME = 0.2, 0.05
 """s between leaps of a path that are one, as of changes, and their least probability; chosen: what is not worth a look
@@ -81,12 +73,12 @@ def leaps(paths: Paths) -> list[Leap]:
         return []
     met = _meeting(paths, rows)
     telling = np.flatnonzero(met.squared > SIGNIFICANT).tolist()
-    leaving = _Leaving(paths, _often(paths, {rows[n][:2] for n in telling}))
+    leaving, often = Leaving(paths), _often(paths, {rows[n][:2] for n in telling})
     found = []
     for n in telling:
         path, i, j = rows[n]
         f, g = int(paths.frames[path][i]), int(paths.frames[path][j + 1])
-        evidence = leaving.evidence(path, f, g, float(met.off[n]), float(met.squared[n]))
+        evidence = _evidence(leaving, often, (path, f, g), float(met.off[n]), float(met.squared[n]))
         found.append(Leap(path, f, g, evidence, probability("leap", evidence), float(met.off[n])))
     return _together(paths, _apart(found), found)
 
@@ -114,56 +106,19 @@ def _often(paths: Paths, starts: set[tuple[int, int]]) -> float:
     return float(np.log((len(starts) + 1) / (paths.seen.sum() / paths.rate + 1)))
 
 
-class _Leaving:
-    """How paths leave their companions, each step and pair of frames worked out once."""
-
-    def __init__(self, paths: Paths, often: float) -> None:
-        self.paths, self.often = paths, often
-        self.known: dict[tuple[int, int, int], float] = {}
-
-    def mm(self, p: int, f: int, g: int) -> float:
-        """`left_mm` of path p from frame f to frame g."""
-        key = p, f, g
-        if key not in self.known:
-            self.known[key] = left_mm(self.paths, p, g, f)
-        return self.known[key]
-
-    def evidence(self, p: int, f: int, g: int, off: float, squared: float) -> LeapEvidence:
-        """Between frames f and g, with how before goes on in after."""
-        rate, left = self.paths.rate, self.mm(p, f, g)
-        mm = off if np.isnan(left) else left
-        return LeapEvidence(
-            float(np.log1p(squared / 4)),
-            float(np.log(mm + LEAST_MM)),
-            float(np.log((mm + LEAST_MM) * rate / (g - f))),
-            float(np.log((self._usual(p, f, g) + LEAST_MM) * rate)),
-            float(np.log(self._beside(p, f, g) + LEAST_MM)),
-            self.often,
-            float(np.log(rate)),
-        )
-
-    def _usual(self, p: int, f: int, g: int) -> float:
-        """mm a frame, of steps beside those from frame f to g."""
-        own, far = self.paths.frames[p], USUAL_S * self.paths.rate
-        near = own[np.searchsorted(own, f - far) : np.searchsorted(own, g + far)]
-        steps = near[:-1][np.diff(near) == 1]
-        steps = steps[(steps < f) | (steps >= g)]
-        every = max(1, round(2 * far / TESTS))
-        return _median(self.mm(p, int(step), int(step) + 1) for step in steps[steps % every == 0])
-
-    def _beside(self, p: int, f: int, g: int) -> float:
-        """mm that the paths nearest to p leave what carries them from frame f to g."""
-        there = self.paths.seen[:, f] & self.paths.seen[:, g]
-        there[p] = False
-        near = np.flatnonzero(there)
-        d = np.linalg.norm(self.paths.xyz[near, f] - self.paths.xyz[p, f], axis=1)
-        return _median(self.mm(int(q), f, g) for q in near[np.argsort(d, kind="stable")[:BESIDE]])
-
-
-def _median(some: Iterable[float]) -> float:
-    """Of those that are known; 0 where none is."""
-    known = [value for value in some if np.isfinite(value)]
-    return float(np.median(known)) if known else 0.0
+def _evidence(leaving: Leaving, often: float, row: tuple[int, int, int], off: float, squared: float) -> LeapEvidence:
+    """Of a path between frames f and g, with how before goes on in after."""
+    rate, left, (_, f, g) = leaving.paths.rate, leaving.mm(*row), row
+    mm = off if np.isnan(left) else left
+    return LeapEvidence(
+        float(np.log1p(squared / 4)),
+        float(np.log(mm + LEAST_MM)),
+        float(np.log((mm + LEAST_MM) * rate / (g - f))),
+        float(np.log((leaving.usual(*row) + LEAST_MM) * rate)),
+        float(np.log(leaving.beside(*row) + LEAST_MM)),
+        often,
+        float(np.log(rate)),
+    )
 
 
 def _apart(found: list[Leap]) -> list[Leap]:

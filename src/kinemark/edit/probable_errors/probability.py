@@ -15,8 +15,8 @@ import numpy as np
 COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "change": (-1.97, 0.22, 0.55, 0.65, -0.39, -0.16, -0.23, 0.06, 0.02, 1.03, -0.25, 0.12, -0.79),
     "change_in_file": (-1.92, 0.24, 0.28, 0.71, -0.36, -0.32, -0.38, 0.17, 0.07, 1.36, -0.12, 0.08, -0.84),
-    "spike": (-0.37, 0.39, 0.12, 0.60, 0.28, -0.04, 0.24),
-    "spike_in_file": (-0.12, 0.70, -0.39, 1.69, 2.18, 0.17, 1.73),
+    "spike": (-1.16, 0.31, 0.07, 0.69, 0.17, -0.01, 0.08, -0.14, 0.36),
+    "spike_in_file": (6.26, 0.70, -0.30, 1.06, 0.55, -1.98, 2.88, -1.20, -0.77),
     "leap": (-5.73, 0.31, 1.18, 1.53, -1.76, -0.71, -1.10, -0.61),
     "piece": (-1.11, 0.41, -1.34, 3.03, 0.01, 0.11),
     "piece_in_file": (-0.44, 0.33, -0.95, 2.35, 0.01, 0.05),
@@ -25,8 +25,9 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
 }
-"""Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py; all but that of leaps
-before rough tracks were among its faults."""
+"""Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py, those of spikes in files
+and of leaps to files, the others to scenes; but those of changes and pieces in files to both, before rough tracks were
+among the faults: fitted to files alone, hands that bend fast look like changes."""
 
 
 def of_source(kind: str, tracked: bool) -> str:

@@ -40,7 +40,6 @@ class LeapEvidence(NamedTuple):
         speed: ln of the same a second, mm/s.
         usual: ln of the speed with which the path leaves its companions in other steps near to it, their median, mm/s.
         beside: ln of how far what is nearest comes from where it is carried at once, the median, mm.
-        often: ln of how many times a second a marker's motion may begin to leap, in the whole trial.
         rate: ln of the trial's, Hz.
     """
 
@@ -49,7 +48,6 @@ class LeapEvidence(NamedTuple):
     speed: float
     usual: float
     beside: float
-    often: float
     rate: float
 
 
@@ -73,14 +71,14 @@ def leaps(paths: Paths) -> list[Leap]:
         return []
     met = _meeting(paths, rows)
     telling = np.flatnonzero(met.squared > SIGNIFICANT).tolist()
-    leaving, often = Leaving(paths), _often(paths, {rows[n][:2] for n in telling})
+    leaving = Leaving(paths)
     found = []
     for n in telling:
         path, i, j = rows[n]
         f, g = int(paths.frames[path][i]), int(paths.frames[path][j + 1])
-        evidence = _evidence(leaving, often, (path, f, g), float(met.off[n]), float(met.squared[n]))
+        evidence = _evidence(leaving, (path, f, g), float(met.off[n]), float(met.squared[n]))
         found.append(Leap(path, f, g, evidence, probability("leap", evidence), float(met.off[n])))
-    return _together(paths, _apart(found), found)
+    return _together(paths, _apart(found))
 
 
 def _meeting(paths: Paths, rows: Sequence[tuple[int, int, int]]) -> Meeting:
@@ -94,19 +92,14 @@ def _rows(paths: Paths, p: int) -> Iterator[tuple[int, int, int]]:
     if paths.images[p].any():
         return
     own, (starts, stops) = paths.frames[p], sudden(paths, p)
-    longest = min(SMEARED, max(1, int(SMEARED_S * paths.rate)))
+    longest = _longest(paths)
     for i in starts.tolist():
         for j in stops[np.searchsorted(stops, i) : np.searchsorted(stops, i + longest)].tolist():
             if own[j + 1] - own[i] <= longest:
                 yield p, i, j
 
 
-def _often(paths: Paths, starts: set[tuple[int, int]]) -> float:
-    """`LeapEvidence.often`, of paths and indices of samples from which leaps may begin."""
-    return float(np.log((len(starts) + 1) / (paths.seen.sum() / paths.rate + 1)))
-
-
-def _evidence(leaving: Leaving, often: float, row: tuple[int, int, int], off: float, squared: float) -> LeapEvidence:
+def _evidence(leaving: Leaving, row: tuple[int, int, int], off: float, squared: float) -> LeapEvidence:
     """Of a path between frames f and g, with how before goes on in after."""
     rate, left, (_, f, g) = leaving.paths.rate, leaving.mm(*row), row
     mm = off if np.isnan(left) else left
@@ -116,7 +109,6 @@ def _evidence(leaving: Leaving, often: float, row: tuple[int, int, int], off: fl
         float(np.log((mm + LEAST_MM) * rate / (g - f))),
         float(np.log((leaving.usual(*row) + LEAST_MM) * rate)),
         float(np.log(leaving.beside(*row) + LEAST_MM)),
-        often,
         float(np.log(rate)),
     )
 
@@ -130,9 +122,8 @@ def _apart(found: list[Leap]) -> list[Leap]:
     return kept
 
 
-def _together(paths: Paths, found: list[Leap], some: Sequence[Leap]) -> list[Leap]:
-    """Of one path, those of some probability that follow each other soon are one, as likely as the likeliest; `some`
-    are also those that share frames with others."""
+def _together(paths: Paths, found: list[Leap]) -> list[Leap]:
+    """Of one path, those of some probability that follow each other soon are one, as likely as the likeliest."""
     groups: list[list[Leap]] = []
     for one in sorted(found, key=lambda leap: (leap.path, leap.before)):
         last = groups[-1][-1] if groups else None
@@ -141,28 +132,33 @@ def _together(paths: Paths, found: list[Leap], some: Sequence[Leap]) -> list[Lea
             groups[-1].append(one)
         else:
             groups.append([one])
-    likely: dict[int, list[Leap]] = {}
-    for one in some:
-        if one.wrong >= SOME:
-            likely.setdefault(one.path, []).append(one)
-    return [_one(paths, group, likely.get(group[0].path, ())) for group in groups]
+    return [_one(paths, group) if group[0].wrong >= SOME else group[0] for group in groups]
 
 
-def _one(paths: Paths, group: list[Leap], some: Sequence[Leap]) -> Leap:
-    """Several leaps of a path, or one: there and back where the path is carried from before all of `some` that share
-    frames with it to after them."""
+def _one(paths: Paths, group: list[Leap]) -> Leap:
+    """A leap of a path, or several: there and back where the path was carried, shortly before or after, to where it is
+    then, as what is near it was."""
     best = max(group, key=lambda leap: (leap.wrong, leap.mm))
     first, last = group[0].before, group[-1].after
-    for f, g in ((first, last), _span(first, last, some)):
-        if (f, g) != (best.before, best.after) and _left(paths, best.path, f, g) < _farthest(best, f, g, some) / 2:
-            return best._replace(before=f, after=g, mm=_farthest(best, f, g, some), back=True)
+    far = max(float(np.exp(one.evidence.left)) for one in group)
+    for f, g in _beside(paths, best.path, first, last):
+        if (f, g) != (best.before, best.after) and _left(paths, best.path, f, g) < far / 2:
+            return best._replace(before=f, after=g, mm=far, back=True)
     return best._replace(before=first, after=last)
 
 
-def _span(first: int, last: int, some: Sequence[Leap]) -> tuple[int, int]:
-    """Frames of those that share frames with these."""
-    beside = [one for one in some if one.before < last and first < one.after]
-    return min([first, *(one.before for one in beside)]), max([last, *(one.after for one in beside)])
+def _beside(paths: Paths, p: int, first: int, last: int) -> Iterator[tuple[int, int]]:
+    """These frames, and those up to which a leap may be smeared before the first, or after the last."""
+    yield first, last
+    for n in range(1, _longest(paths) + 1):
+        for f, g in ((first - n, last), (first, last + n)):
+            if f >= 0 and g < paths.seen.shape[1] and paths.seen[p, f] and paths.seen[p, g]:
+                yield f, g
+
+
+def _longest(paths: Paths) -> int:
+    """Frames over which a leap may be smeared."""
+    return min(SMEARED, max(1, int(SMEARED_S * paths.rate)))
 
 
 def _left(paths: Paths, p: int, f: int, g: int) -> float:
@@ -171,8 +167,3 @@ def _left(paths: Paths, p: int, f: int, g: int) -> float:
     if np.isnan(left):
         return float(_meeting(paths, [(p, paths.index_before(p, f), paths.index_before(p, g) - 1)]).off[0])
     return left
-
-
-def _farthest(best: Leap, f: int, g: int, some: Sequence[Leap]) -> float:
-    """mm that the leaps between two frames come off, at most."""
-    return max(float(np.exp(one.evidence.left)) for one in (best, *some) if f <= one.before and one.after <= g)

@@ -15,9 +15,9 @@ import numpy as np
 COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "change": (-1.97, 0.22, 0.55, 0.65, -0.39, -0.16, -0.23, 0.06, 0.02, 1.03, -0.25, 0.12, -0.79),
     "change_in_file": (-1.92, 0.24, 0.28, 0.71, -0.36, -0.32, -0.38, 0.17, 0.07, 1.36, -0.12, 0.08, -0.84),
-    "spike": (-1.16, 0.31, 0.07, 0.69, 0.17, -0.01, 0.08, -0.14, 0.36),
-    "spike_in_file": (6.26, 0.70, -0.30, 1.06, 0.55, -1.98, 2.88, -1.20, -0.77),
-    "leap": (-5.73, 0.31, 1.18, 1.53, -1.76, -0.71, -1.10, -0.61),
+    "spike": (-0.37, 0.39, 0.12, 0.60, 0.28, -0.04, 0.24),
+    "spike_in_file": (-0.12, 0.70, -0.39, 1.69, 2.18, 0.17, 1.73),
+    "leap": (-6.07, 0.34, 1.18, 1.59, -1.80, -0.79, -0.45),
     "piece": (-1.11, 0.41, -1.34, 3.03, 0.01, 0.11),
     "piece_in_file": (-0.44, 0.33, -0.95, 2.35, 0.01, 0.05),
     "ghost": (-0.91, -0.74, -1.03, 1.63),
@@ -25,9 +25,10 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
 }
-"""Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py, those of spikes in files
-and of leaps to files, the others to scenes; but those of changes and pieces in files to both, before rough tracks were
-among the faults: fitted to files alone, hands that bend fast look like changes."""
+"""Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py: those of leaps to files,
+those of errors that have a kind for files as well to scenes. The others were fitted before rough tracks were among the
+faults, to files (spikes in them) or to both: changes fitted to files alone would be told in hands that bend fast, and
+spikes in files that are clean."""
 
 
 def of_source(kind: str, tracked: bool) -> str:

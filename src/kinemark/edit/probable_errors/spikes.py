@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
-from .carried import LEAST_MM, Leaving, left_mm
+from .carried import LEAST_MM, left_mm
 from .paths import Ends, Paths, between, ends, meeting
 from .probability import of_source, probability
 
@@ -32,8 +32,6 @@ class SpikeEvidence(NamedTuple):
         seconds: ln of their duration, s. rate: ln of the trial's, Hz.
         left: ln of how far the path is from where its companions carry it, as a share of how far the samples are off,
             1 at most.
-        usual: ln of how far the path leaves its companions in other steps near to it, their median, mm a frame.
-        beside: ln of how far what is nearest comes meanwhile from where it is carried, the median, mm.
     """
 
     off: float
@@ -42,8 +40,6 @@ class SpikeEvidence(NamedTuple):
     seconds: float
     rate: float
     left: float
-    usual: float
-    beside: float
 
 
 class Spike(NamedTuple):
@@ -76,7 +72,7 @@ def spikes(paths: Paths) -> list[Spike]:
     rest = meeting(before, after, paths.rate, paths.q)
     without = np.log1p(rest.squared / 4)
     off, squared = _standing_off(paths, p, a, b, before, after)
-    found, leaving = [], Leaving(paths)
+    found = []
     for n in range(len(p)):
         own = paths.frames[p[n]]
         first, last = int(own[a[n] + 1]), int(own[b[n]])
@@ -89,8 +85,6 @@ def spikes(paths: Paths) -> list[Spike]:
             seconds,
             float(np.log(paths.rate)),
             _left(paths, int(p[n]), int(own[a[n]]), int(own[b[n] + 1]), float(off[n])),
-            float(np.log(leaving.usual(int(p[n]), first - 1, last + 1) + LEAST_MM)),
-            float(np.log(leaving.beside(int(p[n]), int(own[a[n]]), int(own[(a[n] + b[n] + 1) // 2])) + LEAST_MM)),
         )
         kind = of_source("spike", bool(paths.images[p[n], first : last + 1].any()))
         wrong = probability(kind, evidence)

@@ -3,8 +3,11 @@
 Somebody exchanged two markers, or a point was worked out of wrong images, and the file was filtered afterwards: the
 step is smeared over some frames, each off what was before and what comes after. What a filter leaves, motion cannot do:
 between the last sample before and the first one after the path comes `left_mm` away from where what is near it carries
-it as a rigid body (`carried`), faster than it does otherwise, and before does not go on in after (`paths.meeting`).
-This tells a leap from a foot that strikes the floor where frames are few.
+it as a rigid body (`carried`), faster than it does in the seconds around, and farther than what is near it does
+meanwhile, and before does not go on in after (`paths.meeting`). This tells a leap from a foot that strikes the floor
+where frames are few, and from the skin of a runner.
+
+A spike that was filtered is a leap that comes back soon, before or after the steps that tell most.
 
 Tracks that have images are not looked at: a tracker takes another marker's image from one frame to the next, see
 `changes`.
@@ -141,13 +144,13 @@ def _one(paths: Paths, group: list[Leap]) -> Leap:
     best = max(group, key=lambda leap: (leap.wrong, leap.mm))
     first, last = group[0].before, group[-1].after
     far = max(float(np.exp(one.evidence.left)) for one in group)
-    for f, g in _beside(paths, best.path, first, last):
+    for f, g in _spans(paths, best.path, first, last):
         if (f, g) != (best.before, best.after) and _left(paths, best.path, f, g) < far / 2:
             return best._replace(before=f, after=g, mm=far, back=True)
     return best._replace(before=first, after=last)
 
 
-def _beside(paths: Paths, p: int, first: int, last: int) -> Iterator[tuple[int, int]]:
+def _spans(paths: Paths, p: int, first: int, last: int) -> Iterator[tuple[int, int]]:
     """These frames, and those up to which a leap may be smeared before the first, or after the last."""
     yield first, last
     for n in range(1, _longest(paths) + 1):

@@ -35,8 +35,8 @@ class PieceEvidence(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """Path `before` ends and `after` begins: how far apart they come, mm, and how likely they are one marker; the kind is
-    that of its source (`probability.of_source`)."""
+    """Path `before` ends and `after` begins: how far apart they come, mm, and how likely they are one marker; the kind
+    is that of its source (`probability.of_source`)."""
 
     before: int
     after: int

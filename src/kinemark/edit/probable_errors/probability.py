@@ -3,7 +3,8 @@
     wrong = 1 / (1 + exp(−(c₀ + Σ c_k e_k)))                                                              (1)
 
 The coefficients were fitted to seeded faults and to the tracker's own errors by studies/probable_errors.py, which says
-on which scenes, and how well they do on others.
+on which scenes and files, and how well they do on others. What a tracker does wrong, and what is left in files that
+somebody looked at, have coefficients of their own.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
 }
-"""Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py: those of leaps to files,
-those of errors that have a kind for files as well to scenes. The others were fitted before rough tracks were among the
-faults, to files (spikes in them) or to both: changes fitted to files alone would be told in hands that bend fast, and
-spikes in files that are clean."""
+"""Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py: those of leaps to
+files, those of errors that have a kind for files as well to scenes. The others were fitted before rough tracks were
+among the faults, to files (spikes in them) or to both: fitted anew to files alone, changes would be told in hands that
+bend fast, and spikes in clean files."""
 
 
 def of_source(kind: str, tracked: bool) -> str:

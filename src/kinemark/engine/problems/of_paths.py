@@ -101,7 +101,7 @@ def _not_exchanged(gone: Sequence[Leap], some: Sequence[Change]) -> list[Leap]:
 
 
 def _each_once(off: Sequence[Spike], gone: Sequence[Leap]) -> tuple[tuple[Spike, ...], tuple[Leap, ...]]:
-    """Without the leaps into spikes or out of them, which make those as likely, and without the spikes that leaps say."""
+    """Without the leaps into spikes or out of them, which make those as likely, and the spikes that leaps say."""
     edges = [[leap for leap in gone if _edge_of(spike, leap)] for spike in off]
     surer = [
         spike._replace(wrong=max([spike.wrong, *(leap.wrong for leap in edge)]))

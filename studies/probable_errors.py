@@ -32,7 +32,7 @@ from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, R
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.problems import Problem, Problems
 from kinemark.data.track_trajectories import trajectories_of
-from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors import Leap, Paths, Spike, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
@@ -52,7 +52,7 @@ OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 BINS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0001)
-KINDS = ("change", "spike", "spike_in_file", "leap", "piece", "ghost")
+KINDS = ("change", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "ghost")
 
 
 class Known(NamedTuple):
@@ -185,16 +185,24 @@ def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
     ]
     for change in changes(paths, places(paths, told)):
         own, i, p = paths.frames[change.place.path], change.place.sample, change.place.path
-        yield from _told("change", change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
+        yield from _told(change.kind, change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
+    gone = leaps(paths)
     for spike in spikes(paths):
-        off = stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm)
-        yield from _told(spike.kind, spike.evidence, off)
-    for leap in leaps(paths):
+        if not any(said(spike, leap) for leap in gone):
+            off = stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm)
+            yield from _told(spike.kind, spike.evidence, off)
+    for leap in gone:
         yield from _told("leap", leap.evidence, leapt(known, leap.path, leap.before, leap.after, leap.mm))
     for piece in pieces(paths):
-        yield from _told("piece", piece.evidence, one_marker(known, piece.before, piece.after))
+        yield from _told(piece.kind, piece.evidence, one_marker(known, piece.before, piece.after))
     for ghost in ghosts(paths, known.trajectories):
         yield from _told("ghost", ghost.evidence, no_marker(known, ghost.path))
+
+
+def said(spike: Spike, leap: Leap) -> bool:
+    """Whether a leap that is as likely shows the same, so that the list has it instead."""
+    at_once = leap.before <= spike.last and spike.first <= leap.after
+    return leap.path == spike.path and at_once and spike.wrong <= leap.wrong
 
 
 def _told(kind: str, of: Sequence[float], wrong: bool | None) -> Iterator[tuple[str, tuple[float, ...], bool]]:

@@ -8,6 +8,7 @@ from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
+from kinemark.signal.filters import butterworth
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
 
 
@@ -100,6 +101,34 @@ def test_a_leap_that_ends_in_a_gap_is_found_on_either_side_of_it():
 def test_leaps_there_and_back_are_one_whose_samples_are_wrong():
     (one,) = likely_leaps(smeared(clean(), 6, 200, 215, [0.0, 90.0, 0.0], 3))
     assert one.back and one.before < 200 and 215 <= one.after < 220
+
+
+@pytest.mark.parametrize(("rate", "cutoff_hz"), [(RATE, 10.0), (RATE, 20.0), (RATE / 2, 10.0)])
+def test_a_spike_that_was_filtered_is_a_leap_there_and_back(rate, cutoff_hz):
+    trial = every(clean(), round(RATE / rate))
+    at = trial.n_frames // 2
+    off = np.zeros(trial.n_frames)
+    off[at : at + 2] = 200.0
+    off = butterworth(off, rate=rate, cutoff_hz=cutoff_hz)
+    moved = with_xyz(trial, {6: trial.paths[6].xyz + off[:, None] * [0.0, 1.0, 0.0]})
+    (one,) = likely_leaps(moved)
+    wrong = np.flatnonzero(off > 0.5 * off.max())
+    assert one.path == 6 and one.back and one.before < wrong[0] and wrong[-1] < one.after
+    assert one.after - one.before <= len(wrong) + 5
+
+
+def test_what_leaps_where_all_that_is_near_it_shakes_is_less_likely_wrong():
+    trial, rng = clean(), np.random.default_rng(5)
+    near = np.linalg.norm(trial.xyz[:, 200] - trial.xyz[6, 200], axis=1).argsort()[:8].tolist()
+    phase = rng.uniform(0, 2 * np.pi, (len(near), 1, 3)) + 2 * np.pi * 8.0 * np.arange(trial.n_frames)[:, None] / RATE
+    shaken = with_xyz(trial, {p: trial.paths[p].xyz + 2.0 * np.sin(phase[k]) for k, p in enumerate(near)})
+    off = [0.0, 40.0, 0.0]
+    quiet, loud = (
+        max((one.wrong for one in leaps(Paths.of(smeared(of, 6, 200, None, off, 2))) if one.path == 6), default=0.0)
+        for of in (trial, shaken)
+    )
+    assert quiet > 0.3 and 0 < loud < quiet / 2
+    assert not [one for one in likely_leaps(shaken, 0.05) if one.path in near]
 
 
 def test_what_leaps_with_all_that_is_near_it_is_motion():

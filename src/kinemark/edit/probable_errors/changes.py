@@ -27,7 +27,7 @@ import numpy as np
 from ...data.array_types import Floats, Ints
 from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
-from .probability import probability
+from .probability import of_source, probability
 from .shape import Distances, distances, misfit
 
 END = 10.0
@@ -70,7 +70,7 @@ class Change(NamedTuple):
 
     Attributes:
         place: where. partner: the path that it may be exchanged with, or none, and where that is cut.
-        evidence: what tells. wrong: probability of a change.
+        evidence: what tells. wrong: probability of a change. kind: of its source (`probability.of_source`).
         keep_mm, exchange_mm: how far both paths are off from where their motion leads, as they are and exchanged.
     """
 
@@ -80,6 +80,7 @@ class Change(NamedTuple):
     wrong: float
     keep_mm: float
     exchange_mm: float
+    kind: str
 
 
 def changes(paths: Paths, found: Sequence[Place]) -> list[Change]:
@@ -153,11 +154,10 @@ class _Windows:
             self.known[key] = distances(self.paths, p, middle, side)
         return self.known[key]
 
-    def images(self, place: Place) -> float:
-        """As `Evidence` has it."""
+    def images(self, place: Place) -> Ints:
+        """Of the samples before and after."""
         paths, own = self.paths, self.paths.frames[place.path]
-        beside = paths.images[place.path, own[place.sample : place.sample + 2]]
-        return float(np.log(max(int(beside.min()), 2)))
+        return paths.images[place.path, own[place.sample : place.sample + 2]]
 
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
@@ -184,6 +184,8 @@ def _mean(values: Floats) -> float:
 def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     """The partner with the most evidence."""
     best: Change | None = None
+    images = windows.images(place)
+    kind = of_source("change", bool(images.any()))
     for n, partner in enumerate(place.partners):
         own, keep, other = windows.misfits(place, partner)
         shape = keep - (other if np.isfinite(other) else USUAL_MISFIT)
@@ -193,11 +195,12 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
             motion, float(shape) if known else 0.0, float(own) if np.isfinite(own) else 0.0, float(known),
             float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
             float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
-            float(place.told), windows.images(place),
+            float(place.told), float(np.log(max(int(images.min()), 2))),
             float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
         )  # fmt: skip
         off = costs.off[:, n]
-        one = Change(place, partner, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
+        wrong = probability(kind, evidence)
+        one = Change(place, partner, evidence, wrong, _most(off[:2]), _most(off[2:]), kind)
         if best is None or _strength(one.evidence) > _strength(best.evidence):
             best = one
     assert best is not None

@@ -3,8 +3,11 @@
 Somebody exchanged two markers, or a point was worked out of wrong images, and the file was filtered afterwards: the
 step is smeared over some frames, each off what was before and what comes after. What a filter leaves, motion cannot do:
 between the last sample before and the first one after the path comes `left_mm` away from where what is near it carries
-it as a rigid body (`carried`), faster than it does otherwise, and before does not go on in after (`paths.meeting`).
-This tells a leap from a foot that strikes the floor where frames are few.
+it as a rigid body (`carried`), faster than it does in the seconds around, and farther than what is near it does
+meanwhile, and before does not go on in after (`paths.meeting`). This tells a leap from a foot that strikes the floor
+where frames are few, and from the skin of a runner.
+
+A spike that was filtered is a leap that comes back soon, before or after the steps that tell most.
 
 Tracks that have images are not looked at: a tracker takes another marker's image from one frame to the next, see
 `changes`.
@@ -17,17 +20,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .carried import LEAST_MM, left_mm
+from .carried import LEAST_MM, Leaving, left_mm
 from .paths import SIGNIFICANT, Meeting, Paths, ends, meeting, sudden
 from .probability import probability
 
 SMEARED, SMEARED_S = 6, 0.15
 """Frames, and s, over which a leap may be smeared, at most; chosen: low-pass filters of half the frequency that frames
 can show leave as many, and what takes longer may be motion."""
-
-TESTS, RARE = 40, 0.9
-"""Steps of a path that say how fast it leaves its companions otherwise, and the share of them that are slower; chosen:
-a tenth of a path may be wrong, and the most of a stride is not fast."""
 
 TOGETHER_S, SOME = 0.2, 0.05
 """s between leaps of a path that are one, as of changes, and their least probability; chosen: what is not worth a look
@@ -42,7 +41,8 @@ class LeapEvidence(NamedTuple):
         left: ln of how far the path comes from where its companions carry it, mm; without companions, from where its
             own motion leads.
         speed: ln of the same a second, mm/s.
-        usual: ln of the speed with which the path leaves its companions otherwise, mm/s.
+        usual: ln of the speed with which the path leaves its companions in other steps near to it, their median, mm/s.
+        beside: ln of how far what is nearest comes from where it is carried at once, the median, mm.
         rate: ln of the trial's, Hz.
     """
 
@@ -50,6 +50,7 @@ class LeapEvidence(NamedTuple):
     left: float
     speed: float
     usual: float
+    beside: float
     rate: float
 
 
@@ -73,12 +74,12 @@ def leaps(paths: Paths) -> list[Leap]:
         return []
     met = _meeting(paths, rows)
     telling = np.flatnonzero(met.squared > SIGNIFICANT).tolist()
-    usual = {path: _usual(paths, path) for path in {rows[n][0] for n in telling}}
+    leaving = Leaving(paths)
     found = []
     for n in telling:
         path, i, j = rows[n]
         f, g = int(paths.frames[path][i]), int(paths.frames[path][j + 1])
-        evidence = _evidence(paths, path, f, g, float(met.off[n]), float(met.squared[n]), usual[path])
+        evidence = _evidence(leaving, (path, f, g), float(met.off[n]), float(met.squared[n]))
         found.append(Leap(path, f, g, evidence, probability("leap", evidence), float(met.off[n])))
     return _together(paths, _apart(found))
 
@@ -94,34 +95,25 @@ def _rows(paths: Paths, p: int) -> Iterator[tuple[int, int, int]]:
     if paths.images[p].any():
         return
     own, (starts, stops) = paths.frames[p], sudden(paths, p)
-    longest = min(SMEARED, max(1, int(SMEARED_S * paths.rate)))
+    longest = _longest(paths)
     for i in starts.tolist():
         for j in stops[np.searchsorted(stops, i) : np.searchsorted(stops, i + longest)].tolist():
             if own[j + 1] - own[i] <= longest:
                 yield p, i, j
 
 
-def _evidence(paths: Paths, p: int, f: int, g: int, off: float, squared: float, usual: float) -> LeapEvidence:
-    """Between frames f and g, with how before goes on in after."""
-    left = left_mm(paths, p, g, f)
+def _evidence(leaving: Leaving, row: tuple[int, int, int], off: float, squared: float) -> LeapEvidence:
+    """Of a path between frames f and g, with how before goes on in after."""
+    rate, left, (_, f, g) = leaving.paths.rate, leaving.mm(*row), row
     mm = off if np.isnan(left) else left
     return LeapEvidence(
         float(np.log1p(squared / 4)),
         float(np.log(mm + LEAST_MM)),
-        float(np.log((mm + LEAST_MM) * paths.rate / (g - f))),
-        usual,
-        float(np.log(paths.rate)),
+        float(np.log((mm + LEAST_MM) * rate / (g - f))),
+        float(np.log((leaving.usual(*row) + LEAST_MM) * rate)),
+        float(np.log(leaving.beside(*row) + LEAST_MM)),
+        float(np.log(rate)),
     )
-
-
-def _usual(paths: Paths, p: int) -> float:
-    """`LeapEvidence.usual`: what is faster is rare, of steps from one frame to the next that are evenly spread."""
-    own = paths.frames[p]
-    steps = np.flatnonzero(np.diff(own) == 1)
-    some = own[steps[np.linspace(0, len(steps) - 1, min(len(steps), TESTS)).astype(int)]]
-    mm = np.array([left_mm(paths, p, int(f) + 1, int(f)) for f in some])
-    known = mm[np.isfinite(mm)]
-    return float(np.log((np.quantile(known, RARE) if len(known) else 0.0) + LEAST_MM) + np.log(paths.rate))
 
 
 def _apart(found: list[Leap]) -> list[Leap]:
@@ -143,14 +135,38 @@ def _together(paths: Paths, found: list[Leap]) -> list[Leap]:
             groups[-1].append(one)
         else:
             groups.append([one])
-    return [_one(paths, group) if len(group) > 1 else group[0] for group in groups]
+    return [_one(paths, group) if group[0].wrong >= SOME else group[0] for group in groups]
 
 
 def _one(paths: Paths, group: list[Leap]) -> Leap:
-    """Several leaps of a path."""
+    """A leap of a path, or several: there and back where the path was carried, shortly before or after, to where it is
+    then, as what is near it was."""
     best = max(group, key=lambda leap: (leap.wrong, leap.mm))
-    p, f, g = best.path, group[0].before, group[-1].after
+    first, last = group[0].before, group[-1].after
+    far = max(float(np.exp(one.evidence.left)) for one in group)
+    for f, g in _spans(paths, best.path, first, last):
+        if (f, g) != (best.before, best.after) and _left(paths, best.path, f, g) < far / 2:
+            return best._replace(before=f, after=g, mm=far, back=True)
+    return best._replace(before=first, after=last)
+
+
+def _spans(paths: Paths, p: int, first: int, last: int) -> Iterator[tuple[int, int]]:
+    """These frames, and those up to which a leap may be smeared before the first, or after the last."""
+    yield first, last
+    for n in range(1, _longest(paths) + 1):
+        for f, g in ((first - n, last), (first, last + n)):
+            if f >= 0 and g < paths.seen.shape[1] and paths.seen[p, f] and paths.seen[p, g]:
+                yield f, g
+
+
+def _longest(paths: Paths) -> int:
+    """Frames over which a leap may be smeared."""
+    return min(SMEARED, max(1, int(SMEARED_S * paths.rate)))
+
+
+def _left(paths: Paths, p: int, f: int, g: int) -> float:
+    """mm from where what is near path p carries it from frame f to g; without, from where motion leads."""
     left = left_mm(paths, p, g, f)
     if np.isnan(left):
-        left = float(_meeting(paths, [(p, paths.index_before(p, f), paths.index_before(p, g) - 1)]).off[0])
-    return best._replace(before=f, after=g, back=left < best.mm / 2)
+        return float(_meeting(paths, [(p, paths.index_before(p, f), paths.index_before(p, g) - 1)]).off[0])
+    return left

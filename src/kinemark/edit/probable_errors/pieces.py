@@ -8,7 +8,7 @@ import numpy as np
 
 from .paths import Paths, ends, meeting
 from .places import REACH_MM, REACH_SPEED
-from .probability import probability
+from .probability import of_source, probability
 from .shape import distances, misfit
 
 LONGEST_S = 1.5
@@ -35,7 +35,8 @@ class PieceEvidence(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """Path `before` ends and `after` begins: how far apart they come, mm, and how likely they are one marker."""
+    """Path `before` ends and `after` begins: how far apart they come, mm, and how likely they are one marker; the kind
+    is that of its source (`probability.of_source`)."""
 
     before: int
     after: int
@@ -44,6 +45,7 @@ class Piece(NamedTuple):
     evidence: PieceEvidence
     wrong: float
     join_mm: float
+    kind: str
 
 
 def pieces(paths: Paths) -> list[Piece]:
@@ -73,8 +75,9 @@ def pieces(paths: Paths) -> list[Piece]:
             float(np.clip(motion[n], -30, 30)), shape if known else 0.0, float(known), rival,
             float(np.log(met.variance[n]) / 2),
         )  # fmt: skip
-        one = Piece(int(p[n]), int(q[n]), f, g, evidence, probability("piece", evidence), float(met.off[n]))
-        found.append(one)
+        kind = of_source("piece", bool(paths.images[p[n], f] or paths.images[q[n], g]))
+        wrong = probability(kind, evidence)
+        found.append(Piece(int(p[n]), int(q[n]), f, g, evidence, wrong, float(met.off[n]), kind))
     return _each_once(found)
 
 

@@ -14,14 +14,10 @@ import numpy as np
 from ...data.array_types import Floats, Ints
 from .carried import LEAST_MM, left_mm
 from .paths import Ends, Paths, between, ends, meeting
-from .probability import probability
+from .probability import of_source, probability
 
 SPIKE_S = 0.15
 """s; chosen: longer than an image that was taken wrongly lasts."""
-
-TRACKED, IN_FILE = "spike", "spike_in_file"
-"""Kinds: samples with images behind them, which tracking may have taken wrongly, and those of files, which somebody
-looked at; by definition."""
 
 ALONE = -1.0
 """`SpikeEvidence.left` without companions; chosen: between that of motion and that of spikes."""
@@ -48,7 +44,7 @@ class SpikeEvidence(NamedTuple):
 
 class Spike(NamedTuple):
     """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely that is wrong;
-    the kind is one of `TRACKED` and `IN_FILE`."""
+    the kind is that of its source (`probability.of_source`)."""
 
     path: int
     first: int
@@ -90,7 +86,7 @@ def spikes(paths: Paths) -> list[Spike]:
             float(np.log(paths.rate)),
             _left(paths, int(p[n]), int(own[a[n]]), int(own[b[n] + 1]), float(off[n])),
         )
-        kind = TRACKED if paths.images[p[n], first : last + 1].any() else IN_FILE
+        kind = of_source("spike", bool(paths.images[p[n], first : last + 1].any()))
         wrong = probability(kind, evidence)
         found.append(Spike(int(p[n]), first, last, kind, evidence, wrong, float(off[n]), float(rest.off[n])))
     return _apart(found)

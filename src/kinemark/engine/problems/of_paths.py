@@ -101,14 +101,20 @@ def _not_exchanged(gone: Sequence[Leap], some: Sequence[Change]) -> list[Leap]:
 
 
 def _each_once(off: Sequence[Spike], gone: Sequence[Leap]) -> tuple[tuple[Spike, ...], tuple[Leap, ...]]:
-    """Without the spikes that leaps say, and the leaps into likely spikes or out of them."""
-    left = tuple(one for one in off if not _said(gone, one.path, one.first, one.last, one.wrong))
-    edge = {
-        leap for spike in left for leap in gone
-        if spike.path == leap.path and spike.first - 1 <= leap.before and leap.after <= spike.last + 1
-        and spike.wrong >= LIKELY
-    }  # fmt: skip
-    return left, tuple(leap for leap in gone if leap not in edge)
+    """Without the leaps into spikes or out of them, which make those as likely, and the spikes that leaps say."""
+    edges = [[leap for leap in gone if _edge_of(spike, leap)] for spike in off]
+    surer = [
+        spike._replace(wrong=max([spike.wrong, *(leap.wrong for leap in edge)]))
+        for spike, edge in zip(off, edges, strict=True)
+    ]
+    rest = tuple(leap for leap in gone if not any(leap in edge for edge in edges))
+    return tuple(one for one in surer if not _said(rest, one.path, one.first, one.last, one.wrong)), rest
+
+
+def _edge_of(spike: Spike, leap: Leap) -> bool:
+    """Whether a leap goes into a likely spike or out of it, or there and back as one does."""
+    within = spike.first - 1 <= leap.before and leap.after <= spike.last + 1
+    return spike.path == leap.path and within and (spike.wrong >= LIKELY or leap.back)
 
 
 def _said(gone: Sequence[Leap], path: int, first: int, last: int, wrong: float) -> bool:
@@ -149,13 +155,16 @@ def _worth_a_look(
 
 
 def _not_in_others(some: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], paths: Paths) -> list[Change]:
-    """The changes that are not the edge of a spike that is likelier, and that leaps do not say."""
+    """The changes that are not the edge of a spike that is likelier, and that leaps do not say: where there is no
+    partner, a likely leap says as much.
+    """
     inside = {(s.path, f): s.wrong for s in off for f in range(s.first - 1, s.last + 1)}
     kept = []
     for one in some:
         path, (f, g) = one.place.path, paths.frames[one.place.path][one.place.sample :][:2].tolist()
         edge = inside.get((path, f), 0.0) >= max(one.wrong, LIKELY)
-        if not edge and not _said(gone, path, f + 1, g - 1, one.wrong):
+        least = one.wrong if one.partner.path >= 0 else min(one.wrong, LIKELY)
+        if not edge and not _said(gone, path, f + 1, g - 1, least):
             kept.append(one)
     return kept
 

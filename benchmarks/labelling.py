@@ -53,7 +53,10 @@ class Result(NamedTuple):
 
 def tracks_of(row: Row, how: Shredding, seed: int) -> Shredded:
     """A row's trial, shredded."""
-    return shredded(row.trial, how.pieces, how.ghosts, seed, kinds=how.kinds, absent=how.absent, extra=how.extra)
+    ghosts = 0.0 if row.nameless else how.ghosts
+    return shredded(
+        row.trial, how.pieces, ghosts, seed, kinds=how.kinds, absent=how.absent, extra=how.extra, still=how.still
+    )
 
 
 def result(row: Row, how: Shredding, seed: int) -> Result:

@@ -75,13 +75,18 @@ STATIC = 0.14
 
 
 class Row(NamedTuple):
-    """A template, and the trial that it labels, with its names; tuned: probabilities are fitted to it."""
+    """A template, and the trial that it labels, with its names.
+
+    Attributes:
+        tuned: probabilities are fitted to it. nameless: it has what nobody named, so that no ghosts are added.
+    """
 
     name: str
     template: Template
     trial: Trajectories
     fits: bool = True
     tuned: bool = False
+    nameless: bool = False
 
 
 class Shredding(NamedTuple):
@@ -92,9 +97,11 @@ class Shredding(NamedTuple):
     kinds: tuple[Any, ...] = ("walk",)
     absent: int = 0
     extra: int = 0
+    still: int = 0
 
 
 MIXED = ("walk", "midpoint", "reflection")
+TWINS = (*MIXED, "twin")
 VARIED = (
     Shredding(1, 2.0, MIXED),
     Shredding(4, 5.0, MIXED, absent=2, extra=2),
@@ -153,6 +160,7 @@ def rows() -> Iterator[Row]:
         yield from other_child("HC030A")
         yield from several_children()
         yield from whole_files()
+        yield from with_nameless()
         yield from wrong_templates()
     yield from walkers()
 
@@ -337,6 +345,46 @@ def _moved(trial: Trajectories, mm: float, seed: int) -> Trajectories:
     return replace(
         trial, paths=tuple(MarkerTrajectory.measured(p.name, one) for p, one in zip(trial, new, strict=True))
     )
+
+
+def with_nameless() -> Iterator[Row]:
+    """Files whose tracks without names stay beside the markers, as `kinemark label` sees them.
+
+    Of the whole body 37 of 42 are markers that its set does not have, on head, thighs, shanks and feet, seen all
+    through; two are twins of the heels, three what was left of single frames all over the body, in one channel each.
+    """
+    body, move = _whole_body(), "pig_wholebody/Movement_trial.c3d"
+    full = read_marker_set("plug-in-gait-full")
+    trial = _with_nameless(move, full.moving)
+    yield Row("whole body static, 42 nameless", static_template(body, full), trial, nameless=True)
+    half = trial.n_frames // 2
+    learnt = learn_template(only(trial, full.moving).frames(0, half))
+    yield Row("whole body by first half, 42 nameless", learnt, trial.frames(half, trial.n_frames), nameless=True)
+    plates = read_marker_set("plug-in-gait-lower")
+    static = static_template(read(f"{PLATES}Calibration3_FF.c3d"), plates)
+    file = f"{PLATES}Motion3_FF.c3d"
+    yield Row("three plates static, 7 nameless", static, _with_nameless(file, static.names), nameless=True)
+    for name, of, n in (("HC030A", 1, 5), ("HC031A", 1, 1), ("HC033A", 0, 1), ("HC033A", 1, 2)):
+        folder, *trials, _ = CHILDREN[name]
+        template = learn_template(child(name, 1 - of))
+        trial = _with_nameless(f"{folder}/{name}{trials[of]}.c3d", CHILD)
+        yield Row(f"{name}{trials[1 - of]} labels {trials[of]}, {n} nameless", template, trial, nameless=True)
+    hand = read("ulema_hand_to_head/GHr.c3d")
+    half = hand.n_frames // 2
+    learnt = learn_template(hand.frames(0, half))
+    yield Row(
+        "hand to head by first half, 32 nameless",
+        learnt,
+        _with_nameless("ulema_hand_to_head/GHr.c3d", learnt.names).frames(half, hand.n_frames),
+        nameless=True,
+    )
+
+
+def _with_nameless(file: str, names: Sequence[str]) -> Trajectories:
+    """Those of the markers that the file has, and its tracks without names that have samples."""
+    trial = read(file)
+    own = {*names, *(path.name for path in trial if path.name.startswith("*") and np.isfinite(path.xyz).any())}
+    return trial.select([name for name in trial.names if name in own])
 
 
 def wrong_templates() -> Iterator[Row]:

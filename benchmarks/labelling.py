@@ -6,7 +6,7 @@
 
 How probabilities were measured, and how true they are of random shreds, is `labelling_shreds.py`.
 
-`labelling_cases.py` says which trials. Each marker is one track or is cut at random into 15; 2 ghosts a frame of 3 to
+`labelling_cases.py` and `labelling_parts.py` say which trials. Each marker is one track or is cut at random into 15; 2 ghosts a frame of 3 to
 40 frames each are added, and all are shuffled. For each row: samples with the right name, with a wrong one, and not
 sure, in % of all that markers have (a name that is not sure counts as none); ghosts that have a sure name, in % of
 their samples; right and wrong if all names were taken; frames all right; fit; CPU s. Below stands how often names are
@@ -25,6 +25,7 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
 from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers
+from labelling_parts import rows_of_parts
 from metrics import Metric
 
 from kinemark.label import (
@@ -180,7 +181,7 @@ def main() -> None:
     parser.add_argument("--varied", action="store_true")
     parser.add_argument("--exchanges", action="store_true")
     asked = parser.parse_args()
-    every = [*rows(), *(more_rows() if asked.varied else ())]
+    every = [*rows(), *rows_of_parts(), *(more_rows() if asked.varied else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
     if asked.exchanges:
         cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds)

@@ -160,7 +160,6 @@ def rows() -> Iterator[Row]:
         yield from other_child("HC030A")
         yield from several_children()
         yield from whole_files()
-        yield from with_nameless()
         yield from wrong_templates()
     yield from walkers()
 
@@ -211,11 +210,11 @@ def same_subject() -> Iterator[Row]:
     yield Row(
         "prone to run, end labels begin", learn_template(prone.frames(626, 1253)), prone.frames(0, 626), tuned=True
     )
-    move = only(read("pig_wholebody/Movement_trial.c3d"), list(_whole_body().names))
+    move = only(read("pig_wholebody/Movement_trial.c3d"), list(whole_body().names))
     yield Row("whole body, first half labels second", learn_template(move.frames(0, 160)), move.frames(160, 323))
 
 
-def _whole_body() -> Trajectories:
+def whole_body() -> Trajectories:
     static = read("pig_wholebody/Static_trial.c3d")
     return replace(static, paths=static.paths[:39])  # the markers; the others are segments' axes and ghosts
 
@@ -252,7 +251,7 @@ def _without_computed(file: str) -> Trajectories:
 def static_trials() -> Iterator[Row]:
     """A static trial and segments."""
     gait, move = read("qualisys_gait/Gait - CGM2 1.c3d"), read("pig_wholebody/Movement_trial.c3d")
-    body = _whole_body()
+    body = whole_body()
     for name, static, trial, tuned in (
         ("HC030A static", child("HC030A", 2), child("HC030A", 1), False),
         ("qualisys static", read("qualisys_gait/Static - CGM2 1.c3d"), gait, False),
@@ -274,7 +273,7 @@ def segmented(static: Trajectories) -> MarkerSet:
 
 def static_sets() -> Iterator[Row]:
     """A static trial and a marker set that is shipped, whose segments have hands and whose joints say what meets."""
-    body, move = _whole_body(), read("pig_wholebody/Movement_trial.c3d")
+    body, move = whole_body(), read("pig_wholebody/Movement_trial.c3d")
     trials = [
         ("whole body", "plug-in-gait-full", body, move),
         ("whole body", "plug-in-gait-lower", body, move),
@@ -345,46 +344,6 @@ def _moved(trial: Trajectories, mm: float, seed: int) -> Trajectories:
     return replace(
         trial, paths=tuple(MarkerTrajectory.measured(p.name, one) for p, one in zip(trial, new, strict=True))
     )
-
-
-def with_nameless() -> Iterator[Row]:
-    """Files whose tracks without names stay beside the markers, as `kinemark label` sees them.
-
-    Of the whole body 37 of 42 are markers that its set does not have, on head, thighs, shanks and feet, seen all
-    through; two are twins of the heels, three what was left of single frames all over the body, in one channel each.
-    """
-    body, move = _whole_body(), "pig_wholebody/Movement_trial.c3d"
-    full = read_marker_set("plug-in-gait-full")
-    trial = _with_nameless(move, full.moving)
-    yield Row("whole body static, 42 nameless", static_template(body, full), trial, nameless=True)
-    half = trial.n_frames // 2
-    learnt = learn_template(only(trial, full.moving).frames(0, half))
-    yield Row("whole body by first half, 42 nameless", learnt, trial.frames(half, trial.n_frames), nameless=True)
-    plates = read_marker_set("plug-in-gait-lower")
-    static = static_template(read(f"{PLATES}Calibration3_FF.c3d"), plates)
-    file = f"{PLATES}Motion3_FF.c3d"
-    yield Row("three plates static, 7 nameless", static, _with_nameless(file, static.names), nameless=True)
-    for name, of, n in (("HC030A", 1, 5), ("HC031A", 1, 1), ("HC033A", 0, 1), ("HC033A", 1, 2)):
-        folder, *trials, _ = CHILDREN[name]
-        template = learn_template(child(name, 1 - of))
-        trial = _with_nameless(f"{folder}/{name}{trials[of]}.c3d", CHILD)
-        yield Row(f"{name}{trials[1 - of]} labels {trials[of]}, {n} nameless", template, trial, nameless=True)
-    hand = read("ulema_hand_to_head/GHr.c3d")
-    half = hand.n_frames // 2
-    learnt = learn_template(hand.frames(0, half))
-    yield Row(
-        "hand to head by first half, 32 nameless",
-        learnt,
-        _with_nameless("ulema_hand_to_head/GHr.c3d", learnt.names).frames(half, hand.n_frames),
-        nameless=True,
-    )
-
-
-def _with_nameless(file: str, names: Sequence[str]) -> Trajectories:
-    """Those of the markers that the file has, and its tracks without names that have samples."""
-    trial = read(file)
-    own = {*names, *(path.name for path in trial if path.name.startswith("*") and np.isfinite(path.xyz).any())}
-    return trial.select([name for name in trial.names if name in own])
 
 
 def wrong_templates() -> Iterator[Row]:

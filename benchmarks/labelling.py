@@ -6,11 +6,12 @@
 
 How probabilities were measured, and how true they are of random shreds, is `labelling_shreds.py`.
 
-`labelling_cases.py` and `labelling_parts.py` say which trials. Each marker is one track or is cut at random into 15; 2 ghosts a frame of 3 to
-40 frames each are added, and all are shuffled. For each row: samples with the right name, with a wrong one, and not
-sure, in % of all that markers have (a name that is not sure counts as none); ghosts that have a sure name, in % of
-their samples; right and wrong if all names were taken; frames all right; fit; CPU s. Below stands how often names are
-right by their probability, over the rows on which it was tuned and over the rest.
+`labelling_cases.py` and `labelling_parts.py` say which trials. Each marker is one track or is cut at random into 15; 2
+ghosts a frame of 3 to 40 frames each are added, but where nameless tracks of the file are there, and all are shuffled.
+For each row: samples with the right name, with a wrong one, and not sure, in % of all that markers have (a name that is
+not sure counts as none); ghosts that have a sure name, in % of their samples; right and wrong if all names were taken;
+frames all right; fit; CPU s. Below stands how often names are right by their probability, over the rows on which it was
+tuned and over the rest.
 """
 
 from __future__ import annotations

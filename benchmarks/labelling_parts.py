@@ -1,4 +1,4 @@
-"""Further rows of `labelling.py`: files whose nameless tracks stay beside the markers, and trials of a part of the body.
+"""Further rows of `labelling.py`: files whose nameless tracks stay beside the markers, and parts of the body.
 
 Nothing was tuned on them but what docs/theory/label.md says.
 """

@@ -43,6 +43,7 @@ from kinemark.label import (
     score_switches,
     shredded,
 )
+from kinemark.label.bystanders import among_bystanders
 
 
 class Result(NamedTuple):
@@ -66,6 +67,8 @@ def result(row: Row, how: Shredding, seed: int) -> Result:
     parts = tracks_of(row, how, seed)
     clock = time.process_time()
     found = label(parts.tracks, row.template)
+    if row.wider is not None:
+        found = among_bystanders(parts.tracks, found, row.template, row.wider)
     spent = time.process_time() - clock
     return Result(score_labels(found, parts, row.template.names if row.fits else ()), found, spent)
 

@@ -79,6 +79,7 @@ class Row(NamedTuple):
 
     Attributes:
         tuned: probabilities are fitted to it. nameless: it has what nobody named, so that no ghosts are added.
+        wider: see `label.bystanders`.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Row(NamedTuple):
     fits: bool = True
     tuned: bool = False
     nameless: bool = False
+    wider: Template | None = None
 
 
 class Shredding(NamedTuple):

@@ -25,6 +25,7 @@ from labelling_cases import (
 from kinemark.data import Trajectories
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import learn_template, static_template
+from kinemark.label.from_set import static_bystanders
 
 MARKERS_OF_LEGS = "LASI RASI SACR LPSI RPSI LTHI LKNE LTIB LANK LHEE LTOE RTHI RKNE RTIB RANK RHEE RTOE"
 """Of plug-in-gait-lower, and the sacrum."""
@@ -48,6 +49,9 @@ def with_nameless() -> Iterator[Row]:
     full = read_marker_set("plug-in-gait-full")
     trial = _with_nameless(move, full.moving)
     yield Row("whole body static, 42 nameless", static_template(body, full), trial, nameless=True)
+    still = read("pig_wholebody/Static_trial.c3d")
+    own, wider = static_template(still, full), static_bystanders(still, full)
+    yield Row("whole body static with 37 of the 42 nameless", own, trial, nameless=True, wider=wider)
     half = trial.n_frames // 2
     learnt = learn_template(only(trial, full.moving).frames(0, half))
     yield Row("whole body by first half, 42 nameless", learnt, trial.frames(half, trial.n_frames), nameless=True)

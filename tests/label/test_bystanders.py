@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from kinemark.data import MarkerTrajectory
+from kinemark.data import MarkerTrajectory, make_finding
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.records import load_any, save_any
-from kinemark.label import SubjectTemplate, label, static_template
+from kinemark.label import Labels, SubjectTemplate, label, static_template
 from kinemark.label.bystanders import among_bystanders
 from kinemark.label.from_set import static_bystanders
 from support.wearing import body_of, moving, standing
@@ -62,12 +62,18 @@ def test_without_nameless_markers_in_the_static_trial_nothing_is_known_of_them()
     assert len(still.paths[0]) > 4 and static_bystanders(brief, worn) is None
 
 
-def test_what_was_settled_or_refused_stays_as_it_was():
+def test_what_is_known_for_sure_or_was_refused_stays_as_it_was():
     worn, still, walk = trials()
     by, wider = static_template(still, worn), static_bystanders(still, worn)
-    plain = walk.select([name for name in walk.names if not name.startswith("*")])
-    settled = label(plain, by)
-    assert {*settled.state} == {"sure"} and among_bystanders(plain, settled, by, wider) is settled
+    truth = tuple(name if name in by.names else None for name in walk.names)
+    p = np.array([float(name is not None) for name in truth])
+    state = tuple("unknown" if name is None else "sure" for name in truth)
+    settled = Labels(truth, p, state, (None,) * len(p), p, 1.0, 1.0)
+    assert among_bystanders(walk, settled, by, wider) is settled
+    refused = replace(
+        settled, probability=0.5 * p, refused=make_finding("labels_refused", fit_share=0.1, placed_share=0.1)
+    )
+    assert among_bystanders(walk, refused, by, wider) is refused
 
 
 def test_a_kept_template_keeps_them(tmp_path):

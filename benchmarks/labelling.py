@@ -6,11 +6,12 @@
 
 How probabilities were measured, and how true they are of random shreds, is `labelling_shreds.py`.
 
-`labelling_cases.py` says which trials. Each marker is one track or is cut at random into 15; 2 ghosts a frame of 3 to
-40 frames each are added, and all are shuffled. For each row: samples with the right name, with a wrong one, and not
-sure, in % of all that markers have (a name that is not sure counts as none); ghosts that have a sure name, in % of
-their samples; right and wrong if all names were taken; frames all right; fit; CPU s. Below stands how often names are
-right by their probability, over the rows on which it was tuned and over the rest.
+`labelling_cases.py` and `labelling_parts.py` say which trials. Each marker is one track or is cut at random into 15; 2
+ghosts a frame of 3 to 40 frames each are added, but where nameless tracks of the file are there, and all are shuffled.
+For each row: samples with the right name, with a wrong one, and not sure, in % of all that markers have (a name that is
+not sure counts as none); ghosts that have a sure name, in % of their samples; right and wrong if all names were taken;
+frames all right; fit; CPU s. Below stands how often names are right by their probability, over the rows on which it was
+tuned and over the rest.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
 from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers
+from labelling_parts import rows_of_parts
 from metrics import Metric
 
 from kinemark.label import (
@@ -41,6 +43,7 @@ from kinemark.label import (
     score_switches,
     shredded,
 )
+from kinemark.label.bystanders import among_bystanders
 
 
 class Result(NamedTuple):
@@ -53,7 +56,10 @@ class Result(NamedTuple):
 
 def tracks_of(row: Row, how: Shredding, seed: int) -> Shredded:
     """A row's trial, shredded."""
-    return shredded(row.trial, how.pieces, how.ghosts, seed, kinds=how.kinds, absent=how.absent, extra=how.extra)
+    ghosts = 0.0 if row.nameless else how.ghosts
+    return shredded(
+        row.trial, how.pieces, ghosts, seed, kinds=how.kinds, absent=how.absent, extra=how.extra, still=how.still
+    )
 
 
 def result(row: Row, how: Shredding, seed: int) -> Result:
@@ -61,6 +67,8 @@ def result(row: Row, how: Shredding, seed: int) -> Result:
     parts = tracks_of(row, how, seed)
     clock = time.process_time()
     found = label(parts.tracks, row.template)
+    if row.wider is not None:
+        found = among_bystanders(parts.tracks, found, row.template, row.wider)
     spent = time.process_time() - clock
     return Result(score_labels(found, parts, row.template.names if row.fits else ()), found, spent)
 
@@ -177,7 +185,7 @@ def main() -> None:
     parser.add_argument("--varied", action="store_true")
     parser.add_argument("--exchanges", action="store_true")
     asked = parser.parse_args()
-    every = [*rows(), *(more_rows() if asked.varied else ())]
+    every = [*rows(), *rows_of_parts(), *(more_rows() if asked.varied else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
     if asked.exchanges:
         cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds)

@@ -75,13 +75,20 @@ STATIC = 0.14
 
 
 class Row(NamedTuple):
-    """A template, and the trial that it labels, with its names; tuned: probabilities are fitted to it."""
+    """A template, and the trial that it labels, with its names.
+
+    Attributes:
+        tuned: probabilities are fitted to it. nameless: it has what nobody named, so that no ghosts are added.
+        wider: see `label.bystanders`.
+    """
 
     name: str
     template: Template
     trial: Trajectories
     fits: bool = True
     tuned: bool = False
+    nameless: bool = False
+    wider: Template | None = None
 
 
 class Shredding(NamedTuple):
@@ -92,9 +99,11 @@ class Shredding(NamedTuple):
     kinds: tuple[Any, ...] = ("walk",)
     absent: int = 0
     extra: int = 0
+    still: int = 0
 
 
 MIXED = ("walk", "midpoint", "reflection")
+TWINS = (*MIXED, "twin")
 VARIED = (
     Shredding(1, 2.0, MIXED),
     Shredding(4, 5.0, MIXED, absent=2, extra=2),
@@ -203,11 +212,11 @@ def same_subject() -> Iterator[Row]:
     yield Row(
         "prone to run, end labels begin", learn_template(prone.frames(626, 1253)), prone.frames(0, 626), tuned=True
     )
-    move = only(read("pig_wholebody/Movement_trial.c3d"), list(_whole_body().names))
+    move = only(read("pig_wholebody/Movement_trial.c3d"), list(whole_body().names))
     yield Row("whole body, first half labels second", learn_template(move.frames(0, 160)), move.frames(160, 323))
 
 
-def _whole_body() -> Trajectories:
+def whole_body() -> Trajectories:
     static = read("pig_wholebody/Static_trial.c3d")
     return replace(static, paths=static.paths[:39])  # the markers; the others are segments' axes and ghosts
 
@@ -244,7 +253,7 @@ def _without_computed(file: str) -> Trajectories:
 def static_trials() -> Iterator[Row]:
     """A static trial and segments."""
     gait, move = read("qualisys_gait/Gait - CGM2 1.c3d"), read("pig_wholebody/Movement_trial.c3d")
-    body = _whole_body()
+    body = whole_body()
     for name, static, trial, tuned in (
         ("HC030A static", child("HC030A", 2), child("HC030A", 1), False),
         ("qualisys static", read("qualisys_gait/Static - CGM2 1.c3d"), gait, False),
@@ -266,7 +275,7 @@ def segmented(static: Trajectories) -> MarkerSet:
 
 def static_sets() -> Iterator[Row]:
     """A static trial and a marker set that is shipped, whose segments have hands and whose joints say what meets."""
-    body, move = _whole_body(), read("pig_wholebody/Movement_trial.c3d")
+    body, move = whole_body(), read("pig_wholebody/Movement_trial.c3d")
     trials = [
         ("whole body", "plug-in-gait-full", body, move),
         ("whole body", "plug-in-gait-lower", body, move),

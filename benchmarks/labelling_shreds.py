@@ -3,10 +3,12 @@
     python benchmarks/labelling_shreds.py static:31000-31060 …    reliability of these seeds
     python benchmarks/labelling_shreds.py --fit                   the coefficients of `label.margin` (4), by `FITTED`
 
-Kinds are own (the subject's walks), static (static trials) and other (another subject's template). A row of
-`labelling_cases.py` is drawn at random; two in five shreds are of the whole trial, the others windows of 0.4 to 3 s;
-two in five have neither absent nor extra markers, the others up to 4 and 3; 1 to 25 pieces a marker; 0 to 5 ghosts a
-frame of all kinds. Names of one label are right or wrong together, so that each label of a shred counts once.
+Kinds are own (the subject's walks), static (static trials), other (another subject's template) and crowded (own or
+static, with 1 to 40 further markers on the body, up to 3 points that stand still and ghosts that are twins of
+markers). A row of `labelling_cases.py` is drawn at random; two in five shreds are of the whole trial, the others
+windows of 0.4 to 3 s; two in five have neither absent nor extra markers, the others up to 4 and 3; 1 to 25 pieces a
+marker; 0 to 5 ghosts a frame of all kinds. Names of one label are right or wrong together, so that each label of a
+shred counts once.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ import scipy
 from labelling_cases import (
     CHILDREN,
     MIXED,
+    TWINS,
     Row,
     halves,
     other_child,
@@ -97,6 +100,8 @@ def rows_of(kind: str) -> tuple[Row, ...]:
         pairs = [row for name in CHILDREN for row in other_child(name)]
         scaled = [row for row in walkers_of_many_kinds() if "scaled" in row.name]
         return (*pairs, *[*several_children()] * 2, *scaled, *placed_otherwise())
+    if kind == "crowded":
+        return (*rows_of("static"), *same_subject(), *halves())
     if kind == "static":
         return (*[*static_trials()] * 2, *static_sets(), *static_children())
     kinds = [row for row in walkers_of_many_kinds() if "scaled" not in row.name and "frame" not in row.name]
@@ -115,6 +120,12 @@ def drawn(kind: str, seed: int) -> tuple[Row, dict[str, Any]]:
         "absent": 0 if clean else int(rng.choice([0, 0, 1, 2, 3, 4] if many else [0, 0, 1])),
         "extra": 0 if clean else int(rng.choice([0, 0, 1, 2, 3] if many else [0, 1])),
     }
+    if kind == "crowded":
+        how |= {
+            "kinds": TWINS,
+            "extra": int(rng.choice([1, 2, 5, 10, 20, 40])),
+            "still": int(rng.choice([0, 0, 1, 3])),
+        }
     n = F if whole else int(np.clip(rng.uniform(0.4, 3) * rate, 20, F))
     first = int(rng.integers(0, F - n + 1))
     return row._replace(trial=row.trial.frames(first, first + n)), how | {"pieces": max(1, min(pieces, n // 4))}

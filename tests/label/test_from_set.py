@@ -41,6 +41,15 @@ def test_a_static_trial_and_the_set_name_all_markers_of_a_subject_who_wears_it(n
     assert min(p for p, b in zip(found.probability, truth, strict=True) if b is not None) > 0.5
 
 
+def test_legs_alone_are_named_by_the_static_trial_of_the_whole_body():
+    """Head and trunk, which the trial does not have, come first in the search's own order, and lead it astray."""
+    worn, still, walk = subject("plug-in-gait-full", 6)
+    lower = [m for key, own in worn.segments.items() for m in own if key.endswith(("pelvis", "thigh", "shank", "foot"))]
+    legs = walk.select([name for name in walk.names if name in lower])
+    found = label(legs, static_template(still, worn))
+    assert len(legs) == 16 and found.refused is None and found.names == legs.names
+
+
 def test_segments_say_which_distances_a_static_trial_shows():
     worn, still, _ = subject("plug-in-gait-full", 4)
     found = static_template(still, worn)

@@ -1,13 +1,14 @@
 """What is said of a name: how likely, by what, what else, and whether left and right can be told at all."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import label, learn_template, shredded
-from kinemark.label.calibration import Cases, calibrated_shift, cases_of, shift_of
+from kinemark.label import Shredded, label, learn_template, shredded
+from kinemark.label.calibration import UNKNOWN, Cases, calibrated_shift, cases_of, shift_of
 from kinemark.label.decided_sides import decided_sides
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import BETA_OTHER, logistic, margins, probability
@@ -103,6 +104,31 @@ def test_pieces_of_the_trial_are_named_again_and_calibrate_it():
     assert len(stretches) == 15 and calibrated_shift(walk(7), template(), pairs, true, p, **about) == 0
     p[3] = 0.8
     assert abs(calibrated_shift(walk(7), template(), pairs, true, p, **about)) < 2
+
+
+@pytest.mark.parametrize("n", [15, 39])
+def test_markers_that_the_set_does_not_have_make_no_others_less_sure(n):
+    """Twice as many as it has, all through: by as many ghosts of a few frames instead of them δ was −1.8 to −4.2."""
+    parts = shredded(walk(7, n), extra=2 * n, seed=1)
+    by = template(n)
+    true = np.array([by.names.index(name) if name in by.names else -1 for name in parts.truth])
+    p = np.where(true >= 0, 0.999, 0.0)
+    p[np.flatnonzero(true >= 0)[:2]] = 0.8
+    shift = calibrated_shift(parts.tracks, by, PairScore.of_template(by), true, p, sure=0.99, least_fit=0.3)
+    assert abs(shift) < 0.5
+
+
+def test_a_track_without_a_name_that_takes_a_confident_one_counts_as_wrong_and_one_that_is_not_sure_does_not():
+    """The second half of a knee's track, whose name the trial did not give, or gave without being sure."""
+    names, whole = walk(7).names, walk(7)
+    at, half = names.index("LKNE"), np.arange(whole.n_frames) < whole.n_frames // 2
+    paths = [*whole.paths, whole.paths[at].only(~half)]
+    paths[at] = paths[at].only(half)
+    tracks = Trajectories(tuple(replace(path, name=f"*{k}") for k, path in enumerate(paths)), whole.rate)
+    pairs = PairScore.of_template(template())
+    judged = {of: cases_of(Shredded(tracks, (*names, of)), template(), pairs, 0.3).right for of in (None, UNKNOWN)}
+    assert judged[None].sum() == 15 and len(judged[None]) == 16
+    assert judged[UNKNOWN].all() and len(judged[UNKNOWN]) == 15
 
 
 def test_an_exchange_all_through_the_trial_makes_its_two_labels_improbable_and_no_other():

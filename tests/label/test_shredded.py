@@ -82,8 +82,19 @@ def test_absent_markers_are_gone_and_extra_ones_are_no_markers_of_the_trial():
     assert {name for name in parts.truth if name not in walk().names} == {"+1", "+2"}
 
 
+def test_what_stands_still_does_so_all_through_and_a_twin_keeps_beside_a_marker():
+    parts = shredded(walk(), 1, 2.0, 3, kinds=("twin",), still=2)
+    ghosts = [path.xyz for path, name in zip(parts.tracks, parts.truth, strict=True) if name is None]
+    whole = [xyz for xyz in ghosts if np.isfinite(xyz).all()]
+    assert len(whole) == 2 and all(np.ptp(xyz, axis=0).max() == 0 for xyz in whole)
+    for xyz in ghosts:
+        rows = np.isfinite(xyz[:, 0])
+        beside = np.ptp((walk().xyz - xyz)[:, rows], axis=1).max(1)
+        assert rows.all() or np.nanmin(beside) < 1e-9
+
+
 def test_too_many_pieces_or_markers_are_refused():
-    for wrong in ({"pieces": 0}, {"pieces": 101}, {"ghosts": -1.0}, {"absent": 16}, {"exchanges": 8}):
+    for wrong in ({"pieces": 0}, {"pieces": 101}, {"ghosts": -1.0}, {"still": -1}, {"absent": 16}, {"exchanges": 8}):
         with pytest.raises(ValueError, match=r"wanted|too few"):
             shredded(walk(), **wrong)
 

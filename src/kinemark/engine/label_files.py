@@ -15,6 +15,7 @@ from ..io.notes import FileNote, read_notes
 from ..io.track_names import TrackName
 from ..io.trial import read_trial, write_trial
 from ..label import Labels, Switch, label_subjects, label_switching, named
+from ..label.bystanders import among_bystanders
 from ..label.from_set import by_figure_alone
 from ..label.stated import with_stated
 from ..label.subject_template import SubjectTemplate
@@ -55,7 +56,7 @@ def template_of(files: Sequence[Path], known: Known = Known(), *, scale: float |
             f"The scale is {scale:g}. Wanted is the height of this subject over that of the template's."
         )
     found = subject_template(files, known)
-    return found if scale is None else replace(found, template=found.template.of_another(scale))
+    return found if scale is None else replace(found, template=found.template.of_another(scale), wider=None)
 
 
 def label_file(
@@ -92,6 +93,8 @@ def label_file(
     tracks, facts = stated_tracks(points.rest, stated)
     if isinstance(template, SubjectTemplate):
         tracks, labels, _, switches = label_switching(tracks, template.template, method=method, stated=facts)
+        if template.wider is not None:
+            labels = among_bystanders(tracks, labels, template.template, template.wider, method=method, stated=facts)
         by_figure = template.figure_alone
     else:
         each = {name: one.template for name, one in template.items()}

@@ -14,7 +14,7 @@ from ..data import KinemarkError, MarkerSet, Trajectories
 from ..io.c3d import prefixes_of
 from ..io.trial import read_trial
 from ..label import Template, learn_template
-from ..label.from_set import STATIC_SPREAD, figure_template, static_template
+from ..label.from_set import STATIC_SPREAD, figure_template, static_bystanders, static_template
 from ..label.pooled import contradiction, pooled, template_of_subjects
 from ..label.subject_template import SubjectTemplate, TemplateSource
 from ..report.words import advice_of, text_of
@@ -129,7 +129,14 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     sources = tuple(
         TemplateSource(file.name, trial.n_frames, _today(), kind) for file, trial in zip(files, trials, strict=True)
     )
-    return _named(SubjectTemplate(_learnt(trials, known), sources=sources), known)
+    return _named(SubjectTemplate(_learnt(trials, known), sources=sources, wider=_wider(trials, known)), known)
+
+
+def _wider(trials: Sequence[Trajectories], known: Known) -> Template | None:
+    """With the markers of a single static trial that nobody named."""
+    if not known.static or known.marker_set is None or known.markers or len(trials) > 1:
+        return None
+    return static_bystanders(trials[0], known.marker_set)
 
 
 def _wanted(known: Known) -> tuple[str, ...]:
@@ -224,7 +231,7 @@ def with_trial(own: SubjectTemplate, file: Path) -> SubjectTemplate:
         said = found.finding
         raise KinemarkError(f"{file} is not added. {text_of(said)} {advice_of(said)}")
     source = TemplateSource(file.name, trial.n_frames, _today())
-    return replace(own, template=pooled(own.template, new, trial), sources=(*own.sources, source))
+    return replace(own, template=pooled(own.template, new, trial), sources=(*own.sources, source), wider=None)
 
 
 def template_figures(of: SubjectTemplate) -> dict[str, Any]:

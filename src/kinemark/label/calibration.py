@@ -1,9 +1,11 @@
 """The probability of tracks measured on the trial itself: its own names, shredded at random, are given back or not.
 
 The names that are confident are taken as the truth. Their markers are joined, cut at random into pieces as long as the
-tracks that are not sure, put among as many ghosts as the trial has unnamed points, and named again by the evidence of
+tracks that are not sure, put among all other tracks of the trial as they are, and named again by the evidence of
 the same template, outwards from the fullest frame. Each of the n pieces has the logit η that `margin` (3) gives it, and
-is right or not, y. The trial's own shift δ of all logits is the most probable one,
+is right or not, y; so has each track without a name that now took that of a confident marker, which is wrong. What
+the rest of the tracks are called tells nothing, as nobody knows what they are. The trial's own shift δ of all logits is
+the most probable one,
 
     δ = argmax  r Σ [ y log p + (1 − y) log(1 − p) ] − δ² / (2 τ²),   p = logistic(η + δ)                          (1)
 
@@ -14,6 +16,7 @@ pieces. An exchange of whole labels is invisible to this: `margin` (4) judges it
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +25,7 @@ from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import PairScore
 from .margin import logistic, margins, track_logit
-from .shredded import GHOSTS, Shredded, shredded
+from .shredded import Shredded, shredded
 from .stretches import Stretches, stretches_of
 from .sweeps import outwards, sweep
 from .template import Template
@@ -35,6 +38,8 @@ SEGMENT_S = 0.5
 """Length of independent segments, s; chosen, as long as a new pose takes."""
 MOST_PIECES, MOST_FRAMES = 10, 600
 """Of a marker, and of the trial; chosen, as many as are needed to see one error in a hundred."""
+UNKNOWN, NOT_KNOWN = "?", -2
+"""What the truth calls a track whose name is not sure, and its number; by definition."""
 SWEEPS = 2
 """After the first naming; chosen, most trials need no more."""
 
@@ -73,8 +78,12 @@ def calibrated_shift(
     trial = _joined(trajectories, label, confident, template, first, stop)
     n = stop - first
     pieces = int(np.clip(round(n / np.median(seen[unsure].sum(1))), 1, min(MOST_PIECES, n)))
-    ghosts = seen[label < 0, first:stop].sum() / n
-    return shift_of(cases_of(shredded(trial, pieces, ghosts, kinds=GHOSTS), template, pairs, least_fit))
+    rest = np.setdiff1d(np.flatnonzero(seen[:, first:stop].any(1)), confident)
+    paths = (MarkerTrajectory.measured(f"+{t}", trajectories.paths[t].xyz[first:stop]) for t in rest.tolist())
+    parts = shredded(trial, pieces)
+    tracks = replace(parts.tracks, paths=(*parts.tracks.paths, *paths))
+    truth = (*parts.truth, *(None if label[t] < 0 else UNKNOWN for t in rest.tolist()))
+    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit))
 
 
 def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:
@@ -100,11 +109,11 @@ def _joined(
 
 def cases_of(parts: Shredded, template: Template, pairs: PairScore, least_fit: float) -> Cases:
     """The pieces named again from the fullest frame, without key frames."""
-    number = {name: a for a, name in enumerate(template.names)}
-    truth = np.array([-1 if name is None else number[name] for name in parts.truth], np.int64)
+    number = {name: a for a, name in enumerate(template.names)} | {None: -1, UNKNOWN: NOT_KNOWN}
+    truth = np.array([number[name] for name in parts.truth], np.int64)
     stretches = stretches_of(parts.tracks, template.size)
     label = _again(stretches, truth, pairs, least_fit)
-    named = np.flatnonzero(label >= 0)
+    named = np.flatnonzero((label >= 0) & ((truth >= 0) | (truth == -1) & np.isin(label, truth)))
     logit = track_logit(margins(stretches, label, template, pairs, exchanges=False), stretches.weight)[named]
     segments = len(template) * max(1.0, parts.tracks.n_frames / parts.tracks.rate / SEGMENT_S)
     return Cases(logit, label[named] == truth[named], min(1.0, segments / max(len(named), 1)))

@@ -23,6 +23,8 @@ STATIC_SPREAD = 0.18
 """Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
 SEGMENT_SPREAD = 0.03
 """Share of the distances within a segment whose set does not say how rigid it is; chosen, as skin moves in gait."""
+LEAST_SEEN = 0.5
+"""Share of a static trial in which a track without a name is a marker of it; chosen: ghosts are seen in less."""
 LEAST_ACROSS = 0.3
 """The same as `LEAST_VOLUME`, of the edges from the best of four corners, of quadruples across a joint: 17° out of one
 plane; measured on eight subjects, static trial against walk: of 1 217 quadruples above it 0.6 % of the samples turn."""
@@ -54,9 +56,29 @@ def static_template(trial: Trajectories, marker_set: MarkerSet) -> Template:
             f"{len(names)} of the {len(marker_set.moving)} markers of {marker_set.name or 'the marker set'} are in "
             f"the static trial, which has {near}. Wanted are four or more, spelt alike."
         )
+    return _of_static(trial, marker_set, names, [])
+
+
+def static_bystanders(trial: Trajectories, marker_set: MarkerSet) -> Template | None:
+    """The same with the static trial's tracks without names as further labels, called as they are there.
+
+    A subject who wears more than the set wears it in both trials: what a nameless marker beside a thigh's is like tells
+    which of the two is the thigh's. See `bystanders`. None where there are no such tracks.
+    """
+    names = list(static_template(trial, marker_set).names)
+    others = [
+        path.name
+        for path in trial
+        if path.name.startswith("*") and np.isfinite(path.xyz[:, 0]).mean() > LEAST_SEEN and path.name not in names
+    ]
+    return _of_static(trial, marker_set, names, others) if others else None
+
+
+def _of_static(trial: Trajectories, marker_set: MarkerSet, names: list[str], others: list[str]) -> Template:
+    """Of markers of the set and of others, which are on no segment and in no quadruple."""
     segments = segments_of(marker_set, names)
-    template = learn_template(trial, names=names, relative_spread=STATIC_SPREAD, segments=segments)
-    handed, sign = _quadruples(trial, template.names, marker_set)
+    template = learn_template(trial, names=[*names, *others], relative_spread=STATIC_SPREAD, segments=segments)
+    handed, sign = _quadruples(trial, tuple(names), marker_set)
     return replace(
         template,
         handed=handed,

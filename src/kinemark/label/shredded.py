@@ -15,9 +15,13 @@ import numpy as np
 from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 
-Ghost = Literal["walk", "midpoint", "reflection"]
-"""A point that wanders near the body, one midway between two markers, one that stands still."""
-GHOSTS: tuple[Ghost, ...] = ("walk", "midpoint", "reflection")
+Ghost = Literal["walk", "midpoint", "reflection", "twin"]
+"""A point that wanders near the body, one midway between two markers, one that stands still, one made of other
+images of a marker beside it."""
+GHOSTS: tuple[Ghost, ...] = ("walk", "midpoint", "reflection", "twin")
+TWIN_MM = 10.0
+"""Standard deviation of a twin's offset on each axis, mm; measured of a real trial: two twins of heels were 9 and 29 mm
+beside them in the mean."""
 LEAST_GHOST, GREATEST_GHOST, MEAN_GHOST = 3, 40, 20
 """How long a ghost lives, frames: any number from the first to below the second, which are 20 in the mean where the
 trial's end cuts some short; chosen, as trackers leave them."""
@@ -64,6 +68,7 @@ def shredded(
     at_gaps: bool = False,
     absent: int = 0,
     extra: int = 0,
+    still: int = 0,
     exchanges: int = 0,
     returns: int = 0,
     takeovers: int = 0,
@@ -79,6 +84,7 @@ def shredded(
         at_gaps: each marker is also cut where it has a gap.
         absent: markers left out, at random.
         extra: markers that the trial does not have, fixed to three near ones; called `+1`, `+2`, …
+        still: points that stand still near the body all through the trial, as what shines in the room does.
         exchanges: pairs of near markers whose tracks go over into each other at some frame.
         returns: pairs that do so, and back again after a tenth to four tenths of the trial.
         takeovers: markers whose track goes over to a near one, where that one's own ends; the rest of the first is a
@@ -88,13 +94,14 @@ def shredded(
         ValueError: pieces is below 1 or above the number of frames, another number is below 0, or there are not so
             many markers.
     """
-    _check(trial, pieces, ghosts, absent, extra, exchanges + returns + takeovers)
+    _check(trial, pieces, ghosts, absent, extra, still, exchanges + returns + takeovers)
     rng, other = np.random.default_rng(seed), np.random.default_rng([seed, 1])
     gone = set(other.choice(len(trial), absent, replace=False).tolist())
     whole = [_Piece(path.xyz, path.name) for i, path in enumerate(trial) if i not in gone]
     whole += [_Piece(_fixed_to(trial.xyz, other), f"+{k}") for k in range(1, extra + 1)]
     kinds_of = (*[_exchange] * exchanges, *[_return] * returns, *[_takeover] * takeovers)
     whole = _exchanged(whole, kinds_of, other)
+    whole += [_Piece(_standing(trial.xyz, other), None) for _ in range(still)]
     parts = [part for one in whole for part in _cut(one, pieces, at_gaps, rng)]
     parts += _ghosts(trial.xyz, ghosts, kinds, rng)
     order = [parts[i] for i in rng.permutation(len(parts))]
@@ -103,11 +110,14 @@ def shredded(
     return Shredded(Trajectories(paths, trial.rate), tuple(one.marker for one in order), MappingProxyType(changes))
 
 
-def _check(trial: Trajectories, pieces: int, ghosts: float, absent: int, extra: int, exchanges: int) -> None:
+def _check(
+    trial: Trajectories, pieces: int, ghosts: float, absent: int, extra: int, still: int, exchanges: int
+) -> None:
     """Numbers that make sense for this trial."""
     if not 1 <= pieces <= max(trial.n_frames, 1):
         raise ValueError(f"pieces is {pieces}, wanted 1 to {trial.n_frames}, the number of frames")
-    for name, value in {"ghosts": ghosts, "absent": absent, "extra": extra, "exchanges": exchanges}.items():
+    numbers = {"ghosts": ghosts, "absent": absent, "extra": extra, "still": still, "exchanges": exchanges}
+    for name, value in numbers.items():
         if not 0 <= value < np.inf:
             raise ValueError(f"{name} is {value}, wanted 0 or more")
     if absent + 2 * exchanges > len(trial) or (extra and len(trial) < 3):
@@ -209,6 +219,12 @@ def _fixed_to(xyz: Floats, rng: np.random.Generator) -> Floats:
     return xyz[a] + s * (xyz[b] - xyz[a]) + t * (xyz[c] - xyz[a])
 
 
+def _standing(xyz: Floats, rng: np.random.Generator) -> Floats:
+    """(F, 3) a point that stands still, as far from the middle of all that is seen as markers are."""
+    seen = xyz[np.isfinite(xyz[..., 0])]
+    return np.tile(seen.mean(0) + rng.normal(0, 1, 3) * seen.std(0), (xyz.shape[1], 1))
+
+
 def _ghosts(xyz: Floats, each: float, kinds: Sequence[Ghost], rng: np.random.Generator) -> list[_Piece]:
     """As many as are `each` in a frame in the mean."""
     F, out = xyz.shape[1], []
@@ -227,6 +243,8 @@ def _ghost(kind: Ghost, xyz: Floats, now: Ints, rng: np.random.Generator) -> Flo
     if kind == "midpoint":
         a, b = rng.choice(now, 2, replace=False)
         return 0.5 * (xyz[a] + xyz[b])
+    if kind == "twin":
+        return xyz[rng.choice(now)] + rng.normal(0, TWIN_MM, 3)
     here = xyz[now, 0]
     place = here.mean(0) + rng.normal(0, 1, 3) * here.std(0)
     if kind == "reflection":

@@ -45,6 +45,11 @@ LEAST_DARK = 0.05
 """Share of the frames that are such, below which none is looked for; chosen: sweeps and motion name fewer."""
 LEAST_POINTS = 4
 """Of a key frame; by definition: three have no hand."""
+PART = 0.7
+"""Greatest number of points in a frame as a share of the labels, below which the search also begins elsewhere on the
+body; chosen: legs alone, by the template of a whole body, have 0.4 to 0.5."""
+STARTS = 3
+"""From where it does, farthest from each other; chosen: a head, hands and feet."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
@@ -250,28 +255,42 @@ def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
 
 def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools) -> Start | None:
     """The best of `n` key frames, evenly spread over those with points among (K) some; None where there are none."""
-    order = placings(pairs, template.handed, template.sign)
     points = np.isfinite(stretches.xyz[..., 0]).sum(0)
+    orders = _orders(template, pairs, int(points.max(initial=0)))
     usable = np.flatnonzero((points >= min(LEAST_POINTS, points.max(initial=1))) & among)
     if not len(usable):
         return None
     stated = np.isfinite(stretches.xyz[stretches.fixed >= 0, :, 0]).sum(0)[usable]
     usable = usable[stated == stated.max()]  # all, where nothing was stated
     some = np.unique(usable[np.linspace(0, len(usable) - 1, n).round().astype(int)])
-    found = [_labelled(stretches, int(k), template, pairs, order, beam) for k in some]
+    found = [_labelled(stretches, int(k), template, pairs, orders, beam) for k in some]
     return max(found, key=lambda one: one.score)
 
 
+def _orders(template: Template, pairs: PairScore, most: int) -> list[list[Placing]]:
+    """In which labels are placed, where frames have that many points at most.
+
+    Where a part of the body wears no markers at all and labels of it came first, the beam is full of points that do not
+    belong there before one comes that does.
+    """
+    orders = [placings(pairs, template.handed, template.sign)]
+    if most < PART * len(template):
+        begun, D = [orders[0][0].label], np.nan_to_num(template.distance)
+        for _ in range(STARTS):
+            begun.append(int(D[begun].min(0).argmax()))
+        orders += [placings(pairs, template.handed, template.sign, [a]) for a in begun[1:]]
+    return orders
+
+
 def _labelled(
-    stretches: Stretches, k: int, template: Template, pairs: PairScore, order: list[Placing], beam: int
+    stretches: Stretches, k: int, template: Template, pairs: PairScore, orders: list[list[Placing]], beam: int
 ) -> Start:
     """The labelling of one frame."""
     here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
     xyz = stretches.xyz[here, k]
     fixed = stretches.fixed[here]
-    orders = [order]
     if (fixed >= 0).any():
-        orders.append(placings(pairs, template.handed, template.sign, fixed[fixed >= 0].tolist()))
+        orders = [*orders, placings(pairs, template.handed, template.sign, fixed[fixed >= 0].tolist())]
     points = [settle(xyz, search(xyz, pairs, one, beam, fixed), pairs, fixed) for one in orders]
     scores = [frame_score(xyz, point, pairs, template.handed, template.sign) for point in points]
     point, score = points[int(np.argmax(scores))], max(scores)

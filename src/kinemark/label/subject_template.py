@@ -41,6 +41,8 @@ class SubjectTemplate:
         template: of the subject. marker_set: name of the set that the subject wears; empty where it is not known.
         subject: name of the subject; empty where it is not known. height_mm: body height, mm; NaN where not known.
         sources: what the template was learnt from, in that order.
+        wider: of these markers and of others that nobody named, as a static trial shows both; see `bystanders`. None
+            where there are none.
     """
 
     template: Template
@@ -48,6 +50,7 @@ class SubjectTemplate:
     subject: str = ""
     height_mm: float = float("nan")
     sources: tuple[TemplateSource, ...] = ()
+    wider: Template | None = None
 
     def __post_init__(self) -> None:
         set_columns(self, sources=tuple(self.sources))
@@ -79,7 +82,7 @@ class SubjectTemplate:
         if found is not None:
             return Grown(self, (), found.finding)
         template = pooled(self.template, new, whole)
-        return Grown(replace(self, template=template, sources=(*self.sources, source)), tuple(sure))
+        return Grown(replace(self, template=template, sources=(*self.sources, source), wider=None), tuple(sure))
 
 
 class Grown(NamedTuple):

@@ -14,6 +14,7 @@ from ...data.track_trajectories import trajectories_of
 from ...findings.labels import label_figures, label_findings
 from ...io.stated_names_csv import StatedName
 from ...label import Labelling, Labels, Switch, label_subjects, label_switching, learn_template, named
+from ...label.bystanders import among_bystanders
 from ...label.pooled import contradiction
 from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
@@ -100,8 +101,12 @@ def _labelled(
     if not by or not len(points) or not np.isfinite(points.xyz).any():
         return _Named(points, with_stated(labels_of_facts(len(points)), points, known))
     if "" in by:
-        cut = label_switching(points, by[""].template, method=how.method, stated=known)
-        return _Named(cut.tracks, cut.labels, cut.switches)
+        own = by[""]
+        cut = label_switching(points, own.template, method=how.method, stated=known)
+        labels = cut.labels
+        if own.wider is not None:
+            labels = among_bystanders(cut.tracks, labels, own.template, own.wider, method=how.method, stated=known)
+        return _Named(cut.tracks, labels, cut.switches)
     found = label_subjects(points, {s: one.template for s, one in by.items()}, method=how.method, stated=known)
     return _Named(points, found.labels, (), found.undecided)
 

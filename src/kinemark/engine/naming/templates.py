@@ -16,7 +16,7 @@ from ...io.c3d import prefixes_of
 from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
 from ...label import Template, learn_template
-from ...label.from_set import STATIC_SPREAD, figure_template, static_template
+from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders, static_template
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
@@ -30,10 +30,11 @@ TEMPLATE = f"subject{ENDING}"
 
 
 class SessionTemplate(NamedTuple):
-    """A template, and the files and trials that it was learnt from."""
+    """A template, the files and trials that it was learnt from, and `SubjectTemplate.wider`."""
 
     template: Template
     sources: tuple[str, ...]
+    wider: Template | None = None
 
 
 class Shown(NamedTuple):
@@ -113,7 +114,7 @@ def session_template(
     own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
     kept = [_kept(root / file) for file in label.template if is_template(file)]
     if label.scale is not None and (other := _learnt(given, names)):
-        kept.append(other._replace(template=other.template.of_another(label.scale)))
+        kept.append(other._replace(template=other.template.of_another(label.scale), wider=None))
     if marker_set is not None and label.height_mm is not None and not given and not kept:
         kept.append(SessionTemplate(figure_template(marker_set, label.height_mm), (f"marker set {marker_set.name}",)))
     best = max(kept, key=lambda one: len(one.template), default=None)
@@ -125,9 +126,8 @@ def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerS
     useful = _with_names(shown)
     if not useful or marker_set is None:
         return _learnt(useful, names, spread=STATIC_SPREAD)
-    return SessionTemplate(
-        static_template(useful[0].trial, marker_set), (useful[0].source, f"marker set {marker_set.name}")
-    )
+    still, sources = useful[0].trial, (useful[0].source, f"marker set {marker_set.name}")
+    return SessionTemplate(static_template(still, marker_set), sources, static_bystanders(still, marker_set))
 
 
 def _shown(root: Path, file: str, subject: str, names: Sequence[str]) -> Shown:
@@ -140,7 +140,8 @@ def _shown(root: Path, file: str, subject: str, names: Sequence[str]) -> Shown:
 
 def _kept(path: Path) -> SessionTemplate:
     """A template that was kept in a file."""
-    return SessionTemplate(load_template(path).template, (path.name,))
+    kept = load_template(path)
+    return SessionTemplate(kept.template, (path.name,), kept.wider)
 
 
 def _with_names(shown: Sequence[Shown]) -> list[Shown]:
@@ -179,5 +180,8 @@ def _keep(path: Path, settings: Settings, known: SessionTemplate) -> None:
     n = int(known.template.frames.max(initial=0))
     sources = tuple(TemplateSource(source, n, date, "accepted") for source in known.sources)
     save_template(
-        path, SubjectTemplate(known.template, settings.marker_set or "", settings.subject or "", height, sources)
+        path,
+        SubjectTemplate(
+            known.template, settings.marker_set or "", settings.subject or "", height, sources, known.wider
+        ),
     )

@@ -9,7 +9,8 @@ LABELLING_WORDS = {
     "labels_refused": Words(
         "The template does not fit: the best labelling scores {fit_share} of what the template scores on its own data "
         "and places {placed_share} of the samples. Nothing is named.",
-        "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height.",
+        "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height; "
+        "where the trial has only a part of its markers, as those of the legs, the set of that part or their names.",
     ),
     "sides_undecided": Words(
         "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",

@@ -161,6 +161,7 @@ def rows() -> Iterator[Row]:
         yield from static_sets()
         yield from other_child("HC030A")
         yield from several_children()
+        yield from all_other_children()
         yield from whole_files()
         yield from wrong_templates()
     yield from walkers()
@@ -319,6 +320,15 @@ def several_children() -> Iterator[Row]:
         learnt = [learn_template(one) for one in others]
         template = template_of_subjects(learnt, [height(one) for one in others], height(trial))
         yield Row(f"{len(others)} other children label {name}", template, trial, tuned=name in TUNED_CHILDREN)
+
+
+def all_other_children() -> Iterator[Row]:
+    """The template of all four others for each child, scaled by height."""
+    for name in CHILDREN:
+        others, trial = sorted((child(one, 0) for one in CHILDREN if one != name), key=height), child(name, 0)
+        learnt = [learn_template(one) for one in others]
+        template = template_of_subjects(learnt, [height(one) for one in others], height(trial))
+        yield Row(f"all {len(others)} others label {name}", template, trial, tuned=True)
 
 
 def placed_otherwise() -> Iterator[Row]:

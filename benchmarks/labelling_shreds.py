@@ -8,7 +8,7 @@ static, with 1 to 40 further markers on the body, up to 3 points that stand stil
 markers). A row of `labelling_cases.py` is drawn at random; two in five shreds are of the whole trial, the others
 windows of 0.4 to 3 s; two in five have neither absent nor extra markers, the others up to 4 and 3; 1 to 25 pieces a
 marker; 0 to 5 ghosts a frame of all kinds. Names of one label are right or wrong together, so that each label of a
-shred counts once.
+shred counts once; and names of one shred often are, so that intervals (95 %) are by drawing whole shreds.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from kinemark.label import Distances, shredded
 from kinemark.label.decided_sides import at_most_even, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import Margins, exchange_odds, label_features, margins
+from kinemark.label.margin import GAINED, GAINED_OTHER, Margins, exchange_odds, label_features, margins
 from kinemark.label.score import BINS
 from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
@@ -70,6 +70,9 @@ labels of 190 shreds and on 117 shreds, when trials with nothing left over were 
 RIDGE = {False: 10.0, True: 1.0}
 """On the squares of what a coefficient's change does by one standard deviation of its feature; chosen: subjects left
 out in turn told 0.3 to 10 alike; of these the one by which most right names of 130 further shreds were sure."""
+
+DRAWS = 2000
+"""Of shreds, for an interval; chosen."""
 
 
 class Shred(NamedTuple):
@@ -168,7 +171,7 @@ def cases(shreds: Sequence[Shred]) -> Cases:
     """Each label of each shred, by its longest track."""
     x, odds, right, doubted = [], [], [], []
     for one in shreds:
-        features, odd = label_features(one.about), exchange_odds(one.about)
+        features, odd = label_features(one.about), exchange_odds(one.about, GAINED_OTHER if one.doubted else GAINED)
         for a in np.unique(one.label[one.label >= 0]).tolist():
             own = np.flatnonzero(one.label == a)
             longest = own[one.samples[own].argmax()]
@@ -194,36 +197,72 @@ def fitted(x: Floats, odds: Floats, right: Bools, former: Floats, ridge: float) 
     return np.asarray(scipy.optimize.minimize(loss, former, jac=True, method="L-BFGS-B", bounds=bounds).x)
 
 
-def reliability_text(p: Floats, right: Bools, share: Floats) -> list[str]:
-    """A line a bin; share (n): what each case counts."""
+class Named(NamedTuple):
+    """Of N tracks with a name: shred, probability, whether it is right, samples, and what each counts as a label."""
+
+    shred: Ints
+    p: Floats
+    right: Bools
+    samples: Ints
+    share: Floats
+
+    @classmethod
+    def of(cls, shreds: Sequence[Shred]) -> Named:
+        """All of them; the tracks of a label count one together."""
+        kept = [(one, one.label >= 0) for one in shreds]
+        return cls(
+            np.repeat(np.arange(len(kept)), [own.sum() for _, own in kept]),
+            np.concatenate([one.probability[own] for one, own in kept]),
+            np.concatenate([(one.label == one.truth)[own] for one, own in kept]),
+            np.concatenate([one.samples[own] for one, own in kept]),
+            np.concatenate([1 / np.bincount(one.label[own])[one.label[own]] for one, own in kept]),
+        )
+
+
+def interval(part: Floats, of: Floats, shred: Ints) -> tuple[float, float]:
+    """Of Σ part / Σ of, by drawing shreds with replacement; those without any tell nothing."""
+    shred = np.unique(shred, return_inverse=True)[1]
+    n = int(shred.max()) + 1
+    drawn_ones = np.random.default_rng(0).integers(0, n, (DRAWS, n))
+    above, below = (np.bincount(shred, each, n)[drawn_ones].sum(1) for each in (part, of))
+    low, high = np.quantile(above / np.maximum(below, 1e-9), [0.025, 0.975])
+    return float(low), float(high)
+
+
+def reliability_text(every: Named) -> list[str]:
+    """A line a bin: labels, of how many shreds, their probability, how many are right, and right less probability."""
     out = []
     for low, high in pairwise(BINS):
-        own = (p >= low) & ((p < high) | (high >= 1))
+        own = (every.p >= low) & ((every.p < high) | (high >= 1))
         if own.any():
-            w = share[own] / share[own].sum()
+            w, off = every.share[own], every.right[own] - every.p[own]
+            less, more = interval(w * off, w, every.shred[own])
             out.append(
-                f"  {low:.2f}–{high:.2f} {own.sum():7d} tracks {share[own].sum():8.1f} labels  mean p "
-                f"{w @ p[own]:.4f}  right {w @ right[own]:.4f}"
+                f"  {low:.2f}–{high:.2f} {w.sum():8.1f} labels of {len(np.unique(every.shred[own])):4d} shreds  mean p "
+                f"{w @ every.p[own] / w.sum():.4f}  right {w @ every.right[own] / w.sum():.4f}  difference "
+                f"{w @ off / w.sum():+.3f} ({less:+.3f} to {more:+.3f})"
             )
     return out
 
 
 def table(shreds: Sequence[Shred]) -> None:
     """Reliability of tracks, each label of a shred counting once, and what is sure and right, or sure and wrong."""
-    kept = [(one, one.label >= 0) for one in shreds]
-    p = np.concatenate([one.probability[own] for one, own in kept])
-    right = np.concatenate([(one.label == one.truth)[own] for one, own in kept])
-    n = np.concatenate([one.samples[own] for one, own in kept])
-    share = np.concatenate([1 / np.bincount(one.label[own])[one.label[own]] for one, own in kept])
-    real, sure = sum(one.real for one in shreds), p >= Distances().sure
-    print(*reliability_text(p, right, share), sep="\n")
-    log = -np.log(np.clip(np.where(right, p, 1 - p), 1e-6, 1))
+    every = Named.of(shreds)
+    print(*reliability_text(every), sep="\n")
+    real, sure = sum(one.real for one in shreds), every.p >= Distances().sure
+    right, n, log = every.right, every.samples, -np.log(np.clip(np.where(every.right, every.p, 1 - every.p), 1e-6, 1))
+    wrong = (sure & ~right).astype(float)
     print(
-        f"  {len(shreds)} shreds; of {sure.sum()} sure tracks {(sure & ~right).sum()} are wrong "
-        f"({100 * (sure & ~right).sum() / max(sure.sum(), 1):.3f} %); samples sure and right "
-        f"{100 * n[sure & right].sum() / real:.2f} %, sure and wrong {100 * n[sure & ~right].sum() / real:.3f} %, "
-        f"right if all are taken {100 * n[right].sum() / real:.2f} %; log score {share @ log / share.sum():.4f}"
+        f"  {len(shreds)} shreds; samples sure and right {100 * n[sure & right].sum() / real:.2f} %, sure and wrong "
+        f"{100 * n[sure & ~right].sum() / real:.3f} %, right if all are taken {100 * n[right].sum() / real:.2f} %; "
+        f"log score {every.share @ log / every.share.sum():.4f}"
     )
+    for what, count in (("tracks", np.ones(len(n))), ("labels", every.share)):
+        less, more = (100 * one for one in interval(wrong * count, sure * count, every.shred))
+        print(
+            f"  of {count[sure].sum():.0f} sure {what} {wrong @ count:.1f} are wrong, "
+            f"{100 * (wrong @ count) / max(count[sure].sum(), 1):.3f} % ({less:.3f} to {more:.3f})"
+        )
 
 
 def seeds_of(part: str) -> list[tuple[str, int]]:

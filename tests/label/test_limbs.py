@@ -5,13 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+import kinemark.label.solve as search
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import learn_template
 from kinemark.label.claims import left_over
 from kinemark.label.evidence import PairScore
 from kinemark.label.limbs import near_turns, score_with_sides
 from kinemark.label.side_pairs import mirrored
-from kinemark.label.solve import Solution, limbs_turned
+from kinemark.label.solve import Solution, Start, limbs_turned, solve
 from kinemark.label.stretches import FREE, stretches_of
 from kinemark.label.sweeps import places, total_score
 from support.wearing import body_of, moving
@@ -76,3 +77,19 @@ def test_what_is_left_over_are_absent_labels_and_long_markers_without_name():
     without = np.where(truth == 5, -1, truth)
     assert left_over(stretches, without, L) == (1, 1)
     assert left_over(stretches, without, L + 1) == (2, 1)
+
+
+@pytest.mark.parametrize("limb", [LEG, ARM, None])
+def test_a_key_frame_that_scores_most_does_not_decide_where_another_suits_the_trial_better(limb, monkeypatch):
+    """The first key frame has limbs, or the whole body, turned about, and is said to score more than the right one."""
+    template, pairs = known(), PairScore.of_template(known())
+    stretches, truth, exchanged = named(limb or LEG)
+    turned = exchanged if limb else mirrored(template.names)[truth]
+    every = np.arange(len(truth))
+    starts = [Start(2.0, 0, every, turned), Start(1.0, 0, every, truth)]
+    monkeypatch.setattr(search, "_starts", lambda *_: starts)
+    as_it_is = lambda label, *_: Solution(label, *total_score(stretches, label, pairs))  # noqa: E731
+    monkeypatch.setattr(search, "_whole", as_it_is)
+    found = solve(stretches, template, pairs, key_frames=10, beam=1, least_fit=0.3)
+    has = found.label >= 0
+    assert (found.label == truth)[has].all() and has.mean() > 0.9

@@ -11,7 +11,7 @@ from kinemark.label import Shredded, label, learn_template, shredded
 from kinemark.label.calibration import UNKNOWN, Cases, calibrated_shift, cases_of, shift_of
 from kinemark.label.decided_sides import decided_sides
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import BETA_OTHER, logistic, margins, probability
+from kinemark.label.margin import BETA_OTHER, GAINED_OTHER, logistic, margins, probability
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
@@ -186,3 +186,16 @@ def test_a_name_is_surer_where_nothing_is_left_over_that_it_could_have_moved_up_
     kept = whole.select([name for name in whole.names if name != by.names[other]])
     stretches, pairs, true = known(kept, by)
     assert (margins(stretches, true, by, pairs).shut == 1).all()
+
+
+def test_an_exchange_that_gains_by_another_subjects_template_tells_nothing_more_than_one_that_neither_gains_nor_loses():
+    stretches, pairs, true = known(walk(7, 39), template(39))
+    about = margins(stretches, true, template(39), pairs)
+    of = {"own": {}, "other": {"label": BETA_OTHER, "gained": GAINED_OTHER}}
+    p = {
+        (whose, x): probability(about._replace(exchange=np.full(len(true), x)), stretches.weight, **how)
+        for whose, how in of.items()
+        for x in (-30.0, -1.0, 0.0, 5.0)
+    }
+    assert (p["own", -30.0] < p["own", -1.0]).all()
+    assert (p["other", -30.0] == p["other", 0.0]).all() and (p["other", 0.0] < p["other", 5.0]).all()

@@ -17,7 +17,7 @@ from .evidence import PairScore
 from .held import held
 from .label import refusal, state_of
 from .labels import Labels
-from .margin import BETA_LABEL, BETA_OTHER, Margins, margins, probability
+from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, margins, probability
 from .solve import solve, solve_with_facts
 from .stage import LABEL
 from .stated import anchored, fixed_labels
@@ -98,12 +98,12 @@ def probability_of_all(
     method: Distances,
 ) -> Floats:
     """(T) by the coefficients of all trials, shifted by what the trial itself shows."""
-    beta = BETA_OTHER if np.any(template.doubt) else BETA_LABEL
-    p = probability(about, weight, label=beta)
+    beta, gained = (BETA_OTHER, GAINED_OTHER) if np.any(template.doubt) else (BETA_LABEL, GAINED)
+    p = probability(about, weight, label=beta, gained=gained)
     shift = calibrated_shift(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit
     )
-    return probability(about, weight, shift=shift, label=beta)
+    return probability(about, weight, shift=shift, label=beta, gained=gained)
 
 
 def _names(label: Ints, template: Template) -> tuple[str | None, ...]:

@@ -50,6 +50,12 @@ PART = 0.7
 body; chosen: legs alone, by the template of a whole body, have 0.4 to 0.5."""
 STARTS = 3
 """From where it does, farthest from each other; chosen: a head, hands and feet."""
+FEW = 0.1
+"""Share of the names of a key frame that may differ from a labelling of the trial and lead to no other; chosen: sweeps
+and exchanges settle so few."""
+CLEARLY = 30.0
+"""Nats a frame by which the names of another key frame must score more; chosen, as right limbs lose by an exchange: a
+trunk and arms that were turned about gained 102, names by a template of another set, that nearly fitted, 5."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
@@ -80,18 +86,48 @@ def solve(
     stretches: Stretches, template: Template, pairs: PairScore, *, key_frames: int, beam: int, least_fit: float
 ) -> Solution:
     """The labelling of the greatest score that was found; without a label for any track where no frame has points."""
-    start = _start(stretches, template, pairs, key_frames, beam, np.ones(len(stretches.frame), bool))
-    if start is None:
+    every = _outwards(stretches, template, pairs, key_frames, beam)
+    if not every:
         return Solution(np.full(len(stretches), -1), 0.0, 0.0)
-    label = outwards(stretches, start.frame, start.tracks, start.labels, pairs)
+    found = _whole(every[0], stretches, template, pairs, key_frames, beam, least_fit)
+    other = max(every, key=lambda label: total_score(stretches, label, pairs)[0])
+    if total_score(stretches, other, pairs)[0] > found.score:
+        best = _whole(other, stretches, template, pairs, key_frames, beam, least_fit)
+        least = score_with_sides(stretches, found.label, template, pairs) + CLEARLY
+        found = best if score_with_sides(stretches, best.label, template, pairs) > least else found
+    after = found.after or pairs
+    kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
+    return found._replace(label=_gone_on(stretches, kept, len(template)))
+
+
+def _outwards(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> list[Ints]:
+    """(T) labels outwards from key frames, that of the greatest score first, without those that lead to the same.
+
+    A body that is turned about, or whose limbs have each other's names, can score more in one frame than the right one
+    does in any, and less in the trial.
+    """
+    tried: list[Ints] = []
+    for start in _starts(stretches, template, pairs, n, beam, np.ones(len(stretches.frame), bool)):
+        if not any((label[start.tracks] != start.labels).sum() <= FEW * len(start.labels) for label in tried):
+            tried.append(outwards(stretches, start.frame, start.tracks, start.labels, pairs))
+    return tried
+
+
+def _whole(
+    label: Ints,
+    stretches: Stretches,
+    template: Template,
+    pairs: PairScore,
+    key_frames: int,
+    beam: int,
+    least_fit: float,
+) -> Solution:
+    """The labelling that labels (T) by a key frame lead to, with whole bodies and limbs the right way about."""
     label = _further(label, stretches, template, pairs, key_frames, beam)
     found = _from(label, stretches, template, pairs, least_fit)
     if np.any(template.doubt) and 0 < found.score < TURNED * found.expected * template.own_fit:
         found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
-    found = limbs_turned(found, stretches, template, pairs, least_fit)
-    after = found.after or pairs
-    kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
-    return found._replace(label=_gone_on(stretches, kept, len(template)))
+    return limbs_turned(found, stretches, template, pairs, least_fit)
 
 
 def _further(
@@ -111,8 +147,8 @@ def _further(
         if score < LEAST_KNOWN * expected:  # a template that does not fit where names are tells nothing of the rest
             break
         known = replace(stretches, fixed=np.where(label >= 0, label, stretches.fixed))
-        start = _start(known, template, pairs, key_frames, beam, dark)
-        new = label if start is None else outwards(known, start.frame, start.tracks, start.labels, pairs)
+        starts = _starts(known, template, pairs, key_frames, beam, dark)
+        new = outwards(known, starts[0].frame, starts[0].tracks, starts[0].labels, pairs) if starts else label
         if total_score(stretches, new, pairs)[0] <= score:
             break
         label = new
@@ -253,18 +289,18 @@ def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
     return np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
 
 
-def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools) -> Start | None:
-    """The best of `n` key frames, evenly spread over those with points among (K) some; None where there are none."""
+def _starts(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int, among: Bools) -> list[Start]:
+    """`n` key frames, evenly spread over those with points among (K) some, the best first; none where none has any."""
     points = np.isfinite(stretches.xyz[..., 0]).sum(0)
     orders = _orders(template, pairs, int(points.max(initial=0)))
     usable = np.flatnonzero((points >= min(LEAST_POINTS, points.max(initial=1))) & among)
     if not len(usable):
-        return None
+        return []
     stated = np.isfinite(stretches.xyz[stretches.fixed >= 0, :, 0]).sum(0)[usable]
     usable = usable[stated == stated.max()]  # all, where nothing was stated
     some = np.unique(usable[np.linspace(0, len(usable) - 1, n).round().astype(int)])
     found = [_labelled(stretches, int(k), template, pairs, orders, beam) for k in some]
-    return max(found, key=lambda one: one.score)
+    return sorted(found, key=lambda one: -one.score)
 
 
 def _orders(template: Template, pairs: PairScore, most: int) -> list[list[Placing]]:

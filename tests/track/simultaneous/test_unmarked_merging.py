@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import Detections
-from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.geometry import project
+from kinemark.track.simultaneous import Simultaneous, track_detections, unmarked_merging
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
@@ -60,6 +61,21 @@ def test_an_image_of_both_is_told_from_a_marker_that_is_hidden(merged):
     assert set(held[0, claims.row[first]]) == set(own)
     assert (said[first] > LEAST).all() == merged
     assert (said[first] < LEAST).all() == (not merged)
+
+
+def test_the_image_of_both_says_where_that_of_one_alone_would_be(monkeypatch):
+    images, points, held, own, apart = two_markers(merged=True)
+    monkeypatch.setattr(unmarked_merging, "resolution", lambda images: 1.6 * apart)
+    merging = inferred_merging(points, held, images, T, METHOD)
+    rig, first = ring(4), dance(n=1, frames=FRAMES, seed=2)[0]
+    alone = project(rig[0], first[images.frame[own]])
+    at = np.searchsorted(merging.image, own)
+    assert (merging.image[at] == own).all()
+    assert merging.clear[at].all()
+    assert (merging.track[at] == 0).all()
+    told = np.linalg.norm(images.uv[own] + merging.beside[at] - alone, axis=1)
+    assert (told < 0.25 * np.linalg.norm(images.uv[own] - alone, axis=1)).all()
+    assert (told**2 < 9 * merging.own_variance[at]).all()
 
 
 @pytest.mark.parametrize("r", [4.0, 7.0])

@@ -46,7 +46,7 @@ from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_smoothed
 from .stitch import Stitch, stitched
-from .unmarked_merging import inferred_merging
+from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
@@ -114,10 +114,11 @@ def track_once(
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
     solver = solver_for(detections, shared, working, errors)
-    cloud, ids = _without_merged(cloud, ids, merging.image, solver, working.images, method)
+    cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     if working.rig is not rig:
-        cloud = on_given_rig(cloud, solver_for(detections, shared, Working(rig, images, noise), errors))
+        given = solver_for(detections, shared, Working(rig, images, noise), errors)
+        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     whole = with_companions(_points(cloud, ids), whole, T, method)
@@ -137,20 +138,28 @@ def _points(cloud: Cloud, ids: Ints) -> TrackPoints:
 
 
 def _without_merged(
-    cloud: Cloud, ids: Ints, merged: Ints, solver: Solver, images: Images, method: Simultaneous
+    cloud: Cloud, ids: Ints, merging: Merging, solver: Solver, images: Images, method: Simultaneous
 ) -> tuple[Cloud, Ints]:
-    """The points and their tracks, those of merged images solved again: smoothed, or left out where that is vague."""
-    if not len(merged):
+    """The points and their tracks, those of merged images solved again from what these say of each marker.
+
+    Those of fewer than two images of their own are smoothed. Where that is vague, they are given if one image is their
+    own and the merging is clear, up to `uncertain_sd`: others are as often a chance meeting of two markers' images.
+    """
+    if not len(merging.image):
         return cloud, ids
-    which, own = np.isin(cloud.detection, merged).any(1), (cloud.detection >= 0) & ~images.merged[cloud.detection]
+    solver = merging.told_apart(cloud, ids, solver)
+    which = np.isin(cloud.detection, merging.image).any(1)
+    own, number = (cloud.detection >= 0) & ~images.merged[cloud.detection], (cloud.detection >= 0).sum(1)
     again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
     xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
     xyz[which], cov[which], residual[which] = again.xyz, again.cov, again.residual
     cloud, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
     few = which & (own < 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
     xyz[few], cov[few] = smoothed(TrackPoints(cloud.frame, ids, xyz, cov), few, own >= 2, 1 / cloud.rate, method)
-    good = ~which | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
-    return cloud.keep(good), ids[good]
+    clear = own + np.isin(cloud.detection, merging.image[merging.clear]).sum(1) == number
+    clear &= (own == 1) & (np.trace(cov, axis1=1, axis2=2) < method.uncertain_sd**2)
+    good = usable_points(cloud, solver.rig, margin=None) & (clear | precise_enough(cloud, own, method))
+    return cloud.keep(~which | good), ids[~which | good]
 
 
 class FirstPass(NamedTuple):

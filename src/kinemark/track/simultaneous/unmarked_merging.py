@@ -22,16 +22,25 @@ from the point that fits them best, Student's t of `likelihood`, and four times 
     score = Σ ln t(q') − ln t(q) + ln t(δ'ᵀ S'⁻¹ δ') / √|S'| − ln t(δᵀ S⁻¹ δ) / √|S| + ln 4     (3)
 
 is the log-likelihood ratio of an image of both to a marker that is hidden. Above LEAST the images of the run count as
-merged, anywhere within r / 2 of either marker, and their points as those of files that mark them.
+merged, anywhere within r / 2 of either marker. The point of i is then solved from the mean of b, of variance s², and
+b', of the variance of (2), with w = 1 / (1 + exp(−score)) the probability of the latter,
+
+    b + w (b' − b),   variance (1 − w) s² + w v' + w (1 − w) |b' − b|² / 2                (4)
+
+Other points that have an image of both are solved as those of files that mark them.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
+from ...geometry import undistort
+from ...geometry.camera import distort
 from ...native import index_images, inverse
 from ...numerics.robust import student_log_likelihood
 from ...numerics.runs import equal_runs
@@ -42,6 +51,7 @@ from .kalman_states import KalmanStates, initial_states, predict, update
 from .likelihood import DEGREES_OF_FREEDOM, SURE
 from .neighbouring_points import TrackPoints
 from .simultaneous_method import Simultaneous
+from .solved_points import Solver
 
 LARGEST = 20.0
 """R of (1), px; chosen: markers farther apart than that are told apart by any camera."""
@@ -63,6 +73,10 @@ LEAST = -2.0
 """Of (3), a logarithm, without unit; chosen: on seeds 0 to 59 of benchmarks/tracking_scenes.py it finds 0.70 of the
 merged images of points that have two, and marks one image in eleven wrongly; 0 finds 0.62, and one in twenty."""
 
+CLEAR = float(np.log(10_000.0))
+"""Of (3), a logarithm, without unit; chosen (seeds 0 to 149 of benchmarks/tracking_scenes.py): of the points with one
+image of their own that are known to 2 to 10 mm, 81 of 89 are then a marker's; by ln 100, 112 of 129."""
+
 
 class Claims(NamedTuple):
     """K claims that images of a point are of another track too: rows of the points of either (K), which cameras (C, K),
@@ -82,10 +96,19 @@ class Claims(NamedTuple):
 
 
 class Merging(NamedTuple):
-    """Images (n) that are of two markers, and the variance in px² that they have as such, (r / 4)²."""
+    """Images (n) that are of two markers, and the variance in px² that they have as such, (r / 4)².
+
+    Attributes:
+        track: (n) that holds each. clear: (n) whether (3) is above CLEAR.
+        beside: (n, 2) px, where (4) is from the image; own_variance: (n) px², that of (4).
+    """
 
     image: Ints
     variance: float
+    track: Ints
+    clear: Bools
+    beside: Floats
+    own_variance: Floats
 
     def marked(self, images: Images) -> Images:
         """The images with these marked."""
@@ -95,6 +118,21 @@ class Merging(NamedTuple):
         merged[self.image] = True
         variance[self.image] += self.variance
         return images._replace(merged=merged, variance=variance)
+
+    def told_apart(self, cloud: Cloud, ids: Ints, solver: Solver) -> Solver:
+        """The solver with (4) in place of the images that the points of the same tracks ids (P) still have."""
+        if not len(self.image):
+            return solver
+        holder = np.full(len(solver.detections), -1)
+        for camera in cloud.detection.T:
+            holder[camera[camera >= 0]] = ids[camera >= 0]
+        still = holder[self.image] == self.track
+        image, beside = self.image[still], self.beside[still]
+        uv, variance, camera = solver.detections.uv.copy(), solver.variance.copy(), solver.detections.camera[image]
+        for c, one in enumerate(solver.rig):
+            uv[image[camera == c]] = distort(one, undistort(one, uv[image[camera == c]]) + beside[camera == c])
+        variance[image] = self.own_variance[still]
+        return solver._replace(detections=replace(solver.detections, uv=uv), variance=variance)
 
 
 class _Reading(NamedTuple):
@@ -107,14 +145,20 @@ class _Reading(NamedTuple):
 
 def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> Merging:
     """The images that points of detections (C, P) show to be of two tracks; none where the file marks any."""
-    none = Merging(np.zeros(0, np.int64), 0.0)
+    none = np.zeros(0, np.int64)
     r = 0.0 if images.merged.any() else resolution(images)
     if not r or len(points.id) < 2:
-        return none
+        return Merging(none, 0.0, none, none > 0, np.zeros((0, 2)), np.zeros(0))
     claims = possible_claims(points, detection, images, r)
-    good = claims.take(scores(claims, points, detection, images, T, method) > LEAST)
-    camera, k = np.nonzero(good.camera)
-    return Merging(np.unique(detection[camera, good.row[k]]), r * r / 16)
+    score = scores(claims, points, detection, images, T, method)
+    camera, k = np.nonzero(claims.camera & (score > LEAST))
+    order = np.argsort(-score[k], kind="stable")  # of several claims on an image the likeliest
+    image, first = np.unique(detection[camera, claims.row[k]][order], return_index=True)
+    camera, k = camera[order][first], k[order][first]
+    beside, w = claims.uv[camera, k] - images.uv[image], 1 / (1 + np.exp(-score[k]))
+    apart = w * (1 - w) * (beside**2).sum(1) / 2
+    variance = (1 - w) * images.variance[image] + w * claims.variance[camera, k] + apart  # (4)
+    return Merging(image, r * r / 16, points.id[claims.row[k]], score[k] > CLEAR, w[:, None] * beside, variance)
 
 
 def resolution(images: Images) -> float:

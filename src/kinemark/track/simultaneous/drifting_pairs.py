@@ -55,8 +55,8 @@ TAIL = 0.95
 """Of f in (1), a probability; chosen, as in `noise_of_tracks`."""
 
 CERTAIN = float(np.log(1000.0))
-"""Two markers are then a thousand times likelier than one; chosen: points of one marker are a hundred times as many (see
-benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
+"""Two markers are then a thousand times likelier than one; chosen: points of one marker are a hundred times as many
+(see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
 
 
 class Usual(NamedTuple):

@@ -14,8 +14,8 @@ images that a file does not mark are inferred from the tracks (`unmarked_merging
 
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
-Where two cameras alone see a track, images that drift past each other are given up (`drifting_pairs`), before the second
-pass, which looks for better ones, and after it.
+Where two cameras alone see a track, images that drift past each other are given up (`drifting_pairs`), before the
+second pass, which looks for better ones, and after it.
 
 Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (1). Positions are those of
 the rig as given.

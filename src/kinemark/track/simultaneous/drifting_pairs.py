@@ -16,11 +16,11 @@ that as many of these blocks as of a normal distribution lie within the TAIL qua
 large, the residual does something else, as that of cameras that are not synchronous, and nothing is judged. Images of
 two markers pass the gate of g standard deviations of e, as the tracker takes it, s, and their a_k have more, W_k:
 
-    W_k = V_k + n g² s² / 3 · 2^−(k+1),   score = ½ Σ a_k² (1/V_k − 1/W_k) − ln(W_k / V_k)  (2)
+    W_k = V_k + n g² s² / 3 · 2^−(k+1),   score = ½ Σ (a_k² / V_k − a_k² / W_k − ln(W_k / V_k))  (2)
 
 is the log-likelihood ratio of two markers to one. Of blocks of points of two images that have more than CERTAIN, the
-part of the highest score is given up, and so are parts of what is left.
-Two cameras alone have no sound points, and cameras that hardly see the same markers too few; there nothing is judged.
+part of the highest score is given up, and so are parts of what is left. Two cameras alone have no sound points, and
+cameras that hardly see the same markers too few; there nothing is judged.
 """
 
 from __future__ import annotations

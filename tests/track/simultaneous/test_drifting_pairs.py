@@ -58,6 +58,21 @@ def test_the_part_of_a_track_that_drifts_is_given_up():
     assert len(set(found) - set(PART[:8])) <= 1
 
 
+@pytest.mark.parametrize(("share", "whole"), [(0.7, True), (0.3, False)])
+def test_a_track_of_two_cameras_of_which_most_drifts_is_given_up(share, whole):
+    recording = Recording()
+    own = recording.id != 0
+    own[PART] = True
+    first = PART[: round(share * len(PART))]
+    recording.off(first, np.full(len(first), 0.8))
+    recording.frame, recording.id, recording.detection = (
+        recording.frame[own],
+        recording.id[own],
+        recording.detection[:, own],
+    )
+    assert (len(recording.found()) == len(PART)) == whole
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_images_of_one_marker_stay(seed):
     assert not len(Recording(seed=seed).found())

@@ -14,6 +14,9 @@ images that a file does not mark are inferred from the tracks (`unmarked_merging
 
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
+Where two cameras alone see a track, images that drift past each other are given up (`drifting_pairs`), before the
+second pass, which looks for better ones, and after it.
+
 Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (1). Positions are those of
 the rig as given.
 """
@@ -35,6 +38,7 @@ from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
+from .drifting_pairs import drifting
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
@@ -115,7 +119,9 @@ def track_once(
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
     solver = solver_for(detections, shared, working, errors)
     cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
+    cloud, ids = _without_drifting(cloud, ids, working.images, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
+    cloud, ids = _without_drifting(cloud, ids, working.images, method)
     if working.rig is not rig:
         given = solver_for(detections, shared, Working(rig, images, noise), errors)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
@@ -160,6 +166,12 @@ def _without_merged(
     clear &= (own == 1) & (np.trace(cov, axis1=1, axis2=2) < method.uncertain_sd**2)
     good = usable_points(cloud, solver.rig, margin=None) & (clear | precise_enough(cloud, own, method))
     return cloud.keep(~which | good), ids[~which | good]
+
+
+def _without_drifting(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> tuple[Cloud, Ints]:
+    """The points and their tracks, without those of two cameras whose images are of two markers."""
+    sound = ~drifting(cloud.frame, ids, cloud.detection.T, images, method.gate)
+    return cloud.keep(sound), ids[sound]
 
 
 class FirstPass(NamedTuple):

@@ -1,0 +1,199 @@
+"""Pairs of images that drift past each other: two cameras' images of two markers, taken for one.
+
+Where two cameras alone see a track, its images may be two markers' that lie on each other's epipolar lines for a while.
+Their residual e, by (1) of `epipolar_noise`, is then anywhere within the gate, and changes as slowly as both move. Of
+one marker it is the noise of the images, new in every frame, about what the calibration leaves, which is much the same
+all the time. So a mean of many frames, and their trend, tell what no frame by itself does.
+
+Both are known from the recording itself: from points of SOUND and more images, of which each pair of cameras has the
+residual e of many, with the median m. Second differences leave of it the white noise alone, of variance v. In blocks
+of up to BLOCK frames that follow each other, with orthonormal polynomials p_k of degree 0 to DEGREES − 1 of the time,
+
+    a_k = Σ p_k(t) (e_t − m),   V_k = f (v + n L_k)                                       (1)
+
+have the variance V_k in blocks of n frames: L_k is what the calibration adds, by the median of |a_k|, and f ≥ 1 such
+that as many of these blocks as of a normal distribution lie within the TAIL quantile of Σ a_k² / V_k. Where f is
+large, the residual does something else, as that of cameras that are not synchronous, and nothing is judged. Images of
+two markers pass the gate of g standard deviations of e, as the tracker takes it, s, and their a_k have more, W_k:
+
+    W_k = V_k + n g² s² / 3 · 2^−(k+1),   score = ½ Σ (a_k² / V_k − a_k² / W_k − ln(W_k / V_k))  (2)
+
+is the log-likelihood ratio of two markers to one. Of blocks of points of two images that have more than CERTAIN, the
+part of the highest score is given up, and so are parts of what is left; and all of a track without sound points of
+which MOST is. Two cameras alone have no sound points, and cameras that hardly see the same markers too few; there
+nothing is judged.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from ...data.array_types import Bools, Floats, Ints
+from ...numerics.robust import SD_PER_MEDIAN
+from ...numerics.runs import begins
+from .candidate_points import fundamentals
+from .detection_index import Images
+
+SOUND = 3
+"""Images of a point that are taken for one marker's, a number; chosen, as in `second_pass`."""
+
+BLOCK = 24
+"""Frames of a block at most, a number; chosen (see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
+
+DEGREES = 4
+"""Of the polynomials of (1), a number; chosen: what is left above them is noise."""
+
+MIN_SOUND, MIN_BLOCKS = 100, 8
+"""Sound points, and blocks of half of BLOCK frames and more, from which two cameras are known; chosen."""
+
+MAX_BLOCKS = 200
+"""Sound blocks that are looked at for two cameras; chosen: more take time and say the same."""
+
+TAIL = 0.95
+"""Of f in (1), a probability; chosen, as in `noise_of_tracks`."""
+
+MAX_FACTOR = 2.0
+"""f of (1), a ratio of variances, from which sound points do not follow (1), and nothing is judged; chosen: 0.99 of the
+pairs of cameras of simulated scenes are below 1.3, those of gait9 have 2.2 to 5.9, of the infrared footage 70 and more.
+Without it, the footage has 1022 frames of 12 LEDs for 1041 (see studies/infrared_footage.py)."""
+
+CERTAIN = float(np.log(1000.0))
+"""Two markers are then a thousand times likelier than one; chosen: points of one marker are a hundred times as many
+(see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
+
+MOST = 0.5
+"""Of a track, a share; chosen: in the tracks of seeds 5000 to 5119 480 ghosts are given up for 443, and 309 points of
+markers for 297."""
+
+
+class Usual(NamedTuple):
+    """What the residual of two cameras is for one marker: m px, v px², L (DEGREES) px² and f of (1)."""
+
+    median: float
+    white: float
+    lasting: Floats
+    factor: float
+
+    def variance(self, n: int) -> Floats:
+        """V of (1), px², for as many degrees as n frames have."""
+        return np.asarray(self.factor * (self.white + n * self.lasting[: min(n, DEGREES)]))
+
+
+def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, gate: float) -> Bools:
+    """(P) the points of tracks id (P) that are given up, of detections (C, P)."""
+    out, own = np.zeros(len(frame), bool), (detection >= 0) & ~images.merged[detection]
+    F, number = fundamentals(images.P), (detection >= 0).sum(0)
+    order = np.lexsort([frame, id])
+    two, sound = own[:, order] & (number == 2)[order], own[:, order] & (number >= SOUND)[order]
+    pairs = np.argwhere(np.triu(two.astype(np.float32) @ two.T.astype(np.float32), 1))
+    for a, b in pairs.tolist():
+        usual = _usual(frame, id, detection, images, F, order[sound[a] & sound[b]], (a, b))
+        if usual is None:
+            continue
+        rows = order[two[a] & two[b]]
+        e, squared = _residual(images, F[a, b], detection[a, rows], detection[b, rows])
+        for block in _blocks(frame[rows], id[rows]):
+            off, reach = e[block] - usual.median, squared[block].mean(1) * gate**2
+            score = _scores(off, reach, usual)
+            for k in np.flatnonzero(score > CERTAIN).tolist():
+                out[rows[block[k, _parts_of_two(off[k], reach[k], usual)]]] = True
+    return _with_rest(out, id, number)
+
+
+def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
+    """(P) those given up, and the rest of tracks of which MOST is and no point has SOUND images, number (P)."""
+    many, never = np.bincount(id), np.bincount(id, number >= SOUND) == 0
+    return given_up | (never & (np.bincount(id, given_up) >= MOST * many))[id]
+
+
+def _usual(
+    frame: Ints, id: Ints, detection: Ints, images: Images, F: Floats, rows: Ints, pair: tuple[int, int]
+) -> Usual | None:
+    """What sound points, some rows by track and frame, say of a pair of cameras; None where they are too few."""
+    if len(rows) < MIN_SOUND:
+        return None
+    a, b = pair
+    e = _residual(images, F[a, b], detection[a, rows], detection[b, rows])[0]
+    median = float(np.median(e))
+    every = [block[:: -(-len(block) // MAX_BLOCKS)] for block in _blocks(frame[rows], id[rows])]
+    bend = np.concatenate([np.diff(e[block], 2).ravel() for block in every])
+    long = [block for block in every if 2 * block.shape[1] >= BLOCK]
+    if len(bend) < MIN_SOUND or sum(len(block) for block in long) < MIN_BLOCKS:
+        return None
+    white = float((SD_PER_MEDIAN * np.median(np.abs(bend))) ** 2 / 6)
+    length = np.concatenate([np.full(len(block), block.shape[1]) for block in long])
+    size = np.concatenate([_coefficients(e[block] - median) for block in long])
+    whole = (SD_PER_MEDIAN * np.median(np.abs(size), axis=0)) ** 2
+    lasting = np.maximum(whole - white, 0.0) / np.median(length)
+    squared = (size**2 / (white + length[:, None] * lasting)).sum(1)
+    factor = float(np.quantile(squared, TAIL) / scipy.special.chdtri(DEGREES, 1 - TAIL))
+    return Usual(median, white, lasting, max(factor, 1.0)) if factor < MAX_FACTOR else None
+
+
+def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
+    """e (n) px by (1) of `epipolar_noise` of images of two cameras, and s² (n) px² by (2) of it."""
+    x, y = (np.column_stack([images.uv[each], np.ones(len(each))]) for each in (one, other))
+    line, back = x @ F.T, y @ F
+    size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)
+    both = np.maximum((size + back_size) / 2, np.finfo(float).tiny)
+    squared = (back_size * images.variance[one] + size * images.variance[other]) / both
+    return (line * y).sum(1) / np.sqrt(both), squared
+
+
+def _blocks(frame: Ints, id: Ints) -> list[Ints]:
+    """Places of blocks (n, length) of rows by track and frame: frames that follow each other, in parts of BLOCK."""
+    new = begins(id, frame - np.arange(len(frame)))
+    run = np.cumsum(new) - 1
+    first, length = np.flatnonzero(new), np.bincount(run)
+    parts = -(-length // BLOCK)
+    part = (np.arange(len(frame)) - first[run]) * parts[run] // length[run]
+    start = np.flatnonzero(begins(run, part))
+    length = np.diff(np.append(start, len(frame)))
+    return [start[length == n][:, None] + np.arange(n) for n in np.unique(length).tolist()]
+
+
+@cache
+def _polynomials(n: int) -> Floats:
+    """p of (1), (n, k): orthonormal over n frames, of as many degrees as there are."""
+    powers = np.vander(np.linspace(-1, 1, n), min(n, DEGREES), increasing=True)
+    return np.asarray(np.linalg.qr(powers)[0])
+
+
+def _coefficients(e: Floats) -> Floats:
+    """a (B, k) of (1), of residuals (B, n) less m."""
+    return np.asarray(e @ _polynomials(e.shape[1]))
+
+
+def _scores(e: Floats, reach: Floats, usual: Usual) -> Floats:
+    """(2) of residuals (B, n) less m, with g² s² (B)."""
+    n, a = e.shape[1], _coefficients(e)
+    V = usual.variance(n)
+    W = V + n * reach[:, None] / 3 * 0.5 ** np.arange(1, a.shape[1] + 1)
+    return np.asarray((a**2 * (1 / V - 1 / W) - np.log(W / V)).sum(1) / 2)
+
+
+def _parts_of_two(e: Floats, reach: float, usual: Usual) -> Bools:
+    """The parts of residuals (n) less m, from the one of the highest score (2) on, that are above CERTAIN."""
+    out, left = np.zeros(len(e), bool), [(0, len(e))]
+    while left:
+        first, last = left.pop()
+        score, a, b = _worst(e[first:last], reach, usual)
+        if score > CERTAIN:
+            out[first + a : first + b] = True
+            left += [(first, first + a), (first + b, last)]
+    return out
+
+
+def _worst(e: Floats, reach: float, usual: Usual) -> tuple[float, int, int]:
+    """The highest score (2) of a part of residuals (n) less m, its first and last-plus-one."""
+    best = (-np.inf, 0, 0)
+    for n in range(len(e), 0, -1):
+        windows = np.lib.stride_tricks.sliding_window_view(e, n)
+        score = _scores(windows, np.full(len(windows), reach), usual)
+        k = int(score.argmax())
+        best = max(best, (float(score[k]), k, k + n))
+    return best

@@ -1,0 +1,141 @@
+"""Images of two markers in two cameras, told from one marker's by their residual over many frames."""
+
+import numpy as np
+import pytest
+
+from kinemark.track.simultaneous import track_detections
+from kinemark.track.simultaneous.candidate_points import fundamentals
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.drifting_pairs import MAX_FACTOR, _blocks, _polynomials, drifting
+from support.laboratory import observe, ring
+from support.motions import dance
+from support.scenes import make, scene, tally
+
+NOISE, MARKERS, FRAMES, GATE = 0.1, 8, 120, 5.0
+PAIR, PART = (0, 1), np.arange(40, 60)
+TIME = np.linspace(-1, 1, len(PART))
+
+
+class Recording:
+    """Points of all markers in all of some cameras; in PART those of marker 0 in the cameras PAIR alone."""
+
+    def __init__(self, cameras=4, seed=3, taken_for=5.0):
+        rig = ring(cameras)
+        detections, marker = observe(rig, dance(n=MARKERS, frames=FRAMES, seed=2), noise=NOISE, seed=seed)
+        images = read_images(detections, rig)
+        self.images = images.noisier(np.full(cameras, (taken_for * NOISE) ** 2))
+        self.frame, self.id = np.tile(np.arange(FRAMES), MARKERS), np.repeat(np.arange(MARKERS), FRAMES)
+        self.detection = np.full((cameras, MARKERS * FRAMES), -1)
+        self.detection[images.camera, marker * FRAMES + images.frame] = np.arange(len(marker))
+        self.whole = self.detection.copy()
+        self.detection[2:, PART] = -1
+
+    def off(self, rows, px):
+        """The images of points (n) in the second camera of PAIR moved by px (n) across the lines of the first's."""
+        uv, (a, b) = self.images.uv.copy(), PAIR
+        line = np.column_stack([uv[self.whole[a, rows]], np.ones(len(rows))]) @ fundamentals(self.images.P)[a, b].T
+        away = line[:, :2] / np.linalg.norm(line[:, :2], axis=1)[:, None]
+        uv[self.whole[b, rows]] += np.asarray(px)[:, None] * away
+        self.images = self.images._replace(uv=uv)
+        return self
+
+    def found(self):
+        return np.flatnonzero(drifting(self.frame, self.id, self.detection, self.images, GATE))
+
+
+@pytest.mark.parametrize("px", [1.0 * TIME, 0.4 + 0 * TIME, 1.2 * TIME**2 - 0.4], ids=["drift", "aside", "bend"])
+def test_images_that_drift_past_each_other_are_given_up(px):
+    """No image is farther off than twice the noise that it is taken to have, so that each passes the gate."""
+    found = Recording().off(PART, px).found()
+    assert len(found) >= 0.8 * len(PART)
+    assert set(found) <= set(PART)
+
+
+def test_the_part_of_a_track_that_drifts_is_given_up():
+    px = np.where(np.arange(len(PART)) < 8, 0.8, 0.0)
+    found = Recording().off(PART, px).found()
+    assert set(PART[:8]) - set(found) <= {PART[0], PART[7]}
+    assert len(set(found) - set(PART[:8])) <= 1
+
+
+@pytest.mark.parametrize(("share", "whole"), [(0.7, True), (0.3, False)])
+def test_a_track_of_two_cameras_of_which_most_drifts_is_given_up(share, whole):
+    recording = Recording()
+    own = recording.id != 0
+    own[PART] = True
+    first = PART[: round(share * len(PART))]
+    recording.off(first, np.full(len(first), 0.8))
+    recording.frame, recording.id, recording.detection = (
+        recording.frame[own],
+        recording.id[own],
+        recording.detection[:, own],
+    )
+    assert (len(recording.found()) == len(PART)) == whole
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_images_of_one_marker_stay(seed):
+    assert not len(Recording(seed=seed).found())
+
+
+def test_a_camera_that_is_always_off_tells_nothing():
+    everyone = np.arange(MARKERS * FRAMES)
+    assert not len(Recording().off(everyone, np.full(len(everyone), 0.5)).found())
+
+
+def test_where_sound_points_drift_as_well_nothing_is_judged():
+    """As those of cameras that are not synchronous, in motion and at rest: a few of them drift much more than usual."""
+    recording = Recording()
+    wild = (recording.frame + 7 * recording.id) % 60 < 12
+    rows = np.flatnonzero(wild & (recording.id > 0))
+    recording.off(rows, 2.0 * np.sin(recording.frame[rows] / 4)).off(PART, 1.0 * TIME)
+    assert not len(recording.found())
+    assert MAX_FACTOR < 10
+
+
+def test_merged_images_say_nothing():
+    recording = Recording().off(PART, 1.0 * TIME)
+    merged = recording.images.merged.copy()
+    merged[recording.detection[0, PART]] = True
+    recording.images = recording.images._replace(merged=merged)
+    assert not len(recording.found())
+
+
+def test_two_cameras_have_nothing_to_judge_by():
+    assert not len(Recording(cameras=2).off(PART, 1.0 * TIME).found())
+
+
+def test_few_sound_points_say_nothing():
+    recording = Recording().off(PART, 1.0 * TIME)
+    few = recording.id == 0
+    recording.frame, recording.id, recording.detection = (
+        recording.frame[few],
+        recording.id[few],
+        recording.detection[:, few],
+    )
+    assert not len(recording.found())
+
+
+def test_blocks_hold_each_row_once_and_break_where_tracks_and_frames_do():
+    frame = np.concatenate([np.arange(70), np.arange(80, 90), np.arange(5)])
+    id = np.repeat([0, 0, 1], [70, 10, 5])
+    blocks = _blocks(frame, id)
+    assert sorted(np.concatenate([block.ravel() for block in blocks])) == list(range(len(frame)))
+    for block in blocks:
+        assert (np.diff(frame[block], axis=1) == 1).all()
+        assert (id[block] == id[block[:, :1]]).all()
+    assert sorted(block.shape[1] for block in blocks for _ in block) == [5, 10, 23, 23, 24]
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 9, 24])
+def test_polynomials_are_orthonormal(n):
+    p = _polynomials(n)
+    np.testing.assert_allclose(p.T @ p, np.eye(min(n, 4)), atol=1e-12)
+
+
+def test_a_scene_in_which_images_of_two_markers_drift():
+    """116 of its points were no marker's without this, and 6780 of 7022 samples of two cameras were found."""
+    made = make(scene(4117))
+    count = tally(made, track_detections(made.detections, made.rig))
+    assert count.ghosts <= 80
+    assert count.two_found >= 6780

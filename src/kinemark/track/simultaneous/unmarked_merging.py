@@ -23,7 +23,7 @@ from the point that fits them best, Student's t of `likelihood`, and four times 
 
 is the log-likelihood ratio of an image of both to a marker that is hidden. Above LEAST the images of the run count as
 merged, anywhere within r / 2 of either marker. The point of i is then solved from the mean of b, of variance s², and
-b', of the variance of (2), with w = 1 / (1 + exp(−score)) the probability of the latter,
+b', of the variance of (2), with w = TRUST / (1 + exp(−score)) the probability of the latter,
 
     b + w (b' − b),   variance (1 − w) s² + w v' + w (1 − w) |b' − b|² / 2                (4)
 
@@ -76,6 +76,10 @@ merged images of points that have two, and marks one image in eleven wrongly; 0 
 CLEAR = float(np.log(10_000.0))
 """Of (3), a logarithm, without unit; chosen (seeds 0 to 149 of benchmarks/tracking_scenes.py): of the points with one
 image of their own that are known to 2 to 10 mm, 81 of 89 are then a marker's; by ln 100, 112 of 129."""
+
+TRUST = 0.85
+"""Of (4), a probability; chosen: of images of the highest scores so many are nearer to the middle of both markers than
+to the one that has them (seeds 0 to 60 of benchmarks/tracking_scenes.py; 0.81 to 0.85 for (3) above 2)."""
 
 
 class Claims(NamedTuple):
@@ -155,7 +159,7 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
     order = np.argsort(-score[k], kind="stable")  # of several claims on an image the likeliest
     image, first = np.unique(detection[camera, claims.row[k]][order], return_index=True)
     camera, k = camera[order][first], k[order][first]
-    beside, w = claims.uv[camera, k] - images.uv[image], 1 / (1 + np.exp(-score[k]))
+    beside, w = claims.uv[camera, k] - images.uv[image], TRUST / (1 + np.exp(-score[k]))
     apart = w * (1 - w) * (beside**2).sum(1) / 2
     variance = (1 - w) * images.variance[image] + w * claims.variance[camera, k] + apart  # (4)
     return Merging(image, r * r / 16, points.id[claims.row[k]], score[k] > CLEAR, w[:, None] * beside, variance)

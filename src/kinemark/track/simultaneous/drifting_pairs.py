@@ -20,9 +20,9 @@ two markers pass the gate of g standard deviations of e, as the tracker takes it
 
 is the log-likelihood ratio of two markers to one. Of blocks of points of two images that have more than CERTAIN, the
 part of the highest score is given up, and so are parts of what is left; and all of a track without sound points of
-which MOST is. Two cameras see alone what is at the edge of an image, where a calibration may leave more than where sound
-points are: where the medians of e − m of SEVERAL tracks have the median d there, d² is added to L_0 (3). Two cameras alone have no sound points, and cameras that hardly see the same markers too few; there
-nothing is judged.
+which MOST is. Two cameras see alone what is at the edge of an image, where a calibration may leave more than where
+sound points are: where the medians of e − m of SEVERAL tracks have the median d there, d² is added to L_0 (3). Two
+cameras alone have no sound points, and cameras that hardly see the same markers too few; there nothing is judged.
 """
 
 from __future__ import annotations

@@ -83,6 +83,13 @@ def test_a_camera_that_is_always_off_tells_nothing():
     assert not len(Recording().off(everyone, np.full(len(everyone), 0.5)).found())
 
 
+def test_what_several_tracks_of_two_cameras_share_is_the_calibration():
+    recording = Recording()
+    rows = np.concatenate([PART + k * FRAMES for k in range(4)])
+    recording.detection[2:, rows] = -1
+    assert not len(recording.off(rows, np.full(len(rows), 0.8)).found())
+
+
 def test_where_sound_points_drift_as_well_nothing_is_judged():
     """As those of cameras that are not synchronous, in motion and at rest: a few of them drift much more than usual."""
     recording = Recording()

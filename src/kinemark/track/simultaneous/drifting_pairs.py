@@ -20,8 +20,9 @@ two markers pass the gate of g standard deviations of e, as the tracker takes it
 
 is the log-likelihood ratio of two markers to one. Of blocks of points of two images that have more than CERTAIN, the
 part of the highest score is given up, and so are parts of what is left; and all of a track without sound points of
-which MOST is. Two cameras alone have no sound points, and cameras that hardly see the same markers too few; there
-nothing is judged.
+which MOST is. Two cameras see alone what is at the edge of an image, where a calibration may leave more than where
+sound points are: where the medians of e − m of SEVERAL tracks have the median d there, d² is added to L_0 (3). Two
+cameras alone have no sound points, and cameras that hardly see the same markers too few; there nothing is judged.
 """
 
 from __future__ import annotations
@@ -65,6 +66,9 @@ CERTAIN = float(np.log(1000.0))
 """Two markers are then a thousand times likelier than one; chosen: points of one marker are a hundred times as many
 (see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
 
+SEVERAL = 3
+"""Tracks, a number; chosen: of three, two are markers."""
+
 MOST = 0.5
 """Of a track, a share; chosen: in the tracks of seeds 5000 to 5119 480 ghosts are given up for 443, and 309 points of
 markers for 297."""
@@ -96,6 +100,7 @@ def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, gate: float
             continue
         rows = order[two[a] & two[b]]
         e, squared = _residual(images, F[a, b], detection[a, rows], detection[b, rows])
+        usual.lasting[0] += _shift(e - usual.median, id[rows]) ** 2
         for block in _blocks(frame[rows], id[rows]):
             off, reach = e[block] - usual.median, squared[block].mean(1) * gate**2
             score = _scores(off, reach, usual)
@@ -108,6 +113,12 @@ def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
     """(P) those given up, and the rest of tracks of which MOST is and no point has SOUND images, number (P)."""
     many, never = np.bincount(id), np.bincount(id, number >= SOUND) == 0
     return given_up | (never & (np.bincount(id, given_up) >= MOST * many))[id]
+
+
+def _shift(e: Floats, id: Ints) -> float:
+    """The median, px, of the medians of the residuals (n) less m of SEVERAL tracks and more; otherwise 0."""
+    each = [np.median(e[id == track]) for track in np.unique(id)]
+    return float(np.median(each)) if len(each) >= SEVERAL else 0.0
 
 
 def _usual(

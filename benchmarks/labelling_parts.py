@@ -20,7 +20,6 @@ from labelling_cases import (
     PLATES,
     ROOT,
     TUNED_CHILDREN,
-    TWINS,
     Row,
     child,
     only,
@@ -34,6 +33,7 @@ from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import Shredded, label, learn_template, score_labels, shredded, static_template
 from kinemark.label.bystanders import among_bystanders
 from kinemark.label.from_set import static_bystanders
+from kinemark.label.shredded import GHOSTS
 
 MARKERS_OF_LEGS = "LASI RASI SACR LPSI RPSI LTHI LKNE LTIB LANK LHEE LTOE RTHI RKNE RTIB RANK RHEE RTOE"
 """Of plug-in-gait-lower, and the sacrum."""
@@ -124,7 +124,7 @@ def worn_in_both(seed: int) -> tuple[Trajectories, Shredded]:
     walking = _with(walk, {f"*{k}": b for k, ((_, b), yes) in enumerate(zip(made, there, strict=True), 900) if yes})
     gone = set(rng.choice(names, absent, replace=False).tolist())
     walking = walking.select([name for name in walking.names if name not in gone])
-    return standing, shredded(walking, pieces, float(rng.choice([0, 1, 3])), seed, kinds=TWINS)
+    return standing, shredded(walking, pieces, float(rng.choice([0, 1, 3])), seed, kinds=GHOSTS)
 
 
 def _fixed(still: Trajectories, walk: Trajectories, full: MarkerSet, rng: np.random.Generator) -> tuple[Floats, Floats]:

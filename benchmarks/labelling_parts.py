@@ -1,11 +1,16 @@
 """Further rows of `labelling.py`: files whose nameless tracks stay beside the markers, and parts of the body.
 
-Nothing was tuned on them but what docs/theory/label.md says.
+    python benchmarks/labelling_parts.py 42000-42012    markers that nobody named, in the static trial and in the walk
+
+A line a seed: samples sure and right, and sure and wrong, ghosts that have a sure name, right and wrong if all were
+taken, in %, by the set alone and with what is nameless in the static trial.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from labelling_cases import (
@@ -22,10 +27,13 @@ from labelling_cases import (
     whole_body,
 )
 
-from kinemark.data import Trajectories
+from kinemark.data import MarkerSet, MarkerTrajectory, Trajectories
+from kinemark.data.array_types import Floats
 from kinemark.io.marker_sets import read_marker_set
-from kinemark.label import learn_template, static_template
+from kinemark.label import Shredded, label, learn_template, score_labels, shredded, static_template
+from kinemark.label.bystanders import among_bystanders
 from kinemark.label.from_set import static_bystanders
+from kinemark.label.shredded import GHOSTS
 
 MARKERS_OF_LEGS = "LASI RASI SACR LPSI RPSI LTHI LKNE LTIB LANK LHEE LTOE RTHI RKNE RTIB RANK RHEE RTOE"
 """Of plug-in-gait-lower, and the sacrum."""
@@ -95,3 +103,70 @@ def _with_nameless(file: str, names: Sequence[str]) -> Trajectories:
     trial = read(file)
     own = {*names, *(path.name for path in trial if path.name.startswith("*") and np.isfinite(path.xyz).any())}
     return trial.select([name for name in trial.names if name in own])
+
+
+def worn_in_both(seed: int) -> tuple[Trajectories, Shredded]:
+    """A static trial with 2 to 40 nameless markers, and a walk as tracks that lacks some of them and of the set's."""
+    rng, full = np.random.default_rng([seed, 77]), read_marker_set("plug-in-gait-full")
+    named = [
+        *((child(name, 2), child(name, 0)) for name in CHILDREN),
+        (read("qualisys_gait/Static - CGM2 1.c3d"), read(GAIT)),
+        (whole_body(), read("pig_wholebody/Movement_trial.c3d")),
+    ]
+    still, walk = named[seed % len(named)]
+    names = [name for name in full.moving if name in still.names]
+    still, walk = only(still, names), only(walk, names)
+    n, kept = int(rng.choice([2, 5, 10, 20, 40])), float(rng.choice([1, 1, 0.7, 0.4]))
+    pieces, absent = int(rng.choice([1, 1, 1, 4])), int(rng.choice([0, 0, 1, 2]))
+    made = [_fixed(still, walk, full, rng) for _ in range(n)]
+    there = [rng.random() <= kept for _ in made]
+    standing = _with(still, {f"*{k}": a for k, (a, _) in enumerate(made, 100)})
+    walking = _with(walk, {f"*{k}": b for k, ((_, b), yes) in enumerate(zip(made, there, strict=True), 900) if yes})
+    gone = set(rng.choice(names, absent, replace=False).tolist())
+    walking = walking.select([name for name in walking.names if name not in gone])
+    return standing, shredded(walking, pieces, float(rng.choice([0, 1, 3])), seed, kinds=GHOSTS)
+
+
+def _fixed(still: Trajectories, walk: Trajectories, full: MarkerSet, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Places in both trials of a marker that is fixed to two of one segment and the next one, up to 50 mm beside."""
+    on = [[name for name in own if name in still.names and name in walk.names] for own in full.segments.values()]
+    on = [own for own in on if len(own) > 1]
+    a, b = rng.choice(on[int(rng.integers(len(on)))], 2, replace=False).tolist()
+    others = [name for name in still.names if name in walk.names and name not in (a, b)]
+    c = min(others, key=lambda name: sum(_apart(trial, name, a) for trial in (still, walk)))
+    s, t, beside = rng.uniform(-0.2, 1.2), rng.uniform(-0.7, 0.7), rng.uniform(-50, 50)
+
+    def place(trial: Trajectories) -> Floats:
+        x, u, v = trial[a].xyz, trial[b].xyz - trial[a].xyz, trial[c].xyz - trial[a].xyz
+        up = np.cross(u, v)
+        return np.asarray(x + s * u + t * v + beside * up / np.linalg.norm(up, axis=1, keepdims=True))
+
+    return place(still), place(walk)
+
+
+def _apart(trial: Trajectories, a: str, b: str) -> float:
+    return float(np.nanmean(np.linalg.norm(trial[a].xyz - trial[b].xyz, axis=1)))
+
+
+def _with(trial: Trajectories, more: dict[str, Floats]) -> Trajectories:
+    return replace(trial, paths=(*trial.paths, *(MarkerTrajectory.measured(name, xyz) for name, xyz in more.items())))
+
+
+def main() -> None:
+    """The seeds from the one to below the other."""
+    first, stop = map(int, sys.argv[1].split("-"))
+    full, sums = read_marker_set("plug-in-gait-full"), np.zeros((2, 5))
+    for seed in range(first, stop):
+        still, parts = worn_in_both(seed)
+        template, wider = static_template(still, full), static_bystanders(still, full)
+        alone = label(parts.tracks, template)
+        both = alone if wider is None else among_bystanders(parts.tracks, alone, template, wider)
+        scores = [score_labels(found, parts, template.names) for found in (alone, both)]
+        shares = 100 * np.array([(s.right, s.wrong, s.ghosts, s.best_right, s.best_wrong) for s in scores])
+        sums += shares
+        print(f"{seed:6d}  " + "   →".join("".join(f"{x:8.2f}" for x in row) for row in shares), flush=True)
+    print("mean    " + "   →".join("".join(f"{x:8.2f}" for x in row) for row in sums / (stop - first)))
+
+
+if __name__ == "__main__":
+    main()

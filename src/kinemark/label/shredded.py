@@ -20,7 +20,7 @@ Ghost = Literal["walk", "midpoint", "reflection", "twin"]
 images of a marker beside it."""
 GHOSTS: tuple[Ghost, ...] = ("walk", "midpoint", "reflection", "twin")
 TWIN_MM = 10.0
-"""Standard deviation of a twin's offset on each axis, mm; measured of a real trial: two twins of heels were 9 and 29 mm
+"""Standard deviation of a twin's offset on each axis, mm; chosen: two twins of heels in a real trial were 9 and 29 mm
 beside them in the mean."""
 LEAST_GHOST, GREATEST_GHOST, MEAN_GHOST = 3, 40, 20
 """How long a ghost lives, frames: any number from the first to below the second, which are 20 in the mean where the

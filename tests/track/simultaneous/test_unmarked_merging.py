@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from kinemark.data import Detections
+from kinemark.data import Cloud, Detections
 from kinemark.geometry import project
+from kinemark.geometry.weighted_points import ImageErrors
 from kinemark.track.simultaneous import Simultaneous, track_detections, unmarked_merging
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
+from kinemark.track.simultaneous.solved_points import Solver
 from kinemark.track.simultaneous.unmarked_merging import (
     LEAST,
     inferred_merging,
@@ -76,6 +78,25 @@ def test_the_image_of_both_says_where_that_of_one_alone_would_be(monkeypatch):
     told = np.linalg.norm(images.uv[own] + merging.beside[at] - alone, axis=1)
     assert (told < 0.4 * np.linalg.norm(images.uv[own] - alone, axis=1)).all()
     assert (told**2 < 9 * merging.own_variance[at]).all()
+
+
+@pytest.mark.parametrize("left", [0.0, 2.0])
+def test_what_the_given_rig_leaves_open_is_in_the_variance_once(monkeypatch, left):
+    images, points, held, own, apart = two_markers(merged=True)
+    monkeypatch.setattr(unmarked_merging, "resolution", lambda images: 1.6 * apart)
+    merging = inferred_merging(points, held, images, T, METHOD)
+    rig, first = ring(4), dance(n=1, frames=FRAMES, seed=2)
+    both = np.concatenate([first, first + np.array([3.0, 4.0, 11.0])])
+    detections, _ = observe(rig, both, noise=0.05, seed=3)
+    order = np.argsort(points.frame, kind="stable")
+    start = np.searchsorted(points.frame[order], np.arange(FRAMES + 1))
+    cloud = Cloud(100.0, start, points.xyz[order], points.cov[order], np.zeros(len(order)), held.T[order])
+    solver = Solver(detections, rig, merging.marked(images).variance + left, ImageErrors())
+    told = merging.told_apart(cloud, points.id[order], solver)
+    assert set(own) <= set(merging.image)
+    assert told.variance[merging.image] == pytest.approx(merging.own_variance + left)
+    plain = np.setdiff1d(np.arange(len(detections)), merging.image)
+    assert (told.variance[plain] == solver.variance[plain]).all()
 
 
 @pytest.mark.parametrize("r", [4.0, 7.0])

@@ -104,7 +104,7 @@ class Merging(NamedTuple):
 
     Attributes:
         track: (n) that holds each. clear: (n) whether (3) is above CLEAR.
-        beside: (n, 2) px, where (4) is from the image; own_variance: (n) px², that of (4).
+        beside: (n, 2) px, where (4) is from the image; own_variance: (n) px², that of (4), of which s² is `usual`.
     """
 
     image: Ints
@@ -113,6 +113,7 @@ class Merging(NamedTuple):
     clear: Bools
     beside: Floats
     own_variance: Floats
+    usual: Floats
 
     def marked(self, images: Images) -> Images:
         """The images with these marked."""
@@ -124,18 +125,23 @@ class Merging(NamedTuple):
         return images._replace(merged=merged, variance=variance)
 
     def told_apart(self, cloud: Cloud, ids: Ints, solver: Solver) -> Solver:
-        """The solver with (4) in place of the images that the points of the same tracks ids (P) still have."""
+        """The solver with (4) in place of the images that the points of the same tracks ids (P) still have.
+
+        What the solver's rig leaves open, over s² of the rig by which (4) was found, moves the image as a whole, and
+        not b − p: it is added once.
+        """
         if not len(self.image):
             return solver
         holder = np.full(len(solver.detections), -1)
         for camera in cloud.detection.T:
             holder[camera[camera >= 0]] = ids[camera >= 0]
         still = holder[self.image] == self.track
-        image, beside = self.image[still], self.beside[still]
+        image, beside, usual = self.image[still], self.beside[still], self.usual[still]
         uv, variance, camera = solver.detections.uv.copy(), solver.variance.copy(), solver.detections.camera[image]
         for c, one in enumerate(solver.rig):
             uv[image[camera == c]] = distort(one, undistort(one, uv[image[camera == c]]) + beside[camera == c])
-        variance[image] = self.own_variance[still]
+        more = variance[image] - self.variance - usual
+        variance[image] = self.own_variance[still] + np.maximum(more, 0.0)
         return solver._replace(detections=replace(solver.detections, uv=uv), variance=variance)
 
 
@@ -152,7 +158,7 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
     none = np.zeros(0, np.int64)
     r = 0.0 if images.merged.any() else resolution(images)
     if not r or len(points.id) < 2:
-        return Merging(none, 0.0, none, none > 0, np.zeros((0, 2)), np.zeros(0))
+        return Merging(none, 0.0, none, none > 0, np.zeros((0, 2)), np.zeros(0), np.zeros(0))
     claims = possible_claims(points, detection, images, r)
     score = scores(claims, points, detection, images, T, method)
     camera, k = np.nonzero(claims.camera & (score > LEAST))
@@ -161,8 +167,9 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
     camera, k = camera[order][first], k[order][first]
     beside, w = claims.uv[camera, k] - images.uv[image], TRUST / (1 + np.exp(-score[k]))
     apart = w * (1 - w) * (beside**2).sum(1) / 2
-    variance = (1 - w) * images.variance[image] + w * claims.variance[camera, k] + apart  # (4)
-    return Merging(image, r * r / 16, points.id[claims.row[k]], score[k] > CLEAR, w[:, None] * beside, variance)
+    usual = images.variance[image]
+    variance = (1 - w) * usual + w * claims.variance[camera, k] + apart  # (4)
+    return Merging(image, r * r / 16, points.id[claims.row[k]], score[k] > CLEAR, w[:, None] * beside, variance, usual)
 
 
 def resolution(images: Images) -> float:

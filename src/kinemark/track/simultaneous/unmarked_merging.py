@@ -27,6 +27,8 @@ b', of the variance of (2), with w = TRUST / (1 + exp(−score)) the probability
 
     b + w (b' − b),   variance (1 − w) s² + w v' + w (1 − w) |b' − b|² / 2                (4)
 
+b and p are of the adjusted rig, if there is one. What the rig as given leaves open besides is added to the variance.
+
 Other points that have an image of both are solved as those of files that mark them.
 """
 

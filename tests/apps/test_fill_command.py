@@ -171,6 +171,16 @@ def test_settings_of_filling_are_checked(session):
             Session.open(folder, overrides=[text])
 
 
+def test_of_many_what_cannot_be_filled_is_named_once(file, tmp_path, capsys):
+    source, _ = file
+    (tmp_path / "torn.c3d").write_bytes(source.read_bytes()[:300])
+    with pytest.raises(SystemExit):
+        app(["fill", str(source), str(tmp_path / "torn.c3d"), "-o", str(tmp_path / "out"), "--method", "linear"])
+    assert capsys.readouterr().out.count("torn.c3d") == 1
+    with pytest.raises(KinemarkError, match=r"is a folder.*Name the files in it"):
+        fill_file(tmp_path, tmp_path / "out.c3d", method=Linear(), name="linear")
+
+
 # Real gaps
 
 

@@ -19,6 +19,12 @@ def run(*arguments):
     return cli.app([str(a) for a in arguments], result_action="return_value")
 
 
+@pytest.mark.parametrize("command", ["gait a.c3d", "angles a.c3d --model isb_shoulder", "pdf a.html", "fill a.c3d"])
+def test_output_has_a_letter_in_every_command_that_has_it(command):
+    _, bound, _ = cli.app.parse_args([*command.split(), "-o", "out"], exit_on_error=False, print_error=False)
+    assert str(bound.arguments["output"]) == "out"
+
+
 @pytest.fixture
 def damaged(tmp_path):
     """A C3D file without its last frames."""

@@ -63,7 +63,8 @@ def print_result(value: object) -> None:
 def print_errors(failed: Mapping[str, KinemarkError]) -> None:
     """Why some of many could not be used, by their names."""
     for name, error in failed.items():
-        errors().print(f"kinemark: {name}: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        said = str(error) if str(error).startswith(name) else f"{name}: {error}"
+        errors().print(f"kinemark: {said}", style="red", markup=False, highlight=False, soft_wrap=True)
 
 
 def exit_by_verdict(grades: Sequence[str], fail_on: FailOn) -> None:

@@ -156,7 +156,7 @@ def filled_text(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
     parts = []
     for source, found in done.items():
         lines = (
-            [f"{source}: {found}"]
+            [str(found) if str(found).startswith(str(source)) else f"{source}: {found}"]
             if isinstance(found, KinemarkError)
             else [
                 *([f"{source}"] if len(done) > 1 else []),

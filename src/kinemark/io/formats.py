@@ -246,6 +246,8 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
         from .images import open_images
 
         return open_images(path)
+    if path.is_dir():
+        raise KinemarkError(f"{path} is a folder without a session.toml. Name the files in it, as {path / '*.c3d'}.")
     raise KinemarkError(
         f"{path} is of no known kind. Known are sessions, {', '.join(FORMATS)}, and images and videos as "
         f"{', '.join(IMAGES)}."

@@ -27,6 +27,12 @@ from support.calibrations import (
 from support.findings import found, kinds
 
 
+def test_a_session_without_a_way_of_calibration_is_told_of_that_alone(tmp_path):
+    with pytest.raises(KinemarkError) as error:
+        session(tmp_path, "")
+    assert str(error.value).endswith("found none") and "Method" not in str(error.value)
+
+
 @pytest.mark.parametrize(
     ("way", "said"),
     [

@@ -44,10 +44,12 @@ def test_the_frames_before_a_cut_are_read_and_the_rest_is_named():
     raw = small()
     doc = decode_document(raw, name="whole")
     cut = raw[: (doc.data_block - 1) * 512 + 7 * 64 + 10]
-    with pytest.raises(KinemarkError, match=r"frames 8 to 20 of 20.*partial=True"):
+    with pytest.raises(KinemarkError, match=r"frames 8 to 20 of 20.*--partial"):
         decode_document(cut, name="cut")
     part = decode_document(cut, name="cut", partial=True)
     assert np.array_equal(part.points, doc.points[:7]) and "frames 8 to 20" in part.notes[0]
+    again = decode_document(encode_document(part), name="what was left")
+    assert np.array_equal(again.points, part.points) and not again.notes  # its parameters count what it holds
 
 
 def test_damaged_bytes_never_give_another_error():

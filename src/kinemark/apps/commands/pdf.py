@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ..output import print_result
 
 
-def pdf(source: Path, *sources: Path, output: Path | None = None) -> None:
+def pdf(source: Path, *sources: Path, output: Annotated[Path | None, Parameter(alias="-o")] = None) -> None:
     """Print reports to PDF, A4, by the Chromium, Chrome or Edge that is installed.
 
     Args:

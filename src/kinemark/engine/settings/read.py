@@ -41,7 +41,9 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
     except OSError as error:
         raise KinemarkError(f"{path} cannot be read: {error}") from error
     except ValidationError as error:
-        rows = [row for row in error.errors() if row["loc"] != ("trials",) or len(error.errors()) == 1]
+        places = {row["loc"][0] for row in error.errors() if row["loc"]}
+        follows = {"trials"} | ({"calibrate"} if "calibration" in places else set())  # from errors of other places
+        rows = [row for row in error.errors() if {*row["loc"]} - follows or len(error.errors()) == 1]
         lines = "\n".join(f"  {_said(row)}" for row in rows)
         beside = f" with {', '.join(overrides)}" if overrides else ""
         raise KinemarkError(f"{path}{beside} has settings that are not understood:\n{lines}") from error
@@ -65,7 +67,8 @@ def _said(row: Any) -> str:
         return str(row["msg"].removeprefix("Value error, "))
     if row["type"] == "missing":
         return f"{where}: is missing"
-    return f"{where}: {row['msg'].removeprefix('Value error, ')}, found {row['input']!r}"[:400]
+    found = "" if isinstance(row["input"], dict) else f", found {row['input']!r}"  # a table is in the file to be read
+    return f"{where}: {row['msg'].removeprefix('Value error, ')}{found}"[:400]
 
 
 def _keys(table: tuple[Any, ...]) -> list[str]:

@@ -20,6 +20,7 @@ from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
 from .rotations import WIDTH, RotationTable, rotation_table, rotations_in
 from .sample_table import section_in, section_start
+from .writing import with_counts
 
 MOST_BLOCKS = 65535  # of a parameter section; chosen, the most that a word of 16 bits counts
 
@@ -69,7 +70,8 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
     oddities = _oddities(doc, header, layout, end, len(doc.tail))
     notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities, *scaling)
     doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
-    return _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
+    doc = _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
+    return with_counts(doc) if held < layout.frames else doc
 
 
 def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...]) -> C3D:

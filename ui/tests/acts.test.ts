@@ -5,7 +5,7 @@ import { act, choose } from "../src/state/acts";
 import { get, set, useStore } from "../src/state/store";
 import { HEADER, path, problem, PROBLEMS, set as paths } from "./support";
 
-const answer: { paths: PathsPart | null; header?: TrialHeader } = vi.hoisted(() => ({ paths: null }));
+const answer: { paths: PathsPart | null; header?: TrialHeader; outcomes?: object[] } = vi.hoisted(() => ({ paths: null }));
 const said: Act[] = [], answers: ((problems: Problems) => void)[] = [];
 vi.mock("../src/api/client", async (real) => ({
   ...(await real<object>()),
@@ -95,4 +95,15 @@ it("goes with a track that was named as a whole, and stays with one that has sam
     expect(get().selected).toEqual([left ? "OLD" : "NEW", "B"]);
   }
   delete answer.header;
+});
+
+it("says of an act what of it does not hold, and not what had nothing to do beside what was done", async () => {
+  const one = (outcome: string): object => ({ entry: 1, outcome, reason: "why", words: "Finish", samples: 1, share: 1 });
+  for (const [outcomes, kind] of [[["held", "moot"], "done"], [["held", "orphan", "moot"], "news"], [["moot", "moot"], "news"]] as const) {
+    show();
+    answer.outcomes = outcomes.map(one);
+    await act({ kind: "finish" });
+    expect(get().note?.kind).toBe(kind);
+  }
+  delete answer.outcomes;
 });

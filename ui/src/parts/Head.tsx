@@ -20,7 +20,7 @@ function Where(): React.JSX.Element {
         <>
           {header.session && <span className={styles.step}>{header.session}</span>}
           <span className={styles.step} aria-current="page"><b>{header.name}</b></span>
-          <span className={styles.about}>{header.n_frames} frames · {header.rate} Hz · {header.cameras.length ? `${header.cameras.length} cameras` : "no cameras"}</span>
+          <span className={styles.about}>{header.n_frames} frames · {Number(header.rate.toFixed(2))} Hz · {header.cameras.length ? `${header.cameras.length} cameras` : "no cameras"}</span>
         </>
       )}
     </nav>

@@ -47,7 +47,8 @@ async function send(what: Act, words: string): Promise<ActDone | null> {
 }
 
 function said(done: ActDone, words: string): void {
-  const lost = done.outcomes.find((one) => one.outcome !== "held");
+  const other = done.outcomes.filter((one) => one.outcome !== "held"), all = other.length === done.outcomes.length;
+  const lost = other.find((one) => one.outcome !== "moot") ?? (all ? other[0] : undefined); // one part had nothing to do
   const what = words || done.outcomes.map((one) => one.words).join("; ") || "Done";
   if (lost) say("news", `${what}: ${lost.outcome}${lost.reason ? `, ${lost.reason}` : ""}.`);
   else say("done", `${what}.`);

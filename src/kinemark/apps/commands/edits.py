@@ -12,7 +12,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from ...data import KinemarkError
-from ...data.edits import counting
+from ...data.edits import Undo, counting
 from ...io.notes import file_note_text
 from ..output import Json, print_result
 from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, retrack, review, smooth, trim
@@ -141,7 +141,13 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
     from ...engine.edit_files import journal_at
     from ..edits_output import print_entry
 
-    print_entry(journal_at(trial).redo(why=why, by=by), json)
+    journal = journal_at(trial)
+    entry = journal.redo(why=why, by=by)
+    if json:
+        print_entry(entry, json)
+        return
+    of = {one.id: edit.of for one in journal.entries for edit in one.edits if isinstance(edit, Undo)}
+    print_result(f"entry {of[of[entry.id]]} done again, by entry {entry.id}")
 
 
 @edits.command(name="problems")

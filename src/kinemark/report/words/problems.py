@@ -8,11 +8,19 @@ import numpy as np
 
 from ...data.problems import Action, ProblemKind
 
+FAR_MM = 10_000.0
+"""mm from which on a distance is none that anybody measured, as of a motion carried on over a long gap; chosen."""
+
+
+def _far(mm: float) -> str:
+    """A distance as a person reads it."""
+    return "more than 10 m" if mm > FAR_MM else f"{mm:.0f} mm" if mm >= 1 else f"{mm:.1f} mm"
+
 
 def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int, mm: float) -> str:
     """What it is."""
     frames = f"frame {first}" if first == last else f"frames {first}–{last}"
-    off = f", {mm:.0f} mm" if np.isfinite(mm) else ""
+    off = f", {_far(mm)}" if np.isfinite(mm) else ""
     one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
     text = {
         "swap": f"{one} and {other} may be exchanged from {frames} on",
@@ -30,7 +38,7 @@ def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int
 def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, name: str = "") -> str:
     """What an alternative does; `name` is what it calls something, or the method of filling."""
     one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
-    jump = f" ({mm:.0f} mm off)" if np.isfinite(mm) else ""
+    jump = f" ({_far(mm)} off)" if np.isfinite(mm) else ""
     return {
         "keep": f"right as it is{jump}",
         "exchange": f"exchange {one} and {other} from frame {frame} on{jump}",

@@ -1,0 +1,31 @@
+"""`kinemark edits` at the command line: what it answers."""
+
+import numpy as np
+import pytest
+
+from kinemark.apps import cli
+from kinemark.data import MarkerTrajectory, Trajectories, Trial
+from kinemark.io.trial import write_trial
+from kinemark.report.words.problems import action_text, problem_text
+
+
+def run(capsys, *arguments):
+    cli.app([str(a) for a in arguments], result_action="return_value")
+    return capsys.readouterr().out
+
+
+def test_undo_and_redo_say_which_entry_counts(tmp_path, capsys):
+    rng = np.random.default_rng(0)
+    paths = tuple(MarkerTrajectory.measured(name, rng.uniform(0, 900, (30, 3))) for name in ("LKNE", "*1"))
+    file = tmp_path / "walk.c3d"
+    write_trial(Trial("walk", Trajectories(paths, 100.0)), file)
+    run(capsys, "edits", "erase", file, "LKNE", "--frames", "3-5")
+    assert "entry 1 undone" in run(capsys, "edits", "undo", file)
+    assert "entry 1 done again" in run(capsys, "edits", "redo", file)
+    assert "entry 1 undone" in run(capsys, "edits", "undo", file, "1")
+
+
+@pytest.mark.parametrize(("mm", "said"), [(0.47, "0.5 mm"), (12.3, "12 mm"), (67356.0, "more than 10 m")])
+def test_distances_of_problems_are_such_as_a_person_reads(mm, said):
+    assert said in problem_text("spike", ("LKNE",), 3, 5, mm)
+    assert f"({said} off)" in action_text("keep", ("LKNE",), 3, mm)

@@ -39,7 +39,7 @@ ENOUGH = 6
 """Frames of a window in which both must be seen; chosen."""
 NEXT, FEWEST, MATES, STRAY, LEAST_MM = 24, 3, 4, 0.02, 1.0
 """Samples beside a place that (3) looks at, fewest of them and of companions, companions of (4), share of those that do
-not keep their distance, and mm that a distance varies at least; as in tracking."""
+not keep their distance, and mm that a distance varies at least; chosen, as in tracking."""
 
 
 class Distances(NamedTuple):

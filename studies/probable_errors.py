@@ -2,10 +2,11 @@
 
 Simulated scenes of 15 to 60 markers and 2 to 12 cameras are tracked, and labelled trials of other systems are read;
 each is looked at as it is, and with seeded faults (`probable_errors_faults`). What the trackers themselves did wrong
-counts as well. The coefficients of `edit/probable_errors/probability.py` are fitted to the scenes and files of TUNE;
-everything else is told of those of CHECK, on which nothing was tuned.
+counts as well. The coefficients of `edit/probable_errors/probability.py` are fitted to the scenes of TUNE and every
+second file; everything else is told of the other files and of the scenes of CHECK and FRESH, on which nothing was
+tuned.
 
-Of CHECK it is told: the area under the ROC curve of `wrong`; how many of the problems of a class of `wrong` were truly
+Of these it is told: the area under the ROC curve of `wrong`; how many of the problems of a class of `wrong` were truly
 wrong; how many errors were expected and true, among all and among those below the stop rule; how many problems a trial
 without faults has; and which seeded faults were found.
 
@@ -32,7 +33,8 @@ from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, R
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.problems import Problem, Problems
 from kinemark.data.track_trajectories import trajectories_of
-from kinemark.edit.probable_errors import Leap, Paths, Spike, changes, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors import Evidence, Leap, Paths, Spike, changes, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors.probability import COEFFICIENTS
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
@@ -42,7 +44,7 @@ from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
 from support.scenes import make, scene
 
-TUNE, CHECK = range(60), range(60, 100)
+TUNE, CHECK, FRESH = (*range(60), *range(140, 260)), range(60, 100), range(100, 140)
 FILES = (
     "pig_gait_child*/*.c3d", "pig_gait_3plates_emg/PiG_M*FF.c3d", "fullbody_cmu/*.c3d", "labelling/*.c3d",
     "pig_wholebody/M*.c3d", "gait_emg_ccby/*01.c3d", "opensim_gait/*walk.trc",
@@ -52,7 +54,7 @@ OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 BINS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0001)
-KINDS = ("change", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "ghost")
+KINDS = ("change", "cut", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "ghost")
 
 
 class Known(NamedTuple):
@@ -175,17 +177,14 @@ def no_marker(known: Known, p: int) -> bool:
 
 
 def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
-    """What tells of everything that is looked at in a trial, and the truth."""
+    """What tells of everything that is looked at in a trial, of changes of tracks what is listed, and the truth."""
     paths = Paths.of(known.trajectories)
-    told = [
-        (track, (one.first + one.last) / 2, next((k for k in one.tracks if k != track), -1))
-        for one in known.decisions
-        for track in one.tracks
-        if one.kind != "ghost" and 0 <= track < len(known.trajectories)
-    ]
-    for change in changes(paths, places(paths, told)):
-        own, i, p = paths.frames[change.place.path], change.place.sample, change.place.path
-        yield from _told(change.kind, change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
+    if known.rig is not None:
+        yield from _of_list(known)
+    else:
+        for change in changes(paths, places(paths)):
+            own, i, p = paths.frames[change.place.path], change.place.sample, change.place.path
+            yield from _told(change.kind, change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
     gone = leaps(paths)
     for spike in spikes(paths):
         if not any(said(spike, leap) for leap in gone):
@@ -197,6 +196,15 @@ def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
         yield from _told(piece.kind, piece.evidence, one_marker(known, piece.before, piece.after))
     for ghost in ghosts(paths, known.trajectories):
         yield from _told("ghost", ghost.evidence, no_marker(known, ghost.path))
+
+
+def _of_list(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
+    """Of changes of tracks: of those within a moment the list has only the likeliest, and says nothing of spikes'
+    edges, so that of all places more are said to be wrong than of those listed."""
+    for one in listed(known).items:
+        if set(one.values) == set(Evidence._fields):
+            of = Evidence(**one.values)
+            yield from _told("cut" if of.alone else "change", of, truth_of(known, one))
 
 
 def said(spike: Spike, leap: Leap) -> bool:
@@ -222,12 +230,26 @@ def fitted(x: Floats, y: Floats) -> Floats:
     return scipy.optimize.minimize(cost, np.zeros(one.shape[1]), jac=True, method="L-BFGS-B").x
 
 
+def rescaled(kind: str, x: Floats, y: Floats) -> Floats:
+    """The coefficients that are kept, all times a factor and with another constant, those of `near` and `companions`
+    anew: they were fitted to all places of scenes 0 to 59, which tell the others better than the fewer listed."""
+    old = np.array(COEFFICIENTS[kind])
+    new = [Evidence._fields.index(name) + 1 for name in ("near", "companions")]
+    old[new] = 0.0
+    c = fitted(np.column_stack([old[0] + x @ old[1:], *(x[:, k - 1] for k in new)]), y)
+    out: Floats = c[1] * old
+    out[0] += c[0]
+    out[new] = c[2:]
+    return out
+
+
 def fit(some: Iterator[Known]) -> None:
     rows = [row for known in some for row in evidence(known)]
     for kind in KINDS:
         mine = [(of, wrong) for k, of, wrong in rows if k == kind]
         x, y = np.array([of for of, _ in mine]), np.array([float(wrong) for _, wrong in mine])
-        print(f'    "{kind}": ({", ".join(f"{c:.2f}" for c in fitted(x, y))}),  # {len(y)}, {y.sum():.0f} wrong')
+        c = rescaled(kind, x, y) if kind == "change" else fitted(x, y)
+        print(f'    "{kind}": ({", ".join(f"{k:.2f}" for k in c)}),  # {len(y)}, {y.sum():.0f} wrong')
 
 
 # Checking
@@ -329,7 +351,8 @@ def clean(n: int = 6) -> None:
 def main(*what: Any) -> None:
     if "fit" in what:
         fit(known for some in (both(simulated(TUNE)), both(labelled(0), drawn=3)) for known in some)
-    check(f"Simulated scenes {CHECK.start} to {CHECK.stop - 1}", both(simulated(CHECK)))
+    for scenes in (CHECK, FRESH):
+        check(f"Simulated scenes {scenes.start} to {scenes.stop - 1}", both(simulated(scenes)))
     check("Files of other systems, every second", both(labelled(1)))
     clean()
 

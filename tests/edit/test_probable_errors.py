@@ -5,9 +5,10 @@ import pytest
 
 from kinemark.data import Trajectories
 from kinemark.data.edits import is_named
-from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
+from kinemark.edit.probable_errors.shape import companions, spread
 from kinemark.signal.filters import butterworth
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
 
@@ -224,3 +225,20 @@ def test_a_minute_after_the_last_sample_of_a_smooth_path_nothing_is_known_and_no
 def test_where_there_is_no_path_nothing_is_wrong():
     paths = Paths.of(Trajectories((), RATE))
     assert not places(paths) and not leaps(paths) and not spikes(paths) and not pieces(paths)
+
+
+def test_companions_say_one_marker_where_a_path_goes_on_and_not_where_it_is_another_now():
+    trial = clean()
+    p, f = 9, 200
+    q = nearest(walk()[1], p, f)
+    said = [companions(paths := Paths.of(one), p, f - 1, spread(paths)) for one in (trial, exchanged(trial, p, q, f))]
+    assert said[0] > 5 and said[1] < said[0] - 5
+    assert companions(Paths.of(trial), p, trial.n_frames - 2, 1000.0) == 0.0
+
+
+@pytest.mark.parametrize(("near", "inside"), [(True, True), (True, False), (False, True)])
+def test_a_place_tells_whether_tracking_saw_another_come_near(near, inside):
+    paths = Paths.of(without(clean(), 9, 200, 206))
+    frame = 203 if inside else 120
+    (place,) = (one for one in places(paths, [Told(9, frame, frame, 3, near)]) if (one.path, one.sample) == (9, 199))
+    assert place.near == (near and inside) and place.told == inside

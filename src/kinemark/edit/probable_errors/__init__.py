@@ -1,16 +1,17 @@
 """Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces."""
 
-from .changes import Change, changes
+from .changes import Change, Evidence, changes
 from .ghosts import Ghost, ghosts
 from .leaps import Leap, leaps
 from .paths import Paths
 from .pieces import Piece, pieces
-from .places import Partner, Place, places
+from .places import Partner, Place, Told, places
 from .probability import name_probability
 from .spikes import Spike, spikes
 
 __all__ = [
     "Change",
+    "Evidence",
     "Ghost",
     "Leap",
     "Partner",
@@ -18,6 +19,7 @@ __all__ = [
     "Piece",
     "Place",
     "Spike",
+    "Told",
     "changes",
     "ghosts",
     "leaps",

@@ -28,7 +28,7 @@ from ...data.array_types import Floats, Ints
 from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
 from .probability import of_source, probability
-from .shape import Distances, distances, misfit
+from .shape import Distances, companions, distances, misfit, spread
 
 END = 10.0
 """Nats that the beginning or end of a path costs; chosen: a place anywhere in a room's corner."""
@@ -49,6 +49,9 @@ class Evidence(NamedTuple):
             fewer of both; that of two where they are not known.
         other_chi: as own_chi, of the worse of both exchanged pairs of halves; 0 where there is none. alone: 1 where
             there is no partner, else 0.
+        near: 1 where tracking saw another come so near that either could have had the other's images. companions: nats
+            / 10 that those beside it on both sides say for one marker (`shape.companions`), 0 where unknown; both 0 in
+            files.
     """
 
     motion: float
@@ -63,6 +66,8 @@ class Evidence(NamedTuple):
     images: float
     other_chi: float
     alone: float
+    near: float = 0.0
+    companions: float = 0.0
 
 
 class Change(NamedTuple):
@@ -146,6 +151,7 @@ class _Windows:
 
     def __init__(self, paths: Paths) -> None:
         self.paths = paths
+        self.spread = spread(paths)
         self.known: dict[tuple[int, float, int], Distances] = {}
 
     def of(self, p: int, middle: float, side: int) -> Distances:
@@ -158,6 +164,10 @@ class _Windows:
         """Of the samples before and after."""
         paths, own = self.paths, self.paths.frames[place.path]
         return paths.images[place.path, own[place.sample : place.sample + 2]]
+
+    def companions(self, place: Place) -> float:
+        """What those beside it say for one marker."""
+        return companions(self.paths, place.path, place.sample, self.spread) / 10
 
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
@@ -185,7 +195,8 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     """The partner with the most evidence."""
     best: Change | None = None
     images = windows.images(place)
-    kind = of_source("change", bool(images.any()))
+    tracked = bool(images.any())
+    kept = windows.companions(place) if tracked else 0.0
     for n, partner in enumerate(place.partners):
         own, keep, other = windows.misfits(place, partner)
         shape = keep - (other if np.isfinite(other) else USUAL_MISFIT)
@@ -197,8 +208,10 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
             float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
             float(place.told), float(np.log(max(int(images.min()), 2))),
             float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
+            float(place.near and tracked), kept,
         )  # fmt: skip
         off = costs.off[:, n]
+        kind = of_source("cut" if tracked and partner.path < 0 else "change", tracked)
         wrong = probability(kind, evidence)
         one = Change(place, partner, evidence, wrong, _most(off[:2]), _most(off[2:]), kind)
         if best is None or _strength(one.evidence) > _strength(best.evidence):

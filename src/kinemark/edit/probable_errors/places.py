@@ -49,10 +49,26 @@ NOBODY = Partner(-1, -1)
 """No other path; by definition."""
 
 
+class Told(NamedTuple):
+    """Tracking was not sure of a path in these frames, `other` (−1: none) being what it may have gone on as; `near`:
+    because both came so near that either could have had the other's images."""
+
+    path: int
+    first: float
+    last: float
+    other: int = -1
+    near: bool = False
+
+    @property
+    def middle(self) -> float:
+        """Frame."""
+        return (self.first + self.last) / 2
+
+
 class Place(NamedTuple):
     """Where path `path` goes from its sample of index `sample` to the next, in the middle (frame), and other paths.
 
-    `told` says whether tracking itself was not sure there.
+    `told` says whether tracking itself was not sure there; `near` whether as another came near (`Told.near`).
     """
 
     path: int
@@ -60,35 +76,48 @@ class Place(NamedTuple):
     middle: float
     partners: tuple[Partner, ...]
     told: bool = False
+    near: bool = False
 
 
-def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Place]:
+def places(paths: Paths, told: Iterable[Told] = ()) -> list[Place]:
     """All places of a trial.
 
     Args:
         paths: of the trial.
-        told: path, frame, and another path or −1, of places that are known to be ambiguous.
+        told: what tracking was not sure of.
     """
     found = dict[tuple[int, int], set[int]]()
     for p, own in enumerate(paths.frames):
         for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist()]:
             found.setdefault((p, i), set())
     told = tuple(told)
-    for p, frame, q in (*_near(paths), *told):
+    for p, frame, q in (*_near(paths), *((one.path, one.middle, one.other) for one in told)):
         i = paths.index_before(p, frame)
         if 0 <= i < len(paths.frames[p]) - 1:
             found.setdefault((p, i), set()).update({q} - {-1})
-    unsure, beside = _unsure(paths, told), _Beside.of(paths)
-    return [_place(paths, beside, p, i, others, (p, i) in unsure) for (p, i), others in sorted(found.items())]
+    unsure, near, beside = _unsure(paths, told), _came_near(paths, told), _Beside.of(paths)
+    return [
+        _place(paths, beside, p, i, others)._replace(told=(p, i) in unsure, near=(p, i) in near)
+        for (p, i), others in sorted(found.items())
+    ]
 
 
-def _unsure(paths: Paths, told: Iterable[tuple[int, float, int]]) -> set[tuple[int, int]]:
+def _unsure(paths: Paths, told: Iterable[Told]) -> set[tuple[int, int]]:
     """Paths and indices near to which tracking was not sure."""
     out = set[tuple[int, int]]()
-    for p, frame, _ in told:
-        own, near = paths.frames[p], TOLD_S * paths.rate
-        out |= {(p, i) for i in range(*np.searchsorted(own, [frame - near, frame + near]).tolist())}
-        out.add((p, paths.index_before(p, frame)))
+    for one in told:
+        own, near = paths.frames[one.path], TOLD_S * paths.rate
+        out |= {(one.path, i) for i in range(*np.searchsorted(own, [one.middle - near, one.middle + near]).tolist())}
+        out.add((one.path, paths.index_before(one.path, one.middle)))
+    return out
+
+
+def _came_near(paths: Paths, told: Iterable[Told]) -> set[tuple[int, int]]:
+    """Paths and indices from which they go on while, or shortly before or after, another came near."""
+    out, near = set[tuple[int, int]](), TOLD_S * paths.rate
+    for p, first, last, _, _ in (one for one in told if one.near):
+        a, b = paths.index_before(p, first - near), paths.index_before(p, last + near)
+        out |= {(p, i) for i in range(a, b + 1)}
     return out
 
 
@@ -108,12 +137,12 @@ class _Beside(NamedTuple):
         return cls(last, ahead)
 
 
-def _place(paths: Paths, beside: _Beside, p: int, i: int, others: set[int], told: bool) -> Place:
+def _place(paths: Paths, beside: _Beside, p: int, i: int, others: set[int]) -> Place:
     own = paths.frames[p]
     middle = (own[i] + own[i + 1]) / 2
     near = dict.fromkeys([*sorted(others), *_partners(paths, beside, p, i)])
     cuts = [cut for q in near for cut in _cuts(paths, q, float(own[i]), float(own[i + 1]))]
-    return Place(p, i, float(middle), (NOBODY, *cuts), told)
+    return Place(p, i, float(middle), (NOBODY, *cuts))
 
 
 def _cuts(paths: Paths, q: int, first: float, last: float) -> list[Partner]:

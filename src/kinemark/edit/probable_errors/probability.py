@@ -14,8 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 
 COEFFICIENTS: dict[str, tuple[float, ...]] = {
-    "change": (-1.97, 0.22, 0.55, 0.65, -0.39, -0.16, -0.23, 0.06, 0.02, 1.03, -0.25, 0.12, -0.79),
-    "change_in_file": (-1.92, 0.24, 0.28, 0.71, -0.36, -0.32, -0.38, 0.17, 0.07, 1.36, -0.12, 0.08, -0.84),
+    "change": (-3.27, 0.30, 0.75, 0.89, -0.53, -0.22, -0.31, 0.08, 0.03, 1.41, -0.34, 0.16, 0.0, 1.72, -1.26),
+    "cut": (-4.20, 0.28, 0.35, 0.15, -0.20, -0.04, 0.14, -0.06, 0.22, -0.43, 0.23, 0.0, 0.0, 0.94, -1.28),
+    "change_in_file": (-1.92, 0.24, 0.28, 0.71, -0.36, -0.32, -0.38, 0.17, 0.07, 1.36, -0.12, 0.08, -0.84, 0.0, 0.0),
     "spike": (-0.37, 0.39, 0.12, 0.60, 0.28, -0.04, 0.24),
     "spike_in_file": (-0.12, 0.70, -0.39, 1.69, 2.18, 0.17, 1.73),
     "leap": (-6.07, 0.34, 1.18, 1.59, -1.80, -0.79, -0.45),
@@ -27,7 +28,8 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "name_label": (-3.0, 1.5, 0.5),
 }
 """Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py: those of leaps to
-files, those of errors that have a kind for files as well to scenes. The others were fitted before rough tracks were
+files, those of errors that have a kind for files as well to scenes: changes of tracks with a partner (`change`) and
+without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were
 among the faults, to files (spikes in them) or to both: fitted anew to files alone, changes would be told in hands that
 bend fast, and spikes in clean files."""
 

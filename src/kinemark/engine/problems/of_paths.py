@@ -18,6 +18,7 @@ from ...edit.probable_errors import (
     Paths,
     Piece,
     Spike,
+    Told,
     changes,
     ghosts,
     leaps,
@@ -65,9 +66,7 @@ def of_paths(context: Context) -> Iterator[Problem]:
 
 
 @lru_cache(maxsize=VERSIONS)
-def _found(
-    some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, told: tuple[tuple[int, float, int], ...]
-) -> Found:
+def _found(some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, told: tuple[Told, ...]) -> Found:
     """Of these paths; verdicts, choices for gaps and events leave them the same records, and undo brings them back."""
     now = Trajectories(some, rate, first_frame)
     paths = Paths.of(now)
@@ -78,8 +77,8 @@ def _found(
     return Found(paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)))
 
 
-def _told(context: Context) -> Iterator[tuple[int, float, int]]:
-    """Places of the tracker's ambiguous decisions: path, frame, another path or −1, as far as nobody renamed them."""
+def _told(context: Context) -> Iterator[Told]:
+    """Places of the tracker's ambiguous decisions, as far as nobody renamed the paths."""
     before, now = context.editing.trajectories, {id(path): k for k, path in enumerate(context.now)}
     for decision in context.editing.decisions:
         if decision.kind == "ghost":
@@ -88,7 +87,8 @@ def _told(context: Context) -> Iterator[tuple[int, float, int]]:
         for k, path in enumerate(own):
             others = own[:k] + own[k + 1 :]
             if path >= 0:
-                yield path, (decision.first + decision.last) / 2, others[0] if others else -1
+                near = decision.reason == "came_near"
+                yield Told(path, decision.first, decision.last, others[0] if others else -1, near)
 
 
 def _not_exchanged(gone: Sequence[Leap], some: Sequence[Change]) -> list[Leap]:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinemark.label import cut_truth, label, label_switching, learn_template, score_labels, score_switches, shredded
+from kinemark.label.cutting import cut
 from kinemark.label.switches import best_sequence
-from kinemark.label.switching import cut
 from kinemark.synth import walking, with_markers
 
 

@@ -11,6 +11,7 @@ That needs no template, so that it holds where one tells little of single frames
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from ..data import Trajectories
 from ..data.array_types import Floats, Ints
@@ -34,7 +35,7 @@ def find_breaks(tracks: Trajectories, size: float, free: Ints) -> set[tuple[int,
         return set()
     pieces, of = cut(tracks, jumps)
     stretches = stretches_of(pieces, size)
-    link = stretches.link.tocsr()
+    link = stretches.link
     found = set()
     for t, frame in jumps:
         own = np.flatnonzero(of == t)
@@ -61,5 +62,10 @@ def _jumps(xyz: Floats, rate: float, size: float) -> list[int]:
     into = (p[last] - p) / np.maximum(rows[last] - rows, 1)[:, None]
     frames = np.diff(rows)
     step = np.diff(p, axis=0) - 0.5 * (out[:-1] + into[1:]) * frames[:, None]
-    unlikely = (link_nats(step, frames, rate, size) < UNLIKELY) & (frames <= LINK_S * rate)
-    return [int(frame) for frame in rows[1:][unlikely]]
+    nats = link_nats(step, frames, rate, size)
+    unlikely = (nats < UNLIKELY) & (frames <= LINK_S * rate)
+    if not unlikely.any():
+        return []
+    # a jump spoils the speeds beside it, so that the worst of its neighbourhood is taken
+    worst = nats <= scipy.ndimage.minimum_filter1d(nats, 2 * width + 1)
+    return [int(frame) for frame in rows[1:][unlikely & worst]]

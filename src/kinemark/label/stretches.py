@@ -100,7 +100,7 @@ def _links(xyz: Floats, seen: Bools, start: Ints, stop: Ints, rate: float, size:
     return scipy.sparse.csr_array((np.maximum(nats, -4.0), (row, column)), shape=(T, T))
 
 
-def link_nats(step: Floats, frames: NDArray[np.generic], rate: float, size: float) -> Floats:
+def link_nats(step: Floats, frames: Floats | Ints, rate: float, size: float) -> Floats:
     """(n) log density of a track going on by steps (n, 3) beyond its speed in (n) frames over that of any place."""
     width = max(1, round(SPEED_S * rate))
     dt = frames / rate

@@ -60,10 +60,12 @@ def _jumps(xyz: Floats, rate: float, size: float) -> list[int]:
     first, last = np.maximum(i - width, 0), np.minimum(i + width, len(rows) - 1)
     out = (p - p[first]) / np.maximum(rows - rows[first], 1)[:, None]
     into = (p[last] - p) / np.maximum(rows[last] - rows, 1)[:, None]
+    out[0], into[-1] = into[1], out[-2]  # an end has no speed of its own
     frames = np.diff(rows)
     step = np.diff(p, axis=0) - 0.5 * (out[:-1] + into[1:]) * frames[:, None]
     nats = link_nats(step, frames, rate, size)
     unlikely = (nats < UNLIKELY) & (frames <= LINK_S * rate)
+    unlikely[[0, -1]] = False  # one sample tells of no motion
     if not unlikely.any():
         return []
     # a jump spoils the speeds beside it, so that the worst of its neighbourhood is taken

@@ -1,13 +1,16 @@
 """Tracks that go over from one marker to another are found, cut at the frame, and named; whole ones are left alone."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from kinemark.data import MarkerTrajectory
 from kinemark.label import cut_truth, label, label_switching, learn_template, score_labels, score_switches, shredded
+from kinemark.label.breaks import find_breaks
+from kinemark.label.cutting import cut
 from kinemark.label.switches import best_sequence
-from kinemark.label.switching import cut
 from kinemark.synth import walking, with_markers
 
 
@@ -32,6 +35,30 @@ def test_tracks_that_go_over_to_another_marker_are_cut_there_and_named(kind, see
     for one in found.switches:
         names = [m for _, m in parts.changes[one.track]]
         assert {one.before, one.after} <= {parts.truth[one.track], *names}
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_where_few_distances_are_known_well_motion_says_where_tracks_go_over(seed):
+    loose = learn_template(walk(1, 15), relative_spread=0.14)
+    parts = shredded(walk(7, 15), 1, 2.0, seed, exchanges=1, returns=1, takeovers=1)
+    found = label_switching(parts.tracks, loose)
+    after = score_labels(found.labels, cut_truth(found, parts), loose.names)
+    assert score_switches(found, parts)[::2] == (sum(map(len, parts.changes.values())), 0)
+    assert after.wrong == 0
+
+
+def test_tracks_break_where_another_goes_on_and_not_at_bad_samples():
+    trial = walk(7)
+    every = np.arange(len(trial))
+    assert find_breaks(trial, 1700.0, every) == set()
+    a, b = trial.names.index("LKNE"), trial.names.index("LTHI")
+    xyz = trial.xyz.copy()
+    xyz[3, 80] += 60.0  # one bad sample
+    xyz[4, 90:] += [0.0, 0.0, 60.0]  # a marker that slips
+    xyz[[a, b], 150:] = xyz[[b, a], 150:]
+    crossed = replace(trial, paths=tuple(MarkerTrajectory.measured(*one) for one in zip(trial.names, xyz, strict=True)))
+    assert find_breaks(crossed, 1700.0, every) == {(a, 150), (b, 150)}
+    assert find_breaks(crossed, 1700.0, np.setdiff1d(every, [a])) == set()  # where that one was stated to be whole
 
 
 @pytest.mark.parametrize(("pieces", "seed"), [(1, 1), (6, 2)])

@@ -96,11 +96,18 @@ def _links(xyz: Floats, seen: Bools, start: Ints, stop: Ints, rate: float, size:
     into = np.array([_speed(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
     frames = (first[column] - last[row]).astype(float)
     step = xyz[column, first[column]] - xyz[row, last[row]] - 0.5 * (out[row] + into[column]) * frames[:, None]
+    nats = link_nats(step, frames, rate, size)
+    return scipy.sparse.csr_array((np.maximum(nats, -4.0), (row, column)), shape=(T, T))
+
+
+def link_nats(step: Floats, frames: Floats | Ints, rate: float, size: float) -> Floats:
+    """(n) log density of a track going on by steps (n, 3) beyond its speed in (n) frames over that of any place."""
+    width = max(1, round(SPEED_S * rate))
     dt = frames / rate
     sigma = size * np.hypot(NOISE_SHARE, ACCELERATION * 0.25 * dt * dt + NOISE_SHARE * frames / width)
     volume = (0.5 * size) ** 3
     nats = np.log(volume / (sigma * np.sqrt(2 * np.pi)) ** 3) - 0.5 * (step**2).sum(1) / sigma**2
-    return scipy.sparse.csr_array((np.maximum(nats, -4.0), (row, column)), shape=(T, T))
+    return np.asarray(nats)
 
 
 def _speed(xyz: Floats, seen: Bools, at: int, width: int) -> Floats:

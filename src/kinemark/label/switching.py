@@ -6,17 +6,19 @@ A cut is kept where its two sides are named in the end, and otherwise than each 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..data import Origin, Trajectories
+from ..data import Trajectories
 from ..data.array_types import Ints
+from .breaks import find_breaks
+from .cutting import cut
 from .label import label
 from .labels import Labels
 from .stated import fixed_labels
+from .stretches import FREE
 from .switches import find_turns
 from .template import Template
 
@@ -68,8 +70,10 @@ def label_switching(
     Raises:
         KinemarkError: there are no tracks.
     """
-    cuts: set[tuple[int, int]] = set()
-    now, of = tracks, np.arange(len(tracks))
+    free = np.flatnonzero(fixed_labels(tracks, template, stated) == FREE)
+    breaks = find_breaks(tracks, template.size, free)
+    cuts = set(breaks)
+    now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
     labels = label(now, template, method=method, stated=stated)
     for _ in range(ROUNDS):
         new = {(int(of[t]), frame) for t, frame in _turns(now, labels, template, stated)} - cuts
@@ -78,40 +82,40 @@ def label_switching(
         cuts |= new
         now, of = cut(tracks, cuts)
         labels = label(now, template, method=method, stated=stated)
-    found = _switches(now, of, labels, cuts)
-    while len(found) < len(cuts):  # ends, as there are fewer each time
-        cuts = {(one.track, one.frame) for one in found}
-        now, of = cut(tracks, cuts)
+    kept = _kept(now, of, labels, cuts, breaks)
+    while len(kept) < len(cuts):  # ends, as there are fewer each time
+        cuts = kept
+        now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
         labels = label(now, template, method=method, stated=stated)
-        found = _switches(now, of, labels, cuts)
-    return CutLabels(now, labels, of, found)
+        kept = _kept(now, of, labels, cuts, breaks)
+    return CutLabels(now, labels, of, _switches(now, of, labels, cuts))
 
 
-def cut(tracks: Trajectories, cuts: set[tuple[int, int]]) -> tuple[Trajectories, Ints]:
-    """Tracks cut before these (track, frame), and (P) which track each piece is of; pieces are called `*3 (1)`, …"""
-    paths, of = [], []
-    for t, path in enumerate(tracks):
-        ends = sorted(frame for one, frame in cuts if one == t)
-        part = np.searchsorted(ends, np.arange(len(path)), side="right")
-        seen = np.unique(part[path.origin != Origin.MISSING]).tolist()
-        pieces = [replace(path.only(part == k), name=f"{path.name} ({i})") for i, k in enumerate(seen, 1)]
-        paths += pieces if len(pieces) > 1 else [path]
-        of += [t] * max(len(pieces), 1)
-    return replace(tracks, paths=tuple(paths)), np.array(of, np.int64)
+def _kept(
+    now: Trajectories, of: Ints, labels: Labels, cuts: set[tuple[int, int]], breaks: set[tuple[int, int]]
+) -> set[tuple[int, int]]:
+    """The cuts whose two sides have names, and different ones; of `breaks` also those of which one side has none."""
+    sides = {one: _sides(now, of, labels, one) for one in cuts}
+    return {one for one, (was, to) in sides.items() if was != to and (one in breaks or None not in (was, to))}
 
 
 def _switches(now: Trajectories, of: Ints, labels: Labels, cuts: set[tuple[int, int]]) -> tuple[Switch, ...]:
     """The cuts whose two sides have names, and different ones."""
     found = []
-    seen = np.isfinite(now.xyz[..., 0])
     for t, frame in sorted(cuts):
-        pieces = np.flatnonzero(of == t)
-        before = [p for p in pieces.tolist() if seen[p, :frame].any()]
-        after = [p for p in pieces.tolist() if seen[p, frame:].any()]
-        was, to = (labels.names[p] for p in (before[-1], after[0])) if before and after else (None, None)
+        was, to = _sides(now, of, labels, (t, frame))
         if was is not None and to is not None and was != to:
             found.append(Switch(t, frame, was, to))
     return tuple(found)
+
+
+def _sides(now: Trajectories, of: Ints, labels: Labels, one: tuple[int, int]) -> tuple[str | None, str | None]:
+    """Names of the pieces before and after a cut (track, frame); None for what has none."""
+    t, frame = one
+    pieces = np.flatnonzero(of == t)
+    seen = np.isfinite(now.xyz[pieces, :, 0])
+    before, after = pieces[seen[:, :frame].any(1)], pieces[seen[:, frame:].any(1)]
+    return (labels.names[before[-1]], labels.names[after[0]]) if len(before) and len(after) else (None, None)
 
 
 def _turns(

@@ -118,17 +118,25 @@ def test_markers_that_the_set_does_not_have_make_no_others_less_sure(n):
     assert abs(shift) < 0.5
 
 
-def test_a_track_without_a_name_that_takes_a_confident_one_counts_as_wrong_and_one_that_is_not_sure_does_not():
-    """The second half of a knee's track, whose name the trial did not give, or gave without being sure."""
+def test_a_track_without_a_name_that_takes_a_confident_one_counts_as_wrong_unless_it_may_be_the_marker():
+    """A twin of a knee, whose own track is rough; and the second half of its track, whose name the trial did not give,
+    or gave without being sure."""
     names, whole = walk(7).names, walk(7)
     at, half = names.index("LKNE"), np.arange(whole.n_frames) < whole.n_frames // 2
-    paths = [*whole.paths, whole.paths[at].only(~half)]
-    paths[at] = paths[at].only(half)
-    tracks = Trajectories(tuple(replace(path, name=f"*{k}") for k, path in enumerate(paths)), whole.rate)
+    knee = whole.paths[at]
+    rough = MarkerTrajectory.measured("LKNE", knee.xyz + np.random.default_rng(0).normal(0, 25, knee.xyz.shape))
     pairs = PairScore.of_template(template())
-    judged = {of: cases_of(Shredded(tracks, (*names, of)), template(), pairs, 0.3).right for of in (None, UNKNOWN)}
-    assert judged[None].sum() == 15 and len(judged[None]) == 16
-    assert judged[UNKNOWN].all() and len(judged[UNKNOWN]) == 15
+
+    def judged(own, other, of):
+        paths = [*whole.paths, other]
+        paths[at] = own
+        tracks = Trajectories(tuple(replace(path, name=f"*{k}") for k, path in enumerate(paths)), whole.rate)
+        return cases_of(Shredded(tracks, (*names, of)), template(), pairs, 0.3).right.tolist()
+
+    assert judged(rough, knee, None) == [True] * 14 + [False]
+    for of in (None, UNKNOWN):
+        assert judged(knee.only(half), knee.only(~half), of) == [True] * 15
+    assert judged(rough, knee, UNKNOWN) == [True] * 14
 
 
 def test_an_exchange_all_through_the_trial_makes_its_two_labels_improbable_and_no_other():

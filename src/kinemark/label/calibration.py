@@ -3,8 +3,9 @@
 The names that are confident are taken as the truth. Their markers are joined, cut at random into pieces as long as the
 tracks that are not sure, put among all other tracks of the trial as they are, and named again by the evidence of
 the same template, outwards from the fullest frame. Each of the n pieces has the logit η that `margin` (3) gives it, and
-is right or not, y; so has each track without a name that now took that of a confident marker, which is wrong. What
-the rest of the tracks are called tells nothing, as nobody knows what they are. The trial's own shift δ of all logits is
+is right or not, y; so has each track without a name that now took that of a confident marker beside which it is seen,
+which is wrong. What the rest of the tracks are called tells nothing, as nobody knows what they are: one in a gap of the
+marker may be the marker. The trial's own shift δ of all logits is
 the most probable one,
 
     δ = argmax  r Σ [ y log p + (1 − y) log(1 − p) ] − δ² / (2 τ²),   p = logistic(η + δ)                          (1)
@@ -113,10 +114,17 @@ def cases_of(parts: Shredded, template: Template, pairs: PairScore, least_fit: f
     truth = np.array([number[name] for name in parts.truth], np.int64)
     stretches = stretches_of(parts.tracks, template.size)
     label = _again(stretches, truth, pairs, least_fit)
-    named = np.flatnonzero((label >= 0) & ((truth >= 0) | (truth == -1) & np.isin(label, truth)))
+    named = np.flatnonzero((label >= 0) & ((truth >= 0) | (truth == -1) & _beside_its_own(parts.tracks, label, truth)))
     logit = track_logit(margins(stretches, label, template, pairs, exchanges=False), stretches.weight)[named]
     segments = len(template) * max(1.0, parts.tracks.n_frames / parts.tracks.rate / SEGMENT_S)
     return Cases(logit, label[named] == truth[named], min(1.0, segments / max(len(named), 1)))
+
+
+def _beside_its_own(tracks: Trajectories, label: Ints, truth: Ints) -> Bools:
+    """(T) whether a track is seen at the same time as the marker whose name it has; in a gap it may be the marker."""
+    seen = np.isfinite(np.array([path.xyz[:, 0] for path in tracks]))
+    own = np.array([seen[truth == a].any(0) for a in label])
+    return np.asarray((own & seen).sum(1) >= seen.sum(1) / 2)
 
 
 def _again(stretches: Stretches, truth: Ints, pairs: PairScore, least_fit: float) -> Ints:

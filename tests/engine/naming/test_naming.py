@@ -74,6 +74,18 @@ def test_claims_cut_tracks_where_they_begin_and_end_and_the_later_one_counts():
     assert twice.stated == {"*2": "LKNE"}
 
 
+def test_pieces_that_are_joined_though_both_are_seen_for_a_frame_are_the_marker_both():
+    xyz = np.column_stack([np.arange(60.0), np.zeros(60), np.zeros(60)])
+    first, second = xyz.copy(), xyz.copy()
+    second[:, 1] = 8.0
+    first[31:], second[:29] = np.nan, np.nan  # both are seen in two frames
+    tracks = Trajectories(tuple(MarkerTrajectory.measured(n, p) for n, p in (("*1", first), ("*2", second))), 50.0)
+    said = [Claim(stretch_of(tracks, n, first=None, last=None, world="w"), "LKNE") for n in ("*1", "*2")]
+    found = claimed_tracks(tracks, said, None, world="w")
+    assert found.stated == {"*1": "LKNE", "*2": "LKNE"} and found.tracks.names == ("*1", "*1 (twice)", "*2")
+    assert [np.isfinite(path.xyz[:, 0]).sum() for path in found.tracks] == [29, 2, 31]
+
+
 def test_a_static_trial_of_another_subject_places_no_marker_of_these(tmp_path):
     for name, markers in (("first", ("A:HEE", "A:TOE")), ("second", ("B:HEE", "A:KNE"))):
         (tmp_path / name).mkdir()

@@ -40,7 +40,7 @@ def claimed_tracks(
 ) -> ClaimedTracks:
     """Tracks and what was claimed of them.
 
-    Of two pieces seen at once of which the same name was claimed, the later claim counts.
+    Of two pieces of which the same name was claimed, the later claim counts where both are seen at once.
 
     Args:
         tracks: of a trial. detections: behind their samples, None for files alone. world: key of the cameras.
@@ -59,8 +59,7 @@ def claimed_tracks(
             if (which := int(own[part == k][0])) >= 0:
                 claim[name] = which
         paths += [path] if not pieces else []
-    cut = replace(tracks, paths=tuple(paths))
-    return ClaimedTracks(cut, {name: claims[k].name for name, k in _latest(cut, claims, claim).items()})
+    return _each_at_once(tuple(paths), tracks, claims, claim)
 
 
 def _parts(path: MarkerTrajectory, own: Ints, named: Bools) -> Ints:
@@ -75,13 +74,28 @@ def _parts(path: MarkerTrajectory, own: Ints, named: Bools) -> Ints:
     return np.where(seen, np.where(claimed, own, free), -1)
 
 
-def _latest(tracks: Trajectories, claims: Sequence[Claim], claim: dict[str, int]) -> dict[str, int]:
-    """The claims of pieces without those of which a later one says that another piece is that marker meanwhile."""
-    seen = {name: tracks[name].origin != Origin.MISSING for name in claim}
+def _each_at_once(
+    paths: tuple[MarkerTrajectory, ...], tracks: Trajectories, claims: Sequence[Claim], claim: dict[str, int]
+) -> ClaimedTracks:
+    """Pieces and the names claimed of them, by their claims: no name twice at once.
 
-    def overruled(name: str) -> bool:
-        k = claim[name]
-        same = [n for n, other in claim.items() if other > k and claims[other].name == claims[k].name is not None]
-        return any((seen[name] & seen[n]).any() for n in same)
-
-    return {name: k for name, k in claim.items() if not overruled(name)}
+    Where two pieces are joined that are both seen for some frames, the first one is left out in these; one that is
+    left out in most of its frames has not the name at all.
+    """
+    seen = {path.name: path.origin != Origin.MISSING for path in paths if path.name in claim}
+    stated: dict[str, str | None] = {}
+    cut: list[MarkerTrajectory] = []
+    for path in paths:
+        if (k := claim.get(path.name)) is None:
+            cut.append(path)
+            continue
+        later = [n for n, other in claim.items() if other > k and claims[other].name == claims[k].name is not None]
+        at_once = seen[path.name] & np.any([seen[n] for n in later], axis=0) if later else np.zeros(len(path), bool)
+        if 2 * at_once.sum() >= seen[path.name].sum():
+            cut.append(path)
+            continue
+        stated[path.name] = claims[k].name
+        cut.append(path.only(~at_once))
+        if at_once.any():
+            cut.append(replace(path.only(at_once), name=f"{path.name} (twice)"))
+    return ClaimedTracks(replace(tracks, paths=tuple(cut)), stated)

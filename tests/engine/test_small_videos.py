@@ -101,6 +101,13 @@ def test_of_a_stretch_there_are_small_pictures_and_the_rest_is_decoded(images, t
     mosaics.close()
 
 
+def test_of_several_stretches_the_longest_is_taken(images, tmp_path):
+    made(images, tmp_path, 5, 100)
+    made(images, tmp_path, 30, 50)
+    made(images, tmp_path, 70, 90)
+    assert small_images(images, tmp_path)["c0"].frames == range(5, 100)
+
+
 def test_what_was_not_read_to_its_end_leaves_nothing(images, tmp_path):
     reading = watched(images, images, 0, tmp_path)[0].batches(16)
     next(reading)

@@ -30,14 +30,14 @@ MOST = 500_000_000
 """Bytes of the small videos of a trial; chosen: 10 000 frames of eight cameras have half of it."""
 
 
-class Recorded(FrameSource, RandomAccess, Protocol):
+class CameraFrames(FrameSource, RandomAccess, Protocol):
     """Frames in order, and single ones."""
 
 
 class Watched:
     """What one camera recorded; while all of it is read in order, a small video is made of it."""
 
-    def __init__(self, source: Recorded, small: Smaller, path: Path, *, most: int) -> None:
+    def __init__(self, source: CameraFrames, small: Smaller, path: Path, *, most: int) -> None:
         """The small video is put at a path, unless it would have more than `most` bytes."""
         self.source, self.small, self.path, self.most = source, small, path, most
 
@@ -71,8 +71,8 @@ class Watched:
 
 
 def watched(
-    images: Mapping[str, ImageSource], taken: Mapping[str, Recorded], first: int, results: Path, *, most: int = MOST
-) -> list[Recorded]:
+    images: Mapping[str, ImageSource], taken: Mapping[str, CameraFrames], first: int, results: Path, *, most: int = MOST
+) -> list[CameraFrames]:
     """What is to be read of each camera, watched where single frames of it cost many.
 
     Args:
@@ -110,13 +110,18 @@ class SmallImages:
 
 
 def small_images(images: Mapping[str, ImageSource], results: Path) -> dict[str, SmallImages]:
-    """Those of each camera that has any."""
-    folder, found = results / FOLDER / recording_key(images), {}
+    """Those of each camera that has any; of several stretches the longest, as the latest may be a short trial run."""
+    folder, found = results / FOLDER / recording_key(images), dict[str, SmallImages]()
     for tile in layout_of(images).tiles:
-        for path in sorted(folder.glob(f"{escape(tile.camera)}_*.mkv")):
+        readable = {}
+        for path in folder.glob(f"{escape(tile.camera)}_*.mkv"):
             first = path.stem.removeprefix(f"{tile.camera}_")
             with suppress(KinemarkError):
                 source = open_images(path)
                 if first.isdecimal() and source.size == (tile.width, tile.height):
-                    found[tile.camera] = SmallImages(source, int(first))
+                    readable[int(first)] = source
+        if readable:
+            first_of_longest = max(readable, key=lambda first: readable[first].n_frames)
+            with suppress(KinemarkError):
+                found[tile.camera] = SmallImages(readable[first_of_longest], first_of_longest)
     return found

@@ -63,6 +63,10 @@ def test_every_fault_is_named(good):
     rig, evidence = good
     far = replace(rig, volume=rig.volume + np.array([3000.0, 0, 0]))
     assert "volume_unseen" in grade(far, evidence)[1]
+    guessed = replace(rig, volume=np.full((2, 3), np.nan))
+    apart = replace(evidence, xyz=evidence.xyz + np.array([3000.0, 0, 0]))
+    (unseen,) = found(grade(guessed, apart)[2], "volume_unseen")
+    assert unseen.severity == "amber"  # nobody stated this volume
     tiny = replace(rig, cameras=tuple(replace(c, t=c.t / 1000) for c in rig), volume=rig.volume / 1000)
     colour, named, _ = grade(tiny, replace(evidence, xyz=evidence.xyz / 1000))
     assert (colour, "cameras_distance_implausible" in named) == ("red", True)

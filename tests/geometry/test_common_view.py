@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinemark.calibrate.quality import view_volume
+from kinemark.calibrate.quality import points_of, view_volume, volume_grid
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry.common_view import common_view_centre, seen_by
 from support.laboratory import camera, ring
@@ -33,3 +33,13 @@ def test_cameras_back_to_back_have_none():
     assert common_view_centre(back) is None
     with pytest.raises(KinemarkError, match="common place"):
         view_volume(back)
+
+
+@pytest.mark.parametrize("distance", [4_000.0, 20_000.0, 80_000.0])
+def test_a_box_nobody_states_is_what_long_lenses_see(distance):
+    around = np.deg2rad(np.arange(5) * 72.0)
+    places = np.stack([distance * np.cos(around), distance * np.sin(around), np.full(5, 1800.0)], 1)
+    rig = Rig(tuple(camera(f"c{i}", at, focal=0.4 * distance) for i, at in enumerate(places)))
+    box = view_volume(rig)
+    assert (seen_by(rig, points_of(volume_grid(box))) >= 2).mean() >= 0.98
+    assert np.ptp(box, axis=0).min() > 1000

@@ -67,6 +67,8 @@ TRIAL_KINDS = (
          {"left_out": "flag"}),
     Kind("nothing_goes_on", "track", "amber", "Cameras agree in single frames, but no marker goes on to the next: the "
          "frame rate may be wrong.", {"rate_hz": "Hz"}),
+    Kind("too_few_frames", "track", "amber", "The recording has fewer frames than any track needs.",
+         {"frame_count": "count", "least": "count"}),
     Kind("speeds_impossible", "track", "amber", "Markers move faster than people can: the frame rate may be wrong.",
          {"speed_m_s": "m/s", "rate_hz": "Hz"}),
     Kind("points_dropped_outside", "track", "amber", "Tracked points farther than `volume_margin` outside the control "

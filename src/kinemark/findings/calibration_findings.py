@@ -113,7 +113,7 @@ def _views(figures: Figures) -> Iterator[Finding]:
     unseen, two = (figures["precision"][f"fewer_than_{n}_cameras_share"] for n in (2, 3))
     given = figures["volume"]["given"]
     if unseen > UNSEEN_AMBER:
-        severity = red_if(unseen > UNSEEN_RED)
+        severity = red_if(given and unseen > UNSEEN_RED)
         yield make_finding("volume_unseen", severity=severity, volume_share=unseen, volume_given=given)
     elif two > CHECKED and len(figures["cameras"]) > 2:
         yield make_finding("volume_seen_by_two", volume_share=two, volume_given=given)

@@ -19,11 +19,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
-from ...geometry.common_view import common_view_centre
+from ...geometry.common_view import common_view_centre, seen_by
 from .predicted_covariance import block_diagonal, covariance_from, views
 
 PLACES = 1000  # points of the volume that are looked at, about; chosen for speed
 FEWEST_A_SIDE = 4  # of them along each axis; chosen (see studies/calibration_quality.py)
+
+REACHES = np.geomspace(1, 1 / 64, 19)
+"""Of a box nobody states, by the largest; chosen: the lens of longest reach fills its image with a person at 100 m."""
+
+SEEN = 0.98
+"""Share of a box nobody states that two cameras see; chosen: what is seen less is a finding about a stated volume."""
 
 
 class VolumeMap(NamedTuple):
@@ -112,7 +118,8 @@ def ray_angle(rig: Rig, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
 def view_volume(rig: Rig) -> Floats:
     """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about `common_view_centre`.
 
-    The box reaches from there a quarter of the median depth of the cameras to each side.
+    The box reaches from there a quarter of the median depth of the cameras to each side, or as far as two of them see
+    it: a long lens sees much less of what is far away.
 
     Raises:
         KinemarkError: no two cameras have a place in common in their images.
@@ -122,4 +129,6 @@ def view_volume(rig: Rig) -> Floats:
         raise KinemarkError("No two cameras look at a common place. Set volume_mm in session.toml, or calibrate again.")
     depth = np.einsum("ci,ci->c", np.array([camera.R[2] for camera in rig]), middle - rig.centres)
     reach = float(np.median(depth[depth > 0])) / 4
-    return np.stack([middle - reach, middle + reach])
+    boxes = [np.stack([middle - r, middle + r]) for r in reach * REACHES]
+    shares = ((seen_by(rig, points_of(volume_grid(box))) >= 2).mean() for box in boxes)
+    return next((box for box, share in zip(boxes, shares, strict=True) if share >= SEEN), boxes[-1])

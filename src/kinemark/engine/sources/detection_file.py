@@ -53,6 +53,9 @@ class DetectionFile:
         if not len(found):
             raise KinemarkError(f"{self.path} has no 2D points. Check that it was written to the end.")
         if missing := sorted(set(of.rig.names) - set(found.cameras)):
+            if self.path.suffix.lower() == ".csv" and set(found.cameras) <= set(of.rig.names) and len(found.cameras) > 1:
+                found = read_detections_csv(self.path, rate=rate, cameras=of.rig.names)  # rows name no camera that
+                return of.corrected(within(found, of)).detections  # saw nothing
             raise KinemarkError(
                 f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
                 "Give them the same names in both, and name in [cameras] those to be used."

@@ -257,6 +257,11 @@ TRIAL_WORDS = {
         "probably not the frame rate of the recording.",
         RATE,
     ),
+    "too_few_frames": Words(
+        "The recording has {frame_count} {frame_count:frame|frames}, and a track needs {least}: it is known by its "
+        "motion.",
+        "Record some more; or set method = \"distance_only\" under [track], which needs no motion.",
+    ),
     "speeds_impossible": Words(
         "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
     ),

@@ -64,7 +64,7 @@ def _jacobian(images: Images, rig: Rig, some: Residuals) -> Floats:
         dx = np.stack([-x * y, 1 + x * x, -y, x], -1) * fx[:, None]  # (1)
         dy = np.stack([-1 - y * y, x * y, x, y], -1) * fy[:, None]
         J[np.arange(len(detection)), camera] += line[:, :1] * dx + line[:, 1:] * dy
-    return J.reshape(len(some.off), -1)
+    return J.reshape(len(some.off), 4 * len(rig))
 
 
 def _moved(rig: Rig, theta: Floats) -> Rig:

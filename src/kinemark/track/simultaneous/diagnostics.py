@@ -21,6 +21,7 @@ from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
+from .initiate import LEAST_FRAMES
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
@@ -42,6 +43,8 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     for c, name in enumerate(rig.names):
         found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
+    if 0 < detections.n_frames < LEAST_FRAMES and len(detections):
+        return [*found, make_finding("too_few_frames", frame_count=detections.n_frames, least=LEAST_FRAMES)]
     return found + _learned_delays(rig, result) + _too_fast(result, detections.rate)
 
 

@@ -21,6 +21,10 @@ from .detection_index import Images
 from .simultaneous_method import Simultaneous
 
 
+LEAST_FRAMES = 3
+"""From which a track is initiated; by definition of (1)."""
+
+
 class InitiatedTracks(NamedTuple):
     """B tracks seen in three successive frames: places (3) of `CandidatePoints`, all in the same order."""
 

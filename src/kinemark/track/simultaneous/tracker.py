@@ -214,7 +214,7 @@ def _followed(
     What this needs in between takes much memory, and ends with it.
     """
     T = 1 / rate
-    least = max(method.min_duration / T, 4)
+    least = min(max(method.min_duration / T, 4), images.n_frames)
     every = run(working.images, rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     sure = _evidence(_kept_associations(every, least), images, working, method) > SURE

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from kinemark.synth.score import score
-from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
 from support.laboratory import observe, ring
 from support.motions import dance
 
-RIG, PATHS = ring(6), dance(n=12, frames=60, seed=31)
+RIG, PATHS, METHOD = ring(6), dance(n=12, frames=60, seed=31), Simultaneous()
 
 
 def seen(frames):
@@ -21,7 +21,7 @@ def seen(frames):
 def test_all_markers_of_a_recording_of_a_few_frames_are_there(frames):
     """At 100 Hz a track lasts six frames at least."""
     detections = seen(frames)
-    result = track_simultaneously(detections, RIG)
+    result = track_simultaneously(detections, RIG, METHOD)
     found = score(result.tracks, PATHS[:, 20 : 20 + frames])
     assert found.recall == 1 and found.extra_per_frame == 0
     assert not diagnose(detections, RIG, result)
@@ -30,7 +30,7 @@ def test_all_markers_of_a_recording_of_a_few_frames_are_there(frames):
 @pytest.mark.parametrize("frames", [1, 2])
 def test_fewer_frames_than_tracks_need_are_not_taken_for_a_wrong_rate(frames):
     detections = seen(frames)
-    (said,) = diagnose(detections, RIG, track_simultaneously(detections, RIG))
+    (said,) = diagnose(detections, RIG, track_simultaneously(detections, RIG, METHOD))
     assert (said.kind, said.values) == ("too_few_frames", {"frame_count": frames, "least": 3})
 
 
@@ -39,4 +39,4 @@ def test_images_of_which_no_two_meet_give_no_tracks(change):
     """Pixels of another corner, or shares of the image."""
     detections = seen(30)
     astray = replace(detections, uv=change(np.asarray(detections.uv)))
-    assert not len(track_simultaneously(astray, RIG).tracks.cloud)
+    assert not len(track_simultaneously(astray, RIG, METHOD).tracks.cloud)

@@ -3,13 +3,21 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError
+from kinemark.data.masks import Masks
 from kinemark.engine.session import Session
+from kinemark.geometry import project
+from kinemark.io.c3d import read_c3d
 from kinemark.io.detections_csv import write_detections_csv
+from kinemark.io.masks_toml import write_masks
+from kinemark.io.rig_toml import write_rig_toml
 from kinemark.synth.score import score
 from support.findings import found
+from support.laboratory import observe, ring
+from support.motions import dance
 from support.sessions import POINTS, folder_of
 
 
@@ -34,4 +42,52 @@ def test_a_camera_that_saw_nothing_need_not_be_in_a_table(tmp_path):
 def test_a_name_the_calibration_lacks_is_no_camera_that_saw_nothing(tmp_path):
     session = table_of(tmp_path, lambda seen: replace(seen, cameras=("c0", "c1", "left", "c3")))
     with pytest.raises(KinemarkError, match="and the calibration also c2"):
+        session.run()
+
+
+def lamps_in_the_dance(path, more=""):
+    """A session of eight dancing points before two lamps; the truth of the points, and the rig."""
+    rig, moving = ring(5), dance(n=8, frames=120, seed=41)
+    still = np.repeat(np.array([[[-900.0, 700, 2100]], [[800, -950, 1900]]]), 120, axis=1)
+    seen, _ = observe(rig, np.concatenate([moving, still]), noise=0.2, cov=False)
+    write_detections_csv(path / "one.csv", seen)
+    write_rig_toml(path / "rig.toml", rig)
+    (path / "session.toml").write_text(
+        'name = "lamps"\nrate_hz = 100.0\n[calibration]\nfile = "rig.toml"\n'
+        f'[[trials]]\nname = "one"\ndetections = "one.csv"\n{more}'
+    )
+    lamps = tuple(tuple(square(uv) for uv in project(camera, still[:, 0])) for camera in rig)
+    write_masks(path / "masks.toml", Masks(rig.names, [camera.size for camera in rig], lamps))
+    return Session.open(path), moving
+
+
+def square(uv):
+    """A polygon of 12 px about a place."""
+    return uv + 6 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+
+
+def test_lamps_are_told_from_markers_by_their_rest(tmp_path):
+    session, moving = lamps_in_the_dance(tmp_path)
+    result = session.run()["one"]
+    quality = json.loads((result.folder / "quality.json").read_text("utf-8"))
+    (still,) = found(quality, "tracks_still")
+    of = {one["name"]: one["travel_mm"] for one in quality["trajectories"]["markers"]}
+    assert still.severity == "info" and len(still.markers) == 2 and len(of) == len(moving) + 2
+    assert max(of[name] for name in still.markers) < 0.5 and sorted(of.values())[2] > 100
+
+
+def test_masks_hold_for_tables_too(tmp_path):
+    session, moving = lamps_in_the_dance(tmp_path, '[masks]\nfile = "masks.toml"\n')
+    result = session.run()["one"]
+    assert len(read_c3d(result.folder / "one.c3d").trajectories) == len(moving)
+    quality = json.loads((result.folder / "quality.json").read_text("utf-8"))
+    assert not found(quality, "tracks_still")
+    assert all(camera["invalid"]["masked"] > 100 for camera in quality["cameras"])
+
+
+def test_a_mask_of_a_camera_that_is_not_there_is_an_error(tmp_path):
+    session, _ = lamps_in_the_dance(tmp_path, '[masks]\nfile = "masks.toml"\n')
+    text = (tmp_path / "masks.toml").read_text()
+    (tmp_path / "masks.toml").write_text(text.replace('"c3"', '"c7"'))
+    with pytest.raises(KinemarkError, match="masks of c7"):
         session.run()

@@ -50,9 +50,8 @@ CALIBRATION_KINDS = (
          {"points_list": "text", "max_px": "px"}),
     Kind("images_left_out", "calibrate", "amber", "Many images of points were left out as wrong.",
          {"images_share": "share"}),
-    Kind("volume_unseen", "calibrate", "amber", "Fewer than two cameras see this share of the volume; red above 30 % of "
-         "a stated one.",
-         {"volume_share": "share", "volume_given": "flag"}),
+    Kind("volume_unseen", "calibrate", "amber", "Fewer than two cameras see this share of the volume; red above 30 % "
+         "of a stated one.", {"volume_share": "share", "volume_given": "flag"}),
     Kind("volume_seen_by_two", "calibrate", "amber", "Only two cameras see this share of the volume.",
          {"volume_share": "share", "volume_given": "flag"}),
     Kind("two_cameras_only", "calibrate", "info", "With two cameras nothing is measured when one is lost."),

@@ -91,6 +91,8 @@ TRIAL_KINDS = (
     Kind("tracks_continue", "track", "info", "Tracks that likely continue earlier ones, by their distances to others, "
          "and are not joined to them: the name of each earlier one and, in the same order, of the later one.",
          {"tracks": "count", "earlier_list": "text", "later_list": "text"}),
+    Kind("tracks_still", "track", "info", "Tracks that stay within a limit while others move, by this in the median: "
+         "probably lamps or reflections.", {"limit_mm": "mm", "moved_mm": "mm"}),
     Kind("tracks_confusable", "track", "amber", "Tracks came so near each other, for the rate, that they may have been "
          "exchanged: how many such decisions, and the share of all points; red where many times more.",
          {"decisions": "count", "points_share": "share"}),

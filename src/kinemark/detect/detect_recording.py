@@ -23,7 +23,7 @@ from .frame_source import FrameSource, prefetched
 from .ground import Ground
 from .learning import learned
 from .levels import levelled
-from .masks import masked
+from .masks import check_masks, masked
 from .separate import Suspects, separated
 from .stage import DETECT
 
@@ -68,7 +68,7 @@ def detect(
         raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
     if unknown := [name for name in of_cameras if name not in cameras]:
         raise ValueError(f"of_cameras names {', '.join(unknown)}, and the cameras are {', '.join(cameras)}")
-    _check_masks(masks, cameras)
+    check_masks(masks, cameras)
     n_frames = _common_length(sources, cameras, equal_lengths)
     done, lock, stopped = [0], Lock(), Event()
 
@@ -97,14 +97,6 @@ def detect(
     columns = {k: v for k, v in all_cameras._asdict().items() if k != "counts"}
     subtracted = tuple(name for name, (_, taken) in zip(cameras, found, strict=True) if taken)
     return replace(Detections.build(tuple(cameras), rate, counts, **columns), ground_subtracted=subtracted)
-
-
-def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
-    if masks and (unknown := [name for name in masks.cameras if name not in cameras]):
-        raise KinemarkError(
-            f"There are masks of {', '.join(unknown)}, and the recording has {', '.join(cameras)}. "
-            "Give the cameras the same names in both, or leave those masks out."
-        )
 
 
 def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str], equal: bool) -> int:

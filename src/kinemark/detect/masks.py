@@ -7,13 +7,14 @@ recordings masks, like detections, are in the lines of a field, so that they are
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..data import KinemarkError, Validity
+from ..data import Detections, KinemarkError, Validity
 from ..data.masks import Masks
 from ..data.method import Method
 from ..numerics.runs import equal_runs, true_runs_of_rows
@@ -110,6 +111,19 @@ def masked(blobs: Blobs, mask: NDArray[np.bool_]) -> Blobs:
     return blobs._replace(validity=validity, merged=blobs.merged | ((share > 0) & (share <= MOSTLY)))
 
 
+def check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
+    """Whether all masks are of cameras that the recording has.
+
+    Raises:
+        KinemarkError: one is not.
+    """
+    if masks and (unknown := [name for name in masks.cameras if name not in cameras]):
+        raise KinemarkError(
+            f"There are masks of {', '.join(unknown)}, and the recording has {', '.join(cameras)}. "
+            "Give the cameras the same names in both, or leave those masks out."
+        )
+
+
 def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
     """Rectangles (4, 2) px that cover exactly the masked pixels: equal runs of consecutive lines as one."""
     line, left, right = true_runs_of_rows(mask).T
@@ -119,6 +133,26 @@ def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
     first, last = ends[:-1], ends[1:] - 1
     sides = zip(left[first] - 0.5, right[first] - 0.5, line[first] - 0.5, line[last] + 0.5, strict=True)
     return tuple(np.array([(x1, y1), (x2, y1), (x2, y2), (x1, y2)]) for x1, x2, y1, y2 in sides)
+
+
+def masked_centroids(found: Detections, masks: Masks) -> Detections:
+    """The same, those whose centroid lies on a masked pixel not valid: all that is known of spots in a table.
+
+    Raises:
+        KinemarkError: a mask is of a camera that is not among them.
+    """
+    check_masks(masks, found.cameras)
+    validity = found.validity.copy()
+    for c, name in enumerate(found.cameras):
+        if name not in masks.cameras:
+            continue
+        own = slice(found.start[c, 0], found.start[c, -1])
+        pixels = masks.pixels(name)
+        u, v = np.floor(found.uv[own] + 0.5).T
+        inside = (u >= 0) & (v >= 0) & (u < pixels.shape[1]) & (v < pixels.shape[0])
+        inside[inside] = pixels[v[inside].astype(int), u[inside].astype(int)]
+        validity[own][inside & (validity[own] == Validity.VALID)] = Validity.MASKED
+    return replace(found, validity=validity)
 
 
 def _often_white(source: FrameSource, name: str, method: Method, share: float, grow: float) -> NDArray[np.bool_]:

@@ -29,6 +29,8 @@ IN_VIEW = 0.75
 OUT_OF_VIEW, OUT_S = 0.3, 0.25
 """Share of the markers, and of the usual images, below both of which the subject is out of view, and for how long, s;
 chosen: markers that are lost while the cameras see as much as ever are missing."""
+PARTS, FEWEST_A_PART = 10, 5
+"""Of a path, and samples of each, by which is told whether it moves; chosen: a median of five is free of outliers."""
 LEFT_OVER = 0.5
 """Share of the images of two cameras and of all that must belong to a point for completeness to be known; chosen: else
 there may be as many markers again as were found."""
@@ -48,6 +50,16 @@ def sample_deviation(path: MarkerTrajectory) -> Floats:
 def jitter(path: MarkerTrajectory) -> float:
     """White noise of one axis of the measured samples of a path, mm; NaN with too few in a row."""
     return white_noise_sd(np.where((path.origin == Origin.MEASURED)[:, None], path.xyz, np.nan))
+
+
+def travel(path: MarkerTrajectory) -> float:
+    """How far a path goes, mm: between the farthest of the medians of its ten parts, which noise moves little; NaN of a
+    path with too few samples to tell."""
+    xyz = path.xyz[path.origin == Origin.MEASURED]
+    if len(xyz) < PARTS * FEWEST_A_PART:
+        return math.nan
+    middle = np.array([np.median(part, axis=0) for part in np.array_split(xyz, PARTS)])
+    return float(np.linalg.norm(middle[:, None] - middle, axis=-1).max())
 
 
 def steady(sd: float, noise: float) -> float:
@@ -205,6 +217,7 @@ def _exactness(path: MarkerTrajectory) -> dict[str, float]:
         "sd_per_axis_mean_mm": mean(sd),
         "sd_per_axis_95_mm": quantile(sd, 0.95),
         "jitter_mm": jitter(path),
+        "travel_mm": travel(path),
         "residual_mean_mm": mean(path.residual),
     }
 

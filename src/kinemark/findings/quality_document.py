@@ -180,6 +180,8 @@ class MarkerData(TypedDict):
     sd_per_axis_95_mm: Number
     jitter_mm: Number
     """White noise of one axis that the path itself shows, whatever it moves."""
+    travel_mm: Number
+    """How far it goes: between the farthest of the medians of ten parts of its path."""
     residual_mean_mm: Number
     cameras_mean: Number
 

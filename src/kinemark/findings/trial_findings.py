@@ -50,6 +50,10 @@ NO_TRACK = 0.1
 TWO_CAMERAS = 0.5
 """Share of the points that may rest on fewer than three cameras; chosen."""
 
+STILL_MM, MOVED_MM, STILL_S = 0.5, 50.0, 1.0
+"""What a track travels that is still, or its jitter if that is more; what others do beside it; and for how long. Lamps
+of simulated recordings travel up to 0.5 mm by noise; a person who stands moves each marker by more; chosen."""
+
 Figures = dict[str, Any]
 Findings = Iterator[Finding]
 
@@ -250,6 +254,16 @@ def _broken(figures: Figures) -> Findings:
         yield make_finding("tracks_broken", severity=red_if(broken), tracks=tracks, markers_worn=worn)
 
 
+def _still(figures: Figures) -> Findings:
+    """Nameless tracks that lie where they are while most others move: lamps and reflections."""
+    tracks = [m for m in figures["trajectories"]["markers"] if m["travel_mm"] is not None]
+    least = max(STILL_S * figures["recording"]["rate_hz"], figures["recording"]["frames"] / 2)
+    still = [m["name"] for m in tracks if m["travel_mm"] < max(STILL_MM, m["jitter_mm"] or 0) and m["samples"] > least]
+    moved = statistics.median([m["travel_mm"] for m in tracks if m["name"] not in still] or [0.0])
+    if moved > MOVED_MM and (nameless := [name for name in still if name.startswith("*")]):
+        yield make_finding("tracks_still", markers=nameless, limit_mm=STILL_MM, moved_mm=moved)
+
+
 def _long_gaps(figures: Figures) -> Findings:
     long = [m["name"] for m in figures["trajectories"]["markers"] if m["longest_gap_s"] > LONG_GAP_S]
     if long:
@@ -333,5 +347,17 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
 
 CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
-    *(_few_cameras, _incomplete, _broken, _long_gaps, _filled, _uncertain, _trembling, _outside, _unnamed, _left_over),
+    *(
+        _few_cameras,
+        _incomplete,
+        _broken,
+        _still,
+        _long_gaps,
+        _filled,
+        _uncertain,
+        _trembling,
+        _outside,
+        _unnamed,
+        _left_over,
+    ),
 )

@@ -194,3 +194,19 @@ def test_a_camera_that_stops_before_the_subject_leaves_is_named():
     stopped = detections.keep((detections.camera != 4) | (detections.frame < 60))
     (found,) = diagnose(stopped, rig, track_simultaneously(stopped, rig, METHOD))
     assert (found.kind, found.cameras, found.frames) == ("camera_stopped", ("c4",), ((60, 159),))
+
+
+def test_a_camera_from_which_few_markers_turn_away_has_not_stopped():
+    """Two markers on the front and back of something that turns twice are out of sight of each camera half of the
+    time, also at the end."""
+    rig, frames = ring(6), 240
+    t = np.arange(frames) / 100
+    angle = 2 * np.pi * 0.83 * t + np.array([[0.0], [0.3]])
+    normal = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1)
+    paths = normal * 120 + np.array([[[0, 0, 900.0]], [[0, 0, 1100.0]]])
+    seen, truth = observe(rig, paths, noise=0.1)
+    toward = rig.centres[seen.camera] - paths[truth, seen.frame]
+    detections = seen.keep((toward * normal[truth, seen.frame]).sum(1) > 0)
+    result = track_simultaneously(detections, rig, METHOD)
+    assert score(result.tracks, paths).recall > 0.9
+    assert not {"camera_stopped", "camera_started_late"} & {one.kind for one in diagnose(detections, rig, result)}

@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from ...data import Detections, Finding, KinemarkError, Trajectories, Trial
+from ...detect.masks import masked_centroids
 from ...io.detections_csv import read_detections_csv
 from ...io.records import load
 from ...io.tdf import read_tdf
 from ..keys import digest, file_key
+from ..recordings import masks_key, masks_of
 from .excerpt import cut, within
 from .recording import Recording
 from .trial_source import OperatorIdentities
@@ -30,37 +32,47 @@ class DetectionFile:
         return self.of.root / str(self.of.entry.detections)
 
     def key(self) -> str:
-        """Of the file, the cameras' order, the rate, fixed marks and the cameras' times."""
+        """Of the file, the cameras' order, the rate, fixed marks, the cameras' times, and masks."""
         of = self.of
         if not self.path.is_file():
             raise KinemarkError(f"{self.path} is not a file. Check detections of trial {of.entry.name!r}.")
         rate = of.rate(None) if self.path.suffix.lower() == ".csv" else of.settings.rate_hz
-        return digest(file_key(self.path), of.rig.names, rate, of.corrections(), of.frames)
+        masks = masks_key(of.root, of.settings, of.rig.names)
+        return digest(file_key(self.path), of.rig.names, rate, of.corrections(), masks, of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
-        """Those of the calibrated cameras.
+        """Those of the calibrated cameras, without what the session's `[masks]` cover.
 
         Raises:
             KinemarkError: the file holds none, contradicts the rate, or lacks a camera.
         """
-        of = self.of
         found = self._read()
-        rate = of.rate(found.rate)
+        rate = self.of.rate(found.rate)
         if abs(rate - found.rate) > 0.01 * rate:
             raise KinemarkError(
                 f"{self.path} says {found.rate:g} Hz and session.toml rate_hz = {rate:g}. Correct or remove rate_hz."
             )
         if not len(found):
             raise KinemarkError(f"{self.path} has no 2D points. Check that it was written to the end.")
-        if missing := sorted(set(of.rig.names) - set(found.cameras)):
-            if self.path.suffix.lower() == ".csv" and set(found.cameras) <= set(of.rig.names) and len(found.cameras) > 1:
-                found = read_detections_csv(self.path, rate=rate, cameras=of.rig.names)  # rows name no camera that
-                return of.corrected(within(found, of)).detections  # saw nothing
-            raise KinemarkError(
-                f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
-                "Give them the same names in both, and name in [cameras] those to be used."
-            )
-        return of.corrected(within(found.select(of.rig.names), of)).detections
+        of, found = self.of, self._of_all(found)
+        masks = masks_of(of.root, of.settings, of.rig.names)
+        return of.corrected(within(masked_centroids(found, masks) if masks else found, of)).detections
+
+    def _of_all(self, found: Detections) -> Detections:
+        """Those of the calibrated cameras, in their order; a table names no camera that saw nothing.
+
+        Raises:
+            KinemarkError: the file lacks a camera.
+        """
+        names, own = self.of.rig.names, set(found.cameras)
+        if not (missing := sorted(set(names) - own)):
+            return found.select(names)
+        if self.path.suffix.lower() == ".csv" and own <= set(names) and len(own) > 1:
+            return read_detections_csv(self.path, rate=found.rate, cameras=names)
+        raise KinemarkError(
+            f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
+            "Give them the same names in both, and name in [cameras] those to be used."
+        )
 
     def _read(self) -> Detections:
         """All that the file holds."""

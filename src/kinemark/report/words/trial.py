@@ -260,7 +260,7 @@ TRIAL_WORDS = {
     "too_few_frames": Words(
         "The recording has {frame_count} {frame_count:frame|frames}, and a track needs {least}: it is known by its "
         "motion.",
-        "Record some more; or set method = \"distance_only\" under [track], which needs no motion.",
+        'Record some more; or set method = "distance_only" under [track], which needs no motion.',
     ),
     "speeds_impossible": Words(
         "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
@@ -290,6 +290,11 @@ TRIAL_WORDS = {
         "{tracks} {tracks:track likely continues an earlier one|tracks likely continue earlier ones} after a gap, and "
         "{tracks:is|are} not joined to {tracks:it|them}: earlier {earlier_list}, later {later_list}.",
         "Names that are given to both, by identification or by hand, join them.",
+    ),
+    "tracks_still": Words(
+        "{markers:Track|Tracks} {marker_names} {markers:stays|stay} within {limit_mm:1} while the others move by "
+        "{moved_mm:0}: probably {markers:a lamp or reflection|lamps or reflections}, and counted among the markers.",
+        "Cover them, or mask them under [masks]; if they are markers on something that does not move, all is well.",
     ),
     "tracks_confusable": Words(
         "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that "

@@ -4,7 +4,8 @@ Each camera is compared with what all the others together say. From its images i
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
 The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2).
 A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
-still lies about may never have been in its sight (5).
+still lies about may never have been in its sight (5). Nor has one that was as long without images before: few markers
+turn away from it now and then (6).
 A camera whose images fit nothing may be another one's: its images are tried with the calibration of each other (3).
 Images that lie where the marker was, or will be, show a camera that is not synchronous (`time_offsets`).
 A rate that is wrong changes all speeds by one factor, which no image tells; only one that makes people faster than they
@@ -95,10 +96,10 @@ def _without_images(detections: Detections, result: TrackingResult, c: int) -> l
         return [make_finding("camera_without_images", cameras=name)] if n else []
     inside = _in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))
     should = result.tracks.cloud.frame[inside & _of_tracks_seen(result, c)]
-    found = []
-    if n - some[-1] > n / PARTS and (should > some[-1]).sum() >= FEW:
+    found, long = [], max(n / PARTS, 2 * np.diff(some, prepend=some[0]).max())  # (6)
+    if n - some[-1] > long and (should > some[-1]).sum() >= FEW:
         found.append(make_finding("camera_stopped", cameras=name, frames=[(some[-1] + 1, n - 1)], recorded_frames=n))
-    if some[0] > n / PARTS and (should < some[0]).sum() >= FEW:
+    if some[0] > long and (should < some[0]).sum() >= FEW:
         found.append(make_finding("camera_started_late", cameras=name, frames=[(0, some[0] - 1)], recorded_frames=n))
     return found
 

@@ -20,7 +20,6 @@ from .candidate_points import CandidatePoints, find_candidate_points
 from .detection_index import Images
 from .simultaneous_method import Simultaneous
 
-
 LEAST_FRAMES = 3
 """From which a track is initiated; by definition of (1)."""
 

@@ -47,7 +47,11 @@ class Simultaneous(Method):
         0.05, former="every", unit="s", above=0, meaning="how often new tracks are initiated"
     )
     min_duration: float = parameter(
-        0.06, former="shortest", unit="s", above=0, meaning="least duration of a track, and at least four points, or that of a shorter recording"
+        0.06,
+        former="shortest",
+        unit="s",
+        above=0,
+        meaning="least duration of a track, and at least four points, or that of a shorter recording",
     )
     max_gap: float = parameter(
         1.0, former="gap", unit="s", above=0, meaning="longest gap over which fragments are stitched"

@@ -41,6 +41,10 @@ TRIAL_KINDS = (
     Kind("cameras_swapped", "match", "amber", "Two cameras have each other's images; several pairs where they do as "
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),
+    Kind("pixel_axes_differ", "match", "red", "The images count their pixels along other axes than the calibration: v "
+         "from the bottom (v_up), u from the right (u_left), both (turned), or the row before the column (exchanged). "
+         "Shares of the detections confirmed by two more cameras, counted so and as it is, in the median camera.",
+         {"way": "text", "other_share": "share", "as_is_share": "share"}),
     # What tracks show of their input
     Kind("camera_out_of_sync", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others; shift_px is how far that moves its images.",

@@ -32,19 +32,18 @@ def swapped_cameras(
     part of a point on three are swapped in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
     many as before. In a room as symmetrical as its cameras two pairs may do as well, and both are named.
     """
-    confirmed = _confirmed(detections, cloud)
+    confirmed = confirmed_shares(detections, cloud)
     unconfirmed = np.flatnonzero(confirmed < LITTLE)
     if len(rig) < 3 or len(unconfirmed) < 2:
         return ()
-    frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
-    few = detections.keep(np.isin(detections.frame, frames))
+    few = some_frames(detections)
     shares: dict[tuple[str, str], float] = {}
     for a, b in list(combinations(map(int, unconfirmed), 2))[:MOST_PAIRS]:
         cameras = list(rig.cameras)
         cameras[a], cameras[b] = replace(rig[b], name=rig.names[a]), replace(rig[a], name=rig.names[b])
         other = replace(rig, cameras=tuple(cameras))
         points = reconstruct(match(few, other, method=matching), few, other, method=placing)
-        now, before = (share[[a, b]] for share in (_confirmed(few, points), confirmed))
+        now, before = (share[[a, b]] for share in (confirmed_shares(few, points), confirmed))
         if now.min() > max(AS_MUCH, 2 * before.max()):
             shares[rig.names[a], rig.names[b]] = float(now.min())
     best = [pair for pair, share in shares.items() if share > AS_GOOD * max(shares.values())]
@@ -60,7 +59,13 @@ def swapped_cameras(
     )
 
 
-def _confirmed(detections: Detections, cloud: Cloud) -> NDArray[np.float64]:
+def some_frames(detections: Detections) -> Detections:
+    """Those of LOOKED_AT frames, spread over the recording."""
+    frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
+    return detections.keep(np.isin(detections.frame, frames))
+
+
+def confirmed_shares(detections: Detections, cloud: Cloud) -> NDArray[np.float64]:
     """(C) share of each camera's valid detections that became part of a point on three cameras; 1 where it has none."""
     valid = np.bincount(detections.camera[detections.valid], minlength=len(detections.cameras))
     three = cloud.detection[(cloud.detection >= 0).sum(1) >= 3]

@@ -53,6 +53,7 @@ from .naming import FILES, Earlier, NamedTracks, load_named, save_named
 from .naming.claims import claims_of
 from .naming.label_stage import given_of, name_trial, static_of
 from .naming.naming import with_names
+from .pixel_axes import pixel_axes
 from .retracking import retrack_stage
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
@@ -173,7 +174,9 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     first = of.first_frame
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
-    swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
+    cloud, how = tracked.tracks.cloud, {"matching": s.match, "placing": s.reconstruct}
+    axes = pixel_axes(detections, inputs.rig, cloud, **how)
+    swapped = axes or swapped_cameras(detections, inputs.rig, cloud, **how)
     figures = quality(
         session=s.name,
         trial=inputs.name,

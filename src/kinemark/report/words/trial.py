@@ -73,6 +73,21 @@ def _swapped(found: Finding) -> str:
     )
 
 
+COUNTED = {
+    "v_up": "v is counted from the bottom of the images",
+    "u_left": "u is counted from the right of the images",
+    "turned": "pixels are counted from the bottom right corner of the images",
+    "exchanged": "u and v are exchanged",
+}
+
+
+def _pixel_axes(found: Finding) -> str:
+    way = COUNTED[str(found.values["way"])]
+    return f"It seems that {way}" + fill(
+        ": so {other_share} of what a camera saw agrees with two more cameras, and {as_is_share} as it is.", found
+    )
+
+
 def _out_of_sync(found: Finding) -> str:
     delay, frames = (_number(found, f"delay_{unit}") for unit in ("ms", "frames"))
     later = "earlier" if delay < 0 else "later"
@@ -216,6 +231,9 @@ TRIAL_WORDS = {
     "recording_partly_read": Words(
         "Of the recording's file: {parts_list}.",
         "All else was read. Export the recording again where these parts are wanted.",
+    ),
+    "pixel_axes_differ": Words(
+        _pixel_axes, "Write the points with pixel 0, 0 in the top left corner, u to the right and v downwards."
     ),
     "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
     "camera_out_of_sync": Words(

@@ -183,11 +183,17 @@ def _hidden(one: _Piece, at: Sequence[int], n: int) -> _Piece:
     xyz = one.xyz.copy()
     for frame in at:
         xyz[max(frame - n // 2, 0) : frame - n // 2 + n] = np.nan
-    changes = []
+    changes: dict[int, Change] = {}
     for change in one.changes:
         after = np.flatnonzero(np.isfinite(xyz[change.frame :, 0]))
-        changes += [change._replace(frame=change.frame + int(after[0]))] if len(after) else []
-    return _Piece(xyz, one.marker, tuple(changes))
+        if len(after):  # of changes with nothing seen between them the last one counts
+            at = change.frame + int(after[0])
+            changes[at] = change._replace(frame=at)
+    was, kept = one.marker, []
+    for change in changes.values():
+        kept += [change] if change.marker != was else []
+        was = change.marker
+    return _Piece(xyz, one.marker, tuple(kept))
 
 
 def _exchange(a: _Piece, b: _Piece, frames: Ints, rng: np.random.Generator) -> tuple[_Piece, ...]:

@@ -2,6 +2,7 @@
 
     python benchmarks/labelling.py [part of a row's name …] [--pieces 1 15] [--seeds 1 2]    the table
     python benchmarks/labelling.py --exchanges    tracks that go over from one marker to another: found, cut and named
+    python benchmarks/labelling.py --exchanges --hidden 0.1    the same, both hidden for so many seconds about it
     python benchmarks/labelling.py --varied [--seeds 1 2]    all rows, shredded in many ways
 
 How probabilities were measured, and how true they are of random shreds, is `labelling_shreds.py`.
@@ -118,11 +119,14 @@ EXCHANGES = {"exchanges": 2, "returns": 1, "takeovers": 2}
 """Pairs of markers whose tracks are exchanged, for good, for a while, or taken over; half as many of 15 markers."""
 
 
-def cut_result(row: Row, pieces: int, seed: int, *, exchanged: bool = True) -> Cut:
-    """One row whose tracks go over to other markers, labelled as they are, and cut; or whole tracks, as a check."""
+def cut_result(row: Row, pieces: int, seed: int, *, exchanged: bool = True, hidden_s: float = 0.0) -> Cut:
+    """One row whose tracks go over to other markers, labelled as they are, and cut; or whole tracks, as a check.
+
+    Both markers of a change are hidden for a while about it.
+    """
     few = len(row.template) < 20
     how: dict[str, Any] = {key: (n + 1) // 2 if few else n for key, n in EXCHANGES.items()} if exchanged else {}
-    parts = shredded(row.trial, pieces, 2.0, seed, **how)
+    parts = shredded(row.trial, pieces, 2.0, seed, hidden=round(hidden_s * row.trial.rate), **how)
     found = label_switching(parts.tracks, row.template)
     before, after = (
         label(parts.tracks, row.template),
@@ -136,7 +140,7 @@ def names_of(row: Row) -> tuple[str, ...]:
     return row.template.names if row.fits else ()
 
 
-def cut_table(chosen: Sequence[Row], pieces: Sequence[int], seeds: Sequence[int]) -> None:
+def cut_table(chosen: Sequence[Row], pieces: Sequence[int], seeds: Sequence[int], hidden_s: float = 0.0) -> None:
     """A line each: cut to within five frames, cut wrongly, and wrongly of the same trial without exchanges."""
     head = ("cut", "of", "false", "of whole", "right", "→", "wrong", "→", "best r.", "→", "best w.", "→")
     print(f"{'':46s}{'':>4s}" + "".join(f"{one:>9s}" for one in head))
@@ -144,7 +148,8 @@ def cut_table(chosen: Sequence[Row], pieces: Sequence[int], seeds: Sequence[int]
     for row in chosen:
         for n in pieces:
             for seed in seeds:
-                one, plain = cut_result(row, n, seed), cut_result(row, n, seed, exchanged=False)
+                one = cut_result(row, n, seed, hidden_s=hidden_s)
+                plain = cut_result(row, n, seed, exchanged=False)
                 counts = (*one.switches, plain.switches.false)
                 total += counts
                 shares = [100 * getattr(s, key) for key in CUT_SHARES for s in (one.before, one.after)]
@@ -184,11 +189,12 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="*", default=[1])
     parser.add_argument("--varied", action="store_true")
     parser.add_argument("--exchanges", action="store_true")
+    parser.add_argument("--hidden", type=float, default=0.0, help="s, about exchanges")
     asked = parser.parse_args()
     every = [*rows(), *rows_of_parts(), *(more_rows() if asked.varied else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
     if asked.exchanges:
-        cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds)
+        cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds, asked.hidden)
     elif asked.varied:
         table([(row, VARIED[(k + 3) % len(VARIED)]) for k, row in enumerate(chosen)], asked.seeds)
     else:

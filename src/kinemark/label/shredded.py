@@ -72,6 +72,7 @@ def shredded(
     exchanges: int = 0,
     returns: int = 0,
     takeovers: int = 0,
+    hidden: int = 0,
 ) -> Shredded:
     """A trial's markers as tracks without names.
 
@@ -89,6 +90,7 @@ def shredded(
         returns: pairs that do so, and back again after a tenth to four tenths of the trial.
         takeovers: markers whose track goes over to a near one, where that one's own ends; the rest of the first is a
             track of its own.
+        hidden: frames about each of these changes in which neither of both markers is seen.
 
     Raises:
         ValueError: pieces is below 1 or above the number of frames, another number is below 0, or there are not so
@@ -100,7 +102,7 @@ def shredded(
     whole = [_Piece(path.xyz, path.name) for i, path in enumerate(trial) if i not in gone]
     whole += [_Piece(_fixed_to(trial.xyz, other), f"+{k}") for k in range(1, extra + 1)]
     kinds_of = (*[_exchange] * exchanges, *[_return] * returns, *[_takeover] * takeovers)
-    whole = _exchanged(whole, kinds_of, other)
+    whole = _exchanged(whole, kinds_of, other, hidden)
     whole += [_Piece(_standing(trial.xyz, other), None) for _ in range(still)]
     parts = [part for one in whole for part in _cut(one, pieces, at_gaps, rng)]
     parts += _ghosts(trial.xyz, ghosts, kinds, rng)
@@ -144,8 +146,10 @@ def _part(one: _Piece, a: int, b: int) -> _Piece:
     """Frames from a to below b; the track is what it is there."""
     xyz = np.full_like(one.xyz, np.nan)
     xyz[a:b] = one.xyz[a:b]
-    before = [change for change in one.changes if change.frame <= a]
-    inside = tuple(change for change in one.changes if a < change.frame < b)
+    own = np.flatnonzero(np.isfinite(xyz[:, 0]))
+    first, last = (int(own[0]), int(own[-1])) if len(own) else (a, b)
+    before = [change for change in one.changes if change.frame <= first]
+    inside = tuple(change for change in one.changes if first < change.frame <= last)
     return _Piece(xyz, before[-1].marker if before else one.marker, inside)
 
 
@@ -153,8 +157,10 @@ _Exchange = Callable[[_Piece, _Piece, Ints, np.random.Generator], tuple[_Piece, 
 """What two near markers, seen together in some frames, become."""
 
 
-def _exchanged(whole: list[_Piece], kinds: Sequence[_Exchange], rng: np.random.Generator) -> list[_Piece]:
-    """With pairs of nearest markers exchanged, each in one of these ways."""
+def _exchanged(
+    whole: list[_Piece], kinds: Sequence[_Exchange], rng: np.random.Generator, hidden: int
+) -> list[_Piece]:
+    """With pairs of nearest markers exchanged, each in one of these ways, and hidden for some frames about it."""
     left = list(rng.permutation(len(whole)))
     out = list(whole)
     for exchange in kinds:
@@ -163,9 +169,31 @@ def _exchanged(whole: list[_Piece], kinds: Sequence[_Exchange], rng: np.random.G
         b = left.pop(int(np.argmin(apart)))
         frames = np.flatnonzero(_both(whole[a], whole[b]))
         if len(frames) >= 3:
-            out[a], out[b], *rest = exchange(whole[a], whole[b], frames, rng)
+            both = exchange(whole[a], whole[b], frames, rng)
+            at = [change.frame for one in both for change in one.changes]
+            out[a], out[b], *rest = (_hidden(one, at, hidden) for one in both)
             out += rest
     return out
+
+
+def _hidden(one: _Piece, at: Sequence[int], n: int) -> _Piece:
+    """Unseen in n frames about each of these; its own changes are where it is seen again."""
+    if not n:
+        return one
+    xyz = one.xyz.copy()
+    for frame in at:
+        xyz[max(frame - n // 2, 0) : frame - n // 2 + n] = np.nan
+    changes: dict[int, Change] = {}
+    for change in one.changes:
+        after = np.flatnonzero(np.isfinite(xyz[change.frame :, 0]))
+        if len(after):  # of changes with nothing seen between them the last one counts
+            at = change.frame + int(after[0])
+            changes[at] = change._replace(frame=at)
+    was, kept = one.marker, []
+    for change in changes.values():
+        kept += [change] if change.marker != was else []
+        was = change.marker
+    return _Piece(xyz, one.marker, tuple(kept))
 
 
 def _exchange(a: _Piece, b: _Piece, frames: Ints, rng: np.random.Generator) -> tuple[_Piece, ...]:

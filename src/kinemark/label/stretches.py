@@ -92,8 +92,8 @@ def _links(xyz: Floats, seen: Bools, start: Ints, stop: Ints, rate: float, size:
     column = np.concatenate([order[a:b] for a, b in zip(lo, hi, strict=True)])
     width = max(1, round(SPEED_S * rate))
     last, first = stop - 1, start
-    out = np.array([_speed(xyz[t], seen[t], last[t], -width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
-    into = np.array([_speed(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
+    out = np.array([speed_at(xyz[t], seen[t], last[t], -width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
+    into = np.array([speed_at(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
     frames = (first[column] - last[row]).astype(float)
     step = xyz[column, first[column]] - xyz[row, last[row]] - 0.5 * (out[row] + into[column]) * frames[:, None]
     nats = link_nats(step, frames, rate, size)
@@ -106,11 +106,11 @@ def link_nats(step: Floats, frames: Floats | Ints, rate: float, size: float) -> 
     dt = frames / rate
     sigma = size * np.hypot(NOISE_SHARE, ACCELERATION * 0.25 * dt * dt + NOISE_SHARE * frames / width)
     volume = (0.5 * size) ** 3
-    nats = np.log(volume / (sigma * np.sqrt(2 * np.pi)) ** 3) - 0.5 * (step**2).sum(1) / sigma**2
+    nats = np.log(volume / (sigma * np.sqrt(2 * np.pi)) ** 3) - 0.5 * (step**2).sum(-1) / sigma**2
     return np.asarray(nats)
 
 
-def _speed(xyz: Floats, seen: Bools, at: int, width: int) -> Floats:
+def speed_at(xyz: Floats, seen: Bools, at: int, width: int) -> Floats:
     """mm a frame at a track's end, of what is seen within `width` frames of it."""
     other = min(max(at + width, 0), len(xyz) - 1)
     frames = np.arange(min(at, other), max(at, other) + 1)

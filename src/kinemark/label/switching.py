@@ -15,6 +15,7 @@ from ..data import Trajectories
 from ..data.array_types import Ints
 from .breaks import find_breaks
 from .cutting import cut
+from .hidden import find_hidden
 from .label import label
 from .labels import Labels
 from .stated import fixed_labels
@@ -24,6 +25,10 @@ from .template import Template
 
 ROUNDS = 3
 """Of naming and cutting; chosen: what hid behind other exchanges is found the second time."""
+
+
+_Cut = tuple[int, int]
+"""Of a track, before a frame."""
 
 
 class Switch(NamedTuple):
@@ -71,8 +76,9 @@ def label_switching(
         KinemarkError: there are no tracks.
     """
     free = np.flatnonzero(fixed_labels(tracks, template, stated) == FREE)
-    breaks = find_breaks(tracks, template.size, free)
-    cuts = set(breaks)
+    hidden = find_hidden(tracks, template.size, free)
+    breaks = find_breaks(tracks, template.size, free) | hidden.changed
+    cuts = breaks | hidden.open
     now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
     labels = label(now, template, method=method, stated=stated)
     for _ in range(ROUNDS):
@@ -82,40 +88,50 @@ def label_switching(
         cuts |= new
         now, of = cut(tracks, cuts)
         labels = label(now, template, method=method, stated=stated)
-    kept = _kept(now, of, labels, cuts, breaks)
+    kept = _kept(now, of, labels, cuts, breaks, hidden.open)
     while len(kept) < len(cuts):  # ends, as there are fewer each time
         cuts = kept
         now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
         labels = label(now, template, method=method, stated=stated)
-        kept = _kept(now, of, labels, cuts, breaks)
+        kept = _kept(now, of, labels, cuts, breaks, hidden.open)
     return CutLabels(now, labels, of, _switches(now, of, labels, cuts))
 
 
 def _kept(
-    now: Trajectories, of: Ints, labels: Labels, cuts: set[tuple[int, int]], breaks: set[tuple[int, int]]
-) -> set[tuple[int, int]]:
-    """The cuts whose two sides have names, and different ones; of `breaks` also those of which one side has none."""
-    sides = {one: _sides(now, of, labels, one) for one in cuts}
-    return {one for one, (was, to) in sides.items() if was != to and (one in breaks or None not in (was, to))}
+    now: Trajectories, of: Ints, labels: Labels, cuts: set[_Cut], breaks: set[_Cut], open_: set[_Cut]
+) -> set[_Cut]:
+    """The cuts whose two sides have names, and different ones.
+
+    Of `breaks` also those of which one side has none, and of those that are open also those of which one is not sure.
+    """
+    kept = set()
+    for one in cuts:
+        (was, sure), (to, as_well) = _sides(now, of, labels, one)
+        unlike = was != to and (one in breaks or None not in (was, to))
+        if unlike or (one in open_ and sure != as_well):
+            kept.add(one)
+    return kept
 
 
 def _switches(now: Trajectories, of: Ints, labels: Labels, cuts: set[tuple[int, int]]) -> tuple[Switch, ...]:
     """The cuts whose two sides have names, and different ones."""
     found = []
     for t, frame in sorted(cuts):
-        was, to = _sides(now, of, labels, (t, frame))
+        (was, _), (to, _) = _sides(now, of, labels, (t, frame))
         if was is not None and to is not None and was != to:
             found.append(Switch(t, frame, was, to))
     return tuple(found)
 
 
-def _sides(now: Trajectories, of: Ints, labels: Labels, one: tuple[int, int]) -> tuple[str | None, str | None]:
-    """Names of the pieces before and after a cut (track, frame); None for what has none."""
+def _sides(now: Trajectories, of: Ints, labels: Labels, one: _Cut) -> tuple[tuple[str | None, bool], ...]:
+    """Names of the pieces before and after a cut, and whether they are sure; None for what has none."""
     t, frame = one
     pieces = np.flatnonzero(of == t)
     seen = np.isfinite(now.xyz[pieces, :, 0])
     before, after = pieces[seen[:, :frame].any(1)], pieces[seen[:, frame:].any(1)]
-    return (labels.names[before[-1]], labels.names[after[0]]) if len(before) and len(after) else (None, None)
+    if not len(before) or not len(after):
+        return (None, False), (None, False)
+    return tuple((labels.names[p], labels.state[p] == "sure") for p in (before[-1], after[0]))
 
 
 def _turns(

@@ -73,7 +73,9 @@ def label_by_distances(
     label = np.array([template.names.index(one) if one is not None else -1 for one in found.names])
     holds = held(stretches_of(trajectories, template.size), label, PairScore.of_template(template))
     refused = refusal(found.fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
-    return replace(found, placed=placed, refused=None) if refused is None else _nothing_named(found, placed, holds, method)
+    return (
+        replace(found, placed=placed, refused=None) if refused is None else _nothing_named(found, placed, holds, method)
+    )
 
 
 def _of_body(

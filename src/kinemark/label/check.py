@@ -21,6 +21,11 @@ LEAST_NATS = 8.0
 """What an exchange must gain a frame to be said; chosen: it stands above what soft tissue makes of near markers."""
 
 
+PEERS = 3
+"""Names of which most is told, by which an exchange must gain as well; chosen, as many as place it. Two bodies that
+stand otherwise to each other than the template shows are off in all distances between them, which are many."""
+
+
 class Exchanged(NamedTuple):
     """Two markers whose names fit better the other way round.
 
@@ -50,24 +55,34 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
     stretches = stretches_of(known, template.size)
     label = np.array([template.names.index(name) for name in known.names])
     y = places(stretches, label, len(template))
-    exchanger = Exchanger.of(template, PairScore.of_template(template))
+    pairs = PairScore.of_template(template)
+    exchanger = Exchanger.of(template, pairs)
+    near = exchanger._replace(pairs=by_peers(pairs))
     window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
     found: list[Exchanged] = []
     for part in np.unique(window):
         rows = np.flatnonzero(window == part)
-        found += _in_window(y[rows], exchanger, template, stretches.frame[rows])
+        found += _in_window(y[rows], exchanger, near, template, stretches.frame[rows])
     return _merged(found, round(2 * WINDOW_S * trajectories.rate))
 
 
-def _in_window(y: Single, exchanger: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:
-    """Of these frames."""
+def by_peers(pairs: PairScore) -> PairScore:
+    """The same of the pairs alone of which one is among the `PEERS` that tell most of the other."""
+    told = pairs.expected
+    peers = (told > 0) & (told >= np.sort(told, axis=1)[:, [-min(PEERS, len(told))]])
+    kept = (peers | peers.T).astype(np.float32)
+    return pairs._replace(inverse=pairs.inverse * kept, base=pairs.base * kept, least=pairs.least * kept)
+
+
+def _in_window(y: Single, exchanger: Exchanger, near: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:
+    """Of these frames; `near` is the same by each one's peers alone."""
     seen: NDArray[np.bool_] = np.isfinite(y[..., 0]).sum(0) > 0
     moves = [move for move in exchanger.twos if seen[list(move[0])].all()]
-    gains = exchanger.gains(y, moves)
+    gains, own = exchanger.gains(y, moves), near.gains(y, moves)
     return [
         Exchanged((template.names[a], template.names[b]), int(frame[0]), int(frame[-1]) + 1, float(gain))
-        for ((a, b), _), gain in zip(moves, gains, strict=True)
-        if gain > LEAST_NATS
+        for ((a, b), _), gain, near_gain in zip(moves, gains, own, strict=True)
+        if gain > LEAST_NATS and near_gain > 0
     ]
 
 

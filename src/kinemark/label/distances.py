@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,11 +18,16 @@ from .held import held
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, margins, probability
+from .parts import placed_share, with_parts
 from .solve import solve, solve_with_facts
 from .stage import LABEL
 from .stated import anchored, fixed_labels
 from .stretches import FREE, Stretches, stretches_of
 from .template import Template
+
+LEAST_PART = 0.2
+"""Share of the samples that a first part of the body must place, for others to be looked for; chosen: sitting, of which
+a walk showed nothing, pelvis and trunk place a third."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +60,28 @@ class Distances(Method):
 def label_by_distances(
     trajectories: Trajectories, template: Template, *, method: Distances, stated: Mapping[str, str | None]
 ) -> Labels:
-    """See `label`."""
+    """See `label`: the whole body, then parts that it left without names; refused where both name too little."""
+
+    def name(tracks: Trajectories, by: Template, facts: Mapping[str, str | None]) -> Labels:
+        return _of_body(tracks, by, replace(method, least_placed=LEAST_PART), facts)
+
+    body = name(trajectories, template, stated)
+    found = with_parts(trajectories, body, template, name, stated)
+    if found is body:
+        return body if body.placed >= method.least_placed else _nothing_named(body, body.placed, 1.0, method)
+    placed = placed_share(np.isfinite(trajectories.xyz[..., 0]), found, len(template))
+    label = np.array([template.names.index(one) if one is not None else -1 for one in found.names])
+    holds = held(stretches_of(trajectories, template.size), label, PairScore.of_template(template))
+    refused = refusal(found.fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
+    return (
+        replace(found, placed=placed, refused=None) if refused is None else _nothing_named(found, placed, holds, method)
+    )
+
+
+def _of_body(
+    trajectories: Trajectories, template: Template, method: Distances, stated: Mapping[str, str | None]
+) -> Labels:
+    """By the template as one body."""
     fixed = fixed_labels(trajectories, template, stated)
     stretches = stretches_of(trajectories, template.size, fixed)
     pairs = PairScore.of_template(template)
@@ -104,6 +130,13 @@ def probability_of_all(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit
     )
     return probability(about, weight, shift=shift, label=beta, gained=gained)
+
+
+def _nothing_named(found: Labels, placed: float, holds: float, method: Distances) -> Labels:
+    """Labels without any name, as the template does not fit."""
+    refused = refusal(found.fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
+    none, unknown = (None,) * len(found), ("unknown",) * len(found)
+    return Labels(none, np.zeros(len(found)), unknown, none, np.full(len(found), np.nan), found.fit, placed, refused)
 
 
 def _names(label: Ints, template: Template) -> tuple[str | None, ...]:

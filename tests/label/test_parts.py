@@ -1,0 +1,79 @@
+"""Bodies that move by themselves, and limbs in postures that the template never showed, are named part by part."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy
+
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.io.marker_sets import read_marker_set
+from kinemark.label import label, learn_template, score_labels, shredded
+from kinemark.label.parts import Found, _rivalled, stiff_parts
+from support.wearing import body_of, moving
+
+SET = read_marker_set("plug-in-gait-full")
+ARM = ("UPA", "ELB", "FRM", "WRA", "WRB", "FIN")
+
+
+def tools(shape, seed, *, n=4, frames=200):
+    """Bodies of four markers each, which wander and turn by themselves; `shape` says which bodies."""
+    rng = np.random.default_rng(shape)
+    places = rng.normal(0, 40, (n, 4, 3))
+    rng, t = np.random.default_rng([shape, seed]), np.arange(frames) / 100.0
+    paths = []
+    for k, body in enumerate(places):
+        turns = np.array([sum(rng.normal(0, 0.5) * np.sin(2 * t * w + w) for w in (1, 2, 3)) for _ in range(3)]).T
+        way = np.array([sum(rng.normal(0, 90) * np.sin(2 * t * w + w) for w in (1, 2)) for _ in range(3)]).T
+        xyz = np.einsum("fij,mj->mfi", scipy.spatial.transform.Rotation.from_rotvec(turns).as_matrix(), body)
+        xyz += way + rng.normal(0, 150, 3) + rng.normal(0, 0.2, xyz.shape)
+        paths += [MarkerTrajectory.measured(f"{'ABCD'[k]}{m}", one) for m, one in enumerate(xyz, 1)]
+    return Trajectories(tuple(paths), 100.0)
+
+
+@cache
+def worn():
+    """A template of a walk, and another walk with the arms raised sideways, which the first never shows."""
+    body = body_of(SET, 4)
+    trial, new = moving(SET, body, 41), {}
+    for side, angle in (("L", 1.9), ("R", -1.9)):
+        joint = trial[f"{side}SHO"].xyz - [0.0, 0.0, 30.0]
+        turn = scipy.spatial.transform.Rotation.from_rotvec([angle, 0.0, 0.0]).as_matrix()
+        for name in (side + end for end in ARM):
+            new[name] = MarkerTrajectory.measured(name, (trial[name].xyz - joint) @ turn.T + joint)
+    return learn_template(moving(SET, body, 40)), replace(trial, paths=tuple(new.get(p.name, p) for p in trial))
+
+
+@pytest.mark.parametrize("seed", [1, 3, 4, 6])
+def test_tools_are_named_whatever_their_places_to_each_other(seed):
+    template, parts = learn_template(tools(seed, 1)), shredded(tools(seed, 2), 2, 1.0, seed)
+    score = score_labels(label(parts.tracks, template), parts, template.names)
+    assert score.best_right > 0.99 and score.right > 0.9 and score.wrong == 0 and score.ghosts == 0  # 1: .65, 4: .75
+
+
+def test_arms_in_a_new_posture_are_named():
+    template, trial = worn()
+    parts = shredded(trial, 1, 1.0, 5)
+    score = score_labels(label(parts.tracks, template), parts, template.names)
+    assert score.best_right > 0.85 and score.wrong == 0 and score.ghosts == 0  # by the body as a whole .79
+
+
+def test_a_part_is_what_keeps_all_its_distances():
+    template = learn_template(tools(1, 1))
+    found = {tuple(template.names[a] for a in part) for part in stiff_parts(template, np.ones(len(template), bool))}
+    assert found == {tuple(f"{body}{m}" for m in (1, 2, 3, 4)) for body in "ABCD"}
+
+
+def test_a_part_that_another_fits_as_well_is_doubted():
+    left, right, other = (
+        Found(dict.fromkeys(at, 0), None, score)
+        for at, score in (([1, 2, 3, 4], 40.0), ([2, 3, 4], 35.0), ([5, 6, 7], 50.0))
+    )
+    assert _rivalled(left, [left, right, other]) and not _rivalled(other, [left, right, other])
+    assert not _rivalled(left, [left, right._replace(score=20.0), other])
+
+
+def test_other_tools_are_refused():
+    found = label(shredded(tools(8, 2), 1, 1.0, 1).tracks, learn_template(tools(7, 1)))
+    assert found.refused is not None and not any(found.names)

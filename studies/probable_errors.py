@@ -70,17 +70,8 @@ LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 LEVELLED, LOOK = ("leap", "spike_in_file"), -2.94  # kinds of `levelled`, and log-odds of what is worth a look
 KINDS = (
-    "change",
-    "cut",
-    "change_in_file",
-    "spike",
-    "spike_in_file",
-    "leap",
-    "piece",
-    "piece_in_file",
-    "filling",
-    "ghost",
-)
+    "change", "cut", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "filling", "ghost",
+)  # fmt: skip
 
 
 class Known(NamedTuple):

@@ -62,7 +62,7 @@ def test_a_clean_walk_has_none_worth_a_look(seed, step):
 def test_what_comes_to_rest_by_and_by_was_measured():
     """A cup that is put on a table, in a file that was filtered."""
     share = (1 - np.cos(np.pi * np.clip(np.arange(400) / RATE - 1, 0, 1))) / 2
-    cup = np.column_stack([300 * share, 0 * share, 200 * share * (1 - share)]) + [900.0, 0, 700]
+    cup = np.column_stack([300 * share, 0 * share, 200 * share * (1 - share)]) + np.array([900.0, 0, 700])
     cup += np.random.default_rng(4).normal(0, 0.2, cup.shape)
     whole = clean()
     xyz = np.array([butterworth(path, rate=RATE, cutoff_hz=6.0) for path in [*whole.xyz, cup]])
@@ -77,5 +77,5 @@ def test_where_all_stand_still_nobody_was_filled():
 
 def test_nothing_hangs_on_the_origin():
     trial = filled(clean(), "straight")
-    far = with_xyz(trial, dict(enumerate(trial.xyz + [2e6, -1e6, 0.0])))
+    far = with_xyz(trial, dict(enumerate(trial.xyz + np.array([2e6, -1e6, 0.0]))))
     assert likely(far) == likely(trial)

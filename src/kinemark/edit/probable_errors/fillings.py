@@ -35,6 +35,9 @@ ROUNDED_MM = 3e-4
 BIN_MM, OFTEN = 1e-3, 0.01
 """Bins of components of second differences, mm, and the share of them that one bin has where the numbers of a file are
 multiples of a step, the least such bin being that; chosen: of other numbers it has that where all are as small."""
+MOVES = 4.0
+"""Times what rounding makes of a second difference that it is beside a filling at least; chosen: where a whole body
+rests within the step of its file, what does not move tells nothing."""
 KINK = -2.0
 """`FillingEvidence.own` and `edge` that a filling has at most; chosen: an eighth, which a marker at rest seldom comes
 to from one frame to the next."""
@@ -118,7 +121,7 @@ def _median(rows: Floats) -> Floats:
 def _of_path(paths: Paths, p: int, second: Floats, beside: Floats, rounded: float) -> Iterator[Filling]:
     """Those of one path with these second differences (F), and those beside it (F)."""
     with np.errstate(invalid="ignore"):
-        small: Bools = (second < SMALL * beside + rounded) & (beside > 2 * rounded)  # (2)
+        small: Bools = (second < SMALL * beside + rounded) & (beside > MOVES * rounded)  # (2)
     runs = [(a, b) for a, b in true_runs(small).tolist() if b - a >= FEWEST]
     elsewhere = np.isfinite(second)
     for a, b in runs:

@@ -9,6 +9,8 @@ rough      in files: up to three paths near each other have up to three wrong st
            frames, at another marker's place or 20 to 200 mm off; some end or begin at a gap; steps are smeared over 1
            to 6 frames, as filters do
 smeared    in files: two paths have each other's samples from a frame on, and were filtered afterwards
+filled     in files: for 0.05 to 1.5 s a path stands still and jumps back, or goes straight; or it stands still from a
+           frame on, or up to one: nobody's samples
 """
 
 from __future__ import annotations
@@ -241,9 +243,30 @@ def smeared_over(inside: Floats, n: int) -> Floats:
     return np.convolve(np.pad(inside, n, mode="edge"), weight / weight.sum(), mode="same")[n:-n]
 
 
+def filled(faulty: Faulty, rng: np.random.Generator) -> bool:
+    where = place(faulty, rng, at_gap=False)
+    if not where or faulty.images:
+        return False
+    p, f = where
+    n = max(4, round(float(np.exp(rng.uniform(np.log(0.05), np.log(1.5)))) * faulty.source.rate))
+    own, x = faulty.seen(p), faulty.columns[p]["xyz"]
+    inside = own[(own >= f) & (own < f + n)]
+    if len(inside) < n or f + n > own[-1] or f <= own[0]:
+        return False
+    first, last = f - 1, f + n
+    kind = str(rng.choice(["held", "line", "line", "end", "beginning"]))
+    frames = {"end": own[own >= f], "beginning": own[own < last]}.get(kind, inside)
+    share = (frames[:, None] - first) / (last - first)
+    a, b = x[first].copy(), x[last].copy()
+    x[frames] = a * (1 - share) + b * share if kind == "line" else b if kind == "beginning" else a
+    faulty.owner[p][frames] = -1
+    faulty.done.append(("filled", int(frames[len(frames) // 2])))
+    return True
+
+
 KINDS: dict[str, Callable[[Faulty, np.random.Generator], bool]] = {
     "exchange": exchange, "stretch": stretch, "join": join, "spike": spike, "cut": cut, "rough": rough,
-    "smeared": smeared,
+    "smeared": smeared, "filled": filled,
 }  # fmt: skip
 
 

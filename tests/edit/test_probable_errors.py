@@ -1,5 +1,7 @@
 """Errors of paths are found where they are, with probabilities that tell them from what is right."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -187,6 +189,20 @@ def test_only_short_rough_paths_without_a_name_are_ghosts():
     trial = trajectories([*xyz, ghost], ["*7", *names[1:], "*99"])
     found = {trial.names[one.path]: one.wrong for one in ghosts(Paths.of(trial), trial)}
     assert set(found) == {"*7", "*99"} and not any(map(is_named, found)) and found["*99"] > 10 * found["*7"]
+
+
+def test_a_path_whose_rays_meet_under_a_small_angle_is_likelier_a_ghost():
+    """By its stated covariance alone: a short piece of a marker that is seen as well has a small one."""
+    names, xyz = walk()
+    short = np.full((2, *xyz.shape[1:]), np.nan)
+    short[:, 100:140] = xyz[:2, 100:140] + [[[500.0, 0.0, 0.0]], [[0.0, 500.0, 0.0]]]
+    trial = trajectories([*xyz, *short], [*names, "*1", "*2"])
+    cov = np.full((len(trial), xyz.shape[1], 3, 3), np.eye(3) * 0.5**2)
+    cov[-1] = np.diag([20.0, 3.0, 3.0]) ** 2
+    paths = tuple(replace(path, cov=one) for path, one in zip(trial, cov, strict=True))
+    trial = replace(trial, paths=paths)
+    marker, ghost = (one.wrong for one in ghosts(Paths.of(trial), trial))
+    assert ghost > 5 * marker
 
 
 def test_ends_meet_within_what_is_stated_in_half_of_all_cases():

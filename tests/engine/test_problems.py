@@ -82,6 +82,31 @@ def test_a_leap_is_one_problem_and_its_best_alternative_leaves_only_right_sample
     assert not asked(editing, 0.05)
 
 
+@pytest.mark.parametrize("held", [True, False])
+def test_samples_that_nobody_measured_are_one_problem_and_are_erased(tmp_path, held):
+    """Not the leap with which a path that stood still comes back: it is the same marker."""
+    xyz = clean().paths[6].xyz.copy()
+    share = np.zeros(50) if held else np.linspace(0, 1, 52)[1:-1]
+    xyz[150:200] = xyz[149] + share[:, None] * (xyz[200] - xyz[149])
+    editing = editing_of(with_xyz(clean(), {6: xyz}), tmp_path)
+    (one,) = problems(editing).asked
+    assert (one.kind, one.tracks, one.first, one.last) == ("filled", (clean().names[6],), 151, 200)
+    assert one.wrong > 0.9 and one.alternatives[0].action == "erase" and one.kind in OF_IDENTITY
+    editing.say(*one.alternatives[0].edits)
+    left = editing.edited().trajectories[clean().names[6]].xyz
+    assert np.isnan(left[150:200]).all() and np.isfinite(left).all(1).sum() == len(left) - 50
+    assert not asked(editing, 0.05)
+
+
+def test_what_was_filled_is_not_asked_again_where_somebody_kept_it(tmp_path):
+    xyz = clean().paths[6].xyz.copy()
+    xyz[150:200] = xyz[149]
+    editing = editing_of(with_xyz(clean(), {6: xyz}), tmp_path)
+    (one,) = problems(editing).asked
+    editing.say(*next(way for way in one.alternatives if way.action == "keep").edits)
+    assert "filled" not in {other.kind for other in problems(editing).items}
+
+
 def test_a_verdict_takes_a_problem_away_and_undo_brings_it_back_with_its_id(tmp_path):
     editing = editing_of(faulty(), tmp_path)
     one = asked(editing)[0]

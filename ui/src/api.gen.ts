@@ -3037,7 +3037,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "swap" | "join" | "ghost" | "spike" | "label" | "sides" | "gap" | "edit";
+            kind: "swap" | "join" | "ghost" | "spike" | "filled" | "label" | "sides" | "gap" | "edit";
             /** Last */
             last: number;
             /** Tracks */

@@ -15,7 +15,7 @@ vi.stubGlobal("location", { search: "?still", hash: "" });
 
 /** The ways that the server gives for each kind (engine/problems), in some order of their costs. */
 const WAYS: Record<Problem["kind"], Action[]> = {
-  swap: ["exchange", "keep"], join: ["join", "keep"], ghost: ["no_marker", "keep"], spike: ["keep", "erase"], label: ["rename", "keep"],
+  swap: ["exchange", "keep"], join: ["join", "keep"], ghost: ["no_marker", "keep"], spike: ["keep", "erase"], filled: ["erase", "keep"], label: ["rename", "keep"],
   sides: ["keep", "exchange"], gap: ["fill", "leave_open"], edit: ["drop_edit", "wait"],
 };
 const KINDS = Object.keys(WAYS) as Problem["kind"][];
@@ -81,7 +81,7 @@ describe.each(KINDS)("the foot on a problem of kind %s", (kind) => {
   it("speaks of a gap, of right as it is, and of no marker only where there is such a way", () => {
     show(kind, ["LKNE", "RKNE"]);
     const ids = footLine(get()).map((one) => one.id);
-    expect([ids.includes("open"), ids.includes("right"), ids.includes("drop")]).toEqual([kind === "gap", WAYS[kind].includes("keep"), ["ghost", "spike"].includes(kind)]);
+    expect([ids.includes("open"), ids.includes("right"), ids.includes("drop")]).toEqual([kind === "gap", WAYS[kind].includes("keep"), ["ghost", "spike", "filled"].includes(kind)]);
   });
 });
 

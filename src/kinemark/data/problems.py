@@ -21,12 +21,12 @@ ASK_ABOVE = 0.05
 """Probability below which a problem is not worth a look: the stop rule; chosen: one in twenty is a false alarm's
 rate that people still look at."""
 
-ProblemKind = Literal["swap", "join", "ghost", "spike", "label", "sides", "gap", "edit"]
+ProblemKind = Literal["swap", "join", "ghost", "spike", "filled", "label", "sides", "gap", "edit"]
 """Two paths that go on as each other's; two pieces that are one marker, or a path that is two; a path that is no
-marker; samples that jump away and back; a name that fits no distance; left and right; missing samples; an edit that no
-longer finds its place."""
+marker; samples that jump away and back, or that nobody measured, as they stand still or go straight; a name that fits
+no distance; left and right; missing samples; an edit that no longer finds its place."""
 
-OF_IDENTITY: tuple[ProblemKind, ...] = ("swap", "join", "ghost", "spike", "label", "sides")
+OF_IDENTITY: tuple[ProblemKind, ...] = ("swap", "join", "ghost", "spike", "filled", "label", "sides")
 """Kinds that are errors where they are right; a gap and an edit that is an orphan are there for certain."""
 
 Action = Literal[

@@ -1,4 +1,4 @@
-import { ArrowLeftRight, CircleCheck, Ghost, Link2, Spline, Tag, Unlink, Users, Zap } from "lucide-react";
+import { ArrowLeftRight, CircleCheck, CopyX, Ghost, Link2, Spline, Tag, Unlink, Users, Zap } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { Alternative, Problem } from "../api/types";
 import { count, frames, many, mm, percent } from "../model/format";
@@ -9,7 +9,7 @@ import styles from "./ProblemList.module.css";
 
 const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
   swap: { word: "Exchange?", icon: ArrowLeftRight }, join: { word: "One marker?", icon: Link2 }, gap: { word: "Gap", icon: Spline }, ghost: { word: "Ghost?", icon: Ghost },
-  spike: { word: "Spike?", icon: Zap }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, edit: { word: "Edit lost its place", icon: Unlink },
+  spike: { word: "Spike?", icon: Zap }, filled: { word: "Measured?", icon: CopyX }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, edit: { word: "Edit lost its place", icon: Unlink },
 };
 
 export function ProblemList(): React.JSX.Element {

@@ -1,6 +1,8 @@
-"""Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces."""
+"""Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces, and
+samples that nobody measured."""
 
 from .changes import Change, Evidence, changes
+from .fillings import Filling, fillings
 from .ghosts import Ghost, ghosts
 from .leaps import Leap, leaps
 from .paths import Paths
@@ -12,6 +14,7 @@ from .spikes import Spike, spikes
 __all__ = [
     "Change",
     "Evidence",
+    "Filling",
     "Ghost",
     "Leap",
     "Partner",
@@ -21,6 +24,7 @@ __all__ = [
     "Spike",
     "Told",
     "changes",
+    "fillings",
     "ghosts",
     "leaps",
     "name_probability",

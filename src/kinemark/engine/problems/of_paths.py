@@ -1,8 +1,9 @@
-"""Problems that paths show by themselves: changes of identity, spikes, loose pieces, ghosts."""
+"""Problems that paths show by themselves: changes of identity, spikes, loose pieces, ghosts, unmeasured samples."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from ...data.edits import Edit, is_named
 from ...data.problems import ASK_ABOVE, Alternative, Problem, ProblemKind
 from ...edit.probable_errors import (
     Change,
+    Filling,
     Ghost,
     Leap,
     Paths,
@@ -20,6 +22,7 @@ from ...edit.probable_errors import (
     Spike,
     Told,
     changes,
+    fillings,
     ghosts,
     leaps,
     pieces,
@@ -33,6 +36,8 @@ TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
 LIKELY = 0.5
 """Probability from which on a spike or a leap stands for the changes at its edges; chosen."""
+LEAST_OFF_MM = 1.0
+"""mm that a sample which nobody measured is off at least; chosen: nothing tells less where it is."""
 GHOST_MM = 20.0
 """mm that a sample of no marker is off; chosen: what filling may be off at most."""
 
@@ -46,6 +51,7 @@ class Found(NamedTuple):
     changes: tuple[Change, ...]
     pieces: tuple[Piece, ...]
     ghosts: tuple[Ghost, ...]
+    fillings: tuple[Filling, ...]
 
 
 def of_paths(context: Context) -> Iterator[Problem]:
@@ -63,6 +69,8 @@ def of_paths(context: Context) -> Iterator[Problem]:
             yield _piece(context, piece)
     for ghost in found.ghosts:
         yield _ghost(context, ghost)
+    for filling in found.fillings:
+        yield _filling(context, filling)
 
 
 @lru_cache(maxsize=VERSIONS)
@@ -70,11 +78,27 @@ def _found(some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, to
     """Of these paths; verdicts, choices for gaps and events leave them the same records, and undo brings them back."""
     now = Trajectories(some, rate, first_frame)
     paths = Paths.of(now)
+    made = fillings(paths)
+    if any(one.wrong >= LIKELY for one in made):
+        now = _measured(now, made)
+        paths = Paths.of(now)
     own = changes(paths, places(paths, told))
     off, gone = _each_once(spikes(paths), _not_exchanged(leaps(paths), own))
     own = _once(_not_in_others(own, off, gone, paths), paths)
     own, off, gone = _without_beside(own, off, gone, paths)
-    return Found(paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)))
+    return Found(paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)), tuple(made))
+
+
+def _measured(now: Trajectories, made: Sequence[Filling]) -> Trajectories:
+    """Without the samples that probably nobody measured: they would say how paths go on, and are no evidence."""
+    some = list(now.paths)
+    for p in {one.path for one in made if one.wrong >= LIKELY}:
+        xyz = some[p].xyz.copy()
+        for one in made:
+            if one.path == p and one.wrong >= LIKELY:
+                xyz[one.first : one.last + 1] = np.nan
+        some[p] = MarkerTrajectory.measured(some[p].name, xyz)
+    return replace(now, paths=tuple(some))
 
 
 def _told(context: Context) -> Iterator[Told]:
@@ -315,6 +339,22 @@ def _ghost(context: Context, ghost: Ghost) -> Problem:
         context.id("ghost", ghost.path, ghost.first), "ghost", tracks, first, last, (first + last) // 2, wrong, n,
         wrong * n * GHOST_MM, problem_text("ghost", tracks, first, last, float("nan")), _by_cost(keep, gone),
         ghost.evidence._asdict(),
+    )  # fmt: skip
+
+
+def _filling(context: Context, filling: Filling) -> Problem:
+    """Samples that nobody measured."""
+    tracks, wrong, n = (context.name(filling.path),), filling.wrong, filling.last - filling.first + 1
+    first, last = filling.first + context.start, filling.last + context.start
+    span, cost = ((filling.path,), filling.first, filling.last), wrong * n * max(filling.mm, LEAST_OFF_MM)
+    keep = context.alternative("keep", tracks, first, 1 - wrong, cost, [context.verdict("filled", *span, right=True)])
+    gone = context.alternative(
+        "erase", tracks, first, wrong, (1 - wrong) * n * max(filling.mm, LEAST_OFF_MM),
+        [*context.erase(filling.path, filling.first, filling.last), context.verdict("filled", *span, right=False)],
+    )  # fmt: skip
+    return Problem(
+        context.id("filled", filling.path, filling.first), "filled", tracks, first, last, first, wrong, n, cost,
+        problem_text("filled", tracks, first, last, filling.mm), _by_cost(keep, gone), filling.evidence._asdict(),
     )  # fmt: skip
 
 

@@ -27,6 +27,7 @@ def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int
         "join": f"{one} and {other} may be one marker" if other else f"{one} may be two markers, before and after",
         "ghost": f"{one} may be no marker",
         "spike": f"{one} jumps away and back",
+        "filled": f"{one} may be filled, not measured: it stands still or goes straight",
         "label": f"{one} may be called so by mistake",
         "sides": "left and right may be exchanged",
         "gap": f"{one} has a gap",

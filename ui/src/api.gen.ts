@@ -3630,8 +3630,15 @@ export interface components {
         /**
          * TrackRow
          * @description A trajectory: its frames with samples, and how sure automatic labelling was of its name.
+         *
+         *     `computed`: a point of a file that is no marker, but worked out of markers, as a joint's centre.
          */
         TrackRow: {
+            /**
+             * Computed
+             * @default false
+             */
+            computed: boolean;
             /** First */
             first: number | null;
             /** Last */

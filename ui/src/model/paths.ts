@@ -1,5 +1,5 @@
 /** Paths of markers as typed arrays: one record a marker, so that an edit replaces one and shares the rest. */
-import type { PathsHeader, PathsPart } from "../api/types";
+import type { PathsHeader, PathsPart, TrialHeader } from "../api/types";
 
 export const MISSING = 0, MEASURED = 1, FILLED = 2, EDITED = 3;
 export const ORIGINS = ["missing", "measured", "filled", "edited"] as const;
@@ -74,6 +74,15 @@ export function mergePaths(whole: PathSet, some: PathSet, removed: readonly stri
   for (const name of removed) byName.delete(name);
   for (const [name, path] of some.byName) byName.set(name, path);
   return { ...whole, head: some.head, pending: some.pending, byName };
+}
+
+/** Names of the points of a file that are no markers: axes of segments, centres of joints, midpoints. */
+export const computedNames = (header: TrialHeader | null): string[] => (header?.tracks ?? []).filter((t) => t.computed).map((t) => t.name);
+
+/** The paths that are shown: points that are no markers only where they are asked for. The same set where there are none. */
+export function shownPaths(header: TrialHeader | null, paths: PathSet | null, computed: boolean): PathSet | null {
+  const away = new Set(computed ? [] : computedNames(header));
+  return paths && away.size ? { ...paths, byName: new Map([...paths.byName].filter(([name]) => !away.has(name))) } : paths;
 }
 
 /** A run of frames of one origin: start included, end excluded, counted from 0. */

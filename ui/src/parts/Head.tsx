@@ -1,7 +1,7 @@
 import { useEffect, useState } from "react";
 import { Check, CloudOff, Loader2, Moon, Redo2, Search, Sun, SunMoon, Undo2 } from "lucide-react";
 import { byId } from "../keys/commands";
-import { when } from "../model/format";
+import { many, when } from "../model/format";
 import { goTo } from "../state/load";
 import { set, useParts, useStore, type Theme } from "../state/store";
 import { chooseTheme } from "../state/theme";
@@ -20,7 +20,7 @@ function Where(): React.JSX.Element {
         <>
           {header.session && <span className={styles.step}>{header.session}</span>}
           <span className={styles.step} aria-current="page"><b>{header.name}</b></span>
-          <span className={styles.about}>{header.n_frames} frames · {Number(header.rate.toFixed(2))} Hz · {header.cameras.length ? `${header.cameras.length} cameras` : "no cameras"}</span>
+          <span className={styles.about}>{many(header.n_frames, "frame")} · {Number(header.rate.toFixed(2))} Hz · {header.cameras.length ? many(header.cameras.length, "camera") : "no cameras"}</span>
         </>
       )}
     </nav>

@@ -30,6 +30,7 @@ export function Home(): React.JSX.Element {
     <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
       <div className={styles.page}>
         <div className={styles.top}><h1>Sessions</h1><button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
+        {!home && <p className={styles.none} role="status">The folders are looked through …</p>}
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
             <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>

@@ -1,9 +1,10 @@
 /** What the page knows and what the person looks at. Not the frame: that is the playhead's. */
+import { useMemo } from "react";
 import { create } from "zustand";
 import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
 import type { Detected } from "../model/detections";
-import type { Path, PathSet } from "../model/paths";
+import { shownPaths, type Path, type PathSet } from "../model/paths";
 import { Playhead } from "../model/playhead";
 import type { Tried } from "./detect";
 import type { Digitised } from "./digitise";
@@ -69,6 +70,8 @@ export interface State {
   images: boolean;
   follow: boolean;
   alone: boolean;
+  /** Whether points of a file that are no markers are shown. */
+  computed: boolean;
   bands: boolean;
   fourth: "speed" | "residual";
   side: number;
@@ -96,7 +99,7 @@ export function keep(key: string, value: string): void {
 export const OF_TRIAL = {
   header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, later: [],
   instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
-  alone: false, window: null, detect: null, digitise: null,
+  alone: false, computed: false, window: null, detect: null, digitise: null,
 } satisfies Partial<State>;
 
 export const useStore = create<State>()(() => ({
@@ -112,6 +115,12 @@ export const useSeen = (): State => useStore(useShallow((s) => ({ ...s, busy: 0,
 /** Some parts of the state, so that others draw nothing anew. */
 export const useParts = <K extends keyof State>(...names: readonly K[]): Pick<State, K> =>
   useStore(useShallow((s) => Object.fromEntries(names.map((name) => [name, s[name]])) as Pick<State, K>));
+
+/** The paths as views show them. */
+export function useShownPaths(): PathSet | null {
+  const { header, paths, computed } = useParts("header", "paths", "computed");
+  return useMemo(() => shownPaths(header, paths, computed), [header, paths, computed]);
+}
 
 export const playhead = new Playhead();
 export const get = useStore.getState;

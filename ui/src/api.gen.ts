@@ -3491,11 +3491,16 @@ export interface components {
         };
         /**
          * Standing
-         * @description Whether a trial can be shown, and in words why not.
+         * @description Whether a trial can be shown, and in words why not; `runs`: whether it can be run, as files cannot.
          */
         Standing: {
             /** Ready */
             ready: boolean;
+            /**
+             * Runs
+             * @default true
+             */
+            runs: boolean;
             /**
              * Words
              * @default

@@ -15,7 +15,7 @@ import { askNames, goTo, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import type { Problem } from "../api/types";
-import { currentProblem, get, keep, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
+import { currentProblem, get, keep, ofFile, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
@@ -41,6 +41,7 @@ export interface Command {
 const EDITOR: readonly Screen[] = ["tracks", "gaps"];
 const PLAYED: readonly Screen[] = [...EDITOR, "angles"];
 const hasTrial = (s: State): boolean => s.header !== null;
+const recorded = (s: State): boolean => s.id !== null && !ofFile(s);
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
 const selected = (s: State): boolean => s.selected.length > 0;
 /** Values are said of markers; a track without a name is another one in the next run. */
@@ -154,8 +155,8 @@ export const COMMANDS: readonly Command[] = [
   ...UM2AS_COMMANDS,
   ...DETECT_COMMANDS,
   ...DIGITISE_COMMANDS,
-  { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: (s) => s.id !== null, run: go("detect") },
-  { id: "digitise", keys: ["Alt+Shift+G"], title: "Digitise & verify", group: "Go to", when: (s) => s.id !== null, run: go("digitise") },
+  { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: recorded, run: go("detect") },
+  { id: "digitise", keys: ["Alt+Shift+G"], title: "Digitise & verify", group: "Go to", when: recorded, run: go("digitise") },
   { id: "angles", keys: ["Shift+A"], title: "Angles", group: "Go to", when: hasTrial, run: go("angles") },
   { id: "home", keys: ["Alt+Shift+H"], title: "Home", group: "Go to", run: go("home") },
   { id: "tracks", keys: ["Shift+T"], title: "Tracks", group: "Go to", when: hasTrial, run: go("tracks") },

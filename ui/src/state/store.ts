@@ -43,6 +43,8 @@ export interface State {
   note: Note | null;
   /** Why the screen cannot be shown. */
   unshown: string;
+  /** Whether the trial can be run, as a file of trajectories cannot; not yet known while it is opened. */
+  runs: boolean;
   savedAt: string | null;
 
   problem: string | null;
@@ -104,7 +106,7 @@ export const OF_TRIAL = {
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, unshown: "", limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, unshown: "", runs: true, limit: 5,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));
@@ -130,4 +132,6 @@ export const set = useStore.setState;
 export const still = (): boolean =>
   new URLSearchParams(location.search).has("still") || matchMedia("(prefers-reduced-motion: reduce)").matches;
 
+/** Whether what is looked at is a file of trajectories, without images and recordings. */
+export const ofFile = (s: State): boolean => (s.header ? s.header.session_id === null : !s.runs);
 export const currentProblem = (s: State): Problem | null => (s.screen === "tracks" && s.problems?.problems.find((p) => p.id === s.problem)) || null;

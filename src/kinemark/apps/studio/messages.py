@@ -55,10 +55,11 @@ class TrialCard(Message):
 
 
 class Standing(Message):
-    """Whether a trial can be shown, and in words why not."""
+    """Whether a trial can be shown, and in words why not; `runs`: whether it can be run, as files cannot."""
 
     ready: bool
     words: str = ""
+    runs: bool = True
 
 
 class SessionCard(Message):

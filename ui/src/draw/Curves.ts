@@ -2,7 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { count } from "../model/format";
-import { speed, type Path } from "../model/paths";
+import { hasSd, speed, type Path } from "../model/paths";
 import { palette, type Palette } from "./palette";
 import { soon } from "./soon";
 
@@ -83,7 +83,7 @@ export class Curves {
     const view = this.view, width = this.element.clientWidth, height = this.element.clientHeight;
     if (!view || !view.curves.length || width < 80 || height < 60) return this.clear();
     const p = palette(), each = Math.floor(height / 4), frames = Array.from({ length: view.window[1] - view.window[0] + 1 }, (_, i) => view.window[0] + i);
-    const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map(({ colour, dashed, band }) => [colour, dashed, band])]);
+    const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map((curve) => [curve.colour, curve.dashed, banded(curve, view, 0)])]);
     if (made !== this.made) {
       this.clear();
       for (let k = 0; k < 4; k++) this.add(view, p, frames, k, width, k === 3 ? height - 3 * each : each);
@@ -150,7 +150,7 @@ const axisMark = (n: number): string => count(Number(n.toFixed(6)));
 type Column = (number | null)[];
 
 /** Whether a curve has its 95 % band in a plot. */
-const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false;
+const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false && hasSd(curve.path);
 
 /** The columns of a plot, in the order of its series. */
 function dataOf(view: CurveView, frames: number[], k: number): uPlot.AlignedData {

@@ -105,6 +105,15 @@ export function runs(origin: Uint8Array): readonly Run[] {
   return found;
 }
 
+const SD = new WeakMap<Float32Array, boolean>();
+
+/** Whether anything is known of how uncertain a path is, as most files say nothing of it; looked for once. */
+export function hasSd({ sd }: Path): boolean {
+  let known = SD.get(sd);
+  if (known === undefined) SD.set(sd, (known = sd.some((v) => v > 0)));
+  return known;
+}
+
 /** mm/s of each frame, from the frames beside it; NaN where one is missing. */
 export function speed(path: Path, rate: number): Float32Array {
   const n = path.sd.length, out = new Float32Array(n).fill(NaN), x = path.xyz;

@@ -6,8 +6,8 @@ import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
-import type { Path, PathSet } from "../model/paths";
-import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, type State } from "../state/store";
+import { hasSd, type Path, type PathSet } from "../model/paths";
+import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, type State } from "../state/store";
 import { wantDetections } from "../state/load";
 import { Computed } from "./Computed";
 import styles from "./views.module.css";
@@ -149,11 +149,13 @@ function joined(piece: Path, first: number, paths: PathSet | null): { path: Path
 }
 
 function CurveLegend(): React.JSX.Element {
-  const { selected, instead, screen, candidates, method, bands } = useParts("selected", "instead", "screen", "candidates", "method", "bands"), shown = screen === "tracks" && instead;
+  const { selected, instead, screen, candidates, method, bands } = useParts("selected", "instead", "screen", "candidates", "method", "bands"), paths = useStore((s) => s.paths), shown = screen === "tracks" && instead;
+  const way = screen === "gaps" ? candidates?.candidates.find((c) => c.method === method) : undefined;
+  const shaded = Boolean(way?.sd) || selected.some((name) => paths?.byName.has(name) && hasSd(paths.byName.get(name)!));
   return (
     <p className={styles.legend}>
       <b>{selected.slice(0, 4).join(", ")}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
-      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && " · shaded 95 %"}
+      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && shaded && " · shaded 95 %"}
     </p>
   );
 }

@@ -146,7 +146,7 @@ export class Lanes {
     for (const event of this.header!.events) c.fillRect(NAMES + placeOf(1 + event.time_s * this.header!.rate, width, firstFrame, frames), 9, 1, 5);
     for (const [i, problem] of [...this.problems.entries()].reverse()) { // what is worth a look stands over the others
       const x = NAMES + placeOf(problem.frame, width, firstFrame, frames), own = problem.id === this.marks.problem;
-      c.fillStyle = own ? p.select : i < this.worth ? p.bad : p.line;
+      c.fillStyle = own ? p.select : i < this.worth ? p.bad : p.faint;
       c.beginPath();
       c.moveTo(x - (own ? 6 : 4), own ? 1 : 3);
       c.lineTo(x + (own ? 6 : 4), own ? 1 : 3);

@@ -31,9 +31,9 @@ export function Rail(): React.JSX.Element {
           const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = (inside && !on) || (screen === "cameras" || screen === "um2as") ? inside || !session : screen !== "home" && (!s.id || (IMAGES.includes(screen) && ofFile(s)));
           return (
             <li key={screen}>
-              <button type="button" className={styles.step} disabled={off} title={inside && !on ? "UM²AS is left from the top of its menu: Escape" : IMAGES.includes(screen) && s.id && off ? "A file of trajectories has no images" : undefined} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
+              <button type="button" className={styles.step} disabled={off} title={inside && !on ? "UM²AS is left from the top of its menu: Escape" : IMAGES.includes(screen) && s.id && off ? "A file of trajectories has no images" : TITLES[screen]} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
                 <Icon size={17} aria-hidden />
-                {TITLES[screen]}
+                <span className={styles.words}>{TITLES[screen]}</span>
                 {left > 0 && <span className={styles.count}>{left}<span className="hidden-words"> open</span></span>}
               </button>
             </li>

@@ -3491,11 +3491,16 @@ export interface components {
         };
         /**
          * Standing
-         * @description Whether a trial can be shown, and in words why not.
+         * @description Whether a trial can be shown, and in words why not; `runs`: whether it can be run, as files cannot.
          */
         Standing: {
             /** Ready */
             ready: boolean;
+            /**
+             * Runs
+             * @default true
+             */
+            runs: boolean;
             /**
              * Words
              * @default
@@ -3630,8 +3635,15 @@ export interface components {
         /**
          * TrackRow
          * @description A trajectory: its frames with samples, and how sure automatic labelling was of its name.
+         *
+         *     `computed`: a point of a file that is no marker, but worked out of markers, as a joint's centre.
          */
         TrackRow: {
+            /**
+             * Computed
+             * @default false
+             */
+            computed: boolean;
             /** First */
             first: number | null;
             /** Last */

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -61,8 +62,19 @@ def _all(some: Sequence[Steps]) -> Steps:
     return Steps(frame, xyz, led, off)
 
 
+_KNOWN: WeakKeyDictionary[MarkerTrajectory, tuple[Steps, Steps]] = WeakKeyDictionary()
+"""Steps of paths, as long as somebody has these: an edit changes few, and every look at the trial asks for all."""
+
+
 def _steps(path: MarkerTrajectory) -> tuple[Steps, Steps]:
-    """Those for which (1) holds, forth and back."""
+    """Those for which (1) holds, forth and back; worked out once for each path."""
+    if path not in _KNOWN:
+        _KNOWN[path] = _steps_of(path)
+    return _KNOWN[path]
+
+
+def _steps_of(path: MarkerTrajectory) -> tuple[Steps, Steps]:
+    """The same, worked out."""
     own = np.flatnonzero(np.isfinite(path.xyz[:, 0]))
     if len(own) < 3:
         own = own[:0]

@@ -183,11 +183,14 @@ def image(of: Editing, camera: str, frame: int, u: float, v: float, marker: str 
 def finish(of: Editing, *, first: int | None = None, last: int | None = None) -> tuple[DropUnnamed, Trim]:
     """Drop what is unnamed, and trim all markers to the frames that all of them have (KISS 4.3).
 
+    Points of a file that are no markers stay, and ask for nothing.
+
     Raises:
         KinemarkError: no marker has a name, there is no frame between the first and the last that all have, or there
             are few and nobody said which.
     """
     edited = of.edited().trajectories
+    edited = edited.select([name for name in edited.names if name not in of.computed])
     low, high = common_frames(edited)
     if first is None and last is None and 0 <= high - low < LEAST_COMMON * edited.n_frames - 1:
         raise KinemarkError(

@@ -27,6 +27,7 @@ from .journal import Journal, hash_of_entry
 from .keys import world_key
 from .naming.claims import claims_of
 from .open_trial import OpenTrial
+from .put_aside import computed_names
 from .replays import Replays
 from .trial_inputs import TrialInputs, last_tracked, measured_of
 
@@ -83,6 +84,11 @@ class Editing:
             trial.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions,
             facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
         )  # fmt: skip
+
+    @property
+    def computed(self) -> frozenset[str]:
+        """Points of a file that are no markers (`put_aside`), by the names that it gives them."""
+        return frozenset() if self.source is None else frozenset(computed_names(self.source))
 
     @property
     def outdated(self) -> bool:

@@ -3,7 +3,7 @@ import { decodeDetections, type Detected } from "../model/detections";
 import { decodePaths, type PathSet } from "../model/paths";
 import type {
   Act, ActDone, DetectionsHeader, Difference, GapCandidates, Gaps, History, Home, Labels, PathsHeader, Preview, Problems,
-  TrialHeader, AnswerBody, DetectDraft, DetectFrame, Detection, DigitisingNow, PlacedMarker, PlaceWhy, SetupBody, StartUp, WhyBody,
+  Standing, TrialHeader, AnswerBody, DetectDraft, DetectFrame, Detection, DigitisingNow, PlacedMarker, PlaceWhy, SetupBody, StartUp, WhyBody,
 } from "./types";
 
 /** The server refused: its words are for the person. `head` where the journal has gone on since. */
@@ -48,7 +48,7 @@ const of = (id: string): string => `/trials/${part(id)}`;
 export const home = (): Promise<Home> => json("/home");
 export const trial = (id: string): Promise<TrialHeader> => json(of(id));
 /** Whether a screen of a trial can be shown; what stands in its way is told in words, and is no error of the browser's. */
-export const standing = (id: string, screen: "trial" | "detect" | "digitise" | "report"): Promise<{ ready: boolean; words?: string }> => json(`${of(id)}/standing?screen=${screen}`);
+export const standing = (id: string, screen: "trial" | "detect" | "digitise" | "report"): Promise<Standing> => json(`${of(id)}/standing?screen=${screen}`);
 export const problems = (id: string): Promise<Problems> => json(`${of(id)}/problems`);
 export const gaps = (id: string): Promise<Gaps> => json(`${of(id)}/gaps`);
 export const gap = (id: string, marker: string, first: number): Promise<GapCandidates | null> =>

@@ -8,6 +8,7 @@ type Loose<T> = T extends { kind: infer K } ? { kind: K } & Partial<Omit<T, "kin
 export type Home = Schemas["Home"];
 export type TrialCard = Schemas["TrialCard"];
 export type SessionCard = Schemas["SessionCard"];
+export type Standing = Schemas["Standing"];
 export type TrialHeader = Schemas["TrialHeader"];
 export type TrackRow = Schemas["TrackRow"];
 export type CameraRow = Schemas["CameraRow"];

@@ -1,7 +1,8 @@
 /** X, Y, Z and speed over time with their 95 % bands. `set` what is drawn, `show` a frame, `dispose`. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { speed, type Path } from "../model/paths";
+import { count } from "../model/format";
+import { hasSd, speed, type Path } from "../model/paths";
 import { palette, type Palette } from "./palette";
 import { soon } from "./soon";
 
@@ -82,7 +83,7 @@ export class Curves {
     const view = this.view, width = this.element.clientWidth, height = this.element.clientHeight;
     if (!view || !view.curves.length || width < 80 || height < 60) return this.clear();
     const p = palette(), each = Math.floor(height / 4), frames = Array.from({ length: view.window[1] - view.window[0] + 1 }, (_, i) => view.window[0] + i);
-    const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map(({ colour, dashed, band }) => [colour, dashed, band])]);
+    const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map((curve) => [curve.colour, curve.dashed, banded(curve, view, 0)])]);
     if (made !== this.made) {
       this.clear();
       for (let k = 0; k < 4; k++) this.add(view, p, frames, k, width, k === 3 ? height - 3 * each : each);
@@ -99,7 +100,7 @@ export class Curves {
         series.push({ stroke: "transparent", width: 0, points: { show: false } }, { stroke: "transparent", width: 0, points: { show: false } });
         bands.push({ series: [i + 1, i], fill: `${curve.colour}30` });
       }
-      series.push({ stroke: curve.colour, width: curve.dashed ? 1.6 : 1.4, dash: curve.dashed ? [5, 4] : undefined, points: { show: false }, spanGaps: false });
+      series.push({ stroke: curve.colour, width: curve.dashed ? 1.6 : 1.4, dash: curve.dashed ? [5, 4] : undefined, points: { show: false }, spanGaps: false, pxAlign: 0 });
     }
     const title = k < 3 ? TITLES[k]! : view.fourth === "speed" ? "speed m/s" : "residual mm";
     const axis = { stroke: p.faint, grid: { stroke: p.line, width: 1 }, ticks: { show: false }, font: "10px sans-serif" };
@@ -108,7 +109,7 @@ export class Curves {
         width, height, series, bands, legend: { show: false }, padding: [6, 16, k === 3 ? 0 : 6, 0],
         cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
         scales: { x: { time: false, range: [view.window[0], Math.max(view.window[1], view.window[0] + 1)] } },
-        axes: [{ ...axis, show: k === 3, size: 20, gap: 2, incrs: STEPS, values: (_, at) => at.map(String) }, { ...axis, size: 50, gap: 3, label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
+        axes: [{ ...axis, show: k === 3, size: 20, gap: 2, incrs: STEPS, values: (_, at) => at.map(String) }, { ...axis, size: 50, gap: 3, values: (_, at) => at.map(axisMark), label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
         hooks: { drawClear: [(u): void => shade(u, view.marked, p)] },
       },
       dataOf(view, frames, k), this.element,
@@ -143,10 +144,13 @@ export class Curves {
   }
 }
 
+/** A number at an axis, as numbers are written everywhere else. */
+const axisMark = (n: number): string => count(Number(n.toFixed(6)));
+
 type Column = (number | null)[];
 
 /** Whether a curve has its 95 % band in a plot. */
-const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false;
+const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false && hasSd(curve.path);
 
 /** The columns of a plot, in the order of its series. */
 function dataOf(view: CurveView, frames: number[], k: number): uPlot.AlignedData {

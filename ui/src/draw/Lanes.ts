@@ -1,5 +1,6 @@
 /** The whole trial as lanes, a row a marker: measured, filled, edited, missing. Painted once; the playhead moves over it. */
 import type { Problem, TrialHeader } from "../api/types";
+import { inShort } from "../model/format";
 import { frameAt, painted, pieces, placeOf, rowOrder } from "../model/lanes";
 import { EDITED, FILLED, MEASURED, MISSING, type PathSet } from "../model/paths";
 import { byOrigin, fit, palette, type Palette } from "./palette";
@@ -26,6 +27,7 @@ export class Lanes {
   private header: TrialHeader | null = null;
   private paths: PathSet | null = null;
   private problems: readonly Problem[] = [];
+  private worth = 0;
   private marks: LaneMarks = { selected: [], first: null, last: null, problem: null };
   private rows: string[] = [];
   private frame = 1;
@@ -46,8 +48,9 @@ export class Lanes {
     this.head.addEventListener("pointerdown", this.down);
   }
 
-  set(header: TrialHeader, paths: PathSet, problems: readonly Problem[]): void {
-    Object.assign(this, { header, paths, problems });
+  /** `worth`: how many of the problems, from the first, are worth a look. */
+  set(header: TrialHeader, paths: PathSet, problems: readonly Problem[], worth: number): void {
+    Object.assign(this, { header, paths, problems, worth });
     this.rows = rowOrder(header, paths);
     soon(this, () => this.paint());
   }
@@ -109,7 +112,7 @@ export class Lanes {
     if (!path) return;
     if (selected) (c.fillStyle = p.line), c.fillRect(0, y, NAMES + width, ROW);
     c.fillStyle = selected ? p.select : p.faint;
-    c.fillText(name.length > 10 ? `${name.slice(0, 9)}…` : name, 4, y + ROW / 2 + 0.5);
+    c.fillText(inShort(name, 9), 4, y + ROW / 2 + 0.5);
     const colours = byOrigin(p);
     for (const piece of painted(pieces(path.origin, width))) {
       const x = NAMES + piece.x, own = piece.origin;
@@ -141,9 +144,9 @@ export class Lanes {
     c.clearRect(0, 0, whole, HEAD);
     c.fillStyle = p.faint;
     for (const event of this.header!.events) c.fillRect(NAMES + placeOf(1 + event.time_s * this.header!.rate, width, firstFrame, frames), 9, 1, 5);
-    for (const problem of this.problems) {
+    for (const [i, problem] of [...this.problems.entries()].reverse()) { // what is worth a look stands over the others
       const x = NAMES + placeOf(problem.frame, width, firstFrame, frames), own = problem.id === this.marks.problem;
-      c.fillStyle = own ? p.select : p.bad;
+      c.fillStyle = own ? p.select : i < this.worth ? p.bad : p.faint;
       c.beginPath();
       c.moveTo(x - (own ? 6 : 4), own ? 1 : 3);
       c.lineTo(x + (own ? 6 : 4), own ? 1 : 3);

@@ -7,13 +7,15 @@ import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
 import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
+import { rowOrder } from "../model/lanes";
+import { computedNames, shownPaths } from "../model/paths";
 import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
 import { askNames, goTo, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import type { Problem } from "../api/types";
-import { currentProblem, get, keep, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
+import { currentProblem, get, keep, ofFile, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
@@ -39,6 +41,7 @@ export interface Command {
 const EDITOR: readonly Screen[] = ["tracks", "gaps"];
 const PLAYED: readonly Screen[] = [...EDITOR, "angles"];
 const hasTrial = (s: State): boolean => s.header !== null;
+const recorded = (s: State): boolean => s.id !== null && !ofFile(s);
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
 const selected = (s: State): boolean => s.selected.length > 0;
 /** Values are said of markers; a track without a name is another one in the next run. */
@@ -48,7 +51,7 @@ const marker = (s: State): boolean => selected(s) && !s.selected[0]!.startsWith(
 /** Nothing, or a problem of these kinds, is looked at. */
 const free = (s: State, ...kinds: Problem["kind"][]): boolean => kinds.includes(currentProblem(s)?.kind ?? kinds[0]!);
 const marked = (s: State): string => (s.first === null ? "from here on" : s.last === null ? `from frame ${s.first} on` : "in the marked stretch");
-const flip = (key: "lines" | "images" | "follow" | "alone" | "bands") => (): void => set((s) => ({ [key]: !s[key] }));
+const flip = (key: "lines" | "images" | "follow" | "alone" | "bands" | "computed") => (): void => set((s) => ({ [key]: !s[key] }));
 const go = (screen: Screen) => (): void => goTo(screen);
 const jumpTo = (where: (s: State) => number | null | undefined) => (): void => {
   const frame = where(get());
@@ -63,7 +66,7 @@ function event(step: 1 | -1): number | undefined {
 }
 
 function nextMarker(step: 1 | -1): void {
-  const names = [...(get().paths?.byName.keys() ?? [])], at = names.indexOf(get().selected[0] ?? "");
+  const { header, paths, computed } = get(), shown = shownPaths(header, paths, computed), names = header && shown ? rowOrder(header, shown) : [], at = names.indexOf(get().selected[0] ?? "");
   if (names.length) set({ selected: [names[(at + step + names.length) % names.length]!], instead: null });
 }
 
@@ -132,6 +135,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "follow", keys: ["Z"], title: "Follow the selected marker in the images, larger", group: "View", screens: EDITOR, run: flip("follow") },
   { id: "focus", keys: ["F"], title: "Look at what is selected", group: "View", screens: EDITOR, when: selected, run: () => set((s) => ({ focused: s.focused + 1 })) },
   { id: "alone", keys: ["H"], title: "Hide the others", group: "View", screens: EDITOR, run: flip("alone") },
+  { id: "computed", keys: ["J"], title: "Points that are no markers: axes of segments, centres of joints", group: "View", screens: [...EDITOR, "labels", "angles"], when: (s) => computedNames(s.header).length > 0, run: flip("computed") },
   { id: "bands", keys: ["B"], title: "95 % bands and ellipsoids", group: "View", screens: EDITOR, run: flip("bands") },
   { id: "fourth", keys: ["R"], title: "Residual instead of speed", group: "View", screens: EDITOR, run: () => set((s) => ({ fourth: s.fourth === "speed" ? "residual" : "speed" })) },
   { id: "side", keys: ["V"], title: "From the side, the front, above, or between", group: "View", screens: EDITOR, run: () => set((s) => ({ side: (s.side + 1) % SIDES })) },
@@ -151,8 +155,8 @@ export const COMMANDS: readonly Command[] = [
   ...UM2AS_COMMANDS,
   ...DETECT_COMMANDS,
   ...DIGITISE_COMMANDS,
-  { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: (s) => s.id !== null, run: go("detect") },
-  { id: "digitise", keys: ["Alt+Shift+G"], title: "Digitise & verify", group: "Go to", when: (s) => s.id !== null, run: go("digitise") },
+  { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: recorded, run: go("detect") },
+  { id: "digitise", keys: ["Alt+Shift+G"], title: "Digitise & verify", group: "Go to", when: recorded, run: go("digitise") },
   { id: "angles", keys: ["Shift+A"], title: "Angles", group: "Go to", when: hasTrial, run: go("angles") },
   { id: "home", keys: ["Alt+Shift+H"], title: "Home", group: "Go to", run: go("home") },
   { id: "tracks", keys: ["Shift+T"], title: "Tracks", group: "Go to", when: hasTrial, run: go("tracks") },
@@ -172,7 +176,7 @@ const errorOf = (s: State): number | null => s.candidates?.candidates.find((c) =
 const proposalOf = (s: State): { track: string; name: string | null; probability: number } | null => s.labels?.proposals.find((p) => p.track === s.track && p.name !== null && p.track !== p.name) ?? null;
 
 function nextProposal(by: 1 | -1): void {
-  const { header, labels } = get(), all = header ? asked(labelRows(header, labels)) : [], at = all.findIndex((p) => p.track === get().track);
+  const { header, labels } = get(), all = header ? asked(labelRows(header, labels, get().computed)) : [], at = all.findIndex((p) => p.track === get().track);
   const next = all[at < 0 ? (by > 0 ? 0 : all.length - 1) : (at + by + all.length) % all.length];
   if (next) set((s) => ({ track: next.track, selected: [next.track], focused: s.focused + 1 }));
 }

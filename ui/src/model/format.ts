@@ -1,9 +1,11 @@
 /** Numbers as people read them. */
+/** Between thousands; no line ends there. */
+const THIN = "\u202f";
 export const mm = (value: number | null | undefined): string =>
   value == null || !Number.isFinite(value) ? "–" : value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(value < 1 ? 2 : 1);
 export const percent = (p: number | null | undefined): string =>
   p == null ? "–" : p > 0.9995 ? "> 99.9 %" : p > 0.995 ? `${(100 * p).toFixed(1)} %` : p < 0.005 ? "< 1 %" : `${Math.round(100 * p)} %`;
-export const count = (n: number | null | undefined): string => (n == null ? "–" : n.toLocaleString("en").replaceAll(",", " "));
+export const count = (n: number | null | undefined): string => (n == null ? "–" : n.toLocaleString("en").replaceAll(",", THIN));
 export const frames = (first: number, last: number): string => (first === last ? `f ${first}` : `f ${first}–${last}`);
 export const many = (n: number, one: string, more = `${one}s`): string => `${count(n)} ${n === 1 ? one : more}`;
 
@@ -24,3 +26,10 @@ export function when(iso: string, now = new Date()): string {
 
 /** A way to fill, short: a mean of several is called so. */
 export const wayOf = (method: string): string => (method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);
+
+/** Letters of a name's end that are always seen: sides and numbers stand there; chosen. */
+const END = 4;
+/** A name in two, of which the second is never cut. */
+export const ends = (name: string): [string, string] => [name.slice(0, Math.max(0, name.length - END)), name.slice(-END)];
+/** A name of at most so many letters, cut in its middle. */
+export const inShort = (name: string, most: number): string => (name.length > most ? `${name.slice(0, most - END - 1)}…${name.slice(-END)}` : name);

@@ -1,6 +1,6 @@
 /** Lanes of a whole trial: which pixels of a row each piece of a path takes. */
 import type { TrialHeader } from "../api/types";
-import { runs, type PathSet } from "./paths";
+import { computedNames, runs, type PathSet } from "./paths";
 
 /** A piece of a lane, px from the left; `wide` frames. */
 export interface Piece { x: number; width: number; origin: number }
@@ -17,10 +17,11 @@ export function pieces(origin: Uint8Array, width: number): Piece[] {
 /** Long pieces first, so that short ones are painted over them. */
 export const painted = (all: readonly Piece[]): Piece[] => [...all].sort((a, b) => b.width - a.width);
 
-/** The rows in their order: markers of the set as it has them, other names, then tracks without a name. */
+/** The rows in their order: markers of the set as it has them, other names, tracks without a name, then points that are no markers. */
 export function rowOrder(header: TrialHeader, paths: PathSet): string[] {
   const places = new Map(header.marker_set?.names.map((name, i) => [name, i]));
-  const of = (name: string): number => (name.startsWith("*") ? 2e6 : (places.get(name) ?? 1e6));
+  const away = new Set(computedNames(header));
+  const of = (name: string): number => (away.has(name) ? 3e6 : name.startsWith("*") ? 2e6 : (places.get(name) ?? 1e6));
   const index = new Map(header.tracks.map((track, i) => [track.name, i]));
   return [...paths.byName.keys()].sort((a, b) => of(a) - of(b) || (index.get(a) ?? 0) - (index.get(b) ?? 0));
 }

@@ -1,5 +1,5 @@
 /** Paths of markers as typed arrays: one record a marker, so that an edit replaces one and shares the rest. */
-import type { PathsHeader, PathsPart } from "../api/types";
+import type { PathsHeader, PathsPart, TrialHeader } from "../api/types";
 
 export const MISSING = 0, MEASURED = 1, FILLED = 2, EDITED = 3;
 export const ORIGINS = ["missing", "measured", "filled", "edited"] as const;
@@ -76,6 +76,15 @@ export function mergePaths(whole: PathSet, some: PathSet, removed: readonly stri
   return { ...whole, head: some.head, pending: some.pending, byName };
 }
 
+/** Names of the points of a file that are no markers: axes of segments, centres of joints, midpoints. */
+export const computedNames = (header: TrialHeader | null): string[] => (header?.tracks ?? []).filter((t) => t.computed).map((t) => t.name);
+
+/** The paths that are shown: points that are no markers only where they are asked for. The same set where there are none. */
+export function shownPaths(header: TrialHeader | null, paths: PathSet | null, computed: boolean): PathSet | null {
+  const away = new Set(computed ? [] : computedNames(header));
+  return paths && away.size ? { ...paths, byName: new Map([...paths.byName].filter(([name]) => !away.has(name))) } : paths;
+}
+
 /** A run of frames of one origin: start included, end excluded, counted from 0. */
 export interface Run { start: number; end: number; origin: number }
 
@@ -94,6 +103,15 @@ export function runs(origin: Uint8Array): readonly Run[] {
     }
   }
   return found;
+}
+
+const SD = new WeakMap<Float32Array, boolean>();
+
+/** Whether anything is known of how uncertain a path is, as most files say nothing of it; looked for once. */
+export function hasSd({ sd }: Path): boolean {
+  let known = SD.get(sd);
+  if (known === undefined) SD.set(sd, (known = sd.some((v) => v > 0)));
+  return known;
 }
 
 /** mm/s of each frame, from the frames beside it; NaN where one is missing. */

@@ -18,7 +18,7 @@ export async function write(): Promise<void> {
 
 /** The frames that all named markers reach, of how many. */
 function common(header: TrialHeader | null): string {
-  const named = header?.tracks.filter((t) => t.named && t.first != null && t.last != null) ?? [];
+  const named = header?.tracks.filter((t) => t.named && !t.computed && t.first != null && t.last != null) ?? [];
   const first = Math.max(...named.map((t) => t.first!)), last = Math.min(...named.map((t) => t.last!));
   return named.length && first <= last ? ` (${first}–${last}: ${count(last - first + 1)} of ${count(header!.n_frames)})` : "";
 }

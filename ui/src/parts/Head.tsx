@@ -1,7 +1,7 @@
 import { useEffect, useState } from "react";
 import { Check, CloudOff, Loader2, Moon, Redo2, Search, Sun, SunMoon, Undo2 } from "lucide-react";
 import { byId } from "../keys/commands";
-import { when } from "../model/format";
+import { many, when } from "../model/format";
 import { goTo } from "../state/load";
 import { set, useParts, useStore, type Theme } from "../state/store";
 import { chooseTheme } from "../state/theme";
@@ -20,7 +20,7 @@ function Where(): React.JSX.Element {
         <>
           {header.session && <span className={styles.step}>{header.session}</span>}
           <span className={styles.step} aria-current="page"><b>{header.name}</b></span>
-          <span className={styles.about}>{header.n_frames} frames · {Number(header.rate.toFixed(2))} Hz · {header.cameras.length ? `${header.cameras.length} cameras` : "no cameras"}</span>
+          <span className={styles.about}>{many(header.n_frames, "frame")} · {Number(header.rate.toFixed(2))} Hz · {header.cameras.length ? many(header.cameras.length, "camera") : "no cameras"}</span>
         </>
       )}
     </nav>
@@ -54,7 +54,7 @@ export function Head(): React.JSX.Element {
   return (
     <header className={styles.head}>
       <Where />
-      <button type="button" className={styles.search} onClick={() => set({ dialog: "commands" })}><Search size={14} aria-hidden />Search or command<kbd>Ctrl K</kbd></button>
+      <button type="button" className={styles.search} aria-label="Search or command" onClick={() => set({ dialog: "commands" })}><Search size={14} aria-hidden /><span>Search or command</span><kbd>Ctrl K</kbd></button>
       <div className={styles.right}>
         <span role="status"><Saved /></span>
         <button type="button" className="icon-button" aria-label="Undo (Ctrl+Z)" title="Undo (Ctrl+Z)" disabled={header?.undo == null} onClick={byId("undo").run}><Undo2 size={16} aria-hidden /></button>

@@ -8,7 +8,7 @@ import styles from "./Modal.module.css";
 /** A name for the selected track; where another track has it, whether the two go together. */
 export function NameDialog(): React.JSX.Element {
   const { header, selected, first, last, join, labels } = useStore(), track = selected[0] ?? "";
-  const taken = new Map(header?.tracks.filter((t) => t.named).map((t) => [t.name, t]));
+  const taken = new Map(header?.tracks.filter((t) => t.named && !t.computed).map((t) => [t.name, t]));
   const names = [...new Set([...(header?.marker_set?.names ?? []), ...taken.keys()])].filter((name) => name !== track);
   const proposal = labels?.proposals.find((p) => p.track === track)?.name;
   const choices = names.map((name): Choice => {

@@ -10,7 +10,7 @@ import styles from "./Modal.module.css";
 export function Palette(): React.JSX.Element {
   const state = useStore();
   const commands: Choice[] = COMMANDS.filter((c) => possible(c, state)).map((c) => ({ id: `c:${c.id}`, words: c.title, beside: c.group, key: shownKey(c.keys[0]!) }));
-  const markers: Choice[] = (state.header?.tracks ?? []).map((t) => ({ id: `m:${t.name}`, words: t.name, beside: "select" }));
+  const markers: Choice[] = (state.header?.tracks ?? []).filter((t) => state.computed || !t.computed).map((t) => ({ id: `m:${t.name}`, words: t.name, beside: "select" }));
   const trials: Choice[] = (state.home?.sessions ?? []).flatMap((s) => s.trials.map((t) => ({ id: `t:${t.id}`, words: `${s.title} › ${t.name}`, beside: "open" })));
   const find = (typed: string): Choice[] => {
     const words = typed.toLowerCase().split(" ").filter(Boolean);

@@ -2,7 +2,7 @@ import { Aperture, DraftingCompass, FileText, History, House, ListTree, MousePoi
 import { goTo } from "../state/load";
 import { useSessions } from "../state/sessions";
 import { held, useMenu } from "../state/um2as";
-import { TITLES, useStore, useSeen, type Screen, type State } from "../state/store";
+import { ofFile, TITLES, useStore, useSeen, type Screen, type State } from "../state/store";
 import styles from "./Rail.module.css";
 
 const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) => number }[] = [
@@ -11,7 +11,7 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
   { screen: "detect", icon: ScanSearch },
   { screen: "digitise", icon: MousePointerClick },
   { screen: "tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
-  { screen: "labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && t.samples > 0).length ?? 0 },
+  { screen: "labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && !t.computed && t.samples > 0).length ?? 0 },
   { screen: "gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
   { screen: "angles", icon: DraftingCompass },
   { screen: "report", icon: FileText },
@@ -19,18 +19,21 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
   { screen: "um2as", icon: ListTree },
 ];
 
+/** Screens of a recording's images. */
+const IMAGES: readonly Screen[] = ["detect", "digitise"];
+
 export function Rail(): React.JSX.Element {
   const s = useSeen(), inside = useMenu(held), own = useSessions((now) => now.session), session = s.header?.session_id ?? own;
   return (
     <nav className={styles.rail} aria-label="Steps">
       <ul>
         {STEPS.map(({ screen, icon: Icon, open }) => {
-          const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = (inside && !on) || (screen === "cameras" || screen === "um2as") ? inside || !session : screen !== "home" && !s.id;
+          const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = (inside && !on) || (screen === "cameras" || screen === "um2as") ? inside || !session : screen !== "home" && (!s.id || (IMAGES.includes(screen) && ofFile(s)));
           return (
             <li key={screen}>
-              <button type="button" className={styles.step} disabled={off} title={inside && !on ? "UM²AS is left from the top of its menu: Escape" : undefined} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
+              <button type="button" className={styles.step} disabled={off} title={inside && !on ? "UM²AS is left from the top of its menu: Escape" : IMAGES.includes(screen) && s.id && off ? "A file of trajectories has no images" : TITLES[screen]} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
                 <Icon size={17} aria-hidden />
-                {TITLES[screen]}
+                <span className={styles.words}>{TITLES[screen]}</span>
                 {left > 0 && <span className={styles.count}>{left}<span className="hidden-words"> open</span></span>}
               </button>
             </li>

@@ -3,7 +3,7 @@ import { useEffect, useRef, useState, useSyncExternalStore } from "react";
 import { Lanes } from "../draw/Lanes";
 import { clock } from "../model/format";
 import { lookAt } from "../state/acts";
-import { get, playhead, set, useStore, useParts } from "../state/store";
+import { get, playhead, set, useStore, useParts, useShownPaths } from "../state/store";
 import styles from "./Transport.module.css";
 
 /** The time bar of what is open: playing, the frame, and the lanes of all markers. */
@@ -71,7 +71,7 @@ const Legend = (): React.JSX.Element => (
 
 function LanesView(): React.JSX.Element {
   const place = useRef<HTMLDivElement>(null), [lanes, setLanes] = useState<Lanes | null>(null);
-  const { header, paths, problems, selected, first, last, problem } = useParts("header", "paths", "problems", "selected", "first", "last", "problem");
+  const paths = useShownPaths(), { header, problems, selected, first, last, problem } = useParts("header", "problems", "selected", "first", "last", "problem");
   useEffect(() => {
     const made = new Lanes(place.current!);
     made.onFrame = (frame): void => (playhead.pause(), playhead.go(frame));
@@ -86,7 +86,7 @@ function LanesView(): React.JSX.Element {
     return () => (off(), made.dispose());
   }, []);
   useEffect(() => {
-    if (lanes && header && paths) lanes.set(header, paths, problems?.problems ?? []);
+    if (lanes && header && paths) lanes.set(header, paths, problems?.problems ?? [], problems?.worth_looking ?? 0);
   }, [lanes, header, paths, problems]);
   useEffect(() => lanes?.mark({ selected, first, last, problem }), [lanes, selected, first, last, problem]);
   return <div ref={place} className={styles.lanes} />;

@@ -7,14 +7,14 @@ import styles from "./Waiting.module.css";
 
 /** While a trial is read; and where it cannot be, what to do. */
 export function Waiting(): React.JSX.Element {
-  const { busy, note, unshown, id, jobs } = useStore(), job = id ? jobs[id] : undefined;
+  const { busy, note, unshown, runs, id, jobs } = useStore(), job = id ? jobs[id] : undefined;
   if (busy && !job) return <div className={styles.waiting}><h1 className="hidden-words">Reading the trial</h1><Loader2 className={styles.spin} aria-hidden /><p>Reading the trial …</p></div>;
   return (
     <div className={styles.waiting}>
-      <h1>This trial cannot be shown yet</h1>
+      <h1>{runs ? "This trial cannot be shown yet" : "This file cannot be shown"}</h1>
       <p>{job?.state === "running" ? `${job.stage || "Running"} ${Math.round(100 * (job.progress ?? 0))} % ${job.words}` : unshown || note?.words}</p>
       <div>
-        <button type="button" className="button strong" disabled={job?.state === "running"} onClick={() => void tried(() => api.run(id!))}>Run it</button>{" "}
+        {runs && <><button type="button" className="button strong" disabled={job?.state === "running"} onClick={() => void tried(() => api.run(id!))}>Run it</button>{" "}</>}
         <button type="button" className="button" onClick={() => goTo("home")}>Home</button>
       </div>
     </div>

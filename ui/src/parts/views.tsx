@@ -6,9 +6,10 @@ import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
-import type { Path, PathSet } from "../model/paths";
-import { currentProblem, get, playhead, set, useParts, useSeen, type State } from "../state/store";
+import { hasSd, type Path, type PathSet } from "../model/paths";
+import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, type State } from "../state/store";
 import { wantDetections } from "../state/load";
+import { Computed } from "./Computed";
 import styles from "./views.module.css";
 
 const SIDES: readonly Side[] = ["oblique", "side", "front", "top"];
@@ -47,7 +48,7 @@ function whole(pieces: readonly Path[], at: number, paths: PathSet | null): Path
 
 export function SceneView(): React.JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null), over = useRef<HTMLCanvasElement>(null), [scene, setScene] = useState<Scene | null>(null), [failed, setFailed] = useState("");
-  const s = useSeen(), { header, paths, selected, alone, bands, side, focused } = s, instead = insteadOf(s);
+  const s = useSeen(), paths = useShownPaths(), { header, selected, alone, bands, side, focused } = s, instead = insteadOf(s);
   useEffect(() => {
     let made: Scene;
     try {
@@ -76,6 +77,7 @@ export function SceneView(): React.JSX.Element {
       <canvas ref={canvas} className={styles.fill} role="img" aria-label="Markers, their paths and the cameras in space" />
       <canvas ref={over} className={styles.fill} aria-hidden="true" />
       {failed ? <p className={styles.none}>This browser shows no WebGL: {failed}</p> : <SceneWords scene={scene} />}
+      <Computed className={styles.aside} />
     </section>
   );
 }
@@ -131,17 +133,29 @@ function curvesOf(s: State): Curve[] {
   const own: Curve[] = s.selected.slice(0, 4).flatMap((name, i) => (s.paths?.byName.has(name) ? [{ path: s.paths.byName.get(name)!, colour: one[i]! }] : []));
   if (s.screen === "gaps" && s.candidates) {
     const { marker, first, candidates } = s.candidates;
-    for (const c of candidates) own.push({ path: candidatePath(marker, c.xyz, c.sd), at: first, colour: c.method === s.method ? p.b : p.faint, dashed: c.method !== s.method, band: c.method === s.method });
+    for (const c of candidates) own.push({ ...joined(candidatePath(marker, c.xyz, c.sd), first, s.paths), colour: c.method === s.method ? p.b : p.faint, dashed: c.method !== s.method, band: c.method === s.method });
   } else own.push(...insteadOf(s).map((path) => ({ path, colour: p.b, dashed: true, band: false })));
   return own;
 }
 
+/** A piece with the samples beside it, so that its line goes on from them and a single frame is a line too. */
+function joined(piece: Path, first: number, paths: PathSet | null): { path: Path; at: number } {
+  const own = paths?.byName.get(piece.name), n = piece.origin.length, from = first - (paths?.firstFrame ?? 0);
+  const xyz = new Float32Array(3 * (n + 2)).fill(NaN), sd = new Float32Array(n + 2).fill(NaN), cov = new Float32Array(6 * (n + 2)).fill(NaN), origin = new Uint8Array(n + 2);
+  xyz.set(piece.xyz, 3), sd.set(piece.sd, 1), origin.set(piece.origin, 1);
+  if (piece.cov) cov.set(piece.cov, 6);
+  for (const [at, i] of [[0, from - 1], [n + 1, from + n]] as const) if (own?.origin[i]) xyz.set(own.xyz.subarray(3 * i, 3 * i + 3), 3 * at), (origin[at] = own.origin[i]!);
+  return { path: { ...piece, xyz, sd, origin, cov }, at: first - 1 };
+}
+
 function CurveLegend(): React.JSX.Element {
-  const { selected, instead, screen, candidates, method, bands } = useParts("selected", "instead", "screen", "candidates", "method", "bands"), shown = screen === "tracks" && instead;
+  const { selected, instead, screen, candidates, method, bands } = useParts("selected", "instead", "screen", "candidates", "method", "bands"), paths = useStore((s) => s.paths), shown = screen === "tracks" && instead;
+  const way = screen === "gaps" ? candidates?.candidates.find((c) => c.method === method) : undefined;
+  const shaded = Boolean(way?.sd) || selected.some((name) => paths?.byName.has(name) && hasSd(paths.byName.get(name)!));
   return (
     <p className={styles.legend}>
       <b>{selected.slice(0, 4).join(", ")}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
-      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && " · shaded 95 %"}
+      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && shaded && " · shaded 95 %"}
     </p>
   );
 }

@@ -45,7 +45,7 @@ function Choices({ of, over, onOver }: { of: Shown; over: boolean; onOver: (over
   return (
     <header className={styles.head}>
       <h1>Angles</h1>
-      <label>Model <select className="field" value={model ?? ""} onChange={(e) => void fetchAngles({ model: e.target.value })}>{!model && <option value="">…</option>}{of.models.map((m) => <option key={m.name} value={m.name}>{m.name}{m.fits ? "" : ` (lacks ${m.wants.length})`}</option>)}</select></label>
+      <label>Model <select className="field" value={model ?? ""} onChange={(e) => void fetchAngles({ model: e.target.value })}>{!model && <option value="">choose …</option>}{of.models.map((m) => <option key={m.name} value={m.name}>{m.name}{m.fits ? "" : ` (lacks ${m.wants.length})`}</option>)}</select></label>
       <label>Smoothing <select className="field" value={smoothing ?? "none"} onChange={(e) => void fetchAngles({ smoothing: e.target.value as "none" })}><option>none</option><option>butterworth</option><option>woltring</option></select></label>
       {smoothing && smoothing !== "none" && <label>Cut-off, Hz <input className={`field ${styles.hz}`} inputMode="decimal" defaultValue={cutoff_hz ?? ""} placeholder="by data" onBlur={(e) => void fetchAngles({ cutoff_hz: Number(e.target.value) || null })} /></label>}
       <label>Cycles <select className="field" value={event} onChange={(e) => cycle(e.target.value)}><option value="">none</option>{of.events.filter((e) => e.times > 1).map((e) => <option key={`${e.label}|${e.side}`} value={`${e.label}|${e.side}`}>{e.label} {e.side} ({e.times})</option>)}</select></label>

@@ -4,6 +4,7 @@ import { useEffect, useRef } from "react";
 import { VList, type VListHandle } from "virtua";
 import type { GapRow } from "../api/types";
 import { CamerasView, CurvesView, SceneView } from "../parts/views";
+import { Name } from "../parts/Name";
 import { PutPanel } from "../parts/PutPanel";
 import { Waiting } from "../parts/Waiting";
 import { frames, many, mm, wayOf } from "../model/format";
@@ -64,7 +65,7 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
   const over = g.expected_mm != null && g.expected_mm > limit;
   return (
     <div role="row" aria-rowindex={at + 2} className={styles.row} aria-selected={on} data-gap={`${g.marker} ${g.first}`} data-state={g.state} onClick={() => void lookAtGap(g)} title={[g.words, g.cameras_alone.length ? `${g.cameras_alone.join(", ")} saw it alone` : ""].filter(Boolean).join(" · ") || undefined}>
-      <span role="cell"><b>{g.marker}</b></span>
+      <span role="cell"><Name of={g.marker} /></span>
       <span role="cell" className="number">{g.frames} <small className="soft">{frames(g.first, g.last)}</small></span>
       <span role="cell" title={g.choice ?? g.method ?? undefined}>{wayOf(g.choice ?? g.method ?? "–")}</span>
       <span role="cell" className={`number ${over ? styles.over : ""}`}>{g.expected_mm == null ? "–" : `${mm(g.expected_mm)} mm`}{over && <span title="above the limit"> ▲</span>}</span>
@@ -75,7 +76,8 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
 
 /** The ways to fill the gap that is looked at, best first. */
 function Ways(): React.JSX.Element {
-  const { gap, candidates, method, clicks } = useStore();
+  const { header, gaps, gap, candidates, method, clicks } = useStore();
+  if (!gap && gaps && !gaps.gaps.length) return <div className={styles.ways}><p className="soft">{header?.cameras.length ? "No marker has a gap between its first and its last sample." : "No marker has a gap. What is missing before a marker was first seen, or after it was last seen, is none."}</p></div>;
   if (!gap) return <div className={styles.ways}><p className="soft">Choose a gap on the left, or press <kbd>N</kbd>. Each way to fill it is drawn with its band; the + in the images shows where the fill would be: a free image on the + proves it.</p></div>;
   return (
     <div className={styles.ways}>

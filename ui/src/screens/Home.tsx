@@ -30,6 +30,7 @@ export function Home(): React.JSX.Element {
     <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
       <div className={styles.page}>
         <div className={styles.top}><h1>Sessions</h1><button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
+        {!home && <p className={styles.none} role="status">The folders are looked through …</p>}
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
             <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>
@@ -61,10 +62,10 @@ function RunAll({ trials }: { trials: readonly TrialCard[] }): React.JSX.Element
 
 function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean }): React.JSX.Element {
   return (
-    <table className={styles.table}>
+    <div className={styles.scroll}><table className={styles.table}>
       <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure}>Markers</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure} title="Decisions of the tracking that were close; Tracks lists all that is probably wrong">Ambiguous</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
       <tbody>{trials.map((t) => <Trial key={t.id} trial={t} file={file} />)}</tbody>
-    </table>
+    </table></div>
   );
 }
 
@@ -74,11 +75,11 @@ function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.
   useEffect(() => void (marked && name.current!.focus()), [marked]);
   return (
     <tr>
-      <th scope="row"><button type="button" ref={name} className={styles.name} onFocus={() => set({ marked: t.id })} onClick={() => goTo("tracks", t.id)}>{t.name}</button></th>
+      <th scope="row"><button type="button" ref={name} className={styles.name} onFocus={() => set({ marked: t.id })} onClick={() => goTo("tracks", t.id)}>{t.name}</button>{t.state === "failed" && t.words && <small className={styles.why}>{t.words}</small>}</th>
       <td className={styles.figure}>{count(t.frames)}</td>
       <td className={styles.figure}>{t.markers == null ? "–" : `${t.named ?? 0}/${t.markers}`}</td>
-      <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{t.state}</span>}</td>
-      <td>{GRADES[t.verdict] ?? (t.verdict || <span className="soft">–</span>)}</td>
+      <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{file && t.state === "failed" ? "not readable" : t.state}</span>}</td>
+      <td><Verdict of={t} /></td>
       <td className={styles.figure}>{t.problems == null ? "–" : t.problems > 0 ? <b>{t.problems}</b> : t.problems}</td>
       <td className={styles.figure}>{t.edits || <span className="soft">0</span>}</td>
       <td className="soft">{t.last ? `${t.last.by} ${when(t.last.at)}` : ""}</td>
@@ -87,6 +88,12 @@ function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.
         : <button type="button" className="icon-button" aria-label={`Run ${t.name}`} title="Run" onClick={() => void tried(() => api.run(t.id))}><Play size={14} aria-hidden /></button>)}</td>
     </tr>
   );
+}
+
+/** What the run that was finished last says; where a later one failed or is wanted, that it is of before. */
+function Verdict({ of: t }: { of: TrialCard }): React.JSX.Element {
+  const words = t.verdict ? (GRADES[t.verdict] ?? t.verdict) : "–";
+  return t.verdict && (t.state === "failed" || t.state === "stale") ? <span className="soft">before: {words}</span> : <span className={t.verdict ? "" : "soft"}>{words}</span>;
 }
 
 const Progress = ({ share, words }: { share: number; words: string }): React.JSX.Element => (

@@ -2,6 +2,7 @@
 import { ArrowLeftRight, Check, Search, Tag } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { Proposal } from "../api/types";
+import { Computed } from "../parts/Computed";
 import { Figure } from "../parts/Figure";
 import { SceneView } from "../parts/views";
 import { Waiting } from "../parts/Waiting";
@@ -60,10 +61,10 @@ function Accept(): React.JSX.Element {
 
 /** Tracks that ask come first: those without a name, then those whose name is unsure. */
 function Proposals(): React.JSX.Element {
-  const labels = useStore((s) => s.labels), header = useStore((s) => s.header), place = useRef<HTMLDivElement>(null), track = useStore((s) => s.track);
+  const labels = useStore((s) => s.labels), header = useStore((s) => s.header), computed = useStore((s) => s.computed), place = useRef<HTMLDivElement>(null), track = useStore((s) => s.track);
   useEffect(() => void place.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [track]);
-  const rows = header ? labelRows(header, labels) : [];
-  return <div ref={place} className={styles.list} tabIndex={0} role="region" aria-label="Names of tracks"><ul>{rows.map((p) => <Row key={p.track} of={p} />)}</ul></div>;
+  const rows = header ? labelRows(header, labels, computed) : [];
+  return <div ref={place} className={styles.list} tabIndex={0} role="region" aria-label="Names of tracks"><ul>{rows.map((p) => <Row key={p.track} of={p} />)}</ul><Computed /></div>;
 }
 
 function Row({ of: p }: { of: Proposal }): React.JSX.Element {

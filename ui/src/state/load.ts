@@ -36,7 +36,7 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
 /** Whether a screen of a trial can be shown; why it cannot stands where it would be. */
 export async function ready(id: string, screen: "trial" | "detect" | "digitise"): Promise<boolean> {
   const stands = await tried(() => api.standing(id, screen));
-  if (stands && get().id === id) set({ unshown: stands.ready ? "" : (stands.words ?? "") });
+  if (stands && get().id === id) set({ unshown: stands.ready ? "" : (stands.words ?? ""), runs: stands.runs !== false });
   return stands?.ready === true;
 }
 

@@ -1,9 +1,10 @@
 /** What the page knows and what the person looks at. Not the frame: that is the playhead's. */
+import { useMemo } from "react";
 import { create } from "zustand";
 import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
 import type { Detected } from "../model/detections";
-import type { Path, PathSet } from "../model/paths";
+import { shownPaths, type Path, type PathSet } from "../model/paths";
 import { Playhead } from "../model/playhead";
 import type { Tried } from "./detect";
 import type { Digitised } from "./digitise";
@@ -42,6 +43,8 @@ export interface State {
   note: Note | null;
   /** Why the screen cannot be shown. */
   unshown: string;
+  /** Whether the trial can be run, as a file of trajectories cannot; not yet known while it is opened. */
+  runs: boolean;
   savedAt: string | null;
 
   problem: string | null;
@@ -69,6 +72,8 @@ export interface State {
   images: boolean;
   follow: boolean;
   alone: boolean;
+  /** Whether points of a file that are no markers are shown. */
+  computed: boolean;
   bands: boolean;
   fourth: "speed" | "residual";
   side: number;
@@ -96,12 +101,12 @@ export function keep(key: string, value: string): void {
 export const OF_TRIAL = {
   header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, later: [],
   instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
-  alone: false, window: null, detect: null, digitise: null,
+  alone: false, computed: false, window: null, detect: null, digitise: null,
 } satisfies Partial<State>;
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, unshown: "", limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, unshown: "", runs: true, limit: 5,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));
@@ -113,6 +118,12 @@ export const useSeen = (): State => useStore(useShallow((s) => ({ ...s, busy: 0,
 export const useParts = <K extends keyof State>(...names: readonly K[]): Pick<State, K> =>
   useStore(useShallow((s) => Object.fromEntries(names.map((name) => [name, s[name]])) as Pick<State, K>));
 
+/** The paths as views show them. */
+export function useShownPaths(): PathSet | null {
+  const { header, paths, computed } = useParts("header", "paths", "computed");
+  return useMemo(() => shownPaths(header, paths, computed), [header, paths, computed]);
+}
+
 export const playhead = new Playhead();
 export const get = useStore.getState;
 export const set = useStore.setState;
@@ -121,4 +132,6 @@ export const set = useStore.setState;
 export const still = (): boolean =>
   new URLSearchParams(location.search).has("still") || matchMedia("(prefers-reduced-motion: reduce)").matches;
 
+/** Whether what is looked at is a file of trajectories, without images and recordings. */
+export const ofFile = (s: State): boolean => (s.header ? s.header.session_id === null : !s.runs);
 export const currentProblem = (s: State): Problem | null => (s.screen === "tracks" && s.problems?.problems.find((p) => p.id === s.problem)) || null;

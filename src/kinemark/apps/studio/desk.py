@@ -142,7 +142,9 @@ class Desk:
 def opened(place: Place, by: str) -> OpenDocument:
     """A trial, loaded; raises as `Desk.document` does."""
     if place.trial is None:
-        return _document(place, Editing.of_file(place.path, by=by, trial=read_once(place.path)))
+        editing = Editing.of_file(place.path, by=by, trial=read_once(place.path))
+        _check_markers(place, editing)
+        return _document(place, editing)
     session = Session.open(place.path)
     trial = session.trial(place.trial)
     _check_tracked(trial)
@@ -157,6 +159,13 @@ def _document(place: Place, editing: Editing) -> OpenDocument:
     stamp = journal_stamp(editing)
     text = editing.journal.read()
     return OpenDocument(place, editing, text, editing.edited(), stamp=stamp)
+
+
+def _check_markers(place: Place, editing: Editing) -> None:
+    """Raises KinemarkError where a file holds no place of any point, as one of analog signals alone."""
+    found = editing.trajectories
+    if not len(found) or not found.n_frames:
+        raise KinemarkError(f"{place.name} holds no trajectories of markers, so there is nothing to show of it here.")
 
 
 def _check_tracked(trial: OpenTrial) -> None:

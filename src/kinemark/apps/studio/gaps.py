@@ -92,11 +92,17 @@ def gaps_in(trajectories: Trajectories) -> Iterator[Gap]:
             yield from (Gap(path, start, stop) for start, stop in path.gaps)
 
 
+def gaps_of_markers(document: OpenDocument) -> Iterator[Gap]:
+    """Those of the trial as it is now, without points of a file that are no markers."""
+    away = document.editing.computed
+    yield from (gap for gap in gaps_in(document.now.trajectories) if gap.path.name not in away)
+
+
 def gap_table(document: OpenDocument, *, judge: bool = True) -> Gaps:
     """Every gap with what is known of it; those that nobody judged are judged behind."""
     work, before = work_of(document), filled_before(document)
     rows, pending = [], False
-    for gap in gaps_in(document.now.trajectories):
+    for gap in gaps_of_markers(document):
         found = work.known(gap, BEST)
         said = found.gap if found else before.get(gap.key)
         if said is None and judge:
@@ -110,7 +116,7 @@ def judged_gaps(document: OpenDocument) -> tuple[FilledGap, ...]:
     """What filling says of the gaps, as far as it is known."""
     work, before = work_of(document), filled_before(document)
     found = []
-    for gap in gaps_in(document.now.trajectories):
+    for gap in gaps_of_markers(document):
         answer = work.known(gap, BEST)
         said = answer.gap if answer else before.get(gap.key)
         found += [said] if said else []

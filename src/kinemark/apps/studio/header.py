@@ -71,7 +71,7 @@ def _tracks(document: OpenDocument) -> list[TrackRow]:
     """A row for each trajectory, with what automatic labelling thinks of its name."""
     names = document.records["label"].figures["markers"] if "label" in document.records else []
     sure = {one["name"]: one for one in names}
-    start = document.now.trajectories.first_frame
+    start, computed = document.now.trajectories.first_frame, document.editing.computed
     rows = []
     for path in document.now.trajectories:
         first, last, n = _samples(document, path)
@@ -85,6 +85,7 @@ def _tracks(document: OpenDocument) -> list[TrackRow]:
                 samples=n,
                 probability=one.get("probability"),
                 runner_up=one.get("runner_up"),
+                computed=path.name in computed,
             )
         )
     return rows

@@ -55,10 +55,11 @@ class TrialCard(Message):
 
 
 class Standing(Message):
-    """Whether a trial can be shown, and in words why not."""
+    """Whether a trial can be shown, and in words why not; `runs`: whether it can be run, as files cannot."""
 
     ready: bool
     words: str = ""
+    runs: bool = True
 
 
 class SessionCard(Message):
@@ -88,7 +89,10 @@ class Dropped(Message):
 
 
 class TrackRow(Message):
-    """A trajectory: its frames with samples, and how sure automatic labelling was of its name."""
+    """A trajectory: its frames with samples, and how sure automatic labelling was of its name.
+
+    `computed`: a point of a file that is no marker, but worked out of markers, as a joint's centre.
+    """
 
     name: str
     named: bool
@@ -97,6 +101,7 @@ class TrackRow(Message):
     samples: int
     probability: float | None = None
     runner_up: str | None = None
+    computed: bool = False
 
 
 class CameraRow(Message):

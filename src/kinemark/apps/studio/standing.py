@@ -23,16 +23,16 @@ router = APIRouter(prefix="/api/trials/{trial}")
 def get_standing(request: Request, trial: str, screen: Annotated[Screen, Query()] = "trial") -> Standing:
     """Whether a screen can be shown, and why not; what is opened for it is kept for what is asked next."""
     desk = desk_of(request)
-    desk.place(trial)
+    runs = desk.place(trial).trial is not None
     try:
         _open(request, desk, trial, screen)
     except NoReport as error:
-        return Standing(ready=False, words=str(error))
+        return Standing(ready=False, words=str(error), runs=runs)
     except NotThere:
         raise
     except KinemarkError as error:
-        return Standing(ready=False, words=str(error))
-    return Standing(ready=True)
+        return Standing(ready=False, words=str(error), runs=runs)
+    return Standing(ready=True, runs=runs)
 
 
 def _open(request: Request, desk: Desk, trial: str, screen: Screen) -> None:

@@ -17,7 +17,6 @@ from ...edit.crossings import unbroken
 from ...report.words.problems import action_text
 from ..edit_makers import REVIEWED_BESIDE
 from ..editing import Editing
-from ..put_aside import computed_names
 
 VERSIONS = 3
 """Of a trial whose problems are kept, a number; chosen: now, before the last act, and what is judged besides."""
@@ -53,9 +52,8 @@ class Context:
 
     @property
     def computed(self) -> frozenset[str]:
-        """Points of a file that are no markers (`put_aside`): what they do is no problem of its own."""
-        source = self.editing.source
-        return frozenset() if source is None else frozenset(computed_names(source))
+        """Points of a file that are no markers: what they do is no problem of its own."""
+        return self.editing.computed
 
     @property
     def markers(self) -> tuple[MarkerTrajectory, ...]:

@@ -17,6 +17,7 @@ from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
 from .judge.choice import CandidateFill, best_candidate, choose_candidate, expected_errors
 from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump
+from .judge.doubtful_edges import TiedFill, doubted, method_again, without_suspicious
 from .judge.expected_error import ErrorCalibration, MeasuredErrors
 from .judge.hold_out import MANY, draw_hold_out_gaps, run
 from .judge.motion import PartMotion
@@ -103,13 +104,23 @@ def fill(
         own = evaluate_candidates(motion, some, methods, seed=seed)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
     done = [_left_open(motion, gap) for gap, choice in chosen.items() if choice == OPEN]
-    for gap, among, index, by in sorted(todo, key=lambda one: one[0]):
-        found, prediction, cov = choose_candidate(motion, among, index, by)
+    picked = [
+        (gap, *choose_candidate(motion, among, index, by), by)
+        for gap, among, index, by in sorted(todo, key=lambda one: one[0])
+    ]
+    tied = {
+        gap: TiedFill(prediction.xyz, method_again(found.method, by))
+        for gap, found, prediction, _, by in picked
+        if gap in suspicious and found.method
+    }
+    apart = without_suspicious(judged.motion, tied)
+    for gap, found, prediction, cov, _ in picked:
         beside = suspicious.get(gap, ())
         jump = (
             0.0 if beside else largest_jump(motion, gap, prediction.xyz, prediction.references)
         )  # none to a bad sample
         found = replace(found, trimmed=written.measured(gap), suspicious=beside, jump_mm=jump)
+        found, cov = doubted(found, cov, apart[gap]) if gap in apart else (found, cov)
         found = found if gap in chosen else _within(found, limit_mm)
         done.append(found)
         if found.method:

@@ -73,3 +73,20 @@ def test_info_as_json_is_data(tmp_path):
         ("Foot Strike", "Left", 0.25), ("Foot Off", "Right", 61.5)
     ]  # fmt: skip
     assert facts["poses"] == [{"segments": ["pelvis", "thigh", "shank"], "rate_hz": 100.0}]
+
+
+@pytest.mark.parametrize("command", ["audit", "edits list"])
+def test_a_file_that_is_not_there_is_not_taken_for_a_trial_of_the_session_beside_it(tmp_path, command, capsys):
+    (tmp_path / "session.toml").write_text('name = "a day"\n')
+    with pytest.raises((KinemarkError, SystemExit)) as raised:
+        run(*command.split(), tmp_path / "walk.c3d")
+    said = f"{raised.value}{capsys.readouterr()}"
+    assert "walk.c3d is not there" in said and "calibration" not in said
+
+
+def test_what_is_not_there_or_no_table_of_ours_is_said_to_be_so(tmp_path, capsys):
+    (tmp_path / "notes.csv").write_text("subject,height,mass\nA,1700,70\n")
+    with pytest.raises(KinemarkError, match=r"line 1: 'subject,height,mass' is the heading of no table that is known"):
+        run("convert", tmp_path / "notes.csv", tmp_path / "a.h5")
+    with pytest.raises(KinemarkError, match="walk is not there"):
+        run("convert", tmp_path / "walk", tmp_path / "a.h5")

@@ -32,6 +32,9 @@ def test_without_a_browser_it_is_said_what_to_do(tmp_path, monkeypatch):
         print_pdf(tmp_path / "a.html", tmp_path / "a.pdf")
     with pytest.raises(KinemarkError, match="There is no page"):
         print_pdf(tmp_path / "b.html", tmp_path / "b.pdf")
+    (tmp_path / "c.csv").write_text("1")
+    with pytest.raises(KinemarkError, match=r"c\.csv is no page"):
+        print_pdf(tmp_path / "c.csv", tmp_path / "c.pdf")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a script as a program")

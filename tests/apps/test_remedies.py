@@ -1,7 +1,11 @@
 """What the command line offers for files that are silent, wrong or damaged, and what `info --json` says."""
 
 import json
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,3 +77,53 @@ def test_info_as_json_is_data(tmp_path):
         ("Foot Strike", "Left", 0.25), ("Foot Off", "Right", 61.5)
     ]  # fmt: skip
     assert facts["poses"] == [{"segments": ["pelvis", "thigh", "shank"], "rate_hz": 100.0}]
+
+
+@pytest.mark.parametrize("command", ["audit", "edits list"])
+def test_a_file_that_is_not_there_is_not_taken_for_a_trial_of_the_session_beside_it(tmp_path, command, capsys):
+    (tmp_path / "session.toml").write_text('name = "a day"\n')
+    with pytest.raises((KinemarkError, SystemExit)) as raised:
+        run(*command.split(), tmp_path / "walk.c3d")
+    said = f"{raised.value}{capsys.readouterr()}"
+    assert "walk.c3d is not there" in said and "calibration" not in said
+
+
+def test_what_is_not_there_or_no_table_of_ours_is_said_to_be_so(tmp_path, capsys):
+    (tmp_path / "notes.csv").write_text("subject,height,mass\nA,1700,70\n")
+    with pytest.raises(KinemarkError, match=r"line 1: 'subject,height,mass' is the heading of no table that is known"):
+        run("convert", tmp_path / "notes.csv", tmp_path / "a.h5")
+    with pytest.raises(KinemarkError, match="walk is not there"):
+        run("convert", tmp_path / "walk", tmp_path / "a.h5")
+
+
+def command(*arguments, **options):
+    """The command in a process of its own: status, output and errors."""
+    done = subprocess.run([sys.executable, "-m", "kinemark", *map(str, arguments)], capture_output=True, **options)
+    return done.returncode, done.stdout, done.stderr.decode("utf-8", "replace")
+
+
+def test_an_output_that_has_not_all_letters_is_written_without_them(tmp_path):
+    write_trial(made_trial(), tmp_path / "é 膝.c3d")
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    status, out, _ = command("info", "é 膝.c3d", cwd=tmp_path, env=environment)
+    assert status == 0 and b"holds: a trial" in out
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
+@pytest.mark.parametrize("arguments", [["methods"], ["--help"]])
+def test_a_full_disk_under_the_output_is_a_line(arguments):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "kinemark", *arguments], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.returncode != 0 and "kinemark: " in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_folder_that_may_not_be_written_is_a_line(monkeypatch, capsys):
+    def refused():
+        raise PermissionError(13, "Permission denied", "results/walk")
+
+    monkeypatch.setattr(cli, "app", refused)
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 1 and "'results/walk'. Is there room, and may you" in capsys.readouterr().err

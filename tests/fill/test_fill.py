@@ -23,6 +23,7 @@ from kinemark.fill import (
 )
 from kinemark.fill.fill import (
     ENOUGH,
+    MOST_TESTED,
     NOT_PREDICTED,
     _gaps_to_test,
     evaluate_candidates,
@@ -377,6 +378,27 @@ def test_one_method_is_tested_on_some_gaps_of_every_marker():
     assert _gaps_to_test(gaps[:ENOUGH]) == list(range(ENOUGH))
     many = [Gap(marker, 5, 9) for marker in range(3 * ENOUGH)]
     assert len(_gaps_to_test(many)) == ENOUGH
+
+
+def test_the_longest_of_many_gaps_are_tested_each():
+    rng = np.random.default_rng(3)
+    gaps = [Gap(k % 20, 40 * k, 40 * k + int(length)) for k, length in enumerate(rng.geometric(0.3, 2000))]
+    some = [gaps[k] for k in _gaps_to_test(gaps, 300, longest=0.3)]
+    assert len(some) == 300 == len(set(some)) and {gap.marker for gap in some} == set(range(20))
+    longest = sorted((gap.length for gap in gaps), reverse=True)[:90]
+    assert sorted((gap.length for gap in some), reverse=True)[:90] == longest
+    assert min(gap.length for gap in some) == 1
+
+
+def test_tests_do_not_grow_with_the_gaps():
+    motion = moving(1200, 8, noise=0.2)
+    gaps = [Gap(k % 8, 3 * k + 3, 3 * k + 4) for k in range(MOST_TESTED + 80)]
+    answers = evaluate_leading(motion.hidden(gaps), gaps, [Linear(), LocalRegression()])
+    assert len(answers[0].results) <= MOST_TESTED
+    predicted = [np.isfinite(one.xyz).all() for each in zip(*(a.predictions for a in answers)) for one in each]
+    assert sum(predicted) >= len(gaps)
+    found, _, cov = choose_candidate(motion.hidden(gaps), gaps, len(gaps) // 2, answers)
+    assert found.expected_mm < 2.0 and np.isfinite(cov).all()
 
 
 def test_few_tests_tell_the_error_of_one_method_in_all_gaps():

@@ -236,3 +236,51 @@ def test_a_rate_is_taken_from_the_times_or_said(tmp_path):
     changed(tmp_path / "b.trc", 3, lambda s: s.replace("50.0\t50.0", "75.0\t75.0", 1))
     trial = read_trc_trial(tmp_path / "b.trc")
     assert trial.trajectories.rate == 75.0 and "times" in trial.notes[0]
+
+
+@pytest.mark.parametrize(("left_off", "frames"), [(12, 19), (2, 20)])
+def test_a_file_that_ends_within_a_row_is_read_in_part_and_a_cut_number_is_no_measurement(tmp_path, left_off, frames):
+    path, whole = tmp_path / "a.trc", markers(0, n_markers=2)
+    xyz = np.round(np.nan_to_num(whole.xyz, nan=5.25) % 900, 3) + 0.0004
+    write_trc(path, Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip("AB", xyz, strict=True)), 50.0))
+    path.write_text(path.read_text()[:-left_off])
+    if frames < 20:
+        with pytest.raises(KinemarkError, match=r"line 26: is cut off.*--partial"):
+            read_trc(path)
+    trial = read_trc_trial(path, partial=True)
+    assert trial.trajectories.n_frames == frames and "line 26" in trial.notes[0]
+    seen = ~np.isnan(trial.trajectories.xyz).any(2)
+    assert np.allclose(trial.trajectories.xyz[seen], xyz[:, :frames][seen], atol=1e-9)
+    assert seen.sum() == 2 * frames - (frames == 20)
+
+
+def test_a_last_line_without_its_end_is_whole_where_no_digit_lacks(tmp_path):
+    path = tmp_path / "a.trc"
+    write_trc(path, markers(3))
+    path.write_text(path.read_text().rstrip("\n"))
+    assert same(read_trc(path), markers(3))
+
+
+@pytest.mark.parametrize(("mark", "comma"), [(";", False), (";", True), ("\t", True)])
+def test_tables_saved_by_spreadsheets_are_read(tmp_path, mark, comma):
+    path, one = tmp_path / "a.csv", replace(markers(1), paths=markers(1).paths[:1])
+    write_trajectories_csv(path, Trajectories((replace(one.paths[0], name="A"),), 50.0))
+    text = path.read_text().replace(",", mark)
+    path.write_text(text.replace(".", ",") if comma else text)
+    assert np.array_equal(read_trajectories_csv(path).xyz, one.xyz, equal_nan=True)
+
+
+def test_markers_of_one_name_in_a_csv_are_told_apart(tmp_path):
+    path = tmp_path / "a.csv"
+    write_trajectories_csv(path, markers(0))
+    changed(path, 1, lambda s: s.replace("L.Knee 1, é", "L.Knee 0, é").replace("L.Knee 2, é", ""))
+    assert read_trajectories_csv(path).names == ("L.Knee 0, é", "L.Knee 0, é [2]", "*3")
+
+
+def test_times_that_jump_tell_no_rate(tmp_path):
+    path = tmp_path / "a.csv"
+    write_trajectories_csv(path, markers(0))
+    changed(path, 12, lambda s: s.replace("11,0.2,", "11,7.2,"))
+    with pytest.raises(KinemarkError, match=r"line 12: time_s goes on by 7.* by 0\.02 s.*--rate-hz"):
+        read_trajectories_csv(path)
+    assert read_trajectories_csv(path, rate=50.0).rate == 50.0

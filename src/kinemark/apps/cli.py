@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import io
 import os
 import sys
 from pathlib import Path
@@ -67,6 +68,9 @@ app = command_line()
 
 def main() -> None:
     """Call the command that the arguments name; an error of the user's is a line, and status 1."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # an output in cp1252 or ASCII has no σ, and no name that is not Latin
     try:
         app()
     except BrokenPipeError:  # whoever read the output has seen enough
@@ -83,9 +87,11 @@ def main() -> None:
 
 
 def error_text(error: Exception) -> str | None:
-    """What an error of the user's says, with its findings; None for any other, which is a fault of the program."""
+    """What an error of the user's or the machine's says, with its findings; None for a fault of the program."""
     from ..data import KinemarkError  # brings NumPy, which --help does without
 
+    if isinstance(error, OSError):  # the disk is full, or not theirs to write
+        return f"kinemark: {error}. Is there room, and may you read and write there?"
     if not isinstance(error, KinemarkError):
         return None
     if not error.findings:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -55,9 +56,31 @@ Set = Annotated[
 
 
 def print_result(value: object) -> None:
-    """Text as it is, anything else as JSON."""
-    sys.stdout.write((value if isinstance(value, str) else json.dumps(value, indent=1)) + "\n")
-    sys.stdout.flush()
+    """Text as it is, anything else as JSON.
+
+    Raises:
+        KinemarkError: the output is closed, or its disk is full.
+    """
+    text = value if isinstance(value, str) else json.dumps(value, indent=1)
+    if sys.stdout is None:
+        raise _unwritten("it is closed")
+    try:
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read it has seen enough
+        raise
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is not tried again at the end
+        raise _unwritten(str(error)) from error
+
+
+def _unwritten(why: str) -> KinemarkError:
+    """The error of an output that takes no text."""
+    from ..data import KinemarkError  # brings NumPy, which --help does without
+
+    return KinemarkError(
+        f"The results cannot be printed: {why}. Send the output to a place with room. Files that were named are written."
+    )
 
 
 def print_errors(failed: Mapping[str, KinemarkError]) -> None:

@@ -30,6 +30,8 @@ PLACES = {
     ),
 }
 """Where browsers lie that are not on the path."""
+PAGES = (".html", ".htm")
+"""Endings of pages."""
 OPTIONS = (
     "--headless", "--disable-gpu", "--no-first-run", "--disable-sync", "--disable-extensions", "--disable-quic",
     "--disable-background-networking", "--disable-component-update", "--host-resolver-rules=MAP * ~NOTFOUND",
@@ -58,6 +60,8 @@ def print_pdf(page: Path, target: Path) -> Path:
     """
     if not page.is_file():
         raise KinemarkError(f"There is no page {page}. Run the trial first, or give the page that is to be printed.")
+    if page.suffix.lower() not in PAGES:
+        raise KinemarkError(f"{page} is no page. Give a report, as report.html, or a folder of results.")
     browser = find_browser()
     if browser is None:
         raise KinemarkError(

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import KinemarkError, MarkerTrajectory, Trajectories
 from ..edit import Edited
 from ..fill import fill
-from ..io.formats import endings
+from ..io.formats import FORMATS, endings
 from ..io.notes import FileNote, read_notes
 from ..io.trial import write_trial
 from .edit_stage import check_methods, with_edits
@@ -109,6 +109,8 @@ def _trial_at(path: Path) -> OpenTrial:
                 f"{path} has {len(session.names)} trials: {', '.join(session.names)}. Name one, as {some}."
             )
         return session.trial(session.names[0])
+    if path.suffix.lower() in FORMATS:
+        raise KinemarkError(f"{path} is not there. Check the path.")
     if not (path.parent / FILE).is_file():
         raise KinemarkError(
             f"{path} is neither a file of trajectories nor a trial of a session. Give a file, or SESSION/TRIAL where "

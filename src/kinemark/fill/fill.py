@@ -17,6 +17,7 @@ from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
 from .judge.choice import CandidateFill, best_candidate, choose_candidate, expected_errors
 from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump
+from .judge.doubtful_edges import TiedFill, doubted, method_again, without_suspicious
 from .judge.expected_error import ErrorCalibration, MeasuredErrors
 from .judge.hold_out import MANY, draw_hold_out_gaps, run
 from .judge.motion import PartMotion
@@ -34,6 +35,12 @@ LIMIT = 20.0
 ENOUGH = 60
 """Hold-out gaps of one method that tell how far off it is; more are made to choose one for each gap.
 Chosen (see benchmarks/gaps.py)."""
+MOST_TESTED = 300
+"""Gaps for which tests are made where a method is chosen for each; the others are judged by the tests of these. Chosen
+for time and memory, which grow with the square of the tests. In trials of fewer gaps nothing changes."""
+LONGEST = 0.3
+"""Of these, the share that are the longest gaps of the trial, which each have tests of their own as they are the most
+uncertain; chosen."""
 MOSTLY = 0.6
 """Of what is known must be left where all tests are hidden at once, for methods to learn from that.
 Chosen (see benchmarks/gaps.py)."""
@@ -97,13 +104,23 @@ def fill(
         own = evaluate_candidates(motion, some, methods, seed=seed)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
     done = [_left_open(motion, gap) for gap, choice in chosen.items() if choice == OPEN]
-    for gap, among, index, by in sorted(todo, key=lambda one: one[0]):
-        found, prediction, cov = choose_candidate(motion, among, index, by)
+    picked = [
+        (gap, *choose_candidate(motion, among, index, by), by)
+        for gap, among, index, by in sorted(todo, key=lambda one: one[0])
+    ]
+    tied = {
+        gap: TiedFill(prediction.xyz, method_again(found.method, by))
+        for gap, found, prediction, _, by in picked
+        if gap in suspicious and found.method
+    }
+    apart = without_suspicious(judged.motion, tied)
+    for gap, found, prediction, cov, _ in picked:
         beside = suspicious.get(gap, ())
         jump = (
             0.0 if beside else largest_jump(motion, gap, prediction.xyz, prediction.references)
         )  # none to a bad sample
         found = replace(found, trimmed=written.measured(gap), suspicious=beside, jump_mm=jump)
+        found, cov = doubted(found, cov, apart[gap]) if gap in apart else (found, cov)
         found = found if gap in chosen else _within(found, limit_mm)
         done.append(found)
         if found.method:
@@ -185,7 +202,7 @@ def _evaluated(
     """
     if not gaps:
         return []
-    tested = _gaps_to_test(gaps) if len(candidates) == 1 else list(range(len(gaps)))
+    tested = _gaps_to_test(gaps) if len(candidates) == 1 else _gaps_to_test(gaps, MOST_TESTED, longest=LONGEST)
     each = per_gap or tests_per_gap(len(gaps))
     hold_out = draw_hold_out_gaps(motion, [gaps[k] for k in tested], per_gap=each, seed=seed)
     hold_out = hold_out._replace(tests=[test._replace(of=tested[test.of]) for test in hold_out.tests])
@@ -203,19 +220,24 @@ def _evaluated(
     return answers
 
 
-def _gaps_to_test(gaps: list[Gap]) -> list[int]:
-    """The gaps for which tests are made where there is no method to choose: `ENOUGH`, of all markers and lengths.
+def _gaps_to_test(gaps: list[Gap], most: int = ENOUGH, *, longest: float = 0.0) -> list[int]:
+    """The gaps for which tests are made: all, or so many of all markers and lengths where there are more.
 
-    Each marker's gap of median length comes first, as methods do better with some markers than with others.
+    Each marker's gap of median length comes first, as methods do better with some markers than with others; then the
+    longest, up to that share.
     """
+    if len(gaps) <= most:
+        return list(range(len(gaps)))
     order = sorted(range(len(gaps)), key=lambda k: gaps[k].length)
     of_marker: dict[int, list[int]] = {}
     for k in order:
         of_marker.setdefault(gaps[k].marker, []).append(k)
-    median = [own[len(own) // 2] for own in of_marker.values()][:ENOUGH]
-    rest = [k for k in order if k not in median]
-    places = np.linspace(0, len(rest) - 1, min(ENOUGH - len(median), len(rest))).astype(int)
-    return sorted({*median, *(rest[k] for k in places)})
+    first = [own[len(own) // 2] for own in of_marker.values()][:most]
+    first = list(dict.fromkeys([*first, *order[len(order) - int(longest * most) :]]))[:most]
+    taken = set(first)
+    rest = [k for k in order if k not in taken]
+    places = np.linspace(0, len(rest) - 1, most - len(first)).astype(int)
+    return sorted({*first, *(rest[k] for k in places)})
 
 
 def _predictions(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Prediction]:

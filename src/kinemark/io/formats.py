@@ -26,7 +26,7 @@ from .detections_csv import NamedDetections, read_detections_csv, write_detectio
 from .dlt_csv import read_dlt_csv, write_dlt_csv
 from .named_points_csv import layout_of, read_named_detections
 from .notes import FileNote
-from .number_text import read_text
+from .number_text import bad_line, read_text
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
@@ -40,6 +40,11 @@ VIDEO = 30.0
 UNKNOWN_RATE = 1.0
 """Hz; stands where a detections CSV does not say its rate; chosen."""
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
+TABLES = (
+    "Wanted is frame, time_s, NAME_x_mm, NAME_y_mm, NAME_z_mm … of trajectories; camera, frame, u_px, v_px of 2D points; "
+    "or DLT coefficients, which have no heading. All tables: docs/reference/files.md"
+)
+"""What a CSV file may hold."""
 HOLDS = {
     "Trial": "a trial",
     "Trajectories": "trajectories",
@@ -93,6 +98,8 @@ def _csv(path: Path, options: ReadOptions) -> Any:
         return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)
     if found == "trajectories" or head.startswith("frame"):
         return Trial(path.stem, read_trajectories_csv(path, rate=options.rate_hz))
+    if not any(character.isdigit() for character in head.split(",")[0]):
+        raise bad_line(path, 1, f"{head.strip()[:60]!r} is the heading of no table that is known. {TABLES}")
     return read_dlt_csv(path)
 
 
@@ -248,6 +255,8 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
         return open_images(path)
     if path.is_dir():
         raise KinemarkError(f"{path} is a folder without a session.toml. Name the files in it, as {path / '*.c3d'}.")
+    if not path.exists():
+        raise KinemarkError(f"{path} is not there. Check the path.")
     raise KinemarkError(
         f"{path} is of no known kind. Known are sessions, {', '.join(FORMATS)}, and images and videos as "
         f"{', '.join(IMAGES)}."

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..data import Detections, KinemarkError
 from .detections_csv import MARKER, NamedDetections, read_detections_csv, read_long
 from .number_text import bad_line, numbers, whole
-from .trajectories_csv import csv_rows
+from .trajectories_csv import csv_rows, separator
 
 LIKELY = 0.6  # likelihood below which DeepLabCut's own plots leave a point out (its `pcutoff`); convention
 DEEPLABCUT = ("scorer", "bodyparts", "coords")
@@ -59,9 +59,11 @@ def _heads(path: Path | str) -> list[list[str]]:
     """The first four lines as cells, without blanks."""
     try:
         with Path(path).open(encoding="utf-8-sig", errors="replace") as file:
-            return [[cell.strip().strip('"') for cell in file.readline(1 << 22).split(",")] for _ in range(4)]
+            lines = [file.readline(1 << 22) for _ in range(4)]
     except OSError as error:
         raise KinemarkError(f"{path} cannot be read: {error}") from error
+    mark = separator(lines[0])
+    return [[cell.strip().strip('"') for cell in line.split(mark)] for line in lines]
 
 
 def read_named_detections(

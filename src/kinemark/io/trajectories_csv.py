@@ -1,9 +1,13 @@
-"""Trajectories as CSV: `frame, time_s`, then `NAME_x_mm, NAME_y_mm, NAME_z_mm` a marker; an empty cell is a gap."""
+"""Trajectories as CSV: `frame, time_s`, then `NAME_x_mm, NAME_y_mm, NAME_z_mm` a marker; an empty cell is a gap.
+
+Spreadsheets of countries that write 2,5 save such a table with semicolons or tabs and decimal commas: read too.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +15,13 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
 from ..data import MarkerTrajectory as MarkerPath
+from .c3d.points import distinct
 from .files import replacing
 from .number_text import bad_line, numbers, plain, read_text, whole
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
+UNEVEN, ROUNDED = 1.5, 0.01
+"""A step of time above UNEVEN times the mean step and ROUNDED s is a jump; chosen, times are rounded to 0.01 s."""
 
 
 def read_trajectories_csv(path: Path | str, *, rate: float | None = None) -> Trajectories:
@@ -25,7 +32,8 @@ def read_trajectories_csv(path: Path | str, *, rate: float | None = None) -> Tra
         rate: Hz; without it, frames over time of the first and last row, to twelve digits.
 
     Raises:
-        KinemarkError: the file is absent or malformed, a frame is left out, or nothing tells the rate.
+        KinemarkError: the file is absent or malformed, a frame is left out, or nothing tells the rate: the times do not
+            rise, or jump.
     """
     rows = list(csv_rows(path))
     if not rows:
@@ -36,19 +44,30 @@ def read_trajectories_csv(path: Path | str, *, rate: float | None = None) -> Tra
     frame = whole(path, at, table[:, 0], "frame")
     if (jump := np.flatnonzero(np.diff(frame) != 1)).size:
         raise bad_line(path, at[int(jump[0]) + 1], "the frame does not follow the one before. Export every frame.")
-    rate = rate if rate is not None else rate_of(path, table[:, 1])
+    rate = rate if rate is not None else rate_of(path, table[:, 1], at)
     xyz = table[:, 2:].reshape(len(table), len(names), 3).transpose(1, 0, 2)
     first = int(frame[0]) if len(frame) else 1
+    names = distinct(names, len(names), "*")
     return Trajectories(tuple(MarkerPath.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate, first)
 
 
 def csv_rows(path: Path | str) -> list[tuple[int, list[str]]]:
     """The lines of a CSV file that are not empty, each with its number, as cells."""
-    reader = csv.reader(io.StringIO(read_text(path), newline=""))
+    text = read_text(path)
+    mark = separator(text)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
     try:
-        return [(reader.line_num, cells) for cells in reader if any(cells)]
+        rows = [(reader.line_num, cells) for cells in reader if any(cells)]
     except csv.Error as error:
         raise bad_line(path, reader.line_num, f"{error}") from error
+    if mark == "," or any("." in cell for _, cells in rows[1:] for cell in cells):
+        return rows
+    return rows[:1] + [(line, [cell.replace(",", ".") for cell in cells]) for line, cells in rows[1:]]
+
+
+def separator(text: str) -> str:
+    """The comma, semicolon or tab that comes first in a table."""
+    return next((character for character in text[:1000] if character in ",;\t"), ",")
 
 
 def markers(path: Path | str, heading: list[str]) -> list[str]:
@@ -60,11 +79,16 @@ def markers(path: Path | str, heading: list[str]) -> list[str]:
     return names
 
 
-def rate_of(path: Path | str, time: NDArray[np.float64]) -> float:
-    """Frames a second; see `read_trajectories_csv`."""
+def rate_of(path: Path | str, time: NDArray[np.float64], lines: Sequence[int]) -> float:
+    """Frames a second of times (F) s that stand in these lines; see `read_trajectories_csv`."""
     span = time[-1] - time[0] if len(time) > 1 else np.nan
     if not 0 < span < np.inf:
         raise KinemarkError(f"{path} does not tell its rate: time_s does not rise. Say it with rate or --rate-hz.")
+    step = np.diff(time)
+    if (jump := np.flatnonzero(step > max(UNEVEN * span / len(step), ROUNDED))).size:
+        k = int(jump[0])
+        what = f"time_s goes on by {step[k]:g} s, by {np.median(step):g} s elsewhere. If no frame is missing: --rate-hz"
+        raise bad_line(path, lines[k + 1], what)
     return float(f"{(len(time) - 1) / span:.12g}")
 
 

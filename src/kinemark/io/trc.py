@@ -22,14 +22,13 @@ from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
 from .files import replacing
 from .number_text import bad_line, plain, read_text, whole
-from .trc_table import HEADINGS, ORIGINAL, TrcTable, parse_trc
+from .trc_table import AGAIN, HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL_UNITS, mm_per
 
 SMALL = 20.0
 """Extent of all markers, in the unit of a file that does not say it, below which it is m and not mm; chosen."""
 SAME_RATE = 0.05
 """Share by which the rate of the heading and that of the times may differ without a note; chosen, times are rounded."""
-AGAIN = "Copy or export it again, or write what is left to another file: kinemark convert FROM TO --partial."
 OFF_ORIGIN = 1e-6
 """mm from (0, 0, 0) at which a sample at the very origin is written, because zeros say missing; chosen."""
 
@@ -43,7 +42,7 @@ def read_trc(
         path: the file.
         length_unit: "mm", "cm", "m" or "in", where the file is silent or wrong about it.
         rate_hz: frames a second, where the file is silent or wrong about it.
-        partial: read what there is of a file that holds less than its heading says.
+        partial: read what there is of a file that holds less than its heading says, or is cut off within a row.
 
     Raises:
         KinemarkError: the file is absent, empty, no TRC, in an unknown unit, or shorter than its heading says.
@@ -55,7 +54,7 @@ def read_trc_trial(
     path: Path | str, *, length_unit: str | None = None, rate_hz: float | None = None, partial: bool = False
 ) -> Trial:
     """As `read_trc`, with what was odd in the file as the notes of the trial."""
-    found = parse_trc(path, read_text(path))
+    found = parse_trc(path, read_text(path), partial=partial)
     complete = _complete(path, found, partial)
     mm, unit = _unit(path, found, length_unit)
     rate, timing = _rate(path, found, rate_hz)

@@ -98,8 +98,10 @@ def expected_errors(
 
 def _motion_ratio(answer: CandidateFill, index: int, weights: Floats) -> float:
     """How many times as much the part moves in a gap as in any test that counts for it; NaN where that is not known."""
-    counting = [t.test.motion for t, w in zip(answer.results, weights, strict=True) if w > TELLING * weights.max()]
-    return motion_of(answer, index) / max(counting) if counting else np.nan
+    if not len(weights):
+        return np.nan
+    counting = np.exp(answer.measured.moved[weights > TELLING * weights.max()])
+    return float(motion_of(answer, index) / counting.max()) if len(counting) else np.nan
 
 
 def motion_of(answer: CandidateFill, index: int) -> float:

@@ -21,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...data.array_types import Floats
+from ..known_samples import known_median
 from ..marker_array import Gap, MarkerArray
 
 SD_RATIO = 5.0
@@ -56,9 +57,7 @@ def largest_jump(motion: MarkerArray, gap: Gap, xyz: Floats, references: tuple[i
     path[gap.start : gap.stop] = xyz
     found = second_differences(path[around])
     beside = second_differences(motion.xyz[list(references), around]) if references else np.zeros((1, len(found)))
-    seen = np.isfinite(beside).any(0)
-    limit = np.full(len(found), usual)
-    limit[seen] = np.maximum(usual, np.nanmedian(beside[:, seen], axis=0))
+    limit = np.fmax(usual, known_median(beside))
     return float(np.nanmax(np.append(found - limit, 0.0)))
 
 

@@ -158,7 +158,7 @@ class MeasuredErrors:
 
 
 def behind(
-    logs: Floats, others: Floats, same: Floats, weights: Floats, alike: Floats | None = None, *, sure: float = 1.0
+    logs: Floats, others: Floats, same: scipy.sparse.csr_array, weights: Floats, alike: Floats | None = None, *, sure: float = 1.0
 ) -> float:
     """(3): the left side of it, below 0 where one method is better than another by more than `sure` standard errors.
 
@@ -179,14 +179,14 @@ def behind(
     return mean + sure * np.sqrt(variance / (n - 1)) if n > 1.001 else np.inf
 
 
-def _moments(d: Floats, weights: Floats, same: Floats) -> tuple[float, float, float]:
+def _moments(d: Floats, weights: Floats, same: scipy.sparse.csr_array) -> tuple[float, float, float]:
     """Mean and variance of (3) and n of (7); an infinite mean where nothing is known."""
     w = np.where(np.isfinite(d), weights, 0.0)
     if not w.sum():
         return np.inf, 0.0, 0.0
     w, d = w / w.sum(), np.where(w > 0, d, 0.0)
     mean = float(w @ d)
-    return mean, float(w @ (d - mean) ** 2), 1 / float(w @ same @ w)
+    return mean, float(w @ (d - mean) ** 2), 1 / float(w @ (same @ w))
 
 
 class ErrorCalibration:
@@ -223,7 +223,7 @@ class ErrorCalibration:
             return np.full_like(prediction.cov, np.nan)
         shape = self.growth.cov(edge) if self.growth else prediction.cov
         w = w / w.sum()
-        n = 1 / float(w @ self.same @ w)  # (7)
+        n = 1 / float(w @ (self.same @ w))  # (7)
         mean = float(w @ self.u)
         dof = PRIOR_TESTS + n - 1
         omega = np.sqrt((PRIOR_TESTS * OMEGA**2 + n * float(w @ (self.u - mean) ** 2)) / dof)  # (6)
@@ -231,14 +231,17 @@ class ErrorCalibration:
         return shape * (_product_quantile(s, self.within) / Z) ** 2
 
 
-def same_frames(tests: list[HoldOutGap]) -> Floats:
-    """ρ of (7) for all pairs of tests: the frames that both compare of one marker, by the mean length."""
+def same_frames(tests: list[HoldOutGap]) -> scipy.sparse.csr_array:
+    """ρ of (7) for all pairs of tests: the frames that both compare of one marker, by the mean length.
+
+    Few pairs have any, and (7) is asked of every gap and method.
+    """
     about = [(t.window.marker, t.window.start + t.keep[0], t.window.start + t.keep[1]) for t in tests]
     marker, start, stop = np.array(about, np.float64).reshape(-1, 3).T
     common = np.minimum.outer(stop, stop) - np.maximum.outer(start, start)
     length = stop - start
     share = np.maximum(common, 0.0) / np.sqrt(np.multiply.outer(length, length))
-    return np.asarray(np.where(marker[:, None] == marker, share, 0.0))
+    return scipy.sparse.csr_array(np.where(marker[:, None] == marker, share, 0.0))
 
 
 def _product_quantile(s: Floats, x: Floats) -> float:

@@ -68,7 +68,7 @@ NEAR = 8  # samples of a half that say whose it is
 OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
-LEVELLED, LOOK = ("leap", "spike_in_file"), -2.94  # kinds of `levelled`, and log-odds of what is worth a look
+LEVELLED, LOOK = ("spike_in_file",), -2.94  # kinds of `levelled`, and log-odds of what is worth a look
 KINDS = (
     "change", "cut", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "filling", "ghost",
 )  # fmt: skip
@@ -175,6 +175,7 @@ def leapt(known: Known, p: int, f: int, g: int, mm: float) -> bool | None:
     if a < 0:
         return None
     off = (known.trajectories.paths[p].xyz - known.truth[a])[f : g + 1]
+    off[1:-1][known.owner[p][f + 1 : g] < 0] = np.nan  # what nobody measured is a problem of its own
     step = np.linalg.norm(off - off[0], axis=1)
     return a != b if np.isnan(step).all() else bool(np.nanmax(step) > max(0.4 * mm, OFF_MM))
 

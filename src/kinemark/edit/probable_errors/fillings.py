@@ -144,7 +144,8 @@ def _filling(paths: Paths, where: tuple[int, int, int, bool], tells: Floats) -> 
     """Of these samples, with the first three of `FillingEvidence`."""
     p, first, last, still = where
     off = _off_mm(paths, p, first, last)
-    evidence = FillingEvidence(*tells.tolist(), float(np.log(last - first + 1)))
+    own, beside, edge = tells.tolist()
+    evidence = FillingEvidence(own, beside, edge, float(np.log(last - first + 1)))
     return Filling(p, first, last, still, evidence, probability("filling", evidence), off)
 
 

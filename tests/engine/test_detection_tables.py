@@ -103,3 +103,11 @@ def test_cameras_of_different_sizes_are_stated_by_name(tmp_path):
     assert size_of_cameras(folder, settings, ("c0", "c2")).tolist() == [[4096, 2160], [640, 480]]
     with pytest.raises(KinemarkError, match="lacks c3"):
         size_of_cameras(folder, settings, ("c1", "c3"))
+
+
+@pytest.mark.parametrize(("mark", "word"), [(";", "semicolons"), ("\t", "tabs")])
+def test_what_separates_cells_is_named(tmp_path, mark, word):
+    session = table_of(tmp_path, lambda seen: seen)
+    (tmp_path / "one.csv").write_text((tmp_path / "one.csv").read_text().replace(",", mark))
+    with pytest.raises(KinemarkError, match=f"separated by {word}. Save it with commas"):
+        session.run()

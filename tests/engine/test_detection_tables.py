@@ -8,6 +8,7 @@ import pytest
 
 from kinemark.data import KinemarkError
 from kinemark.data.masks import Masks
+from kinemark.engine.recordings import size_of_cameras
 from kinemark.engine.session import Session
 from kinemark.geometry import project
 from kinemark.io.c3d import read_c3d
@@ -90,4 +91,23 @@ def test_a_mask_of_a_camera_that_is_not_there_is_an_error(tmp_path):
     text = (tmp_path / "masks.toml").read_text()
     (tmp_path / "masks.toml").write_text(text.replace('"c3"', '"c7"'))
     with pytest.raises(KinemarkError, match="masks of c7"):
+        session.run()
+
+
+def test_cameras_of_different_sizes_are_stated_by_name(tmp_path):
+    folder, _, _ = folder_of(tmp_path, 3)
+    text = (folder / "session.toml").read_text()
+    head = '[cameras]\nnames = ["c0", "c1", "c2"]\nsize_px = { c2 = [640, 480], c0 = [4096, 2160], c1 = [640, 480] }\n'
+    (folder / "session.toml").write_text(text.replace("[calibration]", f"{head}[calibration]"))
+    settings = Session.open(folder).settings
+    assert size_of_cameras(folder, settings, ("c0", "c2")).tolist() == [[4096, 2160], [640, 480]]
+    with pytest.raises(KinemarkError, match="lacks c3"):
+        size_of_cameras(folder, settings, ("c1", "c3"))
+
+
+@pytest.mark.parametrize(("mark", "word"), [(";", "semicolons"), ("\t", "tabs")])
+def test_what_separates_cells_is_named(tmp_path, mark, word):
+    session = table_of(tmp_path, lambda seen: seen)
+    (tmp_path / "one.csv").write_text((tmp_path / "one.csv").read_text().replace(",", mark))
+    with pytest.raises(KinemarkError, match=f"separated by {word}. Save it with commas"):
         session.run()

@@ -152,9 +152,18 @@ def masks_key(root: Path, settings: Settings, names: Sequence[str]) -> list[obje
 
 
 def size_of_cameras(root: Path, settings: Settings, names: Sequence[str]) -> NDArray[np.int64]:
-    """(C, 2) px as the settings say, or the images of the first trial that has any show; 0 where neither is there."""
-    if settings.cameras.size_px is not None:
-        return np.tile(np.array(settings.cameras.size_px, np.int64), (len(names), 1))
+    """(C, 2) px as the settings say, or the images of the first trial that has any show; 0 where neither is there.
+
+    Raises:
+        KinemarkError: the settings say the sizes of some cameras, and not of these.
+    """
+    stated = settings.cameras.size_px
+    if isinstance(stated, dict):
+        if missing := [name for name in names if name not in stated]:
+            raise KinemarkError(f"size_px of [cameras] lacks {', '.join(missing)}. Add width and height of each.")
+        return np.array([stated[name] for name in names], np.int64)
+    if stated is not None:
+        return np.tile(np.array(stated, np.int64), (len(names), 1))
     pattern = next((trial.images for trial in settings.trials if trial.images), None)
     if pattern is None:
         return np.zeros((len(names), 2), np.int64)

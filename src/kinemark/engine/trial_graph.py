@@ -175,8 +175,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
     cloud, how = tracked.tracks.cloud, {"matching": s.match, "placing": s.reconstruct}
-    axes = pixel_axes(detections, inputs.rig, cloud, **how)
-    swapped = axes or swapped_cameras(detections, inputs.rig, cloud, **how)
+    swapped = swapped_cameras(detections, inputs.rig, cloud, **how)  # a mirrored ring is one with cameras swapped
     figures = quality(
         session=s.name,
         trial=inputs.name,
@@ -190,6 +189,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *subtracted(detections),
             *_channels(beside, filled.trajectories),
             *swapped,
+            *pixel_axes(detections, inputs.rig, cloud, **how),
             *(one.numbered(first) for one in _diagnostics(tracked, records)),
             *(one.numbered(first) for one in (records["label"].findings if "label" in records else ())),
             *(records["edit"].findings if "edit" in records else ()),

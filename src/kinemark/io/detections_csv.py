@@ -24,6 +24,7 @@ VARIANCES = ("var_u_px2", "var_v_px2")
 OPTIONAL = ("area_px2", *VARIANCES)
 MARKER = "marker"
 SHORT = {"u": "u_px", "v": "v_px"}
+OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 ROWS_AT_ONCE = 65536  # rows turned to numbers in one go; chosen for memory
 MOST_COUNTS = 10_000_000  # cameras times frames that a sparse file may claim; chosen for memory
 
@@ -94,8 +95,8 @@ def read_long(
 
 def check_heading(path: Path | str, heading: list[str]) -> None:
     """The columns that must be there, and no unknown one."""
-    if len(heading) == 1 and ";" in heading[0]:
-        raise bad_line(path, 1, "cells are separated by semicolons. Save it with commas, and points in numbers.")
+    if len(heading) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in heading[0]), "")):
+        raise bad_line(path, 1, f"cells are separated by {other}. Save it with commas, and points in numbers.")
     known = (*NEEDED, MARKER, *OPTIONAL)
     if unknown := [cell for cell in heading if cell not in known]:
         raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(known)}. Remove it.")

@@ -92,7 +92,7 @@ def _check_sizes(sizes: NDArray[np.int64]) -> None:
     if (sizes < 1).any():
         raise KinemarkError(
             "The size of the images is not known, and without it nothing of the lenses. Set size_px = [width, height] "
-            "in [cameras]."
+            "in [cameras]; of cameras that differ, size_px = { cam1 = [width, height], … }."
         )
 
 

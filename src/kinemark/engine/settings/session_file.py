@@ -55,15 +55,20 @@ TEMPLATE_ENDING = ".template.h5"
 """Of what a session keeps of each subject, so that no trial can be called so either."""
 
 
+Size = tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
+"""Width and height, px."""
+
+
 class Cameras(Strict):
     """`[cameras]`: what all recordings of the session have in common."""
 
     names: tuple[str, ...] = Field(
         default=(), description="the cameras' names in their order; as the calibration has them where empty"
     )
-    size_px: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
+    size_px: Size | dict[str, Size] | None = Field(
         default=None,
-        description="width and height of all images, px, where a calibration from detections does not know them",
+        description="width and height of all images, or of those of each camera by its name, px, where a calibration "
+        "from detections does not know them",
     )
     interlaced: bool | Literal["top", "bottom"] = Field(
         default=False,

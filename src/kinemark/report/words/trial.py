@@ -82,7 +82,7 @@ COUNTED = {
 
 
 def _pixel_axes(found: Finding) -> str:
-    way = COUNTED[str(found.values["way"])]
+    way = COUNTED.get(str(found.values["way"]), "pixels are counted along other axes than the calibration's")
     return f"It seems that {way}" + fill(
         ": so {other_share} of what a camera saw agrees with two more cameras, and {as_is_share} as it is.", found
     )

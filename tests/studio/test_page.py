@@ -204,3 +204,39 @@ def test_a_server_that_is_killed_loses_nothing(folder, studio):
     studio.enter(studio.server.address).open()
     assert studio.head == after
     assert len(lines(folder)) == 1
+
+
+def test_a_server_that_was_started_anew_lets_an_open_window_in_when_its_address_was_opened(studio):
+    """It does not know the window before, and the window says what to do."""
+    page = studio.open().page
+    port = re.search(r":(\d+)/", studio.server.base).group(1)
+    studio.server.kill()
+    page.get_by_role("alert").filter(has_text="does not answer").wait_for()
+    studio.server.start(port)
+    page.get_by_role("alert").filter(has_text="does not know this window").wait_for()
+    Studio(page.context, studio.server).enter(studio.server.address)
+    page.get_by_role("alert").wait_for(state="detached")
+    before = studio.head
+    studio.press(".", "u").acted(before)
+
+
+def test_a_trial_whose_markers_have_no_frame_in_common_is_finished_where_the_person_says(folder, studio):
+    page = studio.open().page
+    for key, frames in ((".", ("1", "70")), (".", ("50", "120"))):  # one marker is seen late, another one soon no more
+        studio.press(key)
+        for mark, frame in zip("[]", frames, strict=True):
+            page.get_by_label("Frame", exact=True).fill(frame)
+            page.keyboard.press("Enter")
+            studio.press(mark)
+        before = studio.head
+        studio.press("Delete").acted(before)
+        studio.press("Escape")  # the marks go
+    studio.press("Shift+F")
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_text("There are no frames that all markers have").wait_for()
+    dialog.get_by_label("First frame that is left").fill("30")
+    dialog.get_by_label("Last frame that is left").fill("90")
+    before = studio.head
+    studio.press("Enter").acted(before)
+    trim = [edit for edit in lines(folder)[-1]["edits"] if edit["kind"] == "trim"][0]
+    assert (trim["first"], trim["last"]) == (30, 90)

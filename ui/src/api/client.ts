@@ -45,6 +45,8 @@ export const body = (value: unknown, method = "POST"): RequestInit => ({
 const part = encodeURIComponent;
 const of = (id: string): string => `/trials/${part(id)}`;
 
+/** Whether the server knows this window; null where there is none. One that was started anew does not. */
+export const known = (): Promise<boolean | null> => fetch("/api/jobs").then((answer) => answer.status !== 403, () => null);
 export const home = (): Promise<Home> => json("/home");
 export const trial = (id: string): Promise<TrialHeader> => json(of(id));
 /** Whether a screen of a trial can be shown; what stands in its way is told in words, and is no error of the browser's. */

@@ -15,12 +15,13 @@ export function connect(): void {
   socket.onopen = (): void => {
     const was = get().connected;
     wait = SOON;
-    set({ connected: true });
+    set({ connected: true, stranger: false });
     if (!was) say("news", "The server is there again."), void refetch();
   };
   socket.onmessage = (message: MessageEvent<string>): void => heard(JSON.parse(message.data) as Live);
   socket.onclose = (): void => {
     set({ connected: false });
+    void api.known().then((known) => set({ stranger: known === false }));
     setTimeout(connect, wait);
     wait = Math.min(LATE, wait * 2);
   };

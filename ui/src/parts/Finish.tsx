@@ -1,3 +1,4 @@
+import { useState } from "react";
 import * as api from "../api/client";
 import type { TrialHeader } from "../api/types";
 import { count, many } from "../model/format";
@@ -16,24 +17,42 @@ export async function write(): Promise<void> {
   if (written) say("done", [`Written: ${written.name}`, ...written.words].join(". "));
 }
 
-/** The frames that all named markers reach, of how many. */
-function common(header: TrialHeader | null): string {
-  const named = header?.tracks.filter((t) => t.named && !t.computed && t.first != null && t.last != null) ?? [];
-  const first = Math.max(...named.map((t) => t.first!)), last = Math.min(...named.map((t) => t.last!));
-  return named.length && first <= last ? ` (${first}–${last}: ${count(last - first + 1)} of ${count(header!.n_frames)})` : "";
+/** First and last frame of each named marker that is seen. */
+const ends = (header: TrialHeader | null): { name: string; first: number; last: number }[] =>
+  (header?.tracks ?? []).flatMap((t) => (t.named && !t.computed && t.first != null && t.last != null ? [{ name: t.name, first: t.first, last: t.last }] : []));
+
+/** Why all markers are cut to these frames, and which two they are of. */
+function Common({ header }: { header: TrialHeader | null }): React.JSX.Element | null {
+  const all = ends(header);
+  if (!header || !all.length) return null;
+  const late = all.reduce((a, b) => (b.first > a.first ? b : a)), soon = all.reduce((a, b) => (b.last < a.last ? b : a)), n = soon.last - late.first + 1;
+  if (n > 0) return <p className="soft">All markers have frames {late.first}–{soon.last}: {count(n)} of {count(header.n_frames)}.</p>;
+  return <p>There are no frames that all markers have: <b>{late.name}</b> begins in frame {late.first} and <b>{soon.name}</b> ends in {soon.last}. Name the pieces that are missing, or say from where to where.</p>;
+}
+
+/** Where the trial begins and ends: the marked stretch, else what all markers have, else all of it. */
+function usual(header: TrialHeader, marked: readonly [number | null, number | null]): [number, number] {
+  const all = ends(header), whole: [number, number] = [header.first_frame, header.first_frame + header.n_frames - 1];
+  const first = Math.max(...all.map((t) => t.first)), last = Math.min(...all.map((t) => t.last));
+  const [a, b] = all.length && first <= last ? [first, last] : whole;
+  return [marked[0] ?? a, marked[1] ?? b];
 }
 
 export function Finish(): React.JSX.Element {
-  const { header, problems } = useStore(), unnamed = header?.tracks.filter((t) => !t.named).length ?? 0, left = problems?.errors;
+  const { header, problems, first, last } = useStore(), unnamed = header?.tracks.filter((t) => !t.named).length ?? 0, left = problems?.errors;
+  const [low, high] = header ? usual(header, [first, last]) : [1, 1], [from, setFrom] = useState(low), [to, setTo] = useState(high);
   const finish = async (e: React.FormEvent): Promise<void> => {
     e.preventDefault();
     set({ dialog: null });
-    if (await act({ kind: "finish" }, "Finished")) await write();
+    if (await act({ kind: "finish", first: from, last: to }, "Finished")) await write();
   };
+  const frame = (value: number, change: (n: number) => void, label: string): React.JSX.Element => <input className="field" type="number" aria-label={label} min={header?.first_frame} max={header ? header.first_frame + header.n_frames - 1 : 1} value={value} onChange={(e) => change(Number(e.target.value))} />;
   return (
     <Modal title="Finish the trial">
       <form className={styles.body} onSubmit={(e) => void finish(e)}>
-        <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at the frames that all of them have{common(header)}, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
+        <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at these frames, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
+        <p>Frames {frame(from, setFrom, "First frame that is left")} to {frame(to, setTo, "Last frame that is left")}</p>
+        <Common header={header} />
         {left != null && <p>Errors expected: <b>{left.toFixed(1)}</b>.</p>}
         <div className={styles.actions}>
           <button type="button" className="button" onClick={() => (set({ dialog: null }), void write())}>Only write</button>

@@ -39,6 +39,8 @@ export interface State {
   digitise: Digitised | null;
   jobs: Readonly<Record<string, Job>>;
   connected: boolean;
+  /** Whether the server that is there now is another one, which does not let this window in. */
+  stranger: boolean;
   busy: number;
   note: Note | null;
   /** Why the screen cannot be shown. */
@@ -106,7 +108,7 @@ export const OF_TRIAL = {
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, unshown: "", runs: true, limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, note: null, unshown: "", runs: true, limit: 5,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));

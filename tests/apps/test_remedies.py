@@ -112,7 +112,7 @@ def test_an_output_that_has_not_all_letters_is_written_without_them(tmp_path):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
 @pytest.mark.parametrize("arguments", [["methods"], ["--help"]])
 def test_a_full_disk_under_the_output_is_a_line(arguments):
-    with open("/dev/full", "w") as full:
+    with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "kinemark", *arguments], stdout=full, stderr=subprocess.PIPE, text=True
         )

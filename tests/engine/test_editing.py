@@ -220,3 +220,12 @@ def test_the_command_line_says_lists_checks_and_undoes(session, capsys):
     assert [row["counts"] for row in json.loads(call("list", trial, "--json")[1])] == [True, True, False, True]
     with pytest.raises(KinemarkError, match="standard deviations"):
         app(["edits", "claim", trial, "--track", "*2", "--name", "LKNE"])
+
+
+def test_a_cut_off_that_the_rate_does_not_hold_is_refused(tmp_path):
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", paths_without_images(frames=60)))
+    editing = Editing.of_file(tmp_path / "walk.c3d")
+    editing.claim("*1", "A")
+    with pytest.raises(KinemarkError, match=r"cut-off is 600 Hz, and .* frames a second show nothing above .* below"):
+        editing.smooth("A", 10, 40, 600.0)
+    assert len(editing.journal.entries) == 1

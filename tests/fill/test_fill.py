@@ -395,7 +395,9 @@ def test_tests_do_not_grow_with_the_gaps():
     gaps = [Gap(k % 8, 3 * k + 3, 3 * k + 4) for k in range(MOST_TESTED + 80)]
     answers = evaluate_leading(motion.hidden(gaps), gaps, [Linear(), LocalRegression()])
     assert len(answers[0].results) <= MOST_TESTED
-    predicted = [np.isfinite(one.xyz).all() for each in zip(*(a.predictions for a in answers)) for one in each]
+    predicted = [
+        np.isfinite(one.xyz).all() for each in zip(*(a.predictions for a in answers), strict=True) for one in each
+    ]
     assert sum(predicted) >= len(gaps)
     found, _, cov = choose_candidate(motion.hidden(gaps), gaps, len(gaps) // 2, answers)
     assert found.expected_mm < 2.0 and np.isfinite(cov).all()

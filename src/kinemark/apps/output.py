@@ -79,7 +79,8 @@ def _unwritten(why: str) -> KinemarkError:
     from ..data import KinemarkError  # brings NumPy, which --help does without
 
     return KinemarkError(
-        f"The results cannot be printed: {why}. Send the output to a place with room. Files that were named are written."
+        f"The results cannot be printed: {why}. Send the output to a place with room. Files that were asked for are "
+        "written."
     )
 
 

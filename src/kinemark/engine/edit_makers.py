@@ -171,7 +171,13 @@ def smooth(
     cutoff_hz: float,
     function: SmoothingFunction = "butterworth",
 ) -> Smooth:
-    """A stretch of a marker is low-pass filtered by a function."""
+    """A stretch of a marker is low-pass filtered by a function; raises a KinemarkError where it could not be."""
+    rate = of.edited().trajectories.rate
+    if cutoff_hz >= rate / 2:
+        raise KinemarkError(
+            f"The cut-off is {cutoff_hz:g} Hz, and {rate:g} frames a second show nothing above {rate / 2:g} Hz. Give "
+            "one below that."
+        )
     return made(Smooth, known(of, marker), first, last, cutoff_hz, "smooth", function)
 
 

@@ -41,8 +41,8 @@ UNKNOWN_RATE = 1.0
 """Hz; stands where a detections CSV does not say its rate; chosen."""
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
 TABLES = (
-    "Wanted is frame, time_s, NAME_x_mm, NAME_y_mm, NAME_z_mm … of trajectories; camera, frame, u_px, v_px of 2D points; "
-    "or DLT coefficients, which have no heading. All tables: docs/reference/files.md"
+    "Wanted is frame, time_s, NAME_x_mm, NAME_y_mm, NAME_z_mm … of trajectories; camera, frame, u_px, v_px of 2D "
+    "points; or DLT coefficients, which have no heading. All tables: docs/reference/files.md"
 )
 """What a CSV file may hold."""
 HOLDS = {

@@ -47,8 +47,8 @@ def read_trajectories_csv(path: Path | str, *, rate: float | None = None) -> Tra
     rate = rate if rate is not None else rate_of(path, table[:, 1], at)
     xyz = table[:, 2:].reshape(len(table), len(names), 3).transpose(1, 0, 2)
     first = int(frame[0]) if len(frame) else 1
-    names = distinct(names, len(names), "*")
-    return Trajectories(tuple(MarkerPath.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate, first)
+    paths = (MarkerPath.measured(n, x) for n, x in zip(distinct(names, len(names), "*"), xyz, strict=True))
+    return Trajectories(tuple(paths), rate, first)
 
 
 def csv_rows(path: Path | str) -> list[tuple[int, list[str]]]:

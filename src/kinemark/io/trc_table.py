@@ -179,9 +179,7 @@ def _in_threes(names: Sequence[str]) -> bool:
     return len(names) % 3 == 0 and all(len(set(names[i : i + 3])) == 1 for i in range(0, len(names), 3))
 
 
-def _as_cut_off(
-    path: Path | str, body: list[Line], wide: int, partial: bool
-) -> tuple[list[Line], tuple[str, ...]]:
+def _as_cut_off(path: Path | str, body: list[Line], wide: int, partial: bool) -> tuple[list[Line], tuple[str, ...]]:
     """The rows of a file that does not end its last line, which may be cut off: what there is of it, and a note.
 
     A last number with fewer decimals than any other of its column has may have lost digits: its sample is missing.

@@ -403,3 +403,11 @@ def test_a_file_without_fills_gets_no_group_and_nonsense_in_it_is_passed_over():
     ))  # fmt: skip
     trial = trial_of(blank(np.ones((3, 1, 3)), groups=[group]), name="t")
     assert (trial.trajectories["*1"].origin == Origin.MEASURED).all()
+
+
+def test_integers_of_a_saturated_coordinate_come_back_as_they_are(tmp_path):
+    counts = np.random.default_rng(0).integers(-4000, 4000, (9, 4, 3))
+    counts[3, 1, 0] = -32768  # one coordinate of three: a position, though an odd one
+    trial = trial_of(blank(counts * 0.25, floats=False, scale=0.25), name="made")
+    write_c3d(tmp_path / "a.c3d", trial)
+    assert np.array_equal(read_c3d(tmp_path / "a.c3d").trajectories.xyz, trial.trajectories.xyz, equal_nan=True)

@@ -158,7 +158,13 @@ class MeasuredErrors:
 
 
 def behind(
-    logs: Floats, others: Floats, same: scipy.sparse.csr_array, weights: Floats, alike: Floats | None = None, *, sure: float = 1.0
+    logs: Floats,
+    others: Floats,
+    same: scipy.sparse.csr_array,
+    weights: Floats,
+    alike: Floats | None = None,
+    *,
+    sure: float = 1.0,
 ) -> float:
     """(3): the left side of it, below 0 where one method is better than another by more than `sure` standard errors.
 

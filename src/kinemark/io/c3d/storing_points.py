@@ -163,7 +163,8 @@ def _scale(source: C3D, points: NDArray[np.float64], residual: NDArray[np.float6
     most = float(np.abs(points).max(initial=0.0))
     if source.points.size and floats:
         return source.scale
-    fits = most <= MOST_COUNTS * source.scale and (not source.floats or source.scale <= most / 8000)
+    within = points.min(initial=0.0) >= HALF * source.scale and points.max(initial=0.0) <= MOST_COUNTS * source.scale
+    fits = within and (not source.floats or source.scale <= most / 8000)
     if source.points.size and fits:
         return source.scale
     resolved = float(np.nan_to_num(residual).max(initial=0.0)) / 255 if floats else 0.0

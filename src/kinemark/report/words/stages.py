@@ -90,7 +90,8 @@ FILLING_WORDS = {
     "samples_suspicious": Words(
         "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} {samples:stands|stand} out from the "
         "marker's own motion and {samples:was|were} kept ({samples:a dot|dots} in the drawings): {where_list}.",
-        "Where they are wrong, fill again with --trim 5 (trim = 5 in a session): they are replaced then.",
+        "Fills that they pull away have the greater expected error. Where they are wrong, fill again with --trim 5 "
+        "(trim = 5 in a session): they are replaced then.",
     ),
     "markers_mostly_filled": Words(
         "{Markers}: more than {limit_share} of the trial is filled.",

@@ -40,7 +40,7 @@ UNLIKELY = 15.0
 BESIDE_S = 0.25
 """By which a track that ends may do so before another one's gap, or one that begins after it, s; chosen."""
 NOBODY = -1
-"""No track; by definition."""
+"""Where there is no part; by definition."""
 
 
 class Hidden(NamedTuple):

@@ -7,9 +7,20 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory
-from kinemark.label import cut_truth, label_switching, learn_template, score_labels, score_switches, shredded
+from kinemark.label import (
+    CutLabels,
+    Labels,
+    cut_truth,
+    label_switching,
+    learn_template,
+    score_labels,
+    score_switches,
+    shredded,
+)
 from kinemark.label.beside_gaps import Beside, Parts
+from kinemark.label.cutting import cut
 from kinemark.label.hidden import find_hidden
+from kinemark.label.switching import _kept
 from kinemark.synth import walking, with_markers
 
 SIZE = 1700.0
@@ -69,6 +80,20 @@ def test_what_nobody_saw_and_no_neighbour_tells_is_open():
     others = np.setdiff1d(np.arange(len(trial)), [a, b])
     xyz[others, :160] = np.nan  # nobody is seen on both sides
     assert find_hidden(tracks(xyz, trial), SIZE, np.arange(len(trial))) == (set(), {(a, 150), (b, 150)})
+
+
+def test_cuts_that_are_open_stay_unless_both_sides_are_sure_or_nobody():
+    trial = walk(7)
+    xyz = trial.xyz[:4].copy()
+    xyz[:, 140:150] = np.nan
+    pieces, of = cut(tracks(xyz, trial.select(trial.names[:4])), {(t, 150) for t in range(4)})
+    names = ("a", "a", "b", "b", "c", "c", None, None)
+    state = ("sure", "sure", "sure", "unsure", "unsure", "unsure", "unknown", "unknown")
+    p = np.array([{"sure": 1.0, "unsure": 0.9, "unknown": 0.0}[one] for one in state])
+    labels = Labels(names, p, state, (None,) * 8, np.where(p > 0, p, np.nan), 1.0, 1.0)
+    open_ = {(t, 150) for t in range(4)}
+    assert _kept(CutLabels(pieces, labels, of, ()), open_, set(), open_) == {(1, 150), (2, 150)}
+    assert _kept(CutLabels(pieces, labels, of, ()), open_, open_, set()) == set()
 
 
 def test_gaps_that_do_not_meet_are_no_exchange():

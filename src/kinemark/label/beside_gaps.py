@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import INLIERS, OF_SIZE, REST
 from .stretches import SPEED_S, link_nats, speed_at

@@ -157,9 +157,7 @@ _Exchange = Callable[[_Piece, _Piece, Ints, np.random.Generator], tuple[_Piece, 
 """What two near markers, seen together in some frames, become."""
 
 
-def _exchanged(
-    whole: list[_Piece], kinds: Sequence[_Exchange], rng: np.random.Generator, hidden: int
-) -> list[_Piece]:
+def _exchanged(whole: list[_Piece], kinds: Sequence[_Exchange], rng: np.random.Generator, hidden: int) -> list[_Piece]:
     """With pairs of nearest markers exchanged, each in one of these ways, and hidden for some frames about it."""
     left = list(rng.permutation(len(whole)))
     out = list(whole)
@@ -187,8 +185,8 @@ def _hidden(one: _Piece, at: Sequence[int], n: int) -> _Piece:
     for change in one.changes:
         after = np.flatnonzero(np.isfinite(xyz[change.frame :, 0]))
         if len(after):  # of changes with nothing seen between them the last one counts
-            at = change.frame + int(after[0])
-            changes[at] = change._replace(frame=at)
+            first = change.frame + int(after[0])
+            changes[first] = change._replace(frame=first)
     was, kept = one.marker, []
     for change in changes.values():
         kept += [change] if change.marker != was else []

@@ -92,8 +92,12 @@ def _links(xyz: Floats, seen: Bools, start: Ints, stop: Ints, rate: float, size:
     column = np.concatenate([order[a:b] for a, b in zip(lo, hi, strict=True)])
     width = max(1, round(SPEED_S * rate))
     last, first = stop - 1, start
-    out = np.array([speed_at(xyz[t], seen[t], last[t], -width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
-    into = np.array([speed_at(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
+    out = np.array(
+        [speed_at(xyz[t], seen[t], last[t], -width) if stop[t] > start[t] else np.zeros(3) for t in range(T)]
+    )
+    into = np.array(
+        [speed_at(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)]
+    )
     frames = (first[column] - last[row]).astype(float)
     step = xyz[column, first[column]] - xyz[row, last[row]] - 0.5 * (out[row] + into[column]) * frames[:, None]
     nats = link_nats(step, frames, rate, size)

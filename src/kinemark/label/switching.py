@@ -1,6 +1,7 @@
 """Labelling with tracks that go over from one marker to another: they are cut there, and all is named anew.
 
-A cut is kept where its two sides are named in the end, and otherwise than each other.
+A cut is kept where its two sides are named in the end, and otherwise than each other. One behind a gap of which nothing
+tells whose it is stays as well where one of its sides is not sure: each has a name that is as sure as it is by itself.
 """
 
 from __future__ import annotations
@@ -25,8 +26,6 @@ from .template import Template
 
 ROUNDS = 3
 """Of naming and cutting; chosen: what hid behind other exchanges is found the second time."""
-
-
 _Cut = tuple[int, int]
 """Of a track, before a frame."""
 
@@ -75,63 +74,65 @@ def label_switching(
     Raises:
         KinemarkError: there are no tracks.
     """
+
+    def named(cuts: set[_Cut]) -> CutLabels:
+        now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
+        return CutLabels(now, label(now, template, method=method, stated=stated), of, ())
+
     free = np.flatnonzero(fixed_labels(tracks, template, stated) == FREE)
     hidden = find_hidden(tracks, template.size, free)
     breaks = find_breaks(tracks, template.size, free) | hidden.changed
     cuts = breaks | hidden.open
-    now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
-    labels = label(now, template, method=method, stated=stated)
+    found = named(cuts)
     for _ in range(ROUNDS):
-        new = {(int(of[t]), frame) for t, frame in _turns(now, labels, template, stated)} - cuts
+        turns = _turns(found.tracks, found.labels, template, stated)
+        new = {(int(found.of[t]), frame) for t, frame in turns} - cuts
         if not new:
             break
         cuts |= new
-        now, of = cut(tracks, cuts)
-        labels = label(now, template, method=method, stated=stated)
-    kept = _kept(now, of, labels, cuts, breaks, hidden.open)
-    while len(kept) < len(cuts):  # ends, as there are fewer each time
+        found = named(cuts)
+    while len(kept := _kept(found, cuts, breaks, hidden.open)) < len(cuts):  # ends, as there are fewer each time
         cuts = kept
-        now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
-        labels = label(now, template, method=method, stated=stated)
-        kept = _kept(now, of, labels, cuts, breaks, hidden.open)
-    return CutLabels(now, labels, of, _switches(now, of, labels, cuts))
+        found = named(cuts)
+    return found._replace(switches=_switches(found, cuts))
 
 
-def _kept(
-    now: Trajectories, of: Ints, labels: Labels, cuts: set[_Cut], breaks: set[_Cut], open_: set[_Cut]
-) -> set[_Cut]:
+def _kept(found: CutLabels, cuts: set[_Cut], breaks: set[_Cut], open_: set[_Cut]) -> set[_Cut]:
     """The cuts whose two sides have names, and different ones.
 
-    Of `breaks` also those of which one side has none, and of those that are open also those of which one is not sure.
+    Of `breaks` also those of which one side has none, and of those that are open also those not both sides of which are
+    sure.
     """
     kept = set()
     for one in cuts:
-        (was, sure), (to, as_well) = _sides(now, of, labels, one)
+        (was, sure), (to, as_well) = _sides(found, one)
         unlike = was != to and (one in breaks or None not in (was, to))
-        if unlike or (one in open_ and sure != as_well):
+        open_still = one in open_ and (was, to) != (None, None) and not (sure and as_well)
+        if unlike or open_still:
             kept.add(one)
     return kept
 
 
-def _switches(now: Trajectories, of: Ints, labels: Labels, cuts: set[tuple[int, int]]) -> tuple[Switch, ...]:
+def _switches(found: CutLabels, cuts: set[_Cut]) -> tuple[Switch, ...]:
     """The cuts whose two sides have names, and different ones."""
-    found = []
+    out = []
     for t, frame in sorted(cuts):
-        (was, _), (to, _) = _sides(now, of, labels, (t, frame))
+        (was, _), (to, _) = _sides(found, (t, frame))
         if was is not None and to is not None and was != to:
-            found.append(Switch(t, frame, was, to))
-    return tuple(found)
+            out.append(Switch(t, frame, was, to))
+    return tuple(out)
 
 
-def _sides(now: Trajectories, of: Ints, labels: Labels, one: _Cut) -> tuple[tuple[str | None, bool], ...]:
+def _sides(found: CutLabels, one: _Cut) -> tuple[tuple[str | None, bool], tuple[str | None, bool]]:
     """Names of the pieces before and after a cut, and whether they are sure; None for what has none."""
     t, frame = one
-    pieces = np.flatnonzero(of == t)
-    seen = np.isfinite(now.xyz[pieces, :, 0])
+    pieces = np.flatnonzero(found.of == t)
+    seen = np.isfinite(found.tracks.xyz[pieces, :, 0])
     before, after = pieces[seen[:, :frame].any(1)], pieces[seen[:, frame:].any(1)]
     if not len(before) or not len(after):
         return (None, False), (None, False)
-    return tuple((labels.names[p], labels.state[p] == "sure") for p in (before[-1], after[0]))
+    p, q, labels = before[-1], after[0], found.labels
+    return (labels.names[p], labels.state[p] == "sure"), (labels.names[q], labels.state[q] == "sure")
 
 
 def _turns(

@@ -78,7 +78,7 @@ def test_names_are_not_judged_by_another_subjects_template(files):
     write_trial(Trial("right", walk(7)), files / "right.c3d")
     own, other = template_of([files / "known.c3d"]), template_of([files / "tall.c3d"])
     assert check_file(files / "right.c3d", own).off_share < 0.1
-    with pytest.raises(KinemarkError, match="is not checked.*it is of another subject.*name the trial anew"):
+    with pytest.raises(KinemarkError, match=r"is not checked.*it is of another subject.*name the trial anew"):
         check_file(files / "right.c3d", other)
     with pytest.raises(KinemarkError, match="it is of another subject"):
         audit_file(files / "right.c3d", template=other.template, mend=True)
@@ -100,7 +100,7 @@ def test_alike_subjects_templates_are_told_by_the_distances_that_should_keep(fil
     for name in ("right", "some"):
         found = check_file(files / f"{name}.c3d", SubjectTemplate(own))
         assert found.good and found.holds > 0.95
-        with pytest.raises(KinemarkError, match="is not checked.*it is of another subject"):
+        with pytest.raises(KinemarkError, match=r"is not checked.*it is of another subject"):
             check_file(files / f"{name}.c3d", SubjectTemplate(other))
 
 

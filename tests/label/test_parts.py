@@ -77,3 +77,10 @@ def test_a_part_that_another_fits_as_well_is_doubted():
 def test_other_tools_are_refused():
     found = label(shredded(tools(8, 2), 1, 1.0, 1).tracks, learn_template(tools(7, 1)))
     assert found.refused is not None and not any(found.names)
+
+
+def test_a_mirrored_part_is_none():
+    trial = tools(4, 2)
+    mirrored = replace(trial, paths=tuple(replace(p, xyz=p.xyz * [-1.0, 1.0, 1.0]) for p in trial))
+    found = label(shredded(mirrored, 1, 0, 1).tracks, learn_template(tools(4, 1)))
+    assert "sure" not in found.state

@@ -17,8 +17,7 @@ from ..label import Exchanged, Template, find_exchanges
 from ..label.check_sides import SideSwap, find_side_swaps
 from ..label.check_stretches import Mislabelled, find_mislabelled
 from ..label.evidence import PairScore
-from ..label.held import held
-from ..label.parts import part_of
+from ..label.held import OWN, held
 from ..label.side_pairs import sides_by_name
 from ..label.stretches import stretches_of
 from ..label.subject_template import SubjectTemplate
@@ -30,11 +29,6 @@ MOST_OFF = 0.3
 names are wrong; measured on eight trials of four subjects: by a template of the same one 0.08 at most, of another one
 0.2 to 0.8, median 0.6."""
 
-
-LEAST_HOLDS = 0.8
-"""Share of the stiffest distances of named markers that hold (`label.held`) below which it is so as well; measured on
-walks of four children, 33 markers and more, and on 21 simulated trials of six marker sets: by a template of the same
-subject 0.97 to 1, also in postures that it does not show, of another one 0.1 to 0.76 (0.8 to 0.94 for a dog's)."""
 
 FEWEST = 6
 """Markers without which that is no judge; chosen: of five, one exchange touches nearly all distances."""
@@ -61,16 +55,16 @@ class CheckedNames(NamedTuple):
     @property
     def unfit(self) -> str:
         """In words, that the template does not fit the names; empty where it does."""
-        if self.off_share < MOST_OFF and self.holds >= LEAST_HOLDS:
+        if self.off_share < MOST_OFF and self.holds >= OWN:
             return ""
         off = f"{100 * self.off_share:.0f} % of the named samples do not fit the template"
-        if self.holds < LEAST_HOLDS:
+        if self.holds < OWN:
             off = (
                 f"Only {100 * self.holds:.0f} % of the distances that should hardly change are as the template has them"
             )
         return (
-            f"{off}: it is of another subject, or most names are wrong. Give a template of this subject; if it is, name "
-            "the trial anew: kinemark label."
+            f"{off}: it is of another subject, or most names are wrong. Give a template of this subject; if it is, "
+            "name the trial anew: kinemark label."
         )
 
     @property
@@ -155,8 +149,8 @@ def _holds(trial: Trajectories, own: Template, besides: dict[str, Ints]) -> floa
     kept = replace(kept, paths=tuple(path for path in kept if np.isfinite(path.xyz).any()))
     if len(kept) < FEWEST:
         return 1.0
-    there = part_of(own, np.array([own.names.index(name) for name in kept.names]))
-    return held(stretches_of(kept, own.size), np.arange(len(kept)), PairScore.of_template(there))
+    label = np.array([own.names.index(name) for name in kept.names])
+    return held(stretches_of(kept, own.size), label, PairScore.of_template(own), absent_too=False)
 
 
 def _without(path: MarkerTrajectory, frames: Ints | None) -> MarkerTrajectory:

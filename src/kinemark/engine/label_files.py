@@ -171,6 +171,7 @@ def _figures(
         "fit": round(labels.fit, 3),
         "placed_share": round(labels.placed, 4),
         "figure_alone": by_figure,
+        "another_subject": None if labels.another is None else round(labels.another, 3),
         "missing": [name for name in names if name not in sure],
         "tracks": each,
         "switches": [
@@ -190,6 +191,15 @@ def label_text(found: LabelledFile) -> str:
         *(
             ["          by the marker set's figure alone, so that no name is sure"]
             if found.figures["figure_alone"]
+            else []
+        ),
+        *(
+            [
+                "          its stiffest distances do not hold: the template is of another subject, this one "
+                f"{found.labels.another:.2f} times as tall, or markers were moved, so that no name is sure; "
+                "if it is another's, say so: --scale, or --heights-mm"
+            ]
+            if found.labels.another is not None
             else []
         ),
         *(

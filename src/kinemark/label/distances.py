@@ -14,17 +14,27 @@ from .against import against
 from .calibration import calibrated_shift
 from .decided_sides import at_most_even, decided_sides
 from .evidence import PairScore
-from .held import held
+from .held import OWN, held
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, margins, probability
-from .parts import placed_share, with_parts
+from .parts import KNOWN, placed_share, with_parts
 from .solve import solve, solve_with_facts
 from .stage import LABEL
 from .stated import anchored, fixed_labels
 from .stretches import FREE, Stretches, stretches_of
+from .sweeps import places
 from .template import Template
 
+FRAMES = 40
+"""In which a subject's size is measured; chosen, as in `held`."""
+FEWEST = 8
+"""Markers with a name, without which no template is taken for another subject's; chosen."""
+MOST_BY_ANOTHER = 0.98
+"""Probability of a name by the template of another subject that was given as this one's, at most; chosen, as by a
+figure alone: markers of one plate sit anywhere on another subject."""
+SCALES = (0.8, 1.25)
+"""Within which it is taken to lie; chosen: distances of bodies beyond it would have named nothing."""
 LEAST_PART = 0.2
 """Share of the samples that a first part of the body must place, for others to be looked for; chosen: sitting, of which
 a walk showed nothing, pelvis and trunk place a third."""
@@ -60,7 +70,36 @@ class Distances(Method):
 def label_by_distances(
     trajectories: Trajectories, template: Template, *, method: Distances, stated: Mapping[str, str | None]
 ) -> Labels:
-    """See `label`: the whole body, then parts that it left without names; refused where both name too little."""
+    """See `label`; where a template proves to be another subject's, names are found as by such, and none is sure."""
+    found = _by_body_and_parts(trajectories, template, method, stated)
+    ratio = None if found.refused is not None else _of_another(trajectories, template, found)
+    if ratio is None:
+        return found
+    found = _by_body_and_parts(trajectories, template.of_another(ratio), method, stated)
+    state = tuple("unsure" if one == "sure" else one for one in found.state)
+    most = np.minimum(found.probability, MOST_BY_ANOTHER)
+    return replace(found, probability=most, state=state, another=ratio)
+
+
+def _of_another(trajectories: Trajectories, template: Template, found: Labels) -> float | None:
+    """How many times as tall the subject is as the template's, where the stiffest distances tell that it is another."""
+    if np.any(template.doubt):
+        return None
+    stretches, pairs = stretches_of(trajectories, template.size), PairScore.of_template(template)
+    label = np.where(found.probability >= KNOWN, _numbers(found, template), -1)
+    if len(np.unique(label)) < FEWEST or held(stretches, label, pairs, absent_too=False) >= OWN:
+        return None
+    y = places(stretches, label, len(template))
+    y = y[:: max(1, len(y) // FRAMES)]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1)) / template.distance
+    return float(np.clip(np.nanmedian(ratio[np.isfinite(ratio)]), *SCALES))
+
+
+def _by_body_and_parts(
+    trajectories: Trajectories, template: Template, method: Distances, stated: Mapping[str, str | None]
+) -> Labels:
+    """The whole body, then parts that it left without names; refused where both name too little."""
 
     def name(tracks: Trajectories, by: Template, facts: Mapping[str, str | None]) -> Labels:
         return _of_body(tracks, by, replace(method, least_placed=LEAST_PART), facts)
@@ -70,12 +109,18 @@ def label_by_distances(
     if found is body:
         return body if body.placed >= method.least_placed else _nothing_named(body, body.placed, 1.0, method)
     placed = placed_share(np.isfinite(trajectories.xyz[..., 0]), found, len(template))
-    label = np.array([template.names.index(one) if one is not None else -1 for one in found.names])
-    holds = held(stretches_of(trajectories, template.size), label, PairScore.of_template(template))
+    label, pairs = _numbers(found, template), PairScore.of_template(template)
+    holds = held(stretches_of(trajectories, template.size), label, pairs)
     refused = refusal(found.fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
-    return (
-        replace(found, placed=placed, refused=None) if refused is None else _nothing_named(found, placed, holds, method)
-    )
+    if refused is not None:
+        return _nothing_named(found, placed, holds, method)
+    return replace(found, placed=placed, refused=None)
+
+
+def _numbers(found: Labels, template: Template) -> Ints:
+    """(T) labels by their names, −1 for none."""
+    number = {name: a for a, name in enumerate(template.names)}
+    return np.array([number.get(str(name), -1) for name in found.names], np.int64)
 
 
 def _of_body(

@@ -32,6 +32,8 @@ class Labels:
         against: (T) of names that are not sure, the markers whose distance speaks most for the runner-up, and by how
             many nats; empty where none does. They say what to look at.
         undecided: that left and right of the whole subject cannot be told; None where they can.
+        another: times as tall this subject is as the template's, where that was given as this one's and is not; else
+            None. No name is sure then.
     """
 
     names: tuple[str | None, ...]
@@ -44,6 +46,7 @@ class Labels:
     refused: Finding | None = None
     against: tuple[tuple[tuple[str, float], ...], ...] = ()
     undecided: Finding | None = None
+    another: float | None = None
 
     def __post_init__(self) -> None:
         n = len(self.names)

@@ -26,7 +26,7 @@ import scipy
 from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .decided_sides import UNDECIDED
-from .evidence import PairScore, hands
+from .evidence import WRONG_HAND, PairScore, hands
 from .labels import Labels, State
 from .stretches import stretches_of
 from .sweeps import places, total_score
@@ -104,7 +104,7 @@ def _away(seen: Bools, labels: Labels, template: Template, free: Bools) -> Bools
     """(L) whether a label is seen in few of the frames in which any track without name is."""
     rest = seen[free].any(0) if free.any() else np.zeros(seen.shape[1], bool)
     named = {a: np.zeros(seen.shape[1], bool) for a in template.names}
-    for t in np.flatnonzero(~free):
+    for t in np.flatnonzero(~free & np.array([name in named for name in labels.names], bool)):
         named[str(labels.names[t])] |= seen[t]
     return np.array([bool(rest.any()) and (named[a] & rest).sum() < AWAY * rest.sum() for a in template.names], bool)
 
@@ -117,7 +117,8 @@ def _found(tracks: Trajectories, template: Template, part: Ints, free: Ints, nam
     if by.refused is not None or len({*by.names} - {None}) < LEAST:
         return None
     at = {int(t): k for k, t in enumerate(free) if by.names[k] is not None}
-    return Found(at, by, _score(among, by, own, template.size))
+    score = _score(among, by, own, template.size)
+    return Found(at, by, score) if score > 0 else None
 
 
 def part_of(template: Template, index: Ints) -> Template:
@@ -137,13 +138,17 @@ def part_of(template: Template, index: Ints) -> Template:
 
 
 def _score(tracks: Trajectories, by: Labels, part: Template, size: float) -> float:
-    """Nats a frame of the names of tracks, with quadruples."""
+    """Nats a frame of the names of tracks, with quadruples; below 0 where most of these are turned, as in a mirror."""
     stretches, pairs = stretches_of(tracks, size), PairScore.of_template(part)
     label = np.array([-1 if one is None else part.names.index(one) for one in by.names])
     y = places(stretches, label, len(part))
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
-    turned = 0.0 if pairs.hands else sum(float(hands(xyz, part.handed, part.sign).sum()) for xyz in y) / max(len(y), 1)
-    return total_score(stretches, label, pairs)[0] + turned
+    turned = np.array([hands(xyz, part.handed, part.sign) < 0 for xyz in y]).reshape(len(y), -1)
+    seen = np.isfinite(y[:, part.handed, 0]).all(2)
+    if (turned & seen).sum() > seen.sum() / 2:
+        return -np.inf
+    own = 0.0 if pairs.hands else -WRONG_HAND * float(turned.sum()) / max(len(y), 1)
+    return total_score(stretches, label, pairs)[0] + own
 
 
 def _taken(labels: Labels, found: list[Found]) -> Labels:

@@ -19,11 +19,13 @@ markers pass the gate of g standard deviations of e, as the tracker takes it, s,
 is the log-likelihood ratio of two markers to one. Where chance meetings are many, sound points have images of other
 markers too: f and the share of such blocks are those of the likeliest mixture of both, by expectation and maximisation.
 Where f is large in most pairs of cameras, the residual does something else, as that of cameras that are not
-synchronous, and nothing is judged; nor is a pair of which the share is large. Of blocks of points of two images that have more than CERTAIN, the
-part of the highest score is given up, and so are parts of what is left; and all of a track without sound points of
-which MOST is. Two cameras see alone what is at the edge of an image, where a calibration may leave more than where
-sound points are: where the medians of e − m of SEVERAL tracks have the median d there, d² is added to L_0 (3). Two
-cameras alone have no sound points, and cameras that hardly see the same markers too few; there nothing is judged.
+synchronous, and nothing is judged; nor is a pair of which the share is large.
+
+Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
+parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
+edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
+tracks have the median d there, d² is added to L_0 (3). Two cameras alone have no sound points, and cameras that hardly
+see the same markers too few; there nothing is judged.
 """
 
 from __future__ import annotations
@@ -62,8 +64,8 @@ ROUNDS = 30
 """Of expectation and maximisation, a number; chosen: f no longer changes in its second digit."""
 
 MAX_SHARE = 0.3
-"""Of sound blocks that are two markers', from which a pair of cameras is not judged; chosen: of 665 pairs of 60 simulated
-scenes (seeds 90000 to 90059) none has more than 0.11, and what is as usual as that is no exception."""
+"""Of sound blocks that are two markers', from which a pair of cameras is not judged; chosen: of 665 pairs of 60
+simulated scenes (seeds 90000 to 90059) none has more than 0.11, and what is as usual as that is no exception."""
 
 MAX_FACTOR = 1.3
 """The median of f of (1), a ratio of variances, from which sound points do not follow (1), and nothing is judged;

@@ -2,8 +2,9 @@
 
 Before anything is tracked, noise is learned from distances between images and epipolar lines (`epipolar_noise`). With
 many markers the nearest image to a line is often another's, and a camera may be taken for many times noisier than it
-is. Gates are then wide, and chance meetings of images many. But most tracks are markers all the same. With r the distance of an image from the point that fits its three or more images best, which leaves of its
-variance v what is not in S, the place's,
+is. Gates are then wide, and chance meetings of images many. But most tracks are markers all the same. With r the
+distance of an image from the point that fits its three or more images best, which leaves of its variance v what is not
+in S, the place's,
 
     v̂ = quantile_p( |r|² v / (v − tr S / 2) ) / (−2 ln(1 − p))                            (1)
 

@@ -100,6 +100,15 @@ def test_where_sound_points_drift_as_well_nothing_is_judged():
     assert MAX_FACTOR < 10
 
 
+def test_sound_points_with_images_of_other_markers_do_not_keep_it_from_judging():
+    """One of the seven other markers has an image in each camera, of which one is another marker's half of the time."""
+    recording = Recording()
+    rows = np.flatnonzero((recording.id == 1) & (recording.frame < FRAMES // 2))
+    found = recording.off(rows, 0.02 * recording.frame[rows] + 0.8).off(PART, 1.0 * TIME).found()
+    assert len(found) >= 0.8 * len(PART)
+    assert set(found) <= set(PART)
+
+
 def test_merged_images_say_nothing():
     recording = Recording().off(PART, 1.0 * TIME)
     merged = recording.images.merged.copy()

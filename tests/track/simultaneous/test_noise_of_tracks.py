@@ -1,6 +1,7 @@
 """Noise that the tracks of a first run contradict."""
 
 import numpy as np
+import pytest
 
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.detection_index import read_images
@@ -12,13 +13,16 @@ from support.scenes import make, scene, tally
 NOISE = 0.3
 
 
-def taken_for(times):
-    """Images of noise NOISE px, but camera 1 taken for so many `times` as noisy; and those of each point (C, S)."""
-    detections, marker = observe(ring(4), dance(frames=120, seed=2), noise=NOISE, seed=3)
-    images = read_images(detections, ring(4))
-    detection = np.full((4, 8 * 120), -1)
+def taken_for(times, cameras=4, foreign=0.0):
+    """Images of noise NOISE px, but camera 1 taken for so many `times` as noisy, and a share `foreign` of its images
+    another marker's, 2 px off; and those of each point (C, S)."""
+    detections, marker = observe(ring(cameras), dance(frames=120, seed=2), noise=NOISE, seed=3)
+    images = read_images(detections, ring(cameras))
+    detection = np.full((cameras, 8 * 120), -1)
     detection[images.camera, marker * 120 + images.frame] = np.arange(len(marker))
-    return images.noisier(np.array([0.0, times**2 - 1, 0.0, 0.0]) * NOISE**2), detection
+    wrong = (images.camera == 1) & (np.random.default_rng(4).random(len(marker)) < foreign)
+    images = images._replace(uv=images.uv + 2.0 * wrong[:, None])
+    return images.noisier((np.arange(cameras) == 1) * (times**2 - 1) * NOISE**2), detection
 
 
 def test_a_camera_that_is_taken_for_too_noisy_shows_in_the_tracks():
@@ -27,6 +31,13 @@ def test_a_camera_that_is_taken_for_too_noisy_shows_in_the_tracks():
     assert not found[[0, 2, 3]].any()
     left = np.median(images.variance[images.camera == 1]) - found[1]
     assert MARGIN * NOISE**2 < left < 2 * MARGIN * NOISE**2  # what the other cameras say is noisy too
+
+
+@pytest.mark.parametrize("cameras", [4, 8])
+def test_images_of_other_markers_are_no_measure_of_the_noise(cameras):
+    images, detection = taken_for(5.0, cameras, foreign=0.15)
+    left = np.median(images.variance[images.camera == 1]) - excess(detection, images)[1]
+    assert MARGIN * NOISE**2 < left < 3 * MARGIN * NOISE**2
 
 
 def test_noise_that_is_about_right_stays():

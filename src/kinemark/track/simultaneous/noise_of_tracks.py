@@ -31,7 +31,7 @@ MARGIN = 2.0
 
 FACTOR = 1.25
 """Of (1), a ratio of variances; chosen (seeds 90000 to 90066 of benchmarks/tracking_scenes.py): 4, with a TAIL of 0.95,
-leaves 0.21 ghosts a frame with four cameras, 2 and 0.8 leave 0.06; 1.25 finds more in scenes of 60 markers."""
+leaves 0.21 ghosts a frame with four cameras, 2 and 0.8 leave 0.14; 1.25 finds more in scenes of 60 markers."""
 
 TAIL = 0.7
 """p of (1); chosen: of infrared footage by cameras that are not synchronous many images are fast; in crowded scenes an

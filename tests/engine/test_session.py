@@ -431,7 +431,7 @@ def test_another_rate_is_another_input(folder):
 
 def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monkeypatch):
     run(folder)
-    changed(folder, "[calibration]", "[track]\nmin_duration = 1000\n[calibration]")
+    changed(folder, "[calibration]", "[track]\nmax_sd = 0.001\n[calibration]")
 
     def fail(*args, **kwargs):
         raise KeyboardInterrupt

@@ -9,7 +9,7 @@ import numpy as np
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
 from kinemark.edit import connection, cropped, difference, replay, stretch_of
-from kinemark.edit.probable_errors import Paths, changes, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors import Paths, changes, fillings, ghosts, leaps, pieces, places, spikes
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
@@ -17,6 +17,7 @@ from kinemark.fill import Linear, piece_matches, prepare
 from support.edited import entries, paths_without_images
 from support.filling import swaying
 from support.shift_law import Answer, law, moved
+from support.walked import clean, with_xyz
 
 
 def stretch_moved(where, by):
@@ -85,6 +86,16 @@ def _(by):
     paths = Paths.of(whole)
     some = [*changes(paths, places(paths)), *spikes(paths), *leaps(paths), *pieces(paths), *ghosts(paths, whole)]
     return Answer(rest=[round(one.wrong, 2) for one in some])
+
+
+@law(fillings, share=1e-2)
+def _(by):
+    walk = clean()
+    xyz = np.round(walk.xyz * 256) / 256  # as other places here, so that no move rounds them
+    xyz[6, 150:200] = xyz[6, 149]
+    found = fillings(Paths.of(moved(with_xyz(walk, dict(enumerate(xyz))), by)))
+    assert found
+    return Answer(rest=[(one.path, one.first, one.last, one.still, round(one.wrong, 2)) for one in found])
 
 
 @law(problems, filled_gaps, share=1e-2)

@@ -44,7 +44,7 @@ LEAST = 3
 ROUNDS = 3
 """At most; chosen: what lost its tracks to a better part is looked for anew."""
 FRAMES = 10
-"""In which sides are compared, as in `limbs`."""
+"""In which sides are compared; chosen, as in `limbs`."""
 
 Naming = Callable[[Trajectories, Template, Mapping[str, str | None]], Labels]
 """Labels of tracks by a template, some of them stated."""

@@ -40,7 +40,7 @@ TURNED = 0.7
 """Score as a share of what the template scores on its own data, below which the other sides of another subject's names
 are tried as a whole; chosen: a body turned about had 0.62, right names of other children mostly have 0.7 to 1."""
 KEEPS = 0.1
-"""Spread of a distance that keeps, as a share of it, at most, as `margin.RIGID`."""
+"""Spread of a distance that keeps, as a share of it, at most; chosen, as `margin.RIGID`."""
 PARTS = 3
 """Of a trial that are looked for, beside the first, that names do not reach; chosen, more cost time."""
 LEAST_DARK = 0.05

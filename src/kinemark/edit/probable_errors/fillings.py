@@ -31,7 +31,7 @@ SMALL, FEWEST = 0.05, 3
 """Share of what is usual beside it below which a second difference is small, and how many follow each other at least;
 chosen: noise reaches that once in ten thousand samples."""
 ROUNDED_MM = 3e-4
-"""mm that rounding to single precision makes of a second difference some metres from the origin; by its definition."""
+"""mm that rounding to single precision makes of a second difference some metres from the origin; by definition."""
 BIN_MM, OFTEN = 1e-3, 0.01
 """Bins of components of second differences, mm, and the share of them that one bin has where the numbers of a file are
 multiples of a step, the least such bin being that; chosen: of other numbers it has that where all are as small."""

@@ -16,7 +16,7 @@ from .decided_sides import at_most_even, decided_sides
 from .evidence import PairScore
 from .held import OWN, held
 from .label import refusal, state_of
-from .labels import Labels
+from .labels import Labels, State
 from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, margins, probability
 from .parts import KNOWN, placed_share, with_parts
 from .solve import solve, solve_with_facts
@@ -30,9 +30,9 @@ FRAMES = 40
 """In which a subject's size is measured; chosen, as in `held`."""
 FEWEST = 8
 """Markers with a name, without which no template is taken for another subject's; chosen."""
-MOST_BY_ANOTHER = 0.98
-"""Probability of a name by the template of another subject that was given as this one's, at most; chosen, as by a
-figure alone: markers of one plate sit anywhere on another subject."""
+NEVER_SURE = 0.98
+"""Probability of a name, at most, by the template of another subject that was given as this one's, or by parts alone;
+chosen, as by a figure alone."""
 SCALES = (0.8, 1.25)
 """Within which it is taken to lie; chosen: distances of bodies beyond it would have named nothing."""
 LEAST_PART = 0.2
@@ -75,10 +75,15 @@ def label_by_distances(
     ratio = None if found.refused is not None else _of_another(trajectories, template, found)
     if ratio is None:
         return found
-    found = _by_body_and_parts(trajectories, template.of_another(ratio), method, stated)
-    state = tuple("unsure" if one == "sure" else one for one in found.state)
-    most = np.minimum(found.probability, MOST_BY_ANOTHER)
-    return replace(found, probability=most, state=state, another=ratio)
+    return replace(
+        _never_sure(_by_body_and_parts(trajectories, template.of_another(ratio), method, stated)), another=ratio
+    )
+
+
+def _never_sure(found: Labels) -> Labels:
+    """Labels none of which is sure."""
+    state: tuple[State, ...] = tuple("unsure" if one == "sure" else one for one in found.state)
+    return replace(found, probability=np.minimum(found.probability, NEVER_SURE), state=state)
 
 
 def _of_another(trajectories: Trajectories, template: Template, found: Labels) -> float | None:
@@ -99,7 +104,10 @@ def _of_another(trajectories: Trajectories, template: Template, found: Labels) -
 def _by_body_and_parts(
     trajectories: Trajectories, template: Template, method: Distances, stated: Mapping[str, str | None]
 ) -> Labels:
-    """The whole body, then parts that it left without names; refused where both name too little."""
+    """The whole body, then parts that it left without names; refused where both name too little.
+
+    Without a body that fits, nothing says whether a part is of the left or the right, so that no name of it is sure.
+    """
 
     def name(tracks: Trajectories, by: Template, facts: Mapping[str, str | None]) -> Labels:
         return _of_body(tracks, by, replace(method, least_placed=LEAST_PART), facts)
@@ -114,7 +122,7 @@ def _by_body_and_parts(
     refused = refusal(found.fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
     if refused is not None:
         return _nothing_named(found, placed, holds, method)
-    return replace(found, placed=placed, refused=None)
+    return replace(found if body.refused is None else _never_sure(found), placed=placed, refused=None)
 
 
 def _numbers(found: Labels, template: Template) -> Ints:
@@ -180,8 +188,9 @@ def probability_of_all(
 def _nothing_named(found: Labels, placed: float, holds: float, method: Distances) -> Labels:
     """Labels without any name, as the template does not fit."""
     refused = refusal(found.fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
-    none, unknown = (None,) * len(found), ("unknown",) * len(found)
-    return Labels(none, np.zeros(len(found)), unknown, none, np.full(len(found), np.nan), found.fit, placed, refused)
+    n = len(found)
+    none, unknown = (None,) * n, tuple[State, ...]("unknown" for _ in range(n))
+    return Labels(none, np.zeros(n), unknown, none, np.full(n, np.nan), found.fit, placed, refused)
 
 
 def _names(label: Ints, template: Template) -> tuple[str | None, ...]:

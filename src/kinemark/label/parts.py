@@ -9,9 +9,9 @@ left is looked through part by part. Two labels belong together where their dist
 with H the size of the body; a part is labels all of which belong together, by complete linkage, of those that are away,
 seen in few frames. It is labelled as a subject of its own, by the distances within it alone, among all tracks that have
 no name; those to the rest of the body are what is new. Where the body as a whole does not fit, all parts are looked for
-so. A part must fit as a whole body must. Where another part that is away fits the same tracks nearly as well, as the
-other arm, its names are as likely as that one's; of two that want the same tracks the worse is looked for once more
-among what the better one left.
+so, and no name of them is sure. A part must fit as a whole body must. Where another part that is away fits the same
+tracks nearly as well, as the other arm, its names are as likely as that one's; of two that want the same tracks the
+worse is looked for once more among what the better one left.
 """
 
 from __future__ import annotations

@@ -9,16 +9,17 @@ lost. Where two cameras alone see a track, what explains one of its images bette
 Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`).
 
-Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and the first pass is done again. Merged
-images that a file does not mark are inferred from the tracks (`unmarked_merging`).
+Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and a rig adjusted to them takes the
+place of the one before where the images agree better with it (`rig_of_tracks`); the first pass is then done again.
+Merged images that a file does not mark are inferred from the tracks (`unmarked_merging`).
 
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
 Where two cameras alone see a track, images that drift past each other are given up (`drifting_pairs`), before the
 second pass, which looks for better ones, and after it.
 
-Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (1). Positions are those of
-the rig as given.
+Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1).
+Positions are those of the rig as given.
 """
 
 from __future__ import annotations
@@ -116,16 +117,16 @@ def track_once(
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig, timing), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
-    moving, method = with_learned_motion(working.images, detections.rate, method)
-    working = working._replace(images=moving)
-    every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
-    if (more := excess(cloud.detection.T, working.images)).any():
-        working = working._replace(images=working.images.noisier(-more))
-        every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
-    better = _of_tracks(detections, images, working, cloud, method)
-    if better is not working:
-        working = better
-        every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
+    moving = with_learned_motion(working.images, detections.rate, method)
+    broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
+    working, method = working._replace(images=moving.images), moving.method
+    first = _first_pass(detections, rig, images, working, method, errors)
+    for learned in () if broken else (_less_noisy, _of_tracks):  # tracks that break need the room they have
+        better = learned(detections, images, working, first.cloud, method)
+        if better is not working:
+            working, first = better, _first_pass(detections, rig, images, better, method, errors)
+    every, speaks, shared, cloud, ids = first
+    del first  # its arrays end with the names that they have now
     whole = stitched(_points(cloud, ids), T, method)
     ids = whole.id[ids]
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
@@ -259,10 +260,16 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     return Working(adjusted, moved.without(left.inconsistent), left)
 
 
-def _of_tracks(
+def _less_noisy(
     detections: Detections, images: Images, working: Working, cloud: Cloud, method: Simultaneous
 ) -> Working:
-    """The rig adjusted to the points of the first pass, and its images, where these agree better; otherwise the same."""
+    """With the noise of the images as the points of the first pass have it, where that is less; otherwise the same."""
+    more = excess(cloud.detection.T, working.images)
+    return working._replace(images=working.images.noisier(-more)) if more.any() else working
+
+
+def _of_tracks(detections: Detections, images: Images, working: Working, cloud: Cloud, method: Simultaneous) -> Working:
+    """The rig adjusted to the points of the first pass, where the images agree better with it; otherwise the same."""
     if not len(cloud) or (images.stated and not working.noise.added.any()):
         return working  # nothing seen, or images that agree as well as they say
     rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)

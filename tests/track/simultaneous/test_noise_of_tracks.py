@@ -1,7 +1,6 @@
 """Noise that the tracks of a first run contradict."""
 
 import numpy as np
-import pytest
 
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.detection_index import read_images
@@ -33,9 +32,8 @@ def test_a_camera_that_is_taken_for_too_noisy_shows_in_the_tracks():
     assert MARGIN * NOISE**2 < left < 2 * MARGIN * NOISE**2  # what the other cameras say is noisy too
 
 
-@pytest.mark.parametrize("cameras", [4, 8])
-def test_images_of_other_markers_are_no_measure_of_the_noise(cameras):
-    images, detection = taken_for(5.0, cameras, foreign=0.15)
+def test_images_of_other_markers_are_no_measure_of_the_noise():
+    images, detection = taken_for(5.0, foreign=0.15)
     left = np.median(images.variance[images.camera == 1]) - excess(detection, images)[1]
     assert MARGIN * NOISE**2 < left < 3 * MARGIN * NOISE**2
 

@@ -69,10 +69,10 @@ def _jacobian(images: Images, rig: Rig, some: Residuals) -> Floats:
 
 def _moved(rig: Rig, theta: Floats) -> Rig:
     """The rig with each camera changed by its θ (C, 4)."""
-    return replace(rig, cameras=tuple(_turned(camera, own) for camera, own in zip(rig, theta, strict=True)))
+    return replace(rig, cameras=tuple(turned(camera, own) for camera, own in zip(rig, theta, strict=True)))
 
 
-def _turned(camera: Camera, theta: Floats) -> Camera:
+def turned(camera: Camera, theta: Floats) -> Camera:
     """The camera turned about its centre by ω rad, its focal lengths times 1 + s."""
     turn = scipy.spatial.transform.Rotation.from_rotvec(theta[:3]).as_matrix()
     K = camera.K * np.array([[1 + theta[3]] * 2 + [1.0]] * 2 + [[1.0] * 3])

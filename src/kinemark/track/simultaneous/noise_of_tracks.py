@@ -26,6 +26,10 @@ from .kalman_states import KalmanStates
 FEWEST = 200
 """Images of a camera by which it is judged, at least; chosen."""
 
+MOST_CAMERAS = 4
+"""Cameras at most; chosen: with more, cameras that are shifted or not in time would lose the room that they need, and
+the rig adjusted to the tracks does as well (`rig_of_tracks`)."""
+
 MARGIN = 2.0
 """Of (1), a ratio of variances: what is left to images that no track has yet, as they lie farther off; chosen."""
 
@@ -44,8 +48,10 @@ LEAST_LEFT = 0.1
 def excess(detection: Ints, images: Images) -> Floats:
     """(C) px² that the images of each camera have too much of, by the points of detections (C, S).
 
-    0 where it is little.
+    0 where it is little, and of more cameras than MOST_CAMERAS.
     """
+    if len(detection) > MOST_CAMERAS:
+        return np.zeros(len(detection))
     rows = np.flatnonzero((detection >= 0).sum(0) >= 3)
     detection = detection[:, rows[:: max(len(rows) // 20_000, 1)]]
     point = intersect(images, detection)

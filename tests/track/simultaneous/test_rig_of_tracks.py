@@ -1,0 +1,78 @@
+"""The rig adjusted to the images of its own tracks."""
+
+import numpy as np
+import pytest
+
+from kinemark.geometry import project
+from kinemark.track.simultaneous import track_detections
+from kinemark.track.simultaneous.candidate_points import intersect
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.rig_of_tracks import rig_of_tracks
+from support.laboratory import observe, ring
+from support.motions import dance
+from support.scenes import make, scene, tally
+from support.scenes.placements import off
+
+NOISE, FRAMES = 0.2, 120
+
+
+def seen(cameras):
+    """Detections of eight markers, and those of each point (C, S)."""
+    true = ring(cameras)
+    detections, marker = observe(true, dance(frames=FRAMES, seed=2), noise=NOISE, seed=3)
+    images = read_images(detections, true)
+    detection = np.full((cameras, 8 * FRAMES), -1)
+    detection[images.camera, marker * FRAMES + images.frame] = np.arange(len(marker))
+    return detections, detection
+
+
+def residual(detections, detection, rig):
+    """Median distance of images from the points that fit them best, px."""
+    point = intersect(images := read_images(detections, rig), detection)
+    apart = [
+        np.linalg.norm(project(camera, point.xyz.T) - images.uv[own], axis=1)[own >= 0]
+        for camera, own in zip(rig, detection, strict=True)
+    ]
+    return float(np.median(np.concatenate(apart)))
+
+
+@pytest.mark.parametrize("cameras", [3, 4, 7, 12])
+@pytest.mark.parametrize("error", [0.5, 1.5])
+def test_a_file_that_is_off_is_adjusted_to_what_the_images_allow(cameras, error):
+    detections, detection = seen(cameras)
+    wrong = off(ring(cameras), error, np.random.default_rng(cameras))
+    adjusted = rig_of_tracks(detection, read_images(detections, wrong), wrong)
+    best = residual(detections, detection, ring(cameras))
+    assert residual(detections, detection, wrong) > 1.5 * best
+    assert residual(detections, detection, adjusted) < 1.1 * best
+    moved = np.linalg.norm(adjusted.centres - wrong.centres, axis=1)
+    assert moved.max() < 0.01 * np.linalg.norm(wrong.centres, axis=1).min()  # the rig as a whole stays
+
+
+def test_images_of_a_right_file_lose_nothing_by_it():
+    detections, detection = seen(6)
+    adjusted = rig_of_tracks(detection, read_images(detections, ring(6)), ring(6))
+    assert residual(detections, detection, adjusted) < 1.02 * residual(detections, detection, ring(6))
+
+
+def test_cameras_that_agree_only_where_nothing_moves_tell_nothing():
+    detections, detection = seen(6)
+    wrong = off(ring(6), 1.0, np.random.default_rng(1))
+    images = read_images(detections, wrong)
+    rng = np.random.default_rng(5)
+    late = (images.frame >= FRAMES // 2) * rng.choice([-30.0, 30.0], len(images.frame))
+    assert rig_of_tracks(detection, images._replace(uv=images.uv + late[:, None]), wrong) is wrong
+
+
+@pytest.mark.parametrize(("cameras", "points"), [(2, None), (6, 90)])
+def test_two_cameras_and_few_points_tell_nothing(cameras, points):
+    detections, detection = seen(cameras)
+    wrong = off(ring(cameras), 1.0, np.random.default_rng(1))
+    assert rig_of_tracks(detection[:, :points], read_images(detections, wrong), wrong) is wrong
+
+
+def test_a_scene_of_four_cameras_whose_file_is_a_pixel_off():
+    made = make(scene(90038))
+    count = tally(made, track_detections(made.detections, made.rig))
+    assert count.two_found > 0.93 * count.two  # 0.66 with what epipolar lines tell of the rig
+    assert count.ghosts <= 0.1 * count.frames  # 0.26

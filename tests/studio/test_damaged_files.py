@@ -2,7 +2,6 @@
 
 import re
 
-
 from kinemark.data import Trial
 from kinemark.io.trial import write_trial
 from support.computed import walker

@@ -76,7 +76,11 @@ def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
 
 
 def test_where_there_is_no_report_it_is_said_why(studio, own, tmp_path):
-    assert studio.page.get(f"{studio.trial}/standing?screen=report").json() == {"ready": True, "words": "", "runs": True}
+    assert studio.page.get(f"{studio.trial}/standing?screen=report").json() == {
+        "ready": True,
+        "words": "",
+        "runs": True,
+    }
     (tmp_path / "own" / "results" / "one" / "report.html").unlink()
     stands = own.page.get(f"{own.trial}/standing?screen=report").json()
     assert not stands["ready"] and "run the trial" in stands["words"]

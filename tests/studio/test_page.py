@@ -238,5 +238,5 @@ def test_a_trial_whose_markers_have_no_frame_in_common_is_finished_where_the_per
     dialog.get_by_label("Last frame that is left").fill("90")
     before = studio.head
     studio.press("Enter").acted(before)
-    trim = next(edit for edit in lines(folder)[-1]["edits"] if edit["kind"] == "trim")
+    (trim,) = [edit for edit in lines(folder)[-1]["edits"] if edit["kind"] == "trim"]
     assert (trim["first"], trim["last"]) == (30, 90)

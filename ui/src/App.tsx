@@ -35,7 +35,7 @@ export function App(): React.JSX.Element {
       <Head />
       <Rail />
       <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-stale={header ? (header.stale ? "yes" : "no") : ""}>
-        {!connected && <p role="alert" className={styles.lost}>{stranger ? "The studio was started anew and does not know this window. Nothing is lost: every edit is saved when it is made. Open the address that it gives where it was started, in this browser: then this window goes on as well." : "The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again."}</p>}
+        {!connected && <p role="alert" className={styles.lost}>{stranger ? "The studio was started anew and does not know this window. Nothing is lost: every edit is saved when it is made. Open the address that it gives where it was started, in this browser: then this window goes on as well." : "The studio's server does not answer. Nothing is lost: every edit is saved when it is made. Where it was ended, start kinemark studio again and open the address that it gives; where it only was busy, this page goes on by itself."}</p>}
         <WayBack />
         <Busy />
         <Shown key={screen} screen={screen} />

@@ -54,7 +54,7 @@ export function Head(): React.JSX.Element {
   return (
     <header className={styles.head}>
       <Where />
-      <button type="button" className={styles.search} aria-label="Search or command" onClick={() => set({ dialog: "commands" })}><Search size={14} aria-hidden /><span>Search or command</span><kbd>Ctrl K</kbd></button>
+      <button type="button" className={styles.search} onClick={() => set({ dialog: "commands" })}><Search size={14} aria-hidden /><span>Search or command</span><kbd>Ctrl K</kbd></button>
       <div className={styles.right}>
         <span role="status"><Saved /></span>
         <button type="button" className="icon-button" aria-label="Undo (Ctrl+Z)" title="Undo (Ctrl+Z)" disabled={header?.undo == null} onClick={byId("undo").run}><Undo2 size={16} aria-hidden /></button>

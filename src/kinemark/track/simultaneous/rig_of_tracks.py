@@ -44,8 +44,10 @@ STEPS, SOFT = 8, 2.0
 """Of Gauss–Newton, chosen: what is adjusted no longer changes the tracks; c of Cauchy's weights, standard deviations,
 chosen."""
 
-LEAST_GAIN = 0.95
-"""σ of (2) as a share of what it is before, from which on the rig stays as it was; chosen."""
+LEAST_GAIN = 0.8
+"""σ of (2) as a share of what it is before, from which on the rig stays as it was; chosen: right files have 0.93, as a
+robust fit always finds something, and those whose adjustment helped 0.1 to 0.74 (scenes 97000 to 99013 of
+benchmarks/tracking_scenes.py)."""
 
 MOST_TAIL = 10.0
 """The 90 % quantile of |u − û|² over σ² times that of a normal distribution, above which the rig stays as it was: what

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import ipaddress
 import socket
 import sys
@@ -24,6 +25,9 @@ LOOPBACK = "127.0.0.1"
 SWITCH_S = 0.0005
 """s after which a thread that computes, as one that looks for problems does, lets others have the interpreter; chosen:
 an act takes it a few times, and waits Python's 5 ms each time otherwise (see benchmarks/studio_browser.py)."""
+NEEDED = "scipy.spatial"
+"""What finding computed points needs, and takes .4 s to be read: it is while the browser starts, not when a trial is
+opened first."""
 WARNING = (
     "warning: --host {host} lets other machines of the network reach this server, and what goes over the network is "
     "not encrypted. Whoever gets the address below can see and change the patients' data in it."
@@ -60,6 +64,7 @@ def serve(
         threading.Timer(0.5, webbrowser.open, [f"http://{names[0]}/?token={guard.token}"]).start()
     config = uvicorn.Config(guard, log_level="warning", lifespan="off", server_header=False, ws_max_size=1 << 16)
     sys.setswitchinterval(SWITCH_S)
+    threading.Thread(target=importlib.import_module, args=(NEEDED,), daemon=True).start()
     with listening, suppress(KeyboardInterrupt):  # which is how it is ended
         try:
             uvicorn.Server(config).run(sockets=[listening])

@@ -64,7 +64,7 @@ ghosts 0.65 a frame 0.03."""
 
 HEAVY_TAILS = 1.3
 """Times the learned variance that images have in it, as errors of centroids are not normally distributed; chosen:
-gait9 has 97.8 % of the reference's samples, 97.2 without, and 97.5 with the rig as given."""
+gait9 has 97.8 % of the reference's samples, 97.0 without, and 97.5 with the rig as given."""
 
 
 class CameraTimes(NamedTuple):
@@ -124,6 +124,7 @@ def track_once(
     for learned in () if broken else (_less_noisy, _of_tracks):  # tracks that break need the room they have
         better = learned(detections, images, working, first.cloud, method)
         if better is not working:
+            del first  # before there are two in memory
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now

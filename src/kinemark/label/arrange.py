@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ..data.array_types import Floats, Ints
 from .chains import rechained
 from .evidence import PairScore, Single
+from .on_body import on_body
 from .shape import ALL, FLOOR, Shapes
 from .stretches import Stretches
 from .sweeps import places
@@ -36,7 +37,7 @@ ABSENT = 10.0
 """What a label costs that no marker has, nats; chosen: one marker in a hundred is absent,
 and one long track in a hundred is no marker."""
 CLEAR = 3.0
-"""By which a track goes on as another rather than as the next, nats; chosen."""
+"""By which a track goes on as another rather than as the next, or as none, nats; chosen."""
 TRUSTED = -2.0
 """Least of e3 with which a marker tells where others are, nats; chosen: one that is off misleads."""
 CHAIN_FRAMES = 10
@@ -82,7 +83,7 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
 
 
 def markers_of(stretches: Stretches, label: Ints, L: int) -> Markers:
-    """Labels that are there, and long chains of tracks without one."""
+    """Labels that are there, and long chains of tracks without one that are `on_body`."""
     chain = L + _chains(stretches, label)
     long = np.array([stretches.seen[chain == c].any(0).mean() > LONG for c in range(L, chain.max() + 1)], bool)
     whose = np.where(label >= 0, label, np.where(np.r_[np.zeros(L, bool), long][chain], chain, -1))
@@ -90,11 +91,14 @@ def markers_of(stretches: Stretches, label: Ints, L: int) -> Markers:
     part = np.full(len(label), -1)
     part[whose >= 0] = of
     some = np.unique(np.linspace(0, len(stretches.frame) - 1, min(len(stretches.frame), FRAMES)).round().astype(int))
-    return Markers(places(stretches, part, len(kept))[some], np.where(kept < L, kept, -1), part)
+    xyz, now = places(stretches, part, len(kept))[some], np.where(kept < L, kept, -1)
+    there = on_body(xyz, now >= 0)
+    turn = np.where(there, np.cumsum(there) - 1, -1)
+    return Markers(xyz[:, there], now[there], np.r_[turn, -1][part])  # −1, of none, is the last
 
 
 def _chains(stretches: Stretches, label: Ints) -> Ints:
-    """(T) which tracks without label go on with each other, by motion, where no other does nearly as well."""
+    """(T) which tracks without label go on with each other, by motion, where no other does nearly as well, nor none."""
     link = stretches.link.tocoo()
     free = (label[link.row] < 0) & (label[link.col] < 0) & (link.data > 0)
     row, column, nats = link.row[free].astype(np.int64), link.col[free].astype(np.int64), link.data[free]
@@ -104,11 +108,11 @@ def _chains(stretches: Stretches, label: Ints) -> Ints:
 
 
 def _clearly_best(group: Ints, nats: Floats) -> NDArray[np.bool_]:
-    """Entries that are the best of their group, by `CLEAR` at least."""
+    """Entries that are the best of their group, by `CLEAR` at least, and of so many nats more than any place has."""
     order = np.lexsort((-nats, group))
     first = np.r_[True, np.diff(group[order]) != 0] if len(order) else np.zeros(0, bool)
     next_in_group = np.r_[~first[1:], False] if len(order) else first
-    gap = np.where(next_in_group, nats[order] - np.r_[nats[order][1:], 0.0][: len(order)], np.inf)
+    gap = nats[order] - np.where(next_in_group, np.r_[nats[order][1:], 0.0][: len(order)], 0.0)
     out = np.zeros(len(nats), bool)
     out[order] = first & (gap > CLEAR)
     return out

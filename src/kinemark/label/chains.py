@@ -68,7 +68,7 @@ def _once(now: Ints, nats: Nats, score: Score, least: float, absent: float) -> I
     starts = [m for m in np.argsort(fit, kind="stable")[:STARTS].tolist() if fit[m] <= least]
     best, most = now, score(now) if starts else 0.0
     for start in starts:
-        chains = sorted(_ends(now, start, nats, absent), key=lambda one: -one.gain)[:TRIED]
+        chains = sorted(_ends(now, start, worth.shape[1], nats, absent), key=lambda one: -one.gain)[:TRIED]
         for label in (*(chain.label for chain in chains), *_exchanged(now, start, worth, absent)):
             total = score(label)
             if total > most + 1e-6:
@@ -90,11 +90,11 @@ def _exchanged(now: Ints, start: int, worth: Floats, absent: float) -> list[Ints
     return out
 
 
-def _ends(now: Ints, start: int, nats: Nats, absent: float) -> list[Chain]:
-    """The chains that begin at a marker, of each length."""
+def _ends(now: Ints, start: int, L: int, nats: Nats, absent: float) -> list[Chain]:
+    """The chains that begin at a marker, of each length, among L names."""
     first = now.copy()
     first[start] = -1
-    going, ends = [Chain(0.0, first, start, np.zeros(nats(now).shape[1], bool))], []
+    going, ends = [Chain(0.0, first, start, np.zeros(L, bool))], []
     for _ in range(LONGEST):
         steps = [step for one in going for step in _steps(now, one, nats, absent)]
         ends += steps

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..geometry import polar_rotations
 from .evidence import WIDER, Single
 from .template import Template
 
@@ -127,10 +128,14 @@ def _vote(template: Template, own: Ints, xyz: Floats) -> float:
 
 
 def _laid(around: Floats, seen: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]:
-    """(K, L) rotations and both centres that lay places (L, M, 3) over points (K, L, M, 3), right-handed."""
-    share = weight / np.maximum(weight.sum(-1, keepdims=True), 1e-12)
-    own, other = np.einsum("klm,lmi->kli", share, around), np.einsum("klm,klmi->kli", share, seen)
-    H = np.einsum("klm,klmi,klmj->klij", share, around - own[..., None, :], seen - other[..., None, :])
-    U, _, V = np.linalg.svd(H)
-    U[..., :, 2] *= np.sign(np.linalg.det(U @ V))[..., None]
-    return U @ V, own, other
+    """(K, L) rotations and both centres that lay places (L, M, 3) over points (K, L, M, 3), right-handed.
+
+    Any rotation where the points do not tell one.
+    """
+    share = (weight / np.maximum(weight.sum(-1, keepdims=True), 1e-12))[..., None]
+    own, other = (share * around).sum(-2), (share * seen).sum(-2)
+    H = (share * (around - own[..., None, :])).mT @ (seen - other[..., None, :])
+    R = np.broadcast_to(np.eye(3), H.shape).copy()
+    told = (weight > 0).sum(-1) >= LEAST
+    R[told] = polar_rotations(H[told])
+    return np.where(np.isfinite(R), R, np.eye(3)), own, other

@@ -93,3 +93,17 @@ def test_a_key_frame_that_scores_most_does_not_decide_where_another_suits_the_tr
     found = solve(stretches, template, pairs, key_frames=10, beam=1, least_fit=0.3)
     has = found.label >= 0
     assert (found.label == truth)[has].all() and has.mean() > 0.9
+
+
+def test_what_settles_as_another_key_frame_does_is_not_searched_again(monkeypatch):
+    template, pairs = known(), PairScore.of_template(known())
+    stretches, truth, _ = named(LEG)
+    few, every, went = truth.copy(), np.arange(len(truth)), []
+    few[[4, 9, 20, 30]] = truth[[9, 4, 30, 20]]
+    monkeypatch.setattr(search, "_starts", lambda *_: [Start(2.0, 0, every, truth), Start(1.0, 0, every, few)])
+    monkeypatch.setattr(search, "FEW", 0.0)
+    monkeypatch.setattr(search, "total_score", lambda _, label, __: (1.0 + (label == few).all(), 1.0))
+    monkeypatch.setattr(search, "_settled", lambda *_: truth)
+    monkeypatch.setattr(search, "limbs_turned", lambda found, *_: went.append(found) or found)
+    assert (solve(stretches, template, pairs, key_frames=10, beam=1, least_fit=0.3).label == truth).all()
+    assert len(went) == 1

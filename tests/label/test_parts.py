@@ -10,7 +10,7 @@ import scipy
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import Labels, label, learn_template, score_labels, shredded
-from kinemark.label.parts import Found, _rivalled, _score, part_of, stiff_parts
+from kinemark.label.parts import Found, _rivalled, _score, part_of, stiff_parts, with_parts
 from support.wearing import body_of, moving
 
 SET = read_marker_set("plug-in-gait-full")
@@ -86,3 +86,19 @@ def test_a_mirrored_part_is_none():
     mirrored = replace(trial, paths=tuple(replace(p, xyz=p.xyz * [-1.0, 1.0, 1.0]) for p in trial))
     four = Labels(template.names, np.ones(4), ("sure",) * 4, (None,) * 4, np.ones(4), 1.0, 1.0)
     assert _score(trial, four, template, 700.0) > 0 > _score(mirrored, four, template, 700.0)
+
+
+def test_parts_are_not_looked_for_again_among_the_same_tracks():
+    """Two arms that fit the same tracks equally well are doubted, and found in no other way a second time."""
+    trial, template, asked = tools(4, 2), learn_template(tools(4, 1)), []
+    none = Labels((None,) * 16, np.zeros(16), ("unknown",) * 16, (None,) * 16, np.full(16, np.nan), 0.0, 0.0)
+
+    def half(tracks, by, stated):
+        asked.append((tracks.names, by.names))
+        names = tuple(name if name in by.names else None for name in tracks.names)
+        p = np.array([0.4 if name else 0.0 for name in names])
+        state = tuple("unsure" if name else "unknown" for name in names)
+        return Labels(names, p, state, (None,) * len(names), p, 1.0, 1.0)
+
+    with_parts(trial, none, template, half)
+    assert len(asked) == len(set(asked)) == 4

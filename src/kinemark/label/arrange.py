@@ -71,11 +71,12 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
         if total > most + 1e-6:
             best, most = now, total
     few = markers._replace(xyz=markers.xyz[:: max(1, len(markers.xyz) // CHAIN_FRAMES)])
+    worth, placed, was = nats_of(few, best, shapes, pairs, 0.0), own_places(markers, best, shapes), best
     known = np.where(shapes.known, 0.0, -np.inf)
     best = rechained(
-        best,
-        lambda now: nats_of(few, now, shapes, pairs, 0.0) + known,
-        lambda now: sum_of(markers, now, shapes, pairs),
+        was,
+        lambda now: _moved_nats(few, was, now, shapes, worth) + known,
+        lambda now: sum_of(markers, now, shapes, pairs, moved_places(markers, was, now, shapes, placed)),
         least=TRUSTED,
         absent=ABSENT,
     )
@@ -166,6 +167,29 @@ def own_places(markers: Markers, now: Ints, shapes: Shapes, at: Ints | slice = A
     """(n) nats of labels, all or some, by the places of the markers that are so called; 0 where nothing is known."""
     each = shapes.nats_of_own(_named(markers, now, len(shapes.sigma)), at)
     return np.asarray(np.nansum(each, 0) / np.maximum(np.isfinite(each).sum(0), 1))
+
+
+def moved_places(markers: Markers, was: Ints, now: Ints, shapes: Shapes, placed: Floats) -> Floats:
+    """(L) of `own_places` under labels (M) now, from those, `placed`, under labels (M) that were others of a few."""
+    anew = _anew(was, now, shapes)
+    out = placed.copy()
+    out[anew] = own_places(markers, now, shapes, anew)
+    return out
+
+
+def _moved_nats(markers: Markers, was: Ints, now: Ints, shapes: Shapes, worth: Floats) -> Floats:
+    """(M, L) of `nats_of` by places alone, in the same way."""
+    anew = _anew(was, now, shapes)
+    out = worth.copy()
+    each = shapes.nats(markers.xyz.astype(float), shapes.foretold(_named(markers, now, len(shapes.sigma)), anew), anew)
+    out[:, anew] = np.nansum(each, 0) / np.maximum(np.isfinite(each).sum(0), 1)
+    return out
+
+
+def _anew(was: Ints, now: Ints, shapes: Shapes) -> Ints:
+    """Labels that another marker has now, and those that have one of them as a neighbour."""
+    both = np.concatenate([was[now != was], now[now != was]])
+    return np.flatnonzero(np.isin(shapes.near, both).any(1) | np.isin(np.arange(len(shapes.sigma)), both))
 
 
 def _named(markers: Markers, now: Ints, L: int) -> Single:

@@ -69,10 +69,12 @@ def with_parts(
     """
     seen = np.isfinite(tracks.xyz[..., 0])
     known = np.array([track in stated for track in tracks.names], bool)
+    before = np.zeros(len(tracks), bool)
     for _ in range(ROUNDS):
         free = (labels.probability < KNOWN) & ~known & seen.any(1)
-        if seen[free].sum(0).max(initial=0) < LEAST:
-            break
+        if seen[free].sum(0).max(initial=0) < LEAST or (free == before).all():
+            break  # among the same tracks the same parts are found
+        before = free
         away = _away(seen, labels, template, free)
         parts = [part for part in stiff_parts(template, away) if len(part) >= LEAST]
         found = [one for part in parts if (one := _found(tracks, template, part, np.flatnonzero(free), name))]

@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 
 from ..data.array_types import Floats, Ints
-from .arrange import ABSENT, TEMPER, Markers, markers_of, nats_of, own_places, sum_of
+from .arrange import ABSENT, TEMPER, Markers, markers_of, moved_places, nats_of, own_places, sum_of
 from .evidence import PairScore
 from .shape import Shapes
 from .stretches import FREE, Stretches
@@ -45,17 +45,8 @@ def lost_to_rivals(stretches: Stretches, label: Ints, template: Template, pairs:
         changed = other != now
         if not (changed & stated).any():
             own = now[changed & (now >= 0)]
-            moved = _moved(markers, now, other, shapes, placed)
+            moved = moved_places(markers, now, other, shapes, placed)
             out[own] = np.minimum(out[own], max(most - sum_of(markers, other, shapes, pairs, moved), 0.0))
-    return out
-
-
-def _moved(markers: Markers, now: Ints, other: Ints, shapes: Shapes, placed: Floats) -> Floats:
-    """(L) of `own_places` under other names: anew of labels that another marker has now, and of their neighbours."""
-    both = np.concatenate([now[other != now], other[other != now]])
-    anew = np.flatnonzero(np.isin(shapes.near, both).any(1) | np.isin(np.arange(len(placed)), both))
-    out = placed.copy()
-    out[anew] = own_places(markers, other, shapes, anew)
     return out
 
 

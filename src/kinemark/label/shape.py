@@ -91,10 +91,10 @@ class Shapes(NamedTuple):
         out = ((place[:, 0] - own)[..., None, :] @ rotation)[..., 0, :] + other
         return np.where((there.sum(-1) >= LEAST)[..., None], out, np.nan)
 
-    def nats(self, x: Floats, foretold: Floats) -> Floats:
-        """(…, N, L) (2) of points x (…, N, 3) beside places (…, L, 3); NaN where either is."""
+    def nats(self, x: Floats, foretold: Floats, at: Ints | slice = ALL) -> Floats:
+        """(…, N, n) (2) of points x (…, N, 3) beside places (…, n, 3) of labels, all or some; NaN where either is."""
         square = ((x[..., :, None, :] - foretold[..., None, :, :]) ** 2).sum(-1)
-        return np.maximum(self.base - 0.5 * square / self.sigma**2, FLOOR)
+        return np.maximum(self.base[at] - 0.5 * square / self.sigma[at] ** 2, FLOOR)
 
     def nats_of_own(self, y: Single, at: Ints | slice = ALL) -> Floats:
         """(K, n) (2) of labels, all or some, where they are in y (K, L, 3); NaN where one is not seen or foretold."""

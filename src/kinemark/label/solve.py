@@ -91,10 +91,11 @@ def solve(
     every = _outwards(stretches, template, pairs, key_frames, beam)
     if not every:
         return Solution(np.full(len(stretches), -1), 0.0, 0.0)
-    found = _whole(every[0], stretches, template, pairs, key_frames, beam, least_fit)
+    done: dict[bytes, Solution] = {}
+    found = _whole(every[0], stretches, template, pairs, key_frames, beam, least_fit, done)
     other = max(every, key=lambda label: total_score(stretches, label, pairs)[0])
     if total_score(stretches, other, pairs)[0] > found.score:
-        best = _whole(other, stretches, template, pairs, key_frames, beam, least_fit)
+        best = _whole(other, stretches, template, pairs, key_frames, beam, least_fit, done)
         least = score_with_sides(stretches, found.label, template, pairs) + CLEARLY
         found = best if score_with_sides(stretches, best.label, template, pairs) > least else found
     after = found.after or pairs
@@ -123,14 +124,22 @@ def _whole(
     key_frames: int,
     beam: int,
     least_fit: float,
+    done: dict[bytes, Solution],
 ) -> Solution:
-    """The labelling that labels (T) by a key frame lead to, with whole bodies and limbs the right way about."""
+    """The labelling that labels (T) by a key frame lead to, with whole bodies and limbs the right way about.
+
+    Args:
+        done: what settled labels led to already, to which this one is added: most key frames settle alike.
+    """
     label = _further(label, stretches, template, pairs, key_frames, beam)
-    found = _from(label, stretches, template, pairs, least_fit)
-    doubtful = np.any(template.doubt) and found.score < TURNED * found.expected * template.own_fit
-    if found.score > 0 and (doubtful or _nothing_keeps(template)):
-        found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
-    return limbs_turned(found, stretches, template, pairs, least_fit)
+    label = _settled(stretches, label, template, pairs, least_fit)
+    if label.tobytes() not in done:
+        found = _from_settled(label, stretches, template, pairs, least_fit)
+        doubtful = np.any(template.doubt) and found.score < TURNED * found.expected * template.own_fit
+        if found.score > 0 and (doubtful or _nothing_keeps(template)):
+            found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
+        done[label.tobytes()] = limbs_turned(found, stretches, template, pairs, least_fit)
+    return done[label.tobytes()]
 
 
 def _nothing_keeps(template: Template) -> bool:
@@ -166,9 +175,11 @@ def _further(
     return label
 
 
-def _from(label: Ints, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float) -> Solution:
-    """The labelling that a first one (T), by a key frame, leads to."""
-    found = Solution(_settled(stretches, label, template, pairs, least_fit), 0.0, 0.0)
+def _from_settled(
+    label: Ints, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float
+) -> Solution:
+    """The labelling that a first one (T), after sweeps and exchanges, leads to."""
+    found = Solution(label, 0.0, 0.0)
     doubted = bool(np.any(template.doubt))
     for _ in range(ARRANGINGS if doubted else 1):
         label = arranged(stretches, found.label, template, pairs) if doubted else found.label
@@ -192,7 +203,8 @@ def _turned(
     least = score_with_sides(stretches, found.label, template, pairs)
     if score_with_sides(stretches, label, template, pairs) <= least - CLEARLY:  # pooling may still mend a few names
         return found
-    turned = _from(label, stretches, template, pairs, least_fit)
+    label = _settled(stretches, label, template, pairs, least_fit)
+    turned = _from_settled(label, stretches, template, pairs, least_fit)
     return turned if score_with_sides(stretches, turned.label, template, pairs) > least else found
 
 

@@ -8,7 +8,8 @@ import pytest
 
 from kinemark.data import MarkerTrajectory
 from kinemark.io.marker_sets import read_marker_set
-from kinemark.label import find_mislabelled, find_side_swaps, learn_template
+from kinemark.label import find_exchanges, find_mislabelled, find_side_swaps, learn_template
+from support.tools import tools
 from support.wearing import body_of, moving
 
 SET = read_marker_set("plug-in-gait-full")
@@ -76,3 +77,13 @@ def test_too_little_to_judge_by_is_no_error():
     template, trial = subject(4)
     assert find_mislabelled(trial.select(["LASI", "RASI"]), template) == ()
     assert find_side_swaps(trial.select(["LASI", "RASI", "C7"]), template, SET.pairs) == ()
+
+
+@pytest.mark.parametrize("shape", [1, 2, 4])
+def test_tools_that_stand_otherwise_to_each_other_are_not_exchanged_and_two_that_are_come_alone(shape):
+    template, trial = learn_template(tools(shape, 1)), tools(shape, 2)
+    assert find_exchanges(trial, template) == ()
+    a, b = trial["B1"].xyz.copy(), trial["B2"].xyz.copy()
+    a[80:], b[80:] = trial["B2"].xyz[80:], trial["B1"].xyz[80:]
+    found = find_exchanges(changed(trial, {"B1": a, "B2": b}), template)
+    assert {one.markers for one in found} == {("B1", "B2")} and found[-1].stop > 190

@@ -22,8 +22,9 @@ LEAST_NATS = 8.0
 
 
 PEERS = 3
-"""Names of which most is told, by which an exchange must gain as well; chosen, as many as place it. Two bodies that
-stand otherwise to each other than the template shows are off in all distances between them, which are many."""
+"""Names of which most is told, by which an exchange must gain as well; chosen, as many as place it, of 1, 2, 3, 4 and 6
+(docs/theory/label.md). Two bodies that stand otherwise to each other than the template shows are off in all distances
+between them, and turned in all quadruples, which are many."""
 
 
 class Exchanged(NamedTuple):
@@ -57,7 +58,7 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
     y = places(stretches, label, len(template))
     pairs = PairScore.of_template(template)
     exchanger = Exchanger.of(template, pairs)
-    near = exchanger._replace(pairs=by_peers(pairs))
+    near = by_peers(exchanger)
     window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
     found: list[Exchanged] = []
     for part in np.unique(window):
@@ -66,12 +67,22 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
     return _merged(found, round(2 * WINDOW_S * trajectories.rate))
 
 
-def by_peers(pairs: PairScore) -> PairScore:
-    """The same of the pairs alone of which one is among the `PEERS` that tell most of the other."""
-    told = pairs.expected
+def by_peers(exchanger: Exchanger) -> Exchanger:
+    """The same by the pairs alone of which one is among the `PEERS` that tell most of the other.
+
+    And by quadruples all of whose pairs are such: those across two bodies are turned where these stand otherwise.
+    """
+    pairs, told = exchanger.pairs, exchanger.pairs.expected
     peers = (told > 0) & (told >= np.sort(told, axis=1)[:, [-min(PEERS, len(told))]])
-    kept = (peers | peers.T).astype(np.float32)
-    return pairs._replace(inverse=pairs.inverse * kept, base=pairs.base * kept, least=pairs.least * kept)
+    kept = peers | peers.T
+    share = kept.astype(np.float32)
+    four = exchanger.handed
+    within = (kept[four[:, :, None], four[:, None]] | np.eye(4, dtype=bool)).all((1, 2))
+    return exchanger._replace(
+        pairs=pairs._replace(inverse=pairs.inverse * share, base=pairs.base * share, least=pairs.least * share),
+        handed=four[within],
+        sign=exchanger.sign[within],
+    )
 
 
 def _in_window(y: Single, exchanger: Exchanger, near: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:

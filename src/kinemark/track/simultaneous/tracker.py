@@ -7,7 +7,7 @@ then backwards (`passes`), and each point is solved from its images as by the ot
 (`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
 lost. Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`).
 Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
-points (`second_pass`).
+points (`second_pass`). What an impact ended is stitched after it (`impacts`), as what is smooth across it is wrong.
 
 Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and a rig adjusted to them takes the
 place of the one before where the images agree better with it (`rig_of_tracks`); the first pass is then done again.

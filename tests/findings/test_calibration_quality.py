@@ -70,6 +70,10 @@ def test_every_fault_is_named(good):
     tiny = replace(rig, cameras=tuple(replace(c, t=c.t / 1000) for c in rig), volume=rig.volume / 1000)
     colour, named, _ = grade(tiny, replace(evidence, xyz=evidence.xyz / 1000))
     assert (colour, "cameras_distance_implausible" in named) == ("red", True)
+    for times, said in ((30, False), (1000, True)):  # a field of play, 130 m; and mm that were taken for m
+        wide = replace(rig, cameras=tuple(replace(c, t=c.t * times) for c in rig), volume=rig.volume * times)
+        wide = grade(wide, replace(evidence, xyz=evidence.xyz * times))
+        assert ("cameras_distance_implausible" in wide[1]) == said
     loud = evidence.left_out.copy()
     loud[:, 3] *= 30
     (odd,) = found(grade(rig, evidence, left_out=loud)[2], "control_points_disagree")

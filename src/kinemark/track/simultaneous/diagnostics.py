@@ -2,7 +2,10 @@
 
 Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
-The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2).
+What is so in less than half of the parts from then on is of a place in the volume, as a lens fits less well at the edge
+of the image, where subjects come and go (7).
+The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2),
+where its images are in no tracks: a subject who leaves turns away from a camera that still sees some of the markers.
 A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
 still lies about may never have been in its sight (5). Nor has one that was as long without images before: few markers
 turn away from it now and then (6).
@@ -128,17 +131,23 @@ def _shifted(result: TrackingResult, c: int, name: str) -> list[Finding]:
     lost = parts.share < 0.1 * usual
     if usual > MIN_FOUND_SHARE and lost[-1]:  # (2)
         since = parts.first[len(lost) - int(np.argmin(lost[::-1]))]
-        own = result.images.usable & (result.images.camera == c) & (result.images.frame >= since)
-        if own.sum() >= FEW:  # without images, nothing says that they fit no longer
+        if _images_fit_nothing(result, c, since):  # without images, nothing says that they fit no longer
             return [make_finding("camera_moved", cameras=[name], frames=[(since, end)])]
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > MIN_SHIFT)  # (1)
-    if not len(wrong):
+    if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)
         return []
     whole = len(wrong) >= np.isfinite(far).sum() - 1
     began = [] if whole else [(parts.first[wrong[0]], end)]
     u, v = np.nanmedian(parts.off[wrong], axis=0)
     return [make_finding("camera_shifted", cameras=[name], frames=began, offset_u_px=u, offset_v_px=v)]
+
+
+def _images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:
+    """Whether camera c has images from frame `since` on, and hardly any of them is in a track."""
+    images, used = result.images, result.tracks.cloud.detection[:, c]
+    own = np.flatnonzero(images.usable & (images.camera == c) & (images.frame >= since))
+    return len(own) >= FEW and bool(np.isin(own, used).mean() < 0.1)
 
 
 def _parts_of_recording(result: TrackingResult, c: int) -> Parts:

@@ -130,14 +130,18 @@ def _best_pairs(
     """The stitches of the greatest sum of scores."""
     if not len(points.id):
         return []
-    ends = _ends(points, T, method)
-    a, b = _possible(ends, T, method)
+    ends = ends_of(points, T, method)
+    a, b = possible(ends, T, method)
     if apart is not None:
         a, b = a[~apart[a, b]], b[~apart[a, b]]
     score, sd = _by_motion(points, ends, a, b, T, method)
     gain = scores_by_distance(points, a, b, score) if distances else np.zeros(len(a))
     certain = (sd < method.uncertain_sd) | (ends.first[b] - ends.last[a] == 1)  # (4)
-    score = np.where(certain | (gain > 0), score + gain, 0.0)
+    return best_stitches(ends, a, b, np.where(certain | (gain > 0), score + gain, 0.0), sd)
+
+
+def best_stitches(ends: Ends, a: Ints, b: Ints, score: Floats, sd: Floats) -> list[Stitch]:
+    """Of n pairs of tracks a and b those of the greatest sum of scores, with their margins (3); sd (n) mm."""
     n = len(ends.first)
     table = np.zeros((n, n))
     table[a, b] = np.maximum(score, 0.0)
@@ -154,7 +158,7 @@ def _best_pairs(
     ]
 
 
-def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
+def possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Pairs of tracks of which the second begins within the gap after the first ends, where it can be by then."""
     gap = ends.first - ends.last[:, None]
     a, b = np.nonzero((gap > 0) & (gap * T <= method.max_gap))
@@ -163,7 +167,7 @@ def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     return a[near], b[near]
 
 
-def _ends(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
+def ends_of(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
     """First and last frames of the tracks, and their motion there."""
     n = int(points.id.max()) + 1
     first, last = np.full(n, NEVER), np.full(n, -NEVER)
@@ -182,24 +186,36 @@ def _by_motion(
     points: TrackPoints, ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous
 ) -> tuple[Floats, Floats]:
     """(1) of pairs, and the standard deviation of the difference of positions, mm."""
-    gap = ends.first[b] - ends.last[a]
     if not len(a):
         return np.zeros(0), np.zeros(0)
-    extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
-    begun = max(len(ends.first) * method.max_gap / (T * (points.frame.max() + 1)), 1.0)
-    prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.velocity_sd) ** 3 / begun)
-    score, sd = np.empty(len(a)), np.empty(len(a))
+    prior, score, sd = prior_of_stitch(points, ends, T, method), np.empty(len(a)), np.empty(len(a))
     for first in range(0, len(a), AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        half = gap[part] * T / 2
-        one = predict(ends.end.take(a[part]), half, method.process_noise)
-        other = reversed_time(predict(ends.begin.take(b[part]), half, method.process_noise))
-        delta = (other.x[:6] - one.x[:6]).T
-        S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
-        squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
-        score[part] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
+        delta, S = differences(ends, a[part], b[part], T, method)
+        score[part] = prior + 2 * log_normal(delta, S)
         sd[part] = np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
     return score, sd
+
+
+def prior_of_stitch(points: TrackPoints, ends: Ends, T: float, method: Simultaneous) -> float:
+    """2 ln(p / ((1 − p) b)) of (1)."""
+    extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
+    begun = max(len(ends.first) * method.max_gap / (T * (points.frame.max() + 1)), 1.0)
+    return float(2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.velocity_sd) ** 3 / begun))
+
+
+def differences(ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
+    """δ (n, 6) and S (n, 6, 6) of (1), of n pairs."""
+    half = (ends.first[b] - ends.last[a]) * T / 2
+    one = predict(ends.end.take(a), half, method.process_noise)
+    other = reversed_time(predict(ends.begin.take(b), half, method.process_noise))
+    return (other.x[:6] - one.x[:6]).T, (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
+
+
+def log_normal(delta: Floats, S: Floats) -> Floats:
+    """ln N(δ; 0, S) of n differences (n, k)."""
+    squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
+    return np.asarray(-(np.linalg.slogdet(2 * np.pi * S)[1] + squared) / 2)
 
 
 def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:

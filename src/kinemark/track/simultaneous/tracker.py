@@ -7,7 +7,7 @@ then backwards (`passes`), and each point is solved from its images as by the ot
 (`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
 lost. Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`).
 Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
-points (`second_pass`).
+points (`second_pass`). What an impact ended is stitched after it (`impacts`), as what is smooth across it is wrong.
 
 Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and a rig adjusted to them takes the
 place of the one before where the images agree better with it (`rig_of_tracks`); the first pass is then done again.
@@ -40,6 +40,7 @@ from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import drifting
+from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
@@ -142,7 +143,8 @@ def track_once(
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
-    whole = with_companions(_points(cloud, ids), whole, T, method)
+    whole = with_impacts(_points(cloud, ids), whole, T, method)
+    whole = with_companions(_points(cloud, ids := whole.id[ids]), whole, T, method)
     ids = whole.id[ids]
     once = once_a_frame(_points(cloud, ids), T, method)
     cloud, ids = cloud.keep(once), ids[once]

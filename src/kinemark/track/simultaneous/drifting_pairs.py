@@ -24,8 +24,12 @@ synchronous, and nothing is judged; nor is a pair of which the share is large.
 Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
 parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
 edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
-tracks have the median d there, d² is added to L_0 (3). Two cameras alone have no sound points, and cameras that hardly
-see the same markers too few; there nothing is judged.
+tracks have the median d there, d² is added to L_0 (3). Where there are but two cameras, all points are sound, as most
+are one marker's. Cameras that hardly see the same markers have too few; there nothing is judged.
+
+Points of SOUND to MOST_IMAGES images have another marker's image too. They are judged by all pairs of their images:
+where a block of one has more than CERTAIN, the image of which all pairs have the greatest sum of scores is given up
+(4), one after the other, and what is left is judged as other points of so many images.
 """
 
 from __future__ import annotations
@@ -35,6 +39,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.robust import SD_PER_MEDIAN
@@ -44,6 +49,9 @@ from .detection_index import Images
 
 SOUND = 3
 """Images of a point that are taken for one marker's, a number; chosen, as in `second_pass`."""
+
+MOST_IMAGES = 4
+"""Images of a point of which one is given up, a number; chosen: of more one moves the point little."""
 
 BLOCK = 24
 """Frames of a block at most, a number; chosen (see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
@@ -96,28 +104,80 @@ class Usual(NamedTuple):
         """V of (1), px², for as many degrees as n frames have."""
         return np.asarray(self.factor * (self.white + n * self.lasting[: min(n, DEGREES)]))
 
+    def shifted(self, d: float) -> Usual:
+        """The same where the calibration leaves d px more, by (3)."""
+        return self._replace(lasting=self.lasting + d**2 * (np.arange(DEGREES) == 0))
 
-def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, gate: float) -> Bools:
-    """(P) the points of tracks id (P) that are given up, of detections (C, P)."""
-    out, own = np.zeros(len(frame), bool), (detection >= 0) & ~images.merged[detection]
-    F, number = fundamentals(images.P), (detection >= 0).sum(0)
-    order = np.lexsort([frame, id])
-    two, sound = own[:, order] & (number == 2)[order], own[:, order] & (number >= SOUND)[order]
-    pairs = np.argwhere(np.triu(two.astype(np.float32) @ two.T.astype(np.float32), 1)).tolist()
+
+class UsualResiduals(NamedTuple):
+    """What is usual for pairs of cameras (r, s), and their fundamental matrices F (C, C, 3, 3)."""
+
+    of: dict[tuple[int, int], Usual]
+    F: Floats
+
+
+def usual_residuals(frame: Ints, id: Ints, detection: Ints, images: Images, gate: float) -> UsualResiduals:
+    """As the points of tracks id (P) with detections (C, P) have them; of no pair where they do not follow (1)."""
+    own, number = (detection >= 0) & ~images.merged[detection], (detection >= 0).sum(0)
+    F, order = fundamentals(images.P), np.lexsort([frame, id])
+    some = (own & (number <= MOST_IMAGES)).astype(np.float32)
+    sound = own[:, order] & (number >= min(SOUND, len(detection)))[order]
+    pairs = np.argwhere(np.triu(some @ some.T, 1)).tolist()
     every = [_usual(frame, id, detection, images, F, order[sound[a] & sound[b]], (a, b), gate) for a, b in pairs]
-    known = [(pair, usual) for pair, usual in zip(pairs, every, strict=True) if usual is not None]
-    if not known or np.median([usual.factor for _, usual in known]) > MAX_FACTOR:
-        return out
-    for (a, b), usual in known:
-        rows = order[two[a] & two[b]]
-        e, squared = _residual(images, F[a, b], detection[a, rows], detection[b, rows])
-        usual.lasting[0] += _shift(e - usual.median, id[rows]) ** 2
-        for block in _blocks(frame[rows], id[rows]):
-            off, reach = e[block] - usual.median, squared[block].mean(1) * gate**2
-            score = _scores(off, reach, usual)
-            for k in np.flatnonzero(score > CERTAIN).tolist():
-                out[rows[block[k, _parts_of_two(off[k], reach[k], usual)]]] = True
+    known = {(a, b): usual for (a, b), usual in zip(pairs, every, strict=True) if usual is not None}
+    regular = known and np.median([usual.factor for usual in known.values()]) <= MAX_FACTOR
+    return UsualResiduals(known if regular else {}, F)
+
+
+def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bools:
+    """(P) the points of two images of tracks id (P) that are given up, of detections (C, P)."""
+    number = (detection >= 0).sum(0)
+    out = _judged(frame, id, detection, number == 2, images, usual, gate).of_two
     return _with_rest(out, id, number)
+
+
+def without_strangers(
+    frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float
+) -> Ints:
+    """The detections (C, P) of tracks id (P), those of SOUND to MOST_IMAGES without the image that drifts past the
+    others (4)."""
+    detection, number = detection.copy(), (detection >= 0).sum(0)
+    for n in range(MOST_IMAGES, SOUND - 1, -1):
+        judged = _judged(frame, id, detection, number == n, images, usual, gate)
+        rows = np.flatnonzero(judged.of_two)
+        worst = np.where(detection[:, rows] >= 0, judged.blame[:, rows], -np.inf).argmax(0)
+        detection[worst, rows] = -1
+        number[rows] -= 1
+    return detection
+
+
+class _Judged(NamedTuple):
+    """Of points: whether two of their images are two markers' (P), and the sum (C, P) of the scores of each image."""
+
+    of_two: Bools
+    blame: NDArray[np.float32]
+
+
+def _judged(
+    frame: Ints, id: Ints, detection: Ints, which: Bools, images: Images, usual: UsualResiduals, gate: float
+) -> _Judged:
+    """Some points (P) judged by all pairs of their images."""
+    out = _Judged(np.zeros(len(frame), bool), np.zeros(detection.shape, np.float32))
+    order = np.flatnonzero(which)
+    order = order[np.lexsort([frame[order], id[order]])]
+    own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
+    for (a, b), one in usual.of.items():
+        rows = order[own[a] & own[b]]
+        e, squared = _residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
+        there = one.shifted(_shift(e - one.median, id[rows]))
+        for block in _blocks(frame[rows], id[rows]):
+            off, reach = e[block] - one.median, squared[block].mean(1) * gate**2
+            score = _scores(off, reach, there)
+            for c in (a, b):
+                out.blame[c, rows[block]] += score[:, None]
+            for k in np.flatnonzero(score > CERTAIN).tolist():
+                out.of_two[rows[block[k, _parts_of_two(off[k], reach[k], there)]]] = True
+    return out
 
 
 def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:

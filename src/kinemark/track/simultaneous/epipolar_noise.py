@@ -23,9 +23,8 @@ of one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a mini
 over the pairs of cameras, each with n residuals. No image is grouped, no camera needs another's noise first, and two
 cameras suffice.
 
-With many markers and a calibration that is off by several px in a pair of cameras, no peak is seen at 0. Where
-residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5); only where no pair of cameras
-has a peak at 0, as with two cameras.
+With two cameras, many markers and a calibration that is off, no peak may be seen at 0. Where that is so in all pairs of
+cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5).
 
 The residuals of a calibration that is off are not n errors, but one and the same n times. For association that is
 enough; `calibration_field` tells them from white noise.

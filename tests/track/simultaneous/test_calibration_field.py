@@ -65,7 +65,7 @@ def test_a_calibration_that_states_too_little_is_not_believed():
 @pytest.mark.parametrize("white", [0.0, 0.04, 1.0])
 def test_what_is_hardly_known_is_given_more_variance_and_what_is_known_is_given_as_it_is(white):
     posterior = np.exp(-0.5 * ((LOG_VARIANCES - np.log(0.09)) / np.array([[0.05], [1.0]])) ** 2)
-    none = Mixture(*np.zeros((3, 0)))
+    none = Mixture(*np.zeros((4, 0)))
     known, hardly = (CalibrationField(p / p.sum(), none).variance(white) for p in posterior)
     assert known == pytest.approx(0.09, rel=0.2)
     assert hardly > 1.4 * known

@@ -9,11 +9,11 @@ from kinemark.track.simultaneous import Simultaneous, track_simultaneously
 from kinemark.track.simultaneous.adjusted_rig import adjusted_rig
 from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.epipolar_noise import WINDOW, camera_noise, mixture, pair_of, residuals
+from kinemark.track.simultaneous.epipolar_noise import WINDOW, camera_noise, mixture, pair_of, peaked, residuals
 from kinemark.track.simultaneous.measurement_noise import learn_noise, sampled_frames
 from support.laboratory import observe, ring
 from support.motions import dance
-from support.scenes import make, scene
+from support.scenes import make, scene, tally
 from support.scenes.imaging import Optics
 from support.scenes.placements import off
 
@@ -56,6 +56,33 @@ def test_a_normal_distribution_among_uniform_residuals(sd, share):
     fit = mixture(off, np.zeros(4000, int), 1)
     assert np.sqrt(fit.variance[0]) == pytest.approx(sd, rel=0.15)
     assert fit.number[0] / 4000 == pytest.approx(share, abs=0.06)
+
+
+@pytest.mark.parametrize("place", [-4.0, 2.7])
+@pytest.mark.parametrize("sd", [0.1, 0.5])
+def test_a_peak_aside_is_found_where_none_is_at_0(place, sd):
+    """The variance is that about 0, as the images are off by that; what weighs is near the peak."""
+    rng = np.random.default_rng(1)
+    off = np.where(rng.random(4000) < 0.3, place + sd * rng.normal(size=4000), rng.uniform(-WINDOW, WINDOW, 4000))
+    fit = mixture(off, np.zeros(4000, int), 1)
+    assert peaked(fit).all()
+    assert np.sqrt(fit.variance[0]) == pytest.approx(np.hypot(place, sd), rel=0.1)
+    assert fit.number[0] / 4000 == pytest.approx(0.3, abs=0.06)
+    assert (fit.weight[np.abs(off - place) > 3] < 0.1).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_chance_alone_has_no_peak(seed):
+    off = np.random.default_rng(seed).uniform(-WINDOW, WINDOW, 1000)
+    assert not mixture(off, np.zeros(1000, int), 1).about.any()
+
+
+def test_two_cameras_whose_lines_are_several_px_off_are_adjusted():
+    """Of 4535 samples none was found, as no image met another: a file that is 1 px off moved them 2.7 px apart."""
+    made = make(scene(123012))
+    count = tally(made, track_simultaneously(made.detections, made.rig, Simultaneous()).tracks)
+    assert count.two_found >= 0.99 * count.two
+    assert count.ghosts <= 5
 
 
 def test_residuals_change_with_the_images_as_their_lines_say():

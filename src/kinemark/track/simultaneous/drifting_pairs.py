@@ -19,13 +19,18 @@ markers pass the gate of g standard deviations of e, as the tracker takes it, s,
 is the log-likelihood ratio of two markers to one. Where chance meetings are many, sound points have images of other
 markers too: f and the share of such blocks are those of the likeliest mixture of both, by expectation and maximisation.
 Where f is large in most pairs of cameras, the residual does something else, as that of cameras that are not
-synchronous, and nothing is judged; nor is a pair of which the share is large.
+synchronous, and nothing is judged; nor where the share is large in the whole, as images that run together drift too;
+nor is a pair of which it is large.
 
 Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
 parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
 edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
-tracks have the median d there, d² is added to L_0 (3). Two cameras alone have no sound points, and cameras that hardly
-see the same markers too few; there nothing is judged.
+tracks have the median d there, d² is added to L_0 (3). Where there are but two cameras, all points are sound, as most
+are one marker's. Cameras that hardly see the same markers have too few; there nothing is judged.
+
+Points of SOUND to MOST_IMAGES images have another marker's image too. They are judged by all pairs of their images:
+where a block of one has more than CERTAIN, the image of which all pairs have the greatest sum of scores is given up
+(4), one after the other, and what is left is judged as other points of so many images.
 """
 
 from __future__ import annotations
@@ -35,15 +40,19 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.robust import SD_PER_MEDIAN
-from ...numerics.runs import begins
+from ...numerics.runs import begins, equal_runs
 from .candidate_points import fundamentals
 from .detection_index import Images
 
 SOUND = 3
 """Images of a point that are taken for one marker's, a number; chosen, as in `second_pass`."""
+
+MOST_IMAGES = 4
+"""Images of a point of which one is given up, a number; chosen: of more one moves the point little."""
 
 BLOCK = 24
 """Frames of a block at most, a number; chosen (see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
@@ -67,6 +76,11 @@ MAX_SHARE = 0.3
 """Of sound blocks that are two markers', from which a pair of cameras is not judged; chosen: of 665 pairs of 60
 simulated scenes (seeds 90000 to 90059) none has more than 0.11, and what is as usual as that is no exception."""
 
+MAX_STRANGE = 0.06
+"""Of the sound blocks of a recording, the share that are two markers', less one of each pair of cameras, above which
+nothing is judged; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, and a child's foot of which markers
+touch in the images (`studies/child_foot.py`, five seeds) has 0.07 to 0.09: images that run together drift as well."""
+
 MAX_FACTOR = 1.3
 """The median of f of (1), a ratio of variances, from which sound points do not follow (1), and nothing is judged;
 chosen: of 665 pairs of cameras of 60 simulated scenes all have 0.6 to 1.21, those of gait9 1.1 to 2.6, the median 1.55.
@@ -85,39 +99,104 @@ markers for 297."""
 
 
 class Usual(NamedTuple):
-    """What the residual of two cameras is for one marker: m px, v px², L (DEGREES) px² and f of (1)."""
+    """What the residual of two cameras is for one marker: m px, v px², L (DEGREES) px² and f of (1); and the share of
+    so many sound blocks that are two markers', of one at least."""
 
     median: float
     white: float
     lasting: Floats
     factor: float
+    share: float
+    blocks: int
 
     def variance(self, n: int) -> Floats:
         """V of (1), px², for as many degrees as n frames have."""
         return np.asarray(self.factor * (self.white + n * self.lasting[: min(n, DEGREES)]))
 
+    def shifted(self, d: float) -> Usual:
+        """The same where the calibration leaves d px more, by (3)."""
+        return self._replace(lasting=self.lasting + d**2 * (np.arange(DEGREES) == 0))
 
-def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, gate: float) -> Bools:
-    """(P) the points of tracks id (P) that are given up, of detections (C, P)."""
-    out, own = np.zeros(len(frame), bool), (detection >= 0) & ~images.merged[detection]
-    F, number = fundamentals(images.P), (detection >= 0).sum(0)
-    order = np.lexsort([frame, id])
-    two, sound = own[:, order] & (number == 2)[order], own[:, order] & (number >= SOUND)[order]
-    pairs = np.argwhere(np.triu(two.astype(np.float32) @ two.T.astype(np.float32), 1)).tolist()
+
+class UsualResiduals(NamedTuple):
+    """What is usual for pairs of cameras (r, s), and their fundamental matrices F (C, C, 3, 3)."""
+
+    of: dict[tuple[int, int], Usual]
+    F: Floats
+
+
+def usual_residuals(frame: Ints, id: Ints, detection: Ints, images: Images, gate: float) -> UsualResiduals:
+    """As the points of tracks id (P) with detections (C, P) have them; of no pair where they do not follow (1)."""
+    own, number = (detection >= 0) & ~images.merged[detection], (detection >= 0).sum(0)
+    F, order = fundamentals(images.P), np.lexsort([frame, id])
+    some = (own & (number <= MOST_IMAGES)).astype(np.float32)
+    sound = own[:, order] & (number >= min(SOUND, len(detection)))[order]
+    pairs = np.argwhere(np.triu(some @ some.T, 1)).tolist()
     every = [_usual(frame, id, detection, images, F, order[sound[a] & sound[b]], (a, b), gate) for a, b in pairs]
-    known = [(pair, usual) for pair, usual in zip(pairs, every, strict=True) if usual is not None]
-    if not known or np.median([usual.factor for _, usual in known]) > MAX_FACTOR:
-        return out
-    for (a, b), usual in known:
-        rows = order[two[a] & two[b]]
-        e, squared = _residual(images, F[a, b], detection[a, rows], detection[b, rows])
-        usual.lasting[0] += _shift(e - usual.median, id[rows]) ** 2
-        for block in _blocks(frame[rows], id[rows]):
-            off, reach = e[block] - usual.median, squared[block].mean(1) * gate**2
-            score = _scores(off, reach, usual)
-            for k in np.flatnonzero(score > CERTAIN).tolist():
-                out[rows[block[k, _parts_of_two(off[k], reach[k], usual)]]] = True
+    known = {(a, b): usual for (a, b), usual in zip(pairs, every, strict=True) if usual is not None}
+    regular = _regular([*known.values()])
+    return UsualResiduals({pair: one for pair, one in known.items() if regular and one.share < MAX_SHARE}, F)
+
+
+def _regular(known: list[Usual]) -> bool:
+    """Whether the points that three cameras see follow (1), but for a few."""
+    if not known:
+        return False
+    blocks = sum(usual.blocks for usual in known)
+    strange = sum(usual.share * usual.blocks - 1 for usual in known) / blocks
+    return bool(np.median([usual.factor for usual in known]) <= MAX_FACTOR and strange <= MAX_STRANGE)
+
+
+def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bools:
+    """(P) the points of two images of tracks id (P) that are given up, of detections (C, P)."""
+    number = (detection >= 0).sum(0)
+    out = _judged(frame, id, detection, number == 2, images, usual, gate).of_two
     return _with_rest(out, id, number)
+
+
+def without_strangers(
+    frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float
+) -> Ints:
+    """The detections (C, P) of tracks id (P), those of SOUND to MOST_IMAGES without the image that drifts past the
+    others (4)."""
+    detection, number = detection.copy(), (detection >= 0).sum(0)
+    which = (number >= SOUND) & (number <= MOST_IMAGES)
+    while which.any():
+        judged = _judged(frame, id, detection, which, images, usual, gate)
+        rows = np.flatnonzero(judged.of_two)
+        worst = np.where(detection[:, rows] >= 0, judged.blame[:, rows], -np.inf).argmax(0)
+        detection[worst, rows] = -1
+        which = judged.of_two & ((detection >= 0).sum(0) >= SOUND)
+    return detection
+
+
+class _Judged(NamedTuple):
+    """Of points: whether two of their images are two markers' (P), and the sum (C, P) of the scores of each image."""
+
+    of_two: Bools
+    blame: NDArray[np.float32]
+
+
+def _judged(
+    frame: Ints, id: Ints, detection: Ints, which: Bools, images: Images, usual: UsualResiduals, gate: float
+) -> _Judged:
+    """Some points (P) judged by all pairs of their images."""
+    out = _Judged(np.zeros(len(frame), bool), np.zeros(detection.shape, np.float32))
+    order = np.flatnonzero(which)
+    order = order[np.lexsort([frame[order], id[order]])]
+    own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
+    for (a, b), one in usual.of.items():
+        rows = order[own[a] & own[b]]
+        e, squared = _residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
+        there = one.shifted(_shift(e - one.median, id[rows]))
+        for block in _blocks(frame[rows], id[rows]):
+            off, reach = e[block] - one.median, squared[block].mean(1) * gate**2
+            score = _scores(off, reach, there)
+            for c in (a, b):
+                out.blame[c, rows[block]] += score[:, None]
+            for k in np.flatnonzero(score > CERTAIN).tolist():
+                out.of_two[rows[block[k, _parts_of_two(off[k], reach[k], there)]]] = True
+    return out
 
 
 def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
@@ -128,7 +207,10 @@ def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
 
 def _shift(e: Floats, id: Ints) -> float:
     """The median, px, of the medians of the residuals (n) less m of SEVERAL tracks and more; otherwise 0."""
-    each = [np.median(e[id == track]) for track in np.unique(id)]
+    order = np.lexsort([e, id])
+    cuts = equal_runs(id[order])
+    e, first, last = e[order], cuts[:-1], cuts[1:] - 1
+    each = (e[(first + last) // 2] + e[(first + last + 1) // 2]) / 2
     return float(np.median(each)) if len(each) >= SEVERAL else 0.0
 
 
@@ -153,7 +235,7 @@ def _usual(
     lasting = np.maximum(whole - white, 0.0) / np.median(length)
     reach = np.concatenate([squared[block].mean(1) for block in long]) * gate**2
     factor, share = _mixture(size, white + length[:, None] * lasting, _added(length, reach, DEGREES))
-    return Usual(median, white, lasting, max(factor, 1.0)) if share < MAX_SHARE else None
+    return Usual(median, white, lasting, max(factor, 1.0), share, len(size))
 
 
 def _mixture(a: Floats, V: Floats, added: Floats) -> tuple[float, float]:

@@ -23,6 +23,9 @@ of one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a mini
 over the pairs of cameras, each with n residuals. No image is grouped, no camera needs another's noise first, and two
 cameras suffice.
 
+With two cameras, many markers and a calibration that is off, no peak may be seen at 0. Where that is so in all pairs of
+cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5).
+
 The residuals of a calibration that is off are not n errors, but one and the same n times. For association that is
 enough; `calibration_field` tells them from white noise.
 """
@@ -53,6 +56,10 @@ MIN_PAIRS = 10
 
 MAX_SD = 3.0
 """px: a mixture that is wider than this has no peak; chosen (see benchmarks/tracking_scenes.py)."""
+
+PEAK, CLEAR = 0.5, 2.0
+"""Of (5): px, a third of the width in which residuals are counted, and how many times as many there are than anywhere
+else, chosen: pairs of images that meet by chance stay for many frames, and make lesser peaks."""
 
 PAIR_LOG_SD = 0.5
 """τ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
@@ -89,11 +96,12 @@ class Residuals(NamedTuple):
 
 class Mixture(NamedTuple):
     """v (n) px² of (3), and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual
-    in v, 0 where it is two markers' for certain."""
+    in v, 0 where it is two markers' for certain; what they are about (n) px, whose square is in v (5)."""
 
     variance: Floats
     number: Floats
     weight: Floats
+    about: Floats
 
 
 def pair_of(some: Residuals, C: int) -> Ints:
@@ -117,7 +125,7 @@ def camera_noise(some: Residuals, fit: Mixture, C: int) -> CameraNoise:
 
 def peaked(fit: Mixture) -> Bools:
     """(n) whether a group has residuals of single markers enough, and so near that they are seen among the others."""
-    return (fit.number >= MIN_PAIRS) & (fit.variance < MAX_SD**2)
+    return (fit.number >= MIN_PAIRS) & (fit.variance - fit.about**2 < MAX_SD**2)
 
 
 def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
@@ -136,9 +144,33 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
 
 
 def mixture(off: Floats, group: Ints, n: int) -> Mixture:
-    """(3) of residuals (H) px in n groups (H)."""
+    """(3) of residuals (H) px in n groups (H); where none has a peak at 0, about those that they have elsewhere."""
+    usual = _mixture(off, group, n, np.zeros(n), (WINDOW / 4) ** 2)
+    if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
+        return usual
+    other = _mixture(off - aside[group], group, n, aside, PEAK**2)
+    which = (aside != 0, aside != 0, aside[group] != 0, aside != 0)
+    return Mixture(*(np.where(*each) for each in zip(which, other, usual, strict=True)))
+
+
+def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
+    """(n) px, where the residuals (H) of each group are densest, 0 where they are not CLEAR times as dense there as
+    anywhere else."""
+    edges = np.linspace(-WINDOW, WINDOW, round(2 * WINDOW / PEAK) + 1)
+    out = np.zeros(n)
+    for g in np.unique(group).tolist():
+        count = np.convolve(np.histogram(off[group == g], edges)[0], np.ones(3), "same")
+        best = int(count.argmax())
+        elsewhere = np.abs(np.arange(len(count)) - best) > 3
+        if count[best] > max(CLEAR * count[elsewhere].max(), MIN_PAIRS):
+            out[g] = (edges[best] + edges[best + 1]) / 2
+    return out
+
+
+def _mixture(off: Floats, group: Ints, n: int, about: Floats, begin: float) -> Mixture:
+    """(3) of residuals (H) px less what they are about (n) px, v being `begin` px² at first."""
     total = np.maximum(np.bincount(group, minlength=n), 1)
-    variance, share, count = np.full(n, (WINDOW / 4) ** 2), np.full(n, 0.5), np.zeros(n)
+    variance, share, count = np.full(n, begin), np.full(n, 0.5), np.zeros(n)
     squared = off * off
     for _ in range(ROUNDS):
         v, p = variance[group], share[group]
@@ -154,8 +186,7 @@ def mixture(off: Floats, group: Ints, n: int) -> Mixture:
         share = count / total
         if (np.abs(variance - before) <= SETTLED * before)[count > MIN_PAIRS].all():
             break
-    weight = core + wider / WIDER**2
-    return Mixture(variance, count, weight)
+    return Mixture(variance + about**2, count, core + wider / WIDER**2, about)
 
 
 def _by_camera(variance: Floats, count: Floats, share: Floats, pair: Ints) -> tuple[Floats, Floats]:

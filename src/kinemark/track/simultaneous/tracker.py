@@ -39,7 +39,7 @@ from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
-from .drifting_pairs import drifting
+from .drifting_pairs import UsualResiduals, drifting, usual_residuals, without_strangers
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
@@ -47,6 +47,7 @@ from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .noise_of_tracks import excess
 from .passes import Associations, run
+from .points_between import between_markers
 from .rig_of_tracks import rig_of_tracks
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
@@ -134,10 +135,13 @@ def track_once(
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
     solver = solver_for(detections, shared, working, errors)
+    cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
-    cloud, ids = _without_drifting(cloud, ids, working.images, method)
+    usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
+    cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
-    cloud, ids = _without_drifting(cloud, ids, working.images, method)
+    cloud, ids = _without_between(cloud, ids, merging, working.images)
+    cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
     if working.rig is not rig:
         given = solver_for(detections, shared, Working(rig, images, noise), errors)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
@@ -185,9 +189,28 @@ def _without_merged(
     return cloud.keep(~which | good), ids[~which | good]
 
 
-def _without_drifting(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> tuple[Cloud, Ints]:
-    """The points and their tracks, without those of two cameras whose images are of two markers."""
-    sound = ~drifting(cloud.frame, ids, cloud.detection.T, images, method.gate)
+def _without_between(cloud: Cloud, ids: Ints, merging: Merging, images: Images) -> tuple[Cloud, Ints]:
+    """The points and their tracks, without those that merged images make between two markers."""
+    sound = ~between_markers(_points(cloud, ids), cloud.detection.T, images, merging.resolution)
+    return cloud.keep(sound), ids[sound]
+
+
+def _without_drifting(
+    cloud: Cloud, ids: Ints, images: Images, usual: UsualResiduals, solver: Solver, method: Simultaneous
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks, without images of other markers, and without those of two images of two markers."""
+    if not usual.of:
+        return cloud, ids
+    detection = without_strangers(cloud.frame, ids, cloud.detection.T, images, usual, method.gate)
+    sound = ~drifting(cloud.frame, ids, detection, images, usual, method.gate)
+    less = (cloud.detection != detection.T).any(1)
+    if less.any():
+        again = solved(cloud.frame[less], detection[:, less], cloud.xyz[less].T, solver)
+        xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
+        xyz[less], cov[less], residual[less] = again.xyz, again.cov, again.residual
+        cloud = replace(cloud, xyz=xyz, cov=cov, residual=residual, detection=np.ascontiguousarray(detection.T))
+        own = ((detection >= 0) & ~images.merged[detection]).sum(0)
+        sound &= ~less | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
     return cloud.keep(sound), ids[sound]
 
 

@@ -117,6 +117,11 @@ class Merging(NamedTuple):
     own_variance: Floats
     usual: Floats
 
+    @property
+    def resolution(self) -> float:
+        """r px; 0 where none are merged, or the file says which."""
+        return 4 * float(np.sqrt(self.variance))
+
     def marked(self, images: Images) -> Images:
         """The images with these marked."""
         if not len(self.image):
@@ -189,11 +194,26 @@ def resolution(images: Images) -> float:
     return float(r[best]) if likely[best] > SURE else 0.0
 
 
-def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
-    """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
-
-    Claims on several cameras at once are followed by one for each.
+class NearHeld(NamedTuple):
+    """N places of points without an image in a camera, and images near them that others hold: rows of the points
+    (other) and of the holders, camera and image, all (N); where the point is expected, uv (2, N) px, variance (N) px².
     """
+
+    holder: Ints
+    other: Ints
+    camera: Ints
+    image: Ints
+    uv: Floats
+    variance: Floats
+
+    def take(self, which: Ints) -> NearHeld:
+        """Only these."""
+        row, other, camera, image, uv, variance = self
+        return NearHeld(row[which], other[which], camera[which], image[which], uv[:, which], variance[which])
+
+
+def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> NearHeld:
+    """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected."""
     C, xyz, cov = len(images.P), points.xyz.T, points.cov.transpose(1, 2, 0)
     expected = predict_images(images.P, KalmanStates(xyz, cov))
     variance = (expected.S[:, 0] + expected.S[:, 2]) / 2
@@ -206,13 +226,24 @@ def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: flo
     reach = REACH * r + 2 * np.sqrt(variance[c, other])
     at, image = held.near(points.frame[other] * C + c, expected.uv[c, 0, other], reach)
     apart = np.hypot(*(expected.uv[c[at], :, other[at]] - images.uv[image]).T)
-    inside = apart < reach[at]
-    c, other, image, apart = c[at][inside], other[at][inside], image[inside], apart[inside]
-    order = np.lexsort([apart, image])
-    order = order[np.diff(image[order], prepend=-1) > 0]
-    c, other, image, apart = c[order], other[order], image[order], apart[order]
-    spread = 4 * images.variance[image] + variance[c, other] + (SHARE * apart) ** 2
-    return _tabled(holder[image], other, c, 2 * images.uv[image] - expected.uv[c, :, other], spread, C)  # (2)
+    at, image = at[apart < reach[at]], image[apart < reach[at]]
+    c, other = c[at], other[at]
+    return NearHeld(holder[image], other, c, image, expected.uv[c, :, other].T, variance[c, other])
+
+
+def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
+    """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
+
+    Claims on several cameras at once are followed by one for each.
+    """
+    near = near_held(points, detection, images, r)
+    apart = np.hypot(*(near.uv - images.uv[near.image].T))
+    order = np.lexsort([apart, near.image])
+    order = order[np.diff(near.image[order], prepend=-1) > 0]
+    near = near.take(order)
+    spread = 4 * images.variance[near.image] + near.variance + (SHARE * apart[order]) ** 2
+    alone = 2 * images.uv[near.image] - near.uv.T  # (2)
+    return _tabled(near.holder, near.other, near.camera, alone, spread, len(images.P))
 
 
 def _tabled(row: Ints, other: Ints, c: Ints, uv: Floats, variance: Floats, C: int) -> Claims:

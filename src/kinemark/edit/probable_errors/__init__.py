@@ -1,6 +1,7 @@
-"""Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces, and
-samples that nobody measured."""
+"""Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces,
+samples that nobody measured, and what happened to all paths at once."""
 
+from .breaks import Break, breaks
 from .changes import Change, Evidence, changes
 from .fillings import Filling, fillings
 from .ghosts import Ghost, ghosts
@@ -10,8 +11,10 @@ from .pieces import Piece, pieces
 from .places import Partner, Place, Told, places
 from .probability import name_probability
 from .spikes import Spike, spikes
+from .unbroken import unbroken
 
 __all__ = [
+    "Break",
     "Change",
     "Evidence",
     "Filling",
@@ -23,6 +26,7 @@ __all__ = [
     "Place",
     "Spike",
     "Told",
+    "breaks",
     "changes",
     "fillings",
     "ghosts",
@@ -31,4 +35,5 @@ __all__ = [
     "pieces",
     "places",
     "spikes",
+    "unbroken",
 ]

@@ -43,6 +43,8 @@ APART = WINDOW + SMEARED
 """Frames between two breaks at least; chosen: nearer ones are in each other's samples."""
 LEAST_GAIN = 0.1
 """Nats a path (3) from which on a cause is one; chosen: of what happened by nature hardly any comes to it."""
+MOTION = 6
+"""Numbers of a rigid motion, which cost ln(n) / 2 nats each for n coordinates (Schwarz 1978); by definition."""
 ROUNDS, FAR = 6, 3.0
 """Of fitting a motion without the points that do not follow it, and times the median that these are off; chosen."""
 SHAKEN = 2.0
@@ -242,7 +244,6 @@ def _shaken(ways: Ways) -> Iterator[Break]:
     for s in ways.longer_spans:
         f = ways.near_unusual(s)
         f = f[ways.strange(f, s) < UNUSUAL]
-        f = f[np.maximum(ways.rough(f, -1), ways.rough(f + s, 1)) < UNUSUAL]
         a, b = ways.inside(f, s)
         for n, frame in enumerate(f.tolist()):
             yield from _rigid(ways, "shaken", frame, s, a[:, n], b[:, n])
@@ -257,8 +258,9 @@ def _rigid(ways: Ways, kind: Literal["moved", "shaken"], f: int, s: int, a: Floa
     if known.sum() < FEWEST or np.log1p((off[0] / usual)[known] ** 2 * HALF / 4).mean() < UNUSUAL:
         return
     motion = _fitted(a[known], b[known])
-    off[1, known] = motion.left(a[known], b[known])
-    before, after = _cost(off[0], usual), _cost(off[1], usual)
+    n = int(known.sum())
+    off[1, known] = motion.left(a[known], b[known]) * np.sqrt(3 * n / (3 * n - MOTION))
+    before, after = _cost(off[0], usual), _cost(off[1], usual) + MOTION * np.log(3 * n) / (2 * n)
     if _gain(before, after) > LEAST_GAIN:
         evidence = _evidence(before, after, off[1] ** 2 * HALF / usual**2)
         mm = float(np.median(off[0][known]))

@@ -102,9 +102,10 @@ class Ways:
         return _length(np.stack([_length(self._led(f, step, row)) for row in rest], axis=-1)) / np.sqrt(WINDOW)
 
     def near_unusual(self, s: int) -> Ints:
-        """Frames from which something over s frames may have happened."""
-        f = (self.unusual[:, None] - np.arange(s)).ravel()
-        return np.unique(f[(f >= 0) & (f + s < self.xyz.shape[1])])
+        """Frames from which something over s frames may have happened, and not beside them."""
+        f = np.unique((self.unusual[:, None] - np.arange(s)).ravel())
+        f = f[(f >= 0) & (f + s < self.xyz.shape[1])]
+        return f[np.maximum(self.rough(f, -1), self.rough(f + s, 1)) < UNUSUAL]
 
     def broken(self, s: int) -> Ints:
         """Those of them from which paths go on over s frames as they do not usually."""

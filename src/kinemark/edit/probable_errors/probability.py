@@ -24,9 +24,9 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "piece": (-1.11, 0.41, -1.34, 3.03, 0.01, 0.11),
     "piece_in_file": (-0.44, 0.33, -0.95, 2.35, 0.01, 0.05),
     "filling": (-10.62, -0.82, 2.13, -2.72, 2.37),
-    "lost": (-3.0, 3.0, 0.0, 0.0, 0.0),
-    "moved": (-3.0, 3.0, 0.0, 0.0, 0.0),
-    "repeated": (-3.0, 3.0, 0.0, 0.0, 0.0),
+    "lost": (-6.91, 0.05, 10.07, 2.28, -7.64),
+    "moved": (-6.42, 0.96, 0.85, 0.64, -2.02),
+    "repeated": (-15.45, 3.55, 0.0, 4.10, 0.0),
     "ghost": (-6.20, -0.69, -0.11, 1.06, 0.98),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
@@ -37,7 +37,8 @@ files, those of errors that have a kind for files as well to scenes: changes of 
 without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were
 among the faults, to files (spikes in them) or to both: fitted anew to files alone, changes would be told in hands that
 bend fast, and spikes in clean files. Spikes of files then got a factor and a constant by which each recording counts
-the same (`levelled`). Fillings are fitted by studies/filled_samples.py. Ghosts: scenes 0 to 59 and 140 to 141,
+the same (`levelled`). Fillings are fitted by studies/filled_samples.py,
+what happens to all paths at once by studies/whole_trial_faults.py. Ghosts: scenes 0 to 59 and 140 to 141,
 and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left."""
 
 

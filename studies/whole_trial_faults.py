@@ -22,10 +22,12 @@ Run: python studies/whole_trial_faults.py
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from unittest import mock
 
 import numpy as np
 import scipy
@@ -40,13 +42,14 @@ from kinemark.data.problems import OF_WHOLE, Problem
 from kinemark.edit.probable_errors import Break, Paths, breaks
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
-from kinemark.engine.problems import of_paths, problems
+from kinemark.engine.problems import problems
 
 KINDS = ("lost", "held", "doubled", "moved", "shaken")
 FAMILY = {"held": "repeated", "doubled": "repeated", "shaken": "moved"}
 FRESH = ("arm_box_lift_gaps", "opensim_gait", "qualisys_gait", "ulema_hand_to_head", "wheelchair_racing_gaps")
 NEAR = 8  # frames from a fault at which a break is the same
 EVERY = 7  # of the trials with faults whose list of problems is made
+OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
 SEEN_MM = 5.0  # median step that a loss or a movement makes, below which nobody sees it
 
 
@@ -131,14 +134,10 @@ def is_that(one: Break, of: Seeded | None) -> bool:
 
 def listed(trial: Trajectories, *, causes: bool = True) -> tuple[Problem, ...]:
     """The problems worth a look, with causes of all markers looked for, or without."""
-    kept = of_paths.breaks
-    of_paths._found.cache_clear()
-    try:
-        of_paths.breaks = kept if causes else lambda paths: []
-        with tempfile.TemporaryDirectory() as folder:
-            return problems(Editing("trial", Journal.of(Path(folder), "trial"), trial, None, None)).asked
-    finally:
-        of_paths.breaks = kept
+    OF_PATHS._found.cache_clear()
+    looked = mock.patch.object(OF_PATHS, "breaks", OF_PATHS.breaks if causes else lambda paths: [])
+    with looked, tempfile.TemporaryDirectory() as folder:
+        return problems(Editing("trial", Journal.of(Path(folder), "trial"), trial, None, None)).asked
 
 
 def trials() -> Iterator[tuple[str, Trajectories, Seeded | None]]:
@@ -173,7 +172,7 @@ class Count:
 
     def __init__(self) -> None:
         self.found: dict[tuple[str, bool], list[tuple[bool, bool]]] = {}
-        self.lists: list[tuple[int, int, int, int]] = []
+        self.lists: list[tuple[int, int, int]] = []
         self.single = [0, 0]
 
     def see(self, fault: Seeded, said: list[Break]) -> None:

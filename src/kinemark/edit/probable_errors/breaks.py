@@ -60,14 +60,15 @@ class BreakEvidence(NamedTuple):
 
     Attributes:
         gain: (3) a path, the mean; of repeated frames the nats by which so many paths would not rest by chance.
-        share: of the paths, for which (3) is above 0. paths: ln of their number. left: mean of ln(1 + χ²/4) of what the
-            cause leaves.
+        share: of the paths, for which (3) is above 0. paths: ln of their number. left: mean of ln(1 + χ²/4) of what
+            the cause leaves. mm: ln(1 + mm) by which the paths are off, the median: the ends of a filter shake all.
     """
 
     gain: float
     share: float
     paths: float
     left: float
+    mm: float
 
 
 class Rigid(NamedTuple):
@@ -158,8 +159,8 @@ def _stopped(ways: Ways, first: int, stop: int, gain: float) -> Break:
     """Frames that repeat the one before, which is followed by what comes as many frames later, or at once."""
     frames, _ = _passed(ways, first, stop)
     paths = int(np.isfinite(ways.xyz[:, first - 1, 0]).sum())
-    repeats = BreakEvidence(gain, 1.0, float(np.log(max(paths, 1))), 0.0)
     mm = _middle(ways.off(np.array([first - 1]), stop - first + 1, 0)) if stop < ways.xyz.shape[1] else 0.0
+    repeats = BreakEvidence(gain, 1.0, float(np.log(max(paths, 1))), 0.0, float(np.log1p(mm)))
     return Break("repeated", first - 1, stop, frames, None, mm, repeats, probability("repeated", repeats))
 
 
@@ -176,7 +177,7 @@ def _over_gap(ways: Ways, first: int, stop: int) -> Iterator[Break]:
     """A gap in which more frames, or none, were lost than are missing."""
     frames, evidence = _passed(ways, first, stop)
     if frames and evidence is not None:
-        mm = _middle(ways.off(np.array([first - 1]), stop - first + 1, 0))
+        mm = float(np.expm1(evidence.mm))
         yield Break("lost", first - 1, stop, frames, None, mm, evidence, probability("lost", evidence))
 
 
@@ -192,7 +193,7 @@ def _passed(ways: Ways, first: int, stop: int) -> tuple[int, BreakEvidence | Non
     if _gain(before, _costs(ways, f, n + 1, best))[0] < LEAST_GAIN:
         return 0, None
     after, squared = _costs(ways, f, n + 1, best), ways.squared(f, n + 1, best)
-    return best, _evidence(before[:, 0], after[:, 0], squared[:, 0])
+    return best, _evidence(before[:, 0], after[:, 0], squared[:, 0], _middle(ways.off(f, n + 1, 0)))
 
 
 # ---- Lost frames ----
@@ -212,10 +213,9 @@ def _lost(ways: Ways) -> Iterator[Break]:
             here = f[n : n + 1]
             k = _refined(ways, here, s, ways.losses[likeliest[n]])
             off, after = ways.off(here, s, 0)[:, 0], _costs(ways, here, s, k)[:, 0]
-            evidence = _evidence(before[:, n], after, ways.squared(here, s, k)[:, 0])
-            yield Break(
-                "lost", int(f[n]), int(f[n]) + s, k, None, _middle(off), evidence, probability("lost", evidence)
-            )
+            mm = _middle(off)
+            evidence = _evidence(before[:, n], after, ways.squared(here, s, k)[:, 0], mm)
+            yield Break("lost", int(f[n]), int(f[n]) + s, k, None, mm, evidence, probability("lost", evidence))
 
 
 def _refined(ways: Ways, f: Ints, s: int, coarse: int) -> int:
@@ -262,8 +262,8 @@ def _rigid(ways: Ways, kind: Literal["moved", "shaken"], f: int, s: int, a: Floa
     off[1, known] = motion.left(a[known], b[known]) * np.sqrt(3 * n / (3 * n - MOTION))
     before, after = _cost(off[0], usual), _cost(off[1], usual) + MOTION * np.log(3 * n) / (2 * n)
     if _gain(before, after) > LEAST_GAIN:
-        evidence = _evidence(before, after, off[1] ** 2 * HALF / usual**2)
-        mm = float(np.median(off[0][known]))
+        mm = _middle(off[0])
+        evidence = _evidence(before, after, off[1] ** 2 * HALF / usual**2, mm)
         yield Break(kind, f, f + s, 0, motion, mm, evidence, probability("moved", evidence))
 
 
@@ -330,8 +330,8 @@ def _middle(off: Floats) -> float:
     return float(np.median(known)) if len(known) else 0.0
 
 
-def _evidence(before: Floats, after: Floats, squared: Floats) -> BreakEvidence:
-    """Of costs (M) before and after, and what χ² is left."""
+def _evidence(before: Floats, after: Floats, squared: Floats, mm: float) -> BreakEvidence:
+    """Of costs (M) before and after, what χ² is left, and by how much the paths are off."""
     by = before - after
     known = np.isfinite(by)
     return BreakEvidence(
@@ -339,4 +339,5 @@ def _evidence(before: Floats, after: Floats, squared: Floats) -> BreakEvidence:
         float((by[known] > 0).mean()),
         float(np.log(known.sum())),
         float(np.log1p(squared[known] / 4).mean()),
+        float(np.log1p(mm)),
     )

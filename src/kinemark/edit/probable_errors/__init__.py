@@ -9,7 +9,7 @@ from .leaps import Leap, leaps
 from .paths import Paths
 from .pieces import Piece, pieces
 from .places import Partner, Place, Told, places
-from .probability import name_probability
+from .probability import in_trial, name_probability
 from .spikes import Spike, spikes
 from .unbroken import unbroken
 
@@ -30,6 +30,7 @@ __all__ = [
     "changes",
     "fillings",
     "ghosts",
+    "in_trial",
     "leaps",
     "name_probability",
     "pieces",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Ints
-from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, Piece, Spike
+from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, Piece, Spike, in_trial
 
 
 class Found(NamedTuple):
@@ -23,6 +23,21 @@ class Found(NamedTuple):
     fillings: tuple[Filling, ...]
     breaks: tuple[Break, ...]
     as_it_is: Paths
+
+
+def by_trial(found: Found) -> Found:
+    """Changes, spikes, leaps and pieces of files as likely as the trial's others make them; those of tracks that have
+    images are judged by themselves."""
+    if found.paths.images.any():
+        return found
+    some = (*found.changes, *found.spikes, *found.leaps, *found.pieces)
+    wrong = iter(in_trial(np.array([one.wrong for one in some])).tolist())
+    return found._replace(
+        changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
+        spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),
+        leaps=tuple(one._replace(wrong=next(wrong)) for one in found.leaps),
+        pieces=tuple(one._replace(wrong=next(wrong)) for one in found.pieces),
+    )
 
 
 def numbered(found: Found, frame: Ints) -> Found:

@@ -32,7 +32,7 @@ from ...edit.probable_errors import (
 )
 from ...report.words.problems import problem_text
 from .context import VERSIONS, Context
-from .found import Found, numbered
+from .found import Found, by_trial, numbered
 from .of_breaks import of_breaks
 
 TOGETHER_S = 0.2
@@ -56,8 +56,7 @@ def of_paths(context: Context) -> Iterator[Problem]:
     for change in found.changes:
         yield _change(context, found.paths, change)
     for piece in found.pieces:
-        if not (is_named(context.name(piece.before)) and is_named(context.name(piece.after))):
-            yield _piece(context, piece)
+        yield _piece(context, piece)
     for ghost in found.ghosts:
         yield _ghost(context, ghost)
     for filling in found.fillings:
@@ -89,8 +88,9 @@ def _of_each(now: Trajectories, paths: Paths, told: tuple[Told, ...]) -> Found:
     off, gone = _each_once(spikes(paths), _not_exchanged(leaps(paths), own))
     own = _once(_not_in_others(own, off, gone, paths), paths)
     own, off, gone = _without_beside(own, off, gone, paths)
-    return Found(
-        paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)), tuple(made), (), as_it_is
+    loose = [one for one in pieces(paths) if not all(is_named(now.names[p]) for p in (one.before, one.after))]
+    return by_trial(
+        Found(paths, off, gone, tuple(own), tuple(loose), tuple(ghosts(paths, now)), tuple(made), (), as_it_is)
     )
 
 

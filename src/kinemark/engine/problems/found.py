@@ -30,8 +30,9 @@ def by_trial(found: Found) -> Found:
     images are judged by themselves."""
     if found.paths.images.any():
         return found
-    some = (*found.changes, *found.spikes, *found.leaps, *found.pieces)
-    wrong = iter(in_trial(np.array([one.wrong for one in some])).tolist())
+    said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
+    said += [one.wrong for one in found.leaps] + [one.wrong for one in found.pieces]
+    wrong = iter(in_trial(np.array(said)).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),

@@ -1,7 +1,7 @@
 """Are frames that a system lost or doubled, and jumps of the whole world, told as what they are, each as one problem?
 
 The markers of all files of trajectories, at their own rates and at a half to an eighth of them, none below 20 Hz, are
-looked at as they are, and with one fault of all markers of each kind, beside which one or two markers jump away
+looked at as they are, and with one fault of all markers, twice of each kind, beside which one or two markers jump away
 for three frames:
 
     lost      1 to 8 frames are missing, and nothing says so
@@ -10,8 +10,8 @@ for three frames:
     moved     from a frame on all is turned by 0.05° to 5° and shifted by 3 to 300 mm
     shaken    the same for 1 to 8 frames
 
-A third of the movements is smeared over 2 to 5 frames, as filters do. The coefficients of `lost`, `moved` and
-`repeated` are fitted to all laboratories but those of FRESH, which had not been looked at when constants were chosen;
+A third of the movements is smeared over 2 to 5 frames, as filters do. The coefficients of `lost` and `moved` are
+fitted to all laboratories but those of FRESH, which had not been looked at when constants were chosen;
 what is told of those is by these, and of each other one by those of the others.
 
 Then the list of problems is made of some of them, with and without looking for causes: how long it is, and whether the
@@ -40,15 +40,17 @@ from kinemark.data import Trajectories
 from kinemark.data.array_types import Floats
 from kinemark.data.problems import OF_WHOLE, Problem
 from kinemark.edit.probable_errors import Break, Paths, breaks
+from kinemark.edit.probable_errors.probability import COEFFICIENTS
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
 
 KINDS = ("lost", "held", "doubled", "moved", "shaken")
+FITTED = ("lost", "moved")  # few files rest, so that of repeated frames they are chosen
 FAMILY = {"held": "repeated", "doubled": "repeated", "shaken": "moved"}
 FRESH = ("arm_box_lift_gaps", "opensim_gait", "qualisys_gait", "ulema_hand_to_head", "wheelchair_racing_gaps")
 NEAR = 8  # frames from a fault at which a break is the same
-EVERY = 11  # of the trials with faults whose list of problems is made
+EVERY = 23  # of the trials with faults whose list of problems is made
 OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
 SEEN_MM = 5.0  # median step that a loss or a movement makes, below which nobody sees it
 
@@ -145,7 +147,7 @@ def trials() -> Iterator[tuple[str, Trajectories, Seeded | None]]:
     rng = np.random.default_rng(41)
     for where, trial in files():
         yield where, of(trial, written(trial.xyz, rng), trial.rate), None
-        for kind in KINDS:
+        for kind in KINDS * 2:
             fault = seeded(trial.xyz, kind, rng)
             yield where, of(trial, written(fault.xyz, rng), trial.rate), fault
 
@@ -159,7 +161,7 @@ def judged(rows: list[Told]) -> Iterator[Judged]:
     """By coefficients of the other laboratories, those of FRESH left out."""
     for where in sorted({row.laboratory for row in rows}):
         others = [row for row in rows if row.laboratory not in (where, *FRESH)]
-        of_kind = {kind: fit(others, kind) for kind in ("lost", "moved", "repeated")}
+        of_kind = {kind: fit(others, kind) for kind in FITTED} | {"repeated": np.array(COEFFICIENTS["repeated"])}
         for row in rows:
             if row.laboratory == where:
                 c = of_kind[row.kind]
@@ -234,7 +236,7 @@ def main() -> None:
         count.tell()
     print(f"\nAs they are: {sum(natural)} causes worth a look in {len(natural)} trials")
     seen = [row for row in rows if row.laboratory not in FRESH]
-    for kind in ("lost", "moved", "repeated"):
+    for kind in FITTED:
         print(f"  coefficients of {kind}: {', '.join(f'{c:.2f}' for c in fit(seen, kind))}")
 
 

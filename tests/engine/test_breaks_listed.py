@@ -96,3 +96,20 @@ def test_an_audit_mends_repeated_frames_and_notes_nothing_by_itself(tmp_path):
     write_trc(tmp_path / "walk.trc", trajectories(both, clean().names))
     done = audit_file(tmp_path / "walk.trc", mend=True)
     assert [one.kind for one in done.mended] == ["repeated"] and [one.kind for one in done.found.asked] == ["lost"]
+
+
+def test_what_a_system_does_all_the_time_is_one_problem(tmp_path):
+    xyz = clean().xyz
+    for f in range(40, 360, 40):
+        xyz[:, f + 1] = xyz[:, f]
+    editing = editing_of(xyz, tmp_path)
+    (one,) = asked(editing)
+    assert "repeat the frame before at 8 places, 8 frames in all, first in frame 42" in one.words
+    editing.say(*one.alternatives[0].edits)
+    assert np.isnan(editing.edited().trajectories.xyz).any(2).sum() == 8 * len(clean()) and not asked(editing)
+    (one,) = asked(editing_of(np.delete(clean().xyz, [60, 120, 121, 200, 300], axis=1), tmp_path / "lost"))
+    assert "skip frames at 4 places, 5 frames in all, first between frames 60 and 61" in one.words
+
+
+def test_where_nothing_moves_in_the_whole_trial_nobody_tells_that_frames_repeat(tmp_path):
+    assert not asked(editing_of(np.repeat(clean().xyz[:, 100:101], 200, axis=1), tmp_path))

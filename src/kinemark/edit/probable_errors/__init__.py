@@ -1,7 +1,7 @@
 """Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces,
 samples that nobody measured, and what happened to all paths at once."""
 
-from .breaks import Break, breaks
+from .breaks import Break, BreakKind, breaks
 from .changes import Change, Evidence, changes
 from .fillings import Filling, fillings
 from .ghosts import Ghost, ghosts
@@ -15,6 +15,7 @@ from .unbroken import unbroken
 
 __all__ = [
     "Break",
+    "BreakKind",
     "Change",
     "Evidence",
     "Filling",

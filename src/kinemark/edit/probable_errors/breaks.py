@@ -144,7 +144,8 @@ def _stops(xyz: Floats) -> list[tuple[int, int, float]]:
     step = np.abs(np.diff(xyz, axis=1)).max(2)
     known, rests = np.isfinite(step), step == 0
     all_rest = (rests | ~known).all(0) & (known.sum(0) >= FEWEST)
-    share = STILL_SHARE + (rests & ~all_rest).sum() / max(int((known & ~all_rest).sum()), 1)
+    others = int((known & ~all_rest).sum())
+    share = STILL_SHARE + (rests & ~all_rest).sum() / others if others else 1.0
     return [(a + 1, b + 1, float(-np.log(min(share, 1.0)))) for a, b in true_runs(all_rest).tolist()]
 
 

@@ -39,7 +39,7 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "filling": (-10.62, -0.82, 2.13, -2.72, 2.37),
     "lost": (-1.99, 0.61, 6.00, 2.20, -9.66, -1.34),
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
-    "repeated": (-13.37, 7.70, 0.0, 2.63, 0.0, 3.80),
+    "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-6.20, -0.69, -0.11, 1.06, 0.98),
     "trial": (-0.42, 0.92, 1.27, -0.76),
     "name_swap": (-3.0, 1.5, 0.5),
@@ -51,10 +51,10 @@ files, those of errors that have a kind for files as well to scenes: changes of 
 without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were
 among the faults, to files (spikes in them) or to both: fitted anew to files alone, changes would be told in hands that
 bend fast, and spikes in clean files. Spikes of files then got a factor and a constant by which each recording counts
-the same (`levelled`). Fillings are fitted by studies/filled_samples.py,
-what happens to all paths at once by studies/whole_trial_faults.py, (3) to both halves of the files by
-studies/trial_prior.py. Ghosts: scenes 0 to 59 and 140 to 141,
-and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left."""
+the same (`levelled`). Fillings are fitted by studies/filled_samples.py, lost frames and moved worlds by
+studies/whole_trial_faults.py, (3) to both halves of the files by studies/trial_prior.py. Those of repeated frames are
+chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59
+and 140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left."""
 
 
 def of_source(kind: str, tracked: bool) -> str:

@@ -59,6 +59,17 @@ def break_text(kind: ProblemKind, first: int, last: int, frames: int, mm: float,
     }[kind]
 
 
+def breaks_text(kind: ProblemKind, first: int, last: int, places: int, frames: int) -> str:
+    """The same at many places, so many frames in all; `first` and `last` as of the first of them."""
+    if kind == "lost":
+        between = f"first between frames {first} and {last}"
+        return (
+            f"all markers skip frames at {places} places, {_count(frames)} in all, {between}: the recording lost them"
+        )
+    inside = _frames(first + 1, last - 1)
+    return f"all markers repeat the frame before at {places} places, {_count(frames)} in all, first in {inside}"
+
+
 def _late(frames: int) -> str:
     return f"what follows is {_count(-frames)} late"
 

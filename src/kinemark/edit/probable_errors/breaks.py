@@ -48,7 +48,7 @@ MOTION = 6
 ROUNDS, FAR = 6, 3.0
 """Of fitting a motion without the points that do not follow it, and times the median that these are off; chosen."""
 SHAKEN = 2.0
-"""Of `_worth`; chosen."""
+"""Times that a path's nats count where the world comes back (`_worth`); chosen."""
 BACK, BACK_S = 0.3, 1.0
 """Share of a movement that is left when it comes back, at most, and s within which it does as one problem; chosen."""
 STILL_SHARE = 1e-3

@@ -34,7 +34,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, Rig, Trajectories
 from kinemark.data.array_types import Floats, Ints
-from kinemark.data.problems import Problem, Problems
+from kinemark.data.problems import OF_WHOLE, Problem, Problems
 from kinemark.data.track_trajectories import trajectories_of
 from kinemark.edit.probable_errors import (
     Evidence,
@@ -308,6 +308,8 @@ def listed(known: Known) -> Problems:
 
 def truth_of(known: Known, one: Problem) -> bool | None:
     """Whether a problem is one; None where the truth does not say."""
+    if one.kind in OF_WHOLE:
+        return False
     names, start = known.trajectories.names, known.trajectories.first_frame
     who = [names.index(name) for name in one.tracks]
     first, last = one.first - start, one.last - start

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.data import Trajectories
 from kinemark.data.edits import is_named
-from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
 from kinemark.edit.probable_errors.shape import companions, spread
@@ -258,3 +258,18 @@ def test_a_place_tells_whether_tracking_saw_another_come_near(near, inside):
     frame = 203 if inside else 120
     (place,) = (one for one in places(paths, [Told(9, frame, frame, 3, near)]) if (one.path, one.sample) == (9, 199))
     assert place.near == (near and inside) and place.told == inside
+
+
+def test_the_other_problems_of_a_trial_tell_how_likely_one_is():
+    """Where much is surely wrong more is, and where much may be and nothing surely is, somebody moves so."""
+    alone = in_trial(np.array([0.1]))[0]
+    among_errors = in_trial(np.array([0.1, *[0.98] * 8]))[0]
+    restless = in_trial(np.array([0.1, *[0.1] * 30]))[0]
+    assert restless < alone / 5 and among_errors > 2 * alone
+    np.testing.assert_array_equal(in_trial(np.zeros(0)), np.zeros(0))
+
+
+@pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])
+def test_no_problem_is_evidence_of_itself(wrong):
+    one, unlikely = in_trial(np.array([wrong]))[0], in_trial(np.array([wrong, 0.001, 0.0]))[0]
+    assert one == unlikely and 0 <= one <= 1

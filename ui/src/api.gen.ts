@@ -1220,7 +1220,7 @@ export interface components {
              * Action
              * @enum {string}
              */
-            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "rename" | "fill" | "leave_open" | "drop_edit" | "wait";
+            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "rename" | "fill" | "leave_open" | "drop_edit" | "wait" | "note";
             /**
              * Consequence
              * @default
@@ -3037,7 +3037,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "swap" | "join" | "ghost" | "spike" | "filled" | "label" | "sides" | "gap" | "edit";
+            kind: "swap" | "join" | "ghost" | "spike" | "filled" | "label" | "sides" | "lost" | "repeated" | "moved" | "shaken" | "gap" | "edit";
             /** Last */
             last: number;
             /** Tracks */

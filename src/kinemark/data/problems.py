@@ -21,18 +21,25 @@ ASK_ABOVE = 0.05
 """Probability below which a problem is not worth a look: the stop rule; chosen: one in twenty is a false alarm's
 rate that people still look at."""
 
-ProblemKind = Literal["swap", "join", "ghost", "spike", "filled", "label", "sides", "gap", "edit"]
+ProblemKind = Literal[
+    "swap", "join", "ghost", "spike", "filled", "label", "sides", "lost", "repeated", "moved", "shaken", "gap", "edit",
+]  # fmt: skip
 """Two paths that go on as each other's; two pieces that are one marker, or a path that is two; a path that is no
 marker; samples that jump away and back, or that nobody measured, as they stand still or go straight; a name that fits
-no distance; left and right; missing samples; an edit that no longer finds its place."""
+no distance; left and right; frames that all markers lost, or repeat; a world that is another from a frame on, or for
+some frames; missing samples; an edit that no longer finds its place."""
 
-OF_IDENTITY: tuple[ProblemKind, ...] = ("swap", "join", "ghost", "spike", "filled", "label", "sides")
+OF_WHOLE: tuple[ProblemKind, ...] = ("lost", "repeated", "moved", "shaken")
+"""Kinds that are about all markers at once."""
+
+OF_IDENTITY: tuple[ProblemKind, ...] = ("swap", "join", "ghost", "spike", "filled", "label", "sides", *OF_WHOLE)
 """Kinds that are errors where they are right; a gap and an edit that is an orphan are there for certain."""
 
 Action = Literal[
     "keep", "exchange", "cut", "join", "no_marker", "erase", "rename", "fill", "leave_open", "drop_edit", "wait",
+    "note",
 ]  # fmt: skip
-"""What an alternative does."""
+"""What an alternative does; `note` says that it is so where no edit mends it."""
 
 
 @dataclass(frozen=True, slots=True)

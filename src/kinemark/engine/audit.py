@@ -50,7 +50,7 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
         raise KinemarkError(f"{source} has no trajectories. Give a file of markers in space, as a C3D file.")
     found, mended = problems(editing, template=template), list[Problem]()
     for _ in range(ROUNDS if mend else 0):
-        sure = _beside_each_other([one for one in found.asked if one.wrong >= SURE and _best(one).action != "keep"])
+        sure = _beside_each_other([one for one in found.asked if one.wrong >= SURE and _mends(one)])
         if not sure:
             break
         for one in sure:
@@ -77,6 +77,11 @@ def audit_files(
                 raise
             done[source] = error
     return done
+
+
+def _mends(one: Problem) -> bool:
+    """Whether the best that can be said changes anything."""
+    return _best(one).action not in ("keep", "note")
 
 
 def _best(one: Problem) -> Alternative:

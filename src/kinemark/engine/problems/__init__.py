@@ -28,7 +28,7 @@ NEAR_S = 0.2
 BEGINS_S, SURE = 0.5, 0.5
 """s that a change may be beside a stretch with wrong names to be its cause, and its least probability; chosen: names
 are judged in windows of half a second."""
-FAMILY: dict[str, str] = {"join": "swap", "stitch": "swap", "merge": "swap"}
+FAMILY: dict[str, str] = {"join": "swap", "stitch": "swap", "merge": "swap", "repeated": "lost", "shaken": "moved"}
 """Kinds of which one may be seen as another when a trial is processed again; others are of their own."""
 BEFORE: dict[ProblemKind, int] = {"edit": 0}
 """Kinds that come first whatever they cost."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from ...edit.probable_errors import (
     Piece,
     Spike,
     Told,
+    breaks,
     changes,
     fillings,
     ghosts,
@@ -28,9 +28,12 @@ from ...edit.probable_errors import (
     pieces,
     places,
     spikes,
+    unbroken,
 )
 from ...report.words.problems import problem_text
 from .context import VERSIONS, Context
+from .found import Found, by_trial, numbered
+from .of_breaks import of_breaks
 
 TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
@@ -40,18 +43,6 @@ LEAST_OFF_MM = 1.0
 """mm that a sample which nobody measured is off at least; chosen: nothing tells less where it is."""
 GHOST_MM = 20.0
 """mm that a sample of no marker is off; chosen: what filling may be off at most."""
-
-
-class Found(NamedTuple):
-    """What a trial's paths show: places of the paths, and what may be wrong with them, changes seen once."""
-
-    paths: Paths
-    spikes: tuple[Spike, ...]
-    leaps: tuple[Leap, ...]
-    changes: tuple[Change, ...]
-    pieces: tuple[Piece, ...]
-    ghosts: tuple[Ghost, ...]
-    fillings: tuple[Filling, ...]
 
 
 def of_paths(context: Context) -> Iterator[Problem]:
@@ -65,20 +56,31 @@ def of_paths(context: Context) -> Iterator[Problem]:
     for change in found.changes:
         yield _change(context, found.paths, change)
     for piece in found.pieces:
-        if not (is_named(context.name(piece.before)) and is_named(context.name(piece.after))):
-            yield _piece(context, piece)
+        yield _piece(context, piece)
     for ghost in found.ghosts:
         yield _ghost(context, ghost)
     for filling in found.fillings:
         yield _filling(context, filling)
+    yield from of_breaks(context, found.as_it_is, found.breaks)
 
 
 @lru_cache(maxsize=VERSIONS)
 def _found(some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, told: tuple[Told, ...]) -> Found:
     """Of these paths; verdicts, choices for gaps and events leave them the same records, and undo brings them back."""
     now = Trajectories(some, rate, first_frame)
-    paths = Paths.of(now)
-    made = fillings(paths)
+    as_it_is = paths = Paths.of(now)
+    broken = tuple(breaks(paths))
+    likely = [one for one in broken if one.wrong >= LIKELY]
+    if not likely:
+        return _of_each(now, paths, told)._replace(breaks=broken)
+    now, frame = unbroken(paths, now.names, likely)
+    found = _of_each(now, Paths.of(now), told)
+    return numbered(found, frame)._replace(breaks=broken, as_it_is=as_it_is)
+
+
+def _of_each(now: Trajectories, paths: Paths, told: tuple[Told, ...]) -> Found:
+    """What each path shows of its own."""
+    as_it_is, made = paths, fillings(paths)
     if any(one.wrong >= LIKELY for one in made):
         now = _measured(now, made)
         paths = Paths.of(now)
@@ -86,7 +88,10 @@ def _found(some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, to
     off, gone = _each_once(spikes(paths), _not_exchanged(leaps(paths), own))
     own = _once(_not_in_others(own, off, gone, paths), paths)
     own, off, gone = _without_beside(own, off, gone, paths)
-    return Found(paths, off, gone, tuple(own), tuple(pieces(paths)), tuple(ghosts(paths, now)), tuple(made))
+    loose = [one for one in pieces(paths) if not all(is_named(now.names[p]) for p in (one.before, one.after))]
+    return by_trial(
+        Found(paths, off, gone, tuple(own), tuple(loose), tuple(ghosts(paths, now)), tuple(made), (), as_it_is)
+    )
 
 
 def _measured(now: Trajectories, made: Sequence[Filling]) -> Trajectories:

@@ -19,7 +19,7 @@ def _far(mm: float) -> str:
 
 def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int, mm: float) -> str:
     """What it is."""
-    frames = f"frame {first}" if first == last else f"frames {first}–{last}"
+    frames = _frames(first, last)
     off = f", {_far(mm)}" if np.isfinite(mm) else ""
     one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
     text = {
@@ -30,10 +30,56 @@ def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int
         "filled": f"{one} may be filled, not measured: it stands still or goes straight",
         "label": f"{one} may be called so by mistake",
         "sides": "left and right may be exchanged",
+        "lost": "all markers go on as if frames were lost",
+        "repeated": "all markers stand still as in the frame before",
+        "moved": "all markers jump as one body",
+        "shaken": "all markers stand off as one body",
         "gap": f"{one} has a gap",
         "edit": "an edit no longer finds its place",
     }[kind]
     return f"{text}, {frames}{off}" if kind != "swap" else f"{text}{off}"
+
+
+def break_text(kind: ProblemKind, first: int, last: int, frames: int, mm: float, degrees: float = 0.0) -> str:
+    """What happened to all markers between two frames that are right, or in those between them.
+
+    Args:
+        kind: of it. first, last: the last frame before it and the first one after.
+        frames: that were lost besides those between, negative where what follows comes late. mm, degrees: of a jump.
+    """
+    inside = _frames(first + 1, last - 1) if last > first + 1 else ""
+    between, by = f"between frames {first} and {last}", f"{_far(mm)}, {degrees:.1f}°"
+    late = "" if not frames else f", and {_count(frames)} were lost" if frames > 0 else f"; {_late(frames)}"
+    lost = f"all markers skip {_count(abs(frames))} {between}, {_far(mm)}: the recording lost them"
+    return {
+        "lost": lost if frames > 0 else f"all markers go on after {inside} as if no time had passed: {_late(frames)}",
+        "repeated": f"all markers repeat frame {first} in {inside}{late}",
+        "moved": f"all markers jump as one body {between}, {by}: another calibration or origin",
+        "shaken": f"all markers stand off as one body in {inside}, {by}: a calibration was wrong there",
+    }[kind]
+
+
+def breaks_text(kind: ProblemKind, first: int, last: int, places: int, frames: int) -> str:
+    """The same at many places, so many frames in all; `first` and `last` as of the first of them."""
+    if kind == "lost":
+        between = f"first between frames {first} and {last}"
+        return (
+            f"all markers skip frames at {places} places, {_count(frames)} in all, {between}: the recording lost them"
+        )
+    inside = _frames(first + 1, last - 1)
+    return f"all markers repeat the frame before at {places} places, {_count(frames)} in all, first in {inside}"
+
+
+def _late(frames: int) -> str:
+    return f"what follows is {_count(-frames)} late"
+
+
+def _count(frames: int) -> str:
+    return f"{frames} frame{'s' if frames > 1 else ''}"
+
+
+def _frames(first: int, last: int) -> str:
+    return f"frame {first}" if first == last else f"frames {first}–{last}"
 
 
 def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, name: str = "") -> str:
@@ -52,4 +98,5 @@ def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, na
         "leave_open": "leave it open",
         "drop_edit": "drop the edit",
         "wait": "keep it, and wait",
+        "note": f"it is so, and no edit mends it: {name}",
     }[action]

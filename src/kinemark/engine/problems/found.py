@@ -1,0 +1,60 @@
+"""What the paths of a trial show, and by which frames it is told."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Ints
+from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, Piece, Spike, in_trial
+
+
+class Found(NamedTuple):
+    """What a trial's paths show: places of the paths, and what may be wrong with them, changes seen once; and what
+    happened to all at once in the trial `as_it_is`."""
+
+    paths: Paths
+    spikes: tuple[Spike, ...]
+    leaps: tuple[Leap, ...]
+    changes: tuple[Change, ...]
+    pieces: tuple[Piece, ...]
+    ghosts: tuple[Ghost, ...]
+    fillings: tuple[Filling, ...]
+    breaks: tuple[Break, ...]
+    as_it_is: Paths
+
+
+def by_trial(found: Found) -> Found:
+    """Changes, spikes, leaps and pieces of files as likely as the trial's others make them; those of tracks that have
+    images are judged by themselves."""
+    if found.paths.images.any():
+        return found
+    said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
+    said += [one.wrong for one in found.leaps] + [one.wrong for one in found.pieces]
+    wrong = iter(in_trial(np.array(said)).tolist())
+    return found._replace(
+        changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
+        spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),
+        leaps=tuple(one._replace(wrong=next(wrong)) for one in found.leaps),
+        pieces=tuple(one._replace(wrong=next(wrong)) for one in found.pieces),
+    )
+
+
+def numbered(found: Found, frame: Ints) -> Found:
+    """By the frames that the trial has, `frame` being the one that each is."""
+    at = [int(f) for f in frame]
+
+    def change(one: Change) -> Change:
+        middle = float(np.interp(one.place.middle, np.arange(len(frame)), frame))
+        return one._replace(place=one.place._replace(middle=middle))
+
+    return found._replace(
+        paths=found.paths._replace(frames=tuple(frame[own] for own in found.paths.frames)),
+        changes=tuple(change(one) for one in found.changes),
+        spikes=tuple(one._replace(first=at[one.first], last=at[one.last]) for one in found.spikes),
+        leaps=tuple(one._replace(before=at[one.before], after=at[one.after]) for one in found.leaps),
+        pieces=tuple(one._replace(last=at[one.last], first=at[one.first]) for one in found.pieces),
+        ghosts=tuple(one._replace(first=at[one.first], last=at[one.last]) for one in found.ghosts),
+        fillings=tuple(one._replace(first=at[one.first], last=at[one.last]) for one in found.fillings),
+    )

@@ -92,9 +92,8 @@ export class Lanes {
     const { paths, header } = this;
     if (!paths || !header) return;
     const p = palette(), width = this.width, whole = width + NAMES, height = Math.max(1, this.rows.length * ROW);
-    this.canvas.style.height = `${height}px`;
-    this.head.style.height = `${HEAD}px`;
-    this.head.style.width = `${whole}px`;
+    lay(this.canvas, { height });
+    lay(this.head, { height: HEAD, width: whole });
     const scale = fit(this.canvas, whole, height), c = this.canvas.getContext("2d")!;
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, whole, height);
@@ -177,6 +176,11 @@ export class Lanes {
     canvas.addEventListener("pointermove", move);
     canvas.addEventListener("pointerup", () => canvas.removeEventListener("pointermove", move), { once: true });
   };
+}
+
+/** Give an element its size, px, where it has another one: all of the page is laid out anew for it. */
+function lay(element: HTMLElement, size: { width?: number; height: number }): void {
+  for (const [side, px] of Object.entries(size) as ["width" | "height", number][]) if (element.style[side] !== `${px}px`) element.style[side] = `${px}px`;
 }
 
 /** Slanted lines for what is missing, so that it is told by more than its colour. */

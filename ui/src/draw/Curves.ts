@@ -40,9 +40,11 @@ export class Curves {
   private frame = 0;
   private readonly watch: ResizeObserver;
   private waiting = 0;
+  /** px, null where it may have changed: asking for it has all of the page laid out before its time. */
+  private size: readonly [number, number] | null = null;
 
   constructor(private readonly element: HTMLElement) {
-    this.watch = new ResizeObserver(() => this.later());
+    this.watch = new ResizeObserver(() => ((this.size = null), this.later()));
     this.watch.observe(element);
   }
 
@@ -89,7 +91,7 @@ export class Curves {
   }
 
   private build(): void {
-    const view = this.view, width = this.element.clientWidth, height = this.element.clientHeight;
+    const view = this.view, [width, height] = (this.size ??= [this.element.clientWidth, this.element.clientHeight]);
     if (!view || !view.curves.length || width < 80 || height < 60) return this.clear();
     const p = palette(), each = Math.floor(height / 4), frames = this.framesOf(view.window);
     const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map((curve) => [curve.colour, curve.dashed, banded(curve, view, 0)])]);

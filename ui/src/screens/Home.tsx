@@ -65,7 +65,7 @@ function RunAll({ trials }: { trials: readonly TrialCard[] }): React.JSX.Element
 function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean }): React.JSX.Element {
   return (
     <div className={styles.scroll}><table className={styles.table}>
-      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure}>Markers</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure} title="Decisions of the tracking that were close; Tracks lists all that is probably wrong">Ambiguous</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
+      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure} title={file ? "With a name, of all points in the file. Those that are computed, and no markers, are put aside when it is opened." : "With a name, of all trajectories"}>{file ? "Points" : "Markers"}</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure} title="Decisions of the tracking that were close; Tracks lists all that is probably wrong">Ambiguous</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
       <tbody>{trials.map((t) => <Trial key={t.id} trial={t} file={file} />)}</tbody>
     </table></div>
   );

@@ -4,6 +4,7 @@ import pytest
 
 from support.effort import EFFORT
 from support.studio_page import Studio, browser, copied, needed, served, walked, window
+from support.studio_seen import seen
 
 
 @pytest.fixture(autouse=True)
@@ -13,6 +14,15 @@ def effort(record_property):
     yield
     if EFFORT.keys + EFFORT.clicks:
         record_property("effort", EFFORT.said())
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Servers of fixtures are there still when a test has failed."""
+    report = yield
+    if report.failed and call.when != "teardown" and (words := seen()):
+        report.sections.append(("the studio", words))
+    return report
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -135,8 +135,11 @@ def test_trials_and_folders_are_opened_by_keys_alone(studio):
 
 
 def test_a_screen_that_cannot_be_loaded_says_so(studio):
+    """The page is loaded once more by itself, and no more where that does not help."""
     studio.page.route(re.compile("History-"), lambda route: route.abort())
-    studio.open().page.get_by_role("button", name=re.compile("^History")).click()
+    studio.open()
+    with studio.page.expect_event("load"):
+        studio.page.get_by_role("button", name=re.compile("^History")).click()
     studio.page.get_by_role("heading", name="This screen could not be loaded").wait_for()
     studio.page.unroute(re.compile("History-"))
     studio.page.get_by_role("button", name="Load the page again").click()

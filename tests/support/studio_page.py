@@ -4,9 +4,8 @@ import json
 import os
 import re
 import shutil
-import socket
-import time
-from contextlib import contextmanager, suppress
+import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -14,6 +13,7 @@ from filelock import FileLock
 
 from support.browser import chromium
 from support.effort import EFFORT
+from support.studio_seen import RUNNING, Requests, stacks, told
 from support.studio_server import process_of
 
 ROOT = Path(__file__).parents[2]
@@ -91,24 +91,26 @@ def _link(a, b):
 
 
 class Server:
-    """The server of a folder; `address` opens it once, `base` is without its token."""
+    """The server of a folder; `address` opens it once, `base` is without its token. `pages` are those that it gave."""
 
     def __init__(self, folder, *options):
-        self.folder, self.options = folder, options
+        self.folder, self.options, self.pages = folder, options, []
+        self.own = tempfile.TemporaryDirectory(prefix="kinemark-stacks-")
         self.start()
 
     def start(self, *more):
-        self.process, self.said = process_of(self.folder, *self.options, *more)
+        self.process, self.said = process_of(self.folder, self._file, *self.options, *more)
+        RUNNING.append(self)
         self.address = self.next_address()
         self.base = self.address.split("?")[0]
-        self._listens(int(self.base.rstrip("/").rsplit(":", 1)[1]))
 
-    def _listens(self, port):
-        """Until it does: it says its address a little before."""
-        for _ in range(600):
-            with suppress(ConnectionError), socket.create_connection(("127.0.0.1", port), timeout=1):
-                return
-            time.sleep(0.1)
+    @property
+    def _file(self):
+        return Path(self.own.name) / "stacks.txt"
+
+    def stacks(self):
+        """What its threads do now."""
+        return stacks(self.process, self._file)
 
     def next_address(self):
         """An address for another browser: each works once, and the server then says the next."""
@@ -118,6 +120,8 @@ class Server:
         self.process.kill()
         self.process.join()
         self.said.close()
+        if self in RUNNING:
+            RUNNING.remove(self)
 
 
 @contextmanager
@@ -125,9 +129,11 @@ def served(folder, *options):
     """A server that ends with the test."""
     server = Server(folder, *options)
     try:
-        yield server
+        with told():
+            yield server
     finally:
         server.kill()
+        server.own.cleanup()
 
 
 @contextmanager
@@ -150,6 +156,8 @@ class Studio:
         self.page, self.server, self.errors = context.new_page(), server, []
         self.page.set_default_timeout(PATIENCE_MS)
         EFFORT.watch(self.page)
+        self.requests = Requests(self.page)
+        server.pages.append(self)
         self.asked = f"?aa=0&theme={theme}{'&still=1' if still else ''}"
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._said)

@@ -7,24 +7,30 @@ trial comes as a tracker that errs would have left it.
 import multiprocessing
 from pathlib import Path
 
+from support.studio_seen import write_stacks_when_asked
+
 MODULES = ["kinemark.apps.studio.server", "kinemark.apps.studio.app", "kinemark.engine.editing", "uvicorn"]
 FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 
 
-def process_of(folder, *options):
-    """A process that serves a folder, and the pipe by which it says what a terminal would show."""
+def process_of(folder, stacks, *options):
+    """A process that serves a folder, and the pipe by which it says what a terminal would show.
+
+    Its stacks go into the file `stacks` when it gets the signal for that.
+    """
     context = multiprocessing.get_context("forkserver" if FORKS else "spawn")
     if FORKS:
         context.set_forkserver_preload(MODULES)
     said, says = context.Pipe(duplex=False)
-    process = context.Process(target=serve_into, args=(says, str(folder), *options))
+    process = context.Process(target=serve_into, args=(says, str(folder), str(stacks), *options))
     process.start()
     says.close()  # ours, so that the pipe ends when the server does
     return process, said
 
 
-def serve_into(says, folder, *options):
+def serve_into(says, folder, stacks, *options):
     """Serve until the process is ended. Options: `--faults`, or the number of a port."""
+    write_stacks_when_asked(stacks)
     from kinemark.apps.studio.server import serve
     from kinemark.engine import editing
 

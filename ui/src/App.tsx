@@ -25,10 +25,8 @@ function Busy(): null {
 export function App(): React.JSX.Element {
   const screen = useStore((s) => s.screen), header = useStore((s) => s.header), connected = useStore((s) => s.connected), stranger = useStore((s) => s.stranger);
   const editor = header !== null && (screen === "tracks" || screen === "gaps" || screen === "angles");
-  useEffect(() => {
-    const name = header && screen !== "home" ? `${header.name} – ` : "";
-    document.title = `${name}Kinemark studio`;
-  }, [header, screen]);
+  const name = header && screen !== "home" ? `${header.name} – ` : "";
+  useEffect(() => void (document.title = `${name}Kinemark studio`), [name]);
   useEffect(() => playhead.on((frame) => (document.getElementById("main")!.dataset.frame = String(frame))), []);
   return (
     <div className={styles.app} onClick={blurClicked}>

@@ -2399,7 +2399,7 @@ export interface components {
         };
         /**
          * HistoryRow
-         * @description An entry of the journal; `hash` is the head when it was the last.
+         * @description An entry of the journal; `hash` is the head when it was the last, `short` are its words where it says much.
          */
         HistoryRow: {
             /** At */
@@ -2416,6 +2416,8 @@ export interface components {
             outcome: ("held" | "thin" | "moot" | "overruled" | "orphan") | null;
             /** Outcomes */
             outcomes: components["schemas"]["Outcome"][];
+            /** Short */
+            short: string;
             /** Signed */
             signed: boolean;
             /** Undone */

@@ -48,11 +48,10 @@ def image_of(text: str) -> tuple[str, tuple[float, float]]:
 
 def entry_line(entry: Entry) -> str:
     """An entry in a line."""
-    from ..report.words import edit_text
+    from ..report.words import entry_text
 
     why = f"  “{entry.why}”" if entry.why else ""
-    said = "; ".join(map(edit_text, entry.edits))
-    return f"{entry.id:4d}  {entry.at[:19].replace('T', ' ')}  {entry.by}  {said}{why}"
+    return f"{entry.id:4d}  {entry.at[:19].replace('T', ' ')}  {entry.by}  {entry_text(entry.edits)}{why}"
 
 
 def applied_text(one: Applied) -> str:

@@ -37,6 +37,11 @@ MOST_ROWS = 256
 """Paths with their claims that are kept for the next version; chosen: each is 160 kB of 10 000 frames."""
 
 
+Owned = dict[int, tuple[Ints, Floats]]
+"""The paths that have a witness, by their indices: the claim (F) that has each sample, −1 for none, and the frames to
+its nearest witness. All others are nobody's, and most are: an edit is of one path among many."""
+
+
 class Claimed(NamedTuple):
     """What claims made of the paths.
 
@@ -71,15 +76,15 @@ def with_claims(
     inside = (said.frame >= 0) & (said.frame < trajectories.n_frames)
     asked = np.bincount(said.stretch[inside], minlength=len(claims))
     found = np.bincount(said.stretch[said.path >= 0], minlength=len(claims))
-    of, apart = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
-    kept = _one_a_frame(trajectories, claims, of, apart)
-    samples = np.bincount(of[kept & (of >= 0)], minlength=len(claims))
-    changed = none.copy()
-    for p in np.flatnonzero((of >= 0).any(1)).tolist():
-        path, own = trajectories.paths[p], of[p][kept[p] & (of[p] >= 0)]
+    owned = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
+    kept = _one_a_frame(trajectories, claims, owned)
+    samples, changed = none.copy(), none.copy()
+    for p, (of, _) in owned.items():
+        path, own = trajectories.paths[p], of[kept[p] & (of >= 0)]
         other = np.array([claim.name != path.name for claim in claims])
+        samples += np.bincount(own, minlength=len(claims))
         changed += np.bincount(own[other[own]], minlength=len(claims))
-    return Claimed(_renamed(trajectories, claims, of, kept), asked, found, samples, changed)
+    return Claimed(_renamed(trajectories, claims, owned, kept), asked, found, samples, changed)
 
 
 def claim_of_each(
@@ -87,7 +92,8 @@ def claim_of_each(
 ) -> Ints:
     """(P, F) the claim, by its place among all, that speaks of each sample; −1 for none. Arguments as `with_claims`."""
     said = votes([claim.where for claim in claims], trajectories, detections, world=world)
-    return _owners(trajectories, claims, said, known_votes(trajectories, detections, world))[0]
+    owned = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
+    return _of_all(trajectories, {p: of for p, (of, _) in owned.items()})
 
 
 def claims_that_hold(
@@ -95,14 +101,22 @@ def claims_that_hold(
 ) -> Ints:
     """The same, −1 too where a later claim gives the name to another path in that frame (4)."""
     said = votes([claim.where for claim in claims], trajectories, detections, world=world)
-    of, apart = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
-    return np.where(_one_a_frame(trajectories, claims, of, apart), of, -1)
+    owned = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
+    kept = _one_a_frame(trajectories, claims, owned)
+    return _of_all(trajectories, {p: np.where(kept[p], of, -1) for p, (of, _) in owned.items()})
 
 
-def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, known: KnownVotes) -> tuple[Ints, Floats]:
-    """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
-    shape = len(trajectories), trajectories.n_frames
-    of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
+def _of_all(trajectories: Trajectories, rows: dict[int, Ints]) -> Ints:
+    """(P, F) of some rows, −1 in all others."""
+    of = np.full((len(trajectories), trajectories.n_frames), -1, np.int64)
+    for p, row in rows.items():
+        of[p] = row
+    return of
+
+
+def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, known: KnownVotes) -> Owned:
+    """Whose each sample is."""
+    owned: Owned = {}
     said = said.of(~_refuted(said, claims, known))
     for p in np.unique(said.path[said.path >= 0]).tolist():
         mine = np.unique(said.stretch[said.path == p]).tolist()
@@ -111,8 +125,8 @@ def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, kn
             while len(known.rows) >= MOST_ROWS:
                 del known.rows[next(iter(known.rows))]
             known.rows[key] = _owner(known, p, {k: claims[k] for k in mine}, said)
-        of[p], apart[p] = known.rows[key]
-    return of, apart
+        owned[p] = known.rows[key]
+    return owned
 
 
 def _refuted(said: Votes, claims: Sequence[Claim], known: KnownVotes) -> Bools:
@@ -209,52 +223,63 @@ def _between(of: Ints, apart: Floats, k: int, frame: Ints, here: Bools, reached:
             of[part][own], apart[part][own] = k, _distance(frame[i : i + 2], part, len(of))[own]
 
 
-def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, apart: Floats) -> Bools:
-    """(P, F) which samples keep the name that they have now by claim, or by their path, (4)."""
-    present = np.array([path.origin != Origin.MISSING for path in trajectories]).reshape(of.shape)
-    for name, rows in _sharing(trajectories, claims, of).items():
+def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], owned: Owned) -> dict[int, Bools]:
+    """By path (F) which samples keep the name they have now by claim, or by their path, (4); all of other paths."""
+    sharing, nobody = _sharing(trajectories, claims, owned), _nobodys(trajectories.n_frames)
+    concerned = {*owned, *(p for rows in sharing.values() for p in rows)}
+    kept = {p: trajectories.paths[p].origin != Origin.MISSING for p in concerned}
+    for name, rows in sharing.items():
+        of, apart = map(np.array, zip(*(owned.get(p, nobody) for p in rows), strict=True))
         mine = np.array([*(claim.name == name for claim in claims), False])  # the last stands for no claim, −1
-        claimed = mine[of[rows]]
-        own = np.array([trajectories.paths[p].name == name for p in rows])[:, None] & (of[rows] < 0) & present[rows]
+        claimed, present = mine[of], np.array([kept[p] for p in rows])
+        own = np.array([trajectories.paths[p].name == name for p in rows])[:, None] & (of < 0) & present
         if ((claimed | own).sum(0) <= 1).all():
             continue
-        worth = np.where(claimed, of[rows] + 1 / (1 + apart[rows]), np.where(own, -0.5, -np.inf))
+        worth = np.where(claimed, of + 1 / (1 + apart), np.where(own, -0.5, -np.inf))
         best = np.zeros(worth.shape, bool)
         best[worth.argmax(0), np.arange(worth.shape[1])] = True
-        present[rows] &= best | ~(claimed | own)
-    return present
+        kept.update(zip(rows, present & (best | ~(claimed | own)), strict=True))
+    return kept
 
 
-def _sharing(trajectories: Trajectories, claims: Sequence[Claim], of: Ints) -> dict[str, list[int]]:
+def _nobodys(n: int) -> tuple[Ints, Floats]:
+    """Samples (F) that no claim has."""
+    return np.full(n, -1, np.int64), np.full(n, np.inf)
+
+
+def _sharing(trajectories: Trajectories, claims: Sequence[Claim], owned: Owned) -> dict[str, list[int]]:
     """The names that were claimed and that samples of two or more paths have, and these paths."""
     rows: dict[str, list[int]] = {claim.name: [] for claim in claims if claim.name is not None}
-    claimed: list[bool] = np.any(of >= 0, axis=1).tolist()
     for p, path in enumerate(trajectories):
-        if not claimed[p] and path.name not in rows:
-            continue
-        count = np.bincount(of[p] + 1, minlength=len(claims) + 1)
-        names = {claims[k].name for k in np.flatnonzero(count[1:]).tolist()} | ({path.name} if count[0] else set())
+        if p not in owned:
+            names = {path.name}
+        else:
+            count = np.bincount(owned[p][0] + 1, minlength=len(claims) + 1)
+            of_claims = {claims[k].name for k in np.flatnonzero(count[1:]).tolist()} - {None}
+            names = {str(name) for name in of_claims} | ({path.name} if count[0] else set())
         for name in names & rows.keys():
-            rows[str(name)].append(p)
+            rows[name].append(p)
     return {name: some for name, some in rows.items() if len(some) > 1}
 
 
-def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept: Bools) -> Trajectories:
+def _renamed(
+    trajectories: Trajectories, claims: Sequence[Claim], owned: Owned, kept: dict[int, Bools]
+) -> Trajectories:
     """The paths by what their samples are called now; paths that nothing changed are the same."""
     parts: dict[str, list[tuple[int, Bools]]] = {}
-    number = _first_free(trajectories)
-    there = np.array([path.origin != Origin.MISSING for path in trajectories]).reshape(of.shape)
-    as_it_was: list[bool] = ((of < 0) & (kept | ~there)).all(axis=1).tolist()
+    number, as_it_was, nobody = _first_free(trajectories), set[int](), _nobodys(trajectories.n_frames)
     for p, path in enumerate(trajectories):
-        if as_it_was[p]:
-            parts.setdefault(path.name, []).append((p, there[p]))
+        there, of = path.origin != Origin.MISSING, owned.get(p, nobody)[0]
+        if p not in kept or ((of < 0) & (kept[p] | ~there)).all():
+            as_it_was.add(p)
+            parts.setdefault(path.name, []).append((p, there))
             continue
-        for name, mask in _pieces(path, claims, of[p], kept[p], there[p]):
+        for name, mask in _pieces(path, claims, of, kept[p], there):
             called = name
             if not called:
                 called, number = f"{UNNAMED}{number}", number + 1
             parts.setdefault(called, []).append((p, mask))
-    alone = {masks[0][0] for masks in parts.values() if len(masks) == 1 and as_it_was[masks[0][0]]}
+    alone = {masks[0][0] for masks in parts.values() if len(masks) == 1} & as_it_was
     paths = tuple(
         trajectories.paths[masks[0][0]] if masks[0][0] in alone else _joined(trajectories, name, masks)
         for name, masks in parts.items()

@@ -4,10 +4,12 @@ import http.client
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -113,6 +115,53 @@ def test_whoever_lets_others_in_is_told_what_that_means(tmp_path, monkeypatch):
     for host in ("0.0.0.0", "127.0.0.1"):
         server.serve((file_in(tmp_path),), host=host, browser=False, say=said.append)
     assert ["patients' data" in one for one in said] == [True, False, False]
+
+
+def test_whoever_is_told_the_address_is_heard_at_once(tmp_path, monkeypatch):
+    heard = []
+
+    def connected(words):
+        port = int(re.search(r":(\d+)/", words).group(1))
+        with socket.create_connection(("127.0.0.1", port), timeout=WAIT_S):
+            heard.append(port)
+
+    monkeypatch.setattr(server.uvicorn.Server, "run", lambda *_, **__: None)
+    server.serve((file_in(tmp_path),), browser=False, say=connected)
+    assert len(heard) == 1
+
+
+LATER = """
+import sys, threading
+from pathlib import Path
+from kinemark.apps.studio import server
+from support.asgi import Client
+
+def asked(self, sockets):
+    app = self.config.app
+    client = Client(app, host=(host := sorted(app.hosts)[0]), origin=f"http://{host}")
+    client.enter(app.token)
+    assert threading.active_count() == 1, threading.enumerate()
+    client.get("/api/jobs")  # which brings what the server's own libraries need
+    before = {*sys.modules}
+    trial = client.get("/api/home").json()["files"][0]["id"]
+    for part in ("", "/paths?view=filled", "/problems", "/gaps", "/labels", "/history"):
+        assert client.get(f"/api/trials/{trial}{part}").status == 200
+    client.get("/api/recordings")
+    print("LATER", *sorted({*sys.modules} - before))
+
+server.uvicorn.Server.run = asked
+server.serve((Path(sys.argv[1]),), browser=False, say=print)
+"""
+
+
+def test_nothing_is_imported_beside_the_first_requests(tmp_path):
+    """Threads that import at the same time may get half a module of each other."""
+    ran = subprocess.run(
+        [sys.executable, "-c", LATER, str(file_in(tmp_path))], capture_output=True, text=True, timeout=WAIT_S,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+    )  # fmt: skip
+    assert "LATER" in ran.stdout, ran.stderr
+    assert ran.stdout.split("LATER")[1].split() == []
 
 
 def test_without_its_dependencies_it_says_what_to_install_and_all_else_works(tmp_path):

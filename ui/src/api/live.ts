@@ -1,5 +1,5 @@
 /** What the server says by itself: how runs go on, and that a journal has gone on elsewhere. */
-import { refetch, goTo, say } from "../state/load";
+import { again, refetch, goTo, say, tried } from "../state/load";
 import { get, set } from "../state/store";
 import { fetchCameras, now } from "../state/sessions";
 import * as api from "./client";
@@ -16,7 +16,7 @@ export function connect(): void {
     const was = get().connected;
     wait = SOON;
     set({ connected: true, stranger: false });
-    if (!was) say("news", "The server is there again."), void refetch();
+    if (!was) void again(), say("news", "The server is there again.");
   };
   socket.onmessage = (message: MessageEvent<string>): void => heard(JSON.parse(message.data) as Live);
   socket.onclose = (): void => {
@@ -39,6 +39,6 @@ function job(said: Job): void {
   if (said.state === "running") return;
   if (said.state === "failed") say("refused", said.words);
   if (said.trial === now().session) void fetchCameras();
-  if (get().screen === "home") void api.home().then((home) => set({ home }));
+  if (get().screen === "home") void tried(api.home).then((home) => home && set({ home }));
   else if (said.trial === get().id && said.state === "done") set({ header: null }), goTo(get().screen);
 }

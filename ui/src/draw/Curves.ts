@@ -40,9 +40,11 @@ export class Curves {
   private frame = 0;
   private readonly watch: ResizeObserver;
   private waiting = 0;
+  /** px, null where it may have changed: asking for it has all of the page laid out before its time. */
+  private size: readonly [number, number] | null = null;
 
   constructor(private readonly element: HTMLElement) {
-    this.watch = new ResizeObserver(() => this.later());
+    this.watch = new ResizeObserver(() => ((this.size = null), this.later()));
     this.watch.observe(element);
   }
 
@@ -71,6 +73,15 @@ export class Curves {
     if (!this.waiting) this.waiting = requestAnimationFrame(() => ((this.waiting = 0), this.build()));
   }
 
+  private frames: number[] = [];
+
+  /** The frames of a window, made once for it. */
+  private framesOf([first, last]: readonly [number, number]): number[] {
+    const { frames } = this;
+    if (frames[0] !== first || frames.at(-1) !== last) this.frames = Array.from({ length: last - first + 1 }, (_, i) => first + i);
+    return this.frames;
+  }
+
   private clear(): void {
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
@@ -80,9 +91,9 @@ export class Curves {
   }
 
   private build(): void {
-    const view = this.view, width = this.element.clientWidth, height = this.element.clientHeight;
+    const view = this.view, [width, height] = (this.size ??= [this.element.clientWidth, this.element.clientHeight]);
     if (!view || !view.curves.length || width < 80 || height < 60) return this.clear();
-    const p = palette(), each = Math.floor(height / 4), frames = Array.from({ length: view.window[1] - view.window[0] + 1 }, (_, i) => view.window[0] + i);
+    const p = palette(), each = Math.floor(height / 4), frames = this.framesOf(view.window);
     const made = JSON.stringify([width, height, p, view.window, view.bands, view.fourth, view.marked, view.curves.map((curve) => [curve.colour, curve.dashed, banded(curve, view, 0)])]);
     if (made !== this.made) {
       this.clear();
@@ -108,7 +119,7 @@ export class Curves {
       {
         width, height, series, bands, legend: { show: false }, padding: [6, 16, k === 3 ? 0 : 6, 0],
         cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
-        scales: { x: { time: false, range: [view.window[0], Math.max(view.window[1], view.window[0] + 1)] } },
+        scales: { x: { time: false, range: [view.window[0], Math.max(view.window[1], view.window[0] + 1)] }, y: { range: lastingRange() } },
         axes: [{ ...axis, show: k === 3, size: 20, gap: 2, incrs: STEPS, values: (_, at) => at.map(String) }, { ...axis, size: 50, gap: 3, values: (_, at) => at.map(axisMark), label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
         hooks: { drawClear: [(u): void => shade(u, view.marked, p)] },
       },
@@ -149,6 +160,12 @@ const axisMark = (n: number): string => count(Number(n.toFixed(6)));
 
 type Column = (number | null)[];
 
+/** The range of an axis by its values; where there are none, as it was: an axis that goes and comes has all laid out anew. */
+function lastingRange(): uPlot.Range.Function {
+  let last: uPlot.Range.MinMax = [null, null];
+  return (_, low, high) => (low == null || high == null ? last : (last = uPlot.rangeNum(low, high, 0.1, true)));
+}
+
 /** Whether a curve has its 95 % band in a plot. */
 const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false && hasSd(curve.path);
 
@@ -157,26 +174,32 @@ function dataOf(view: CurveView, frames: number[], k: number): uPlot.AlignedData
   const data: uPlot.AlignedData = [frames];
   for (const curve of view.curves) {
     const { values, low, high } = columns(curve, view, k);
-    if (low && high && banded(curve, view, k)) data.push(low, high);
+    if (low && high) data.push(low, high);
     data.push(values);
   }
   return data;
 }
 
 /** What one plot shows of a path: axis k, or the fourth. */
-function columns({ path, at }: Curve, view: CurveView, k: number): { values: Column; low?: Column; high?: Column } {
-  const start = at ?? view.firstFrame, fourth = k < 3 ? null : view.fourth === "speed" ? speed(path, view.rate) : path.residual;
-  const n = view.window[1] - view.window[0] + 1, values: Column = new Array<number | null>(n), low: Column = new Array<number | null>(n), high: Column = new Array<number | null>(n);
+function columns(curve: Curve, view: CurveView, k: number): { values: Column; low?: Column; high?: Column } {
+  const { path, at } = curve;
+  const start = at ?? view.firstFrame, n = view.window[1] - view.window[0] + 1, values: Column = new Array<number | null>(n);
+  const from = k < 3 ? path.xyz : view.fourth === "speed" ? speed(path, view.rate) : path.residual, [step, first, by] = k < 3 ? [3, k, 1] : [1, 0, view.fourth === "speed" ? 1000 : 1];
   for (let f = view.window[0], j = 0; f <= view.window[1]; f++, j++) {
-    const i = f - start, there = i >= 0 && i < path.origin.length && path.origin[i] !== 0;
-    const value = !there ? NaN : k < 3 ? path.xyz[3 * i + k]! : view.fourth === "speed" ? fourth![i]! / 1000 : (fourth?.[i] ?? NaN);
-    const sd = there ? (path.cov ? Math.sqrt(path.cov[6 * i + [0, 3, 5][k]!]!) : path.sd[i]!) : NaN;
-    const known = Number.isFinite(value);
-    values[j] = known ? value : null;
-    low[j] = known && sd > 0 ? value - BAND * sd : null;
-    high[j] = known && sd > 0 ? value + BAND * sd : null;
+    const i = f - start, value = path.origin[i] ? (from?.[step * i + first] ?? NaN) / by : NaN; // none before the first or behind the last
+    values[j] = Number.isFinite(value) ? value : null;
   }
-  return k < 3 ? { values, low, high } : { values };
+  return banded(curve, view, k) ? { values, ...bandOf(curve, view, k, values) } : { values };
+}
+
+/** Where 95 % lie about the values of axis k. */
+function bandOf({ path, at }: Curve, view: CurveView, k: number, values: Column): { low: Column; high: Column } {
+  const start = at ?? view.firstFrame, diagonal = [0, 3, 5][k]!;
+  const off = values.map((value, j) => {
+    const i = view.window[0] + j - start, sd = path.cov ? Math.sqrt(path.cov[6 * i + diagonal]!) : path.sd[i]!;
+    return value !== null && sd > 0 ? BAND * sd : null;
+  });
+  return { low: values.map((value, j) => (off[j] === null ? null : value! - off[j]!)), high: values.map((value, j) => (off[j] === null ? null : value! + off[j]!)) };
 }
 
 /** The marked stretch behind the curves. */

@@ -32,6 +32,7 @@ export class Lanes {
   private rows: string[] = [];
   private frame = 1;
   private waiting = 0;
+  private hatch: { of: Palette; pattern: CanvasPattern | string } | null = null;
 
   constructor(private readonly element: HTMLElement) {
     this.scroll.className = "lanes-scroll";
@@ -42,8 +43,9 @@ export class Lanes {
     this.scroll.setAttribute("role", "region");
     this.scroll.append(this.canvas);
     element.append(this.head, this.scroll, this.line);
-    this.watch = new ResizeObserver(() => this.later());
+    this.watch = new ResizeObserver(() => ((this.wide = 0), this.later()));
     this.watch.observe(element);
+    this.watch.observe(this.scroll); // its bar comes and goes
     this.canvas.addEventListener("pointerdown", this.down);
     this.head.addEventListener("pointerdown", this.down);
   }
@@ -75,8 +77,11 @@ export class Lanes {
     this.element.replaceChildren();
   }
 
+  /** px of the scrolled part, 0 where it may have changed: asking for it has all of the page laid out before its time. */
+  private wide = 0;
+
   private get width(): number {
-    return Math.max(1, this.scroll.clientWidth - NAMES);
+    return Math.max(1, (this.wide ||= this.scroll.clientWidth) - NAMES);
   }
 
   private reveal(name: string): void {
@@ -92,15 +97,14 @@ export class Lanes {
     const { paths, header } = this;
     if (!paths || !header) return;
     const p = palette(), width = this.width, whole = width + NAMES, height = Math.max(1, this.rows.length * ROW);
-    this.canvas.style.height = `${height}px`;
-    this.head.style.height = `${HEAD}px`;
-    this.head.style.width = `${whole}px`;
+    lay(this.canvas, { height });
+    lay(this.head, { height: HEAD, width: whole });
     const scale = fit(this.canvas, whole, height), c = this.canvas.getContext("2d")!;
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, whole, height);
     c.font = `9px ${getComputedStyle(document.body).fontFamily}`;
     c.textBaseline = "middle";
-    const hatch = hatching(c, p), some = new Set(this.marks.selected);
+    const hatch = (this.hatch = this.hatch?.of === p ? this.hatch : { of: p, pattern: hatching(c, p) }).pattern, some = new Set(this.marks.selected);
     for (const [i, name] of this.rows.entries()) this.row(c, p, hatch, name, i * ROW, width, some.has(name));
     this.stretch(c, p, width, height);
     this.strip(p, width, whole);
@@ -177,6 +181,11 @@ export class Lanes {
     canvas.addEventListener("pointermove", move);
     canvas.addEventListener("pointerup", () => canvas.removeEventListener("pointermove", move), { once: true });
   };
+}
+
+/** Give an element its size, px, where it has another one: all of the page is laid out anew for it. */
+function lay(element: HTMLElement, size: { width?: number; height: number }): void {
+  for (const [side, px] of Object.entries(size) as ["width" | "height", number][]) if (element.style[side] !== `${px}px`) element.style[side] = `${px}px`;
 }
 
 /** Slanted lines for what is missing, so that it is told by more than its colour. */

@@ -118,8 +118,8 @@ export function hasSd({ sd }: Path): boolean {
 export function speed(path: Path, rate: number): Float32Array {
   const n = path.sd.length, out = new Float32Array(n).fill(NaN), x = path.xyz;
   for (let i = 1; i + 1 < n; i++) {
-    const a = 3 * (i - 1), b = 3 * (i + 1);
-    out[i] = (Math.hypot(x[b]! - x[a]!, x[b + 1]! - x[a + 1]!, x[b + 2]! - x[a + 2]!) * rate) / 2;
+    const a = 3 * (i - 1), b = 3 * (i + 1), dx = x[b]! - x[a]!, dy = x[b + 1]! - x[a + 1]!, dz = x[b + 2]! - x[a + 2]!;
+    out[i] = (Math.sqrt(dx * dx + dy * dy + dz * dz) * rate) / 2; // hypot takes ten times as long
   }
   return out;
 }

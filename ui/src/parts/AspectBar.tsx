@@ -4,13 +4,15 @@ import { useEffect, useState } from "react";
 import * as api from "../api/um2as";
 import type { Bars, BarMeasured } from "../api/um2as";
 import { say, tried } from "../state/load";
+import { useStore } from "../state/store";
 import { fetchMenu, useMenu } from "../state/um2as";
+import { Asked } from "./Asked";
 import styles from "./AspectBar.module.css";
 
 export function AspectBar(): React.JSX.Element {
-  const session = useMenu((g) => g.session)!, [bars, setBars] = useState<Bars | null>(null), [images, setImages] = useState(""), [threshold, setThreshold] = useState(""), [found, setFound] = useState<BarMeasured | null>(null), [busy, setBusy] = useState(false);
-  useEffect(() => void tried(() => api.bars(session)).then((got) => (setBars(got), setImages(got?.images.find((one) => /bar/i.test(one)) ?? got?.images[0] ?? ""))), [session]);
-  if (!bars) return <p role="status">Recordings are looked for …</p>;
+  const session = useMenu((g) => g.session)!, returns = useStore((s) => s.returns), [bars, setBars] = useState<Bars | null>(null), [images, setImages] = useState(""), [threshold, setThreshold] = useState(""), [found, setFound] = useState<BarMeasured | null>(null), [busy, setBusy] = useState(false);
+  useEffect(() => void tried(() => api.bars(session)).then((got) => got && (setBars(got), setImages((now) => now || (got.images.find((one) => /bar/i.test(one)) ?? got.images[0] ?? "")))), [session, returns]);
+  if (!bars) return <Asked words="Recordings are looked for …" />;
   const measure = async (): Promise<void> => {
     setBusy(true);
     setFound(await tried(() => api.bar(session, images, threshold.trim() ? Number(threshold) : null)));

@@ -3,16 +3,19 @@ import { useEffect, useState } from "react";
 import * as api from "../api/ways";
 import type { WayRow } from "../api/ways";
 import { say, tried } from "../state/load";
+import { useStore } from "../state/store";
 import { fetchCameras, put } from "../state/sessions";
+import { Asked } from "./Asked";
 import styles from "./ChangeWay.module.css";
 
 export function ChangeWay({ id, done }: { id: string; done: () => void }): React.JSX.Element {
-  const [ways, setWays] = useState<readonly WayRow[] | null>(null), [chosen, setChosen] = useState(""), [answers, setAnswers] = useState<Record<string, string>>({});
+  const returns = useStore((s) => s.returns), [ways, setWays] = useState<readonly WayRow[] | null>(null), [chosen, setChosen] = useState(""), [answers, setAnswers] = useState<Record<string, string>>({});
   useEffect(() => void tried(() => api.ways(id)).then((got) => {
-    setWays(got?.ways ?? []);
-    setChosen(keyOf(got?.ways.find((one) => !one.now)));
-  }), [id]);
-  if (!ways) return <div className={styles.card}><p role="status">Recordings are looked for …</p></div>;
+    if (!got) return;
+    setWays(got.ways);
+    setChosen((now) => now || keyOf(got.ways.find((one) => !one.now)));
+  }), [id, returns]);
+  if (!ways) return <div className={styles.card}><Asked words="Recordings are looked for …" /></div>;
   const one = ways.find((way) => keyOf(way) === chosen);
   const change = async (e: React.FormEvent): Promise<void> => {
     e.preventDefault();

@@ -5,11 +5,12 @@ import * as api from "../api/sessions";
 import { palette } from "../draw/palette";
 import { answer, asked, back, choose, fetchWhite, keepThreshold, put, useSessions } from "../state/sessions";
 import { useStore } from "../state/store";
+import { Asked } from "./Asked";
 import styles from "./ControlView.module.css";
 
 export function ControlView(): React.JSX.Element {
   const { control, camera, point, given } = useSessions();
-  if (!control) return <p role="status">The images are read …</p>;
+  if (!control) return <Asked words="The images are read …" />;
   const own = control.cameras.find((c) => c.name === camera), files = control.reference_files;
   return (
     <div className={styles.screen}>

@@ -3,6 +3,7 @@ import { Flat, type Dot, type Place } from "../draw/Flat";
 import { palette } from "../draw/palette";
 import { useStore } from "../state/store";
 import { fetchPage, turnPage, useMenu } from "../state/um2as";
+import { Asked } from "./Asked";
 import { FrameBar } from "./FrameBar";
 import styles from "./FilePageView.module.css";
 
@@ -12,7 +13,7 @@ const CM = 10, ABOUT = 250;
 /** A file of UM²AS frame by frame: its numbers, and places also in space. */
 export function FilePageView({ files }: { files: readonly string[] }): React.JSX.Element {
   const page = useMenu((g) => g.page);
-  if (!page) return <p role="status">The file is read …</p>;
+  if (!page) return <Asked words="The file is read …" />;
   const spatial = page.name.endsWith(".tdc");
   return (
     <div className={styles.view} data-file={page.name} data-frame={page.frame}>

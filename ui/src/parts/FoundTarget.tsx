@@ -4,6 +4,8 @@ import * as api from "../api/targets";
 import type { FoundInImage } from "../api/targets";
 import { label, type Over } from "../draw/Picture";
 import { tried } from "../state/load";
+import { useStore } from "../state/store";
+import { Asked } from "./Asked";
 import { FrameBar } from "./FrameBar";
 import { PictureView } from "./PictureView";
 import styles from "./FoundTarget.module.css";
@@ -12,15 +14,15 @@ import styles from "./FoundTarget.module.css";
 const HERE = "#4ade9a", OTHER = "#8fc7ff";
 
 export function FoundTarget({ id, cameras }: { id: string; cameras: readonly string[] }): React.JSX.Element {
-  const [kinds, setKinds] = useState<Record<string, string> | null>(null), [kind, setKind] = useState(""), [camera, setCamera] = useState(cameras[0] ?? ""), [frame, setFrame] = useState(1), [got, setGot] = useState<{ of: string; found: FoundInImage } | null>(null);
+  const returns = useStore((s) => s.returns), [kinds, setKinds] = useState<Record<string, string> | null>(null), [kind, setKind] = useState(""), [camera, setCamera] = useState(cameras[0] ?? ""), [frame, setFrame] = useState(1), [got, setGot] = useState<{ of: string; found: FoundInImage } | null>(null);
   const shown = `${kind} ${camera} ${frame}`, found = got?.of === shown ? got.found : null; // nothing of another image is drawn over this one
-  useEffect(() => void tried(() => api.targets(id)).then((got) => (setKinds(got?.kinds ?? {}), setKind(Object.keys(got?.kinds ?? {})[0] ?? ""))), [id]);
+  useEffect(() => void tried(() => api.targets(id)).then((got) => got && (setKinds(got.kinds), setKind((now) => now || (Object.keys(got.kinds)[0] ?? "")))), [id, returns]);
   useEffect(() => {
     let gone = false;
     if (kind && camera) void tried(() => api.found(id, kind, camera, frame)).then((one) => void (gone || !one || setGot({ of: `${kind} ${camera} ${frame}`, found: one })));
     return () => void (gone = true);
-  }, [id, kind, camera, frame]);
-  if (!kinds) return <p role="status">Targets are looked for …</p>;
+  }, [id, kind, camera, frame, returns]);
+  if (!kinds) return <Asked words="Targets are looked for …" />;
   if (!kind) return <p className={styles.words}>Nothing that calibrates this session has images: its cameras come from a file, or its points were pointed at.</p>;
   return (
     <div className={styles.screen} data-found={found ? shown : ""} data-points={found?.points.length ?? ""}>

@@ -1,6 +1,7 @@
 /** A camera's image in its place: what is drawn over it is given anew whenever it changes. */
 import { useEffect, useRef } from "react";
 import { Picture, type Box, type Over } from "../draw/Picture";
+import { useStore } from "../state/store";
 import styles from "./PictureView.module.css";
 
 interface Props {
@@ -16,14 +17,14 @@ interface Props {
 }
 
 export function PictureView({ label, address, tall, over, onClick, onMove, onBox, handle }: Props): React.JSX.Element {
-  const place = useRef<HTMLDivElement>(null), picture = useRef<Picture | null>(null);
+  const returns = useStore((s) => s.returns), place = useRef<HTMLDivElement>(null), picture = useRef<Picture | null>(null);
   useEffect(() => {
     const made = new Picture(place.current!, label);
     picture.current = made;
     handle?.(made);
     return () => made.dispose();
   }, [label]);
-  useEffect(() => void picture.current?.show(address, tall).catch(() => null), [label, address, tall]);
+  useEffect(() => void picture.current?.show(address, tall).catch(() => null), [label, address, tall, returns]);
   useEffect(() => {
     const made = picture.current!;
     made.over = over;

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "react";
-import { loadedScreen, loadScreen, loadTheOthers } from "../screens/shown";
+import { loadAgain, loadedScreen, loadScreen, loadTheOthers } from "../screens/shown";
 import { useStore, type Screen } from "../state/store";
 import styles from "./Waiting.module.css";
 
@@ -19,7 +19,7 @@ function whenIdle(work: () => void): void {
 export function Shown({ screen }: { screen: Screen }): React.JSX.Element {
   const [, come] = useState(false), [failed, setFailed] = useState(false), View = loadedScreen(screen);
   useEffect(() => {
-    if (!View) loadScreen(screen).then(() => (come(true), whenIdle(() => void loadTheOthers())), () => setFailed(true));
+    if (!View) loadScreen(screen).then(() => (come(true), whenIdle(() => void loadTheOthers())), () => (setFailed(true), void loadAgain(screen)));
   }, []);
   if (View) return <View />;
   return (

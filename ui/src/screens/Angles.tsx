@@ -5,6 +5,7 @@ import { unpacked, type Angles as Shown } from "../api/sessions";
 import { AngleCurves, type Row } from "../draw/AngleCurves";
 import { Flat, type Dot, type Line, type Place } from "../draw/Flat";
 import { palette } from "../draw/palette";
+import { Asked } from "../parts/Asked";
 import { Findings, WordTable } from "../parts/Tables";
 import { Waiting } from "../parts/Waiting";
 import { askSpike, fetchAngles, lookAtSpike, useSessions, writeEuler } from "../state/sessions";
@@ -17,7 +18,7 @@ const BAND = 1.96;
 export function Angles(): React.JSX.Element {
   const header = useStore((s) => s.header), angles = useSessions((s) => s.angles), [cycles, setCycles] = useState(false);
   if (!header) return <Waiting />;
-  if (!angles) return <div className={styles.none}><h1>Angles</h1><p role="status">The angles are worked out …</p></div>;
+  if (!angles) return <div className={styles.none}><h1>Angles</h1><Asked words="The angles are worked out …" /></div>;
   const over = cycles && angles.joints.some((j) => j.curves.some((c) => c.cycles));
   return (
     <div className={styles.screen}>

@@ -7,6 +7,7 @@ import { Flat } from "../draw/Flat";
 import { rigDrawn, span } from "../draw/rig";
 import { mm } from "../model/format";
 import { ChangeWay } from "../parts/ChangeWay";
+import { Asked } from "../parts/Asked";
 import { FoundTarget } from "../parts/FoundTarget";
 import { ControlView } from "../parts/ControlView";
 import { Findings, WordTable } from "../parts/Tables";
@@ -17,7 +18,7 @@ import styles from "./Cameras.module.css";
 
 export function Cameras(): React.JSX.Element {
   const { cameras, control, pointing } = useSessions(), open = pointing === true, [changing, setChanging] = useState(false), [looking, setLooking] = useState(false);
-  if (!cameras) return <div className={styles.waiting}><h1>Cameras & calibration</h1><p role="status">The calibration is read …</p></div>;
+  if (!cameras) return <div className={styles.waiting}><h1>Cameras & calibration</h1><Asked words="The calibration is read …" /></div>;
   return (
     <div className={styles.screen}>
       <header className={styles.head}>

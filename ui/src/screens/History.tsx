@@ -51,7 +51,8 @@ function Row({ entry: e, compare, last }: { entry: HistoryRow; compare: (of: num
     <li className={`${styles.row} ${e.undone ? styles.undone : ""}`} data-entry={e.id}>
       <span className={`${styles.number} number`}>{e.id}</span>
       <div className={styles.what}>
-        <p><b>{e.words}</b>{e.undone && <span className="soft"> – undone</span>}{e.signed && <span className="pill good"><PenLine size={11} aria-hidden />signed</span>}</p>
+        <p><b>{e.short}</b>{e.undone && <span className="soft"> – undone</span>}{e.signed && <span className="pill good"><PenLine size={11} aria-hidden />signed</span>}</p>
+        {e.short !== e.words && <details><summary className="soft">All of it</summary><ul>{e.words.split("; ").map((one, i) => <li key={i}>{one}</li>)}</ul></details>}
         <p className="soft">{e.by} · {when(e.at)} · {e.version}{e.why && <> · “{e.why}”</>}</p>
         {reasons.map((r) => <p key={r} className={styles.reason}>{r}</p>)}
       </div>

@@ -4,6 +4,7 @@ import * as api from "../api/client";
 import type { TrialCard } from "../api/types";
 import { count, when } from "../model/format";
 import { goTo, say, tried } from "../state/load";
+import { Asked } from "../parts/Asked";
 import { cameraAddress } from "../state/sessions";
 import { set, useStore } from "../state/store";
 import styles from "./Home.module.css";
@@ -17,7 +18,8 @@ async function dropped(files: FileList): Promise<void> {
   for (const file of files) {
     const got = await tried(() => api.drop(file));
     if (!got) continue;
-    set({ home: await api.home() });
+    const home = await tried(api.home);
+    if (home) set({ home });
     say("done", [`${file.name} is there`, ...got.words].join(". "));
     if (files.length === 1) goTo("tracks", got.id);
   }
@@ -30,7 +32,7 @@ export function Home(): React.JSX.Element {
     <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
       <div className={styles.page}>
         <div className={styles.top}><h1>Sessions</h1><button type="button" className="button" onClick={() => goTo("new")}><FolderPlus size={14} aria-hidden />New session …</button>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
-        {!home && <p className={styles.none} role="status">The folders are looked through …</p>}
+        {!home && <div className={styles.none}><Asked words="The folders are looked through …" /></div>}
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
             <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>
@@ -63,7 +65,7 @@ function RunAll({ trials }: { trials: readonly TrialCard[] }): React.JSX.Element
 function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean }): React.JSX.Element {
   return (
     <div className={styles.scroll}><table className={styles.table}>
-      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure}>Markers</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure} title="Decisions of the tracking that were close; Tracks lists all that is probably wrong">Ambiguous</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
+      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure} title={file ? "With a name, of all points in the file. Those that are computed, and no markers, are put aside when it is opened." : "With a name, of all trajectories"}>{file ? "Points" : "Markers"}</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure} title="Decisions of the tracking that were close; Tracks lists all that is probably wrong">Ambiguous</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
       <tbody>{trials.map((t) => <Trial key={t.id} trial={t} file={file} />)}</tbody>
     </table></div>
   );

@@ -2,6 +2,7 @@
 import { FolderPlus, Play } from "lucide-react";
 import type { Proposed, Role } from "../api/sessions";
 import { many } from "../model/format";
+import { Asked } from "../parts/Asked";
 import { makeSession, propose, useSessions } from "../state/sessions";
 import { set, useStore } from "../state/store";
 import styles from "./NewSession.module.css";
@@ -10,7 +11,7 @@ export function NewSession(): React.JSX.Element {
   const { folder, proposed } = useSessions();
   return (
     <div className={styles.screen} tabIndex={0} role="region" aria-label="New session">
-      <div className={styles.page}>{!folder ? <Folders /> : proposed ? <Form of={proposed} /> : <><h1>New session</h1><p className="soft" role="status">The recordings are looked at …</p></>}</div>
+      <div className={styles.page}>{!folder ? <Folders /> : proposed ? <Form of={proposed} /> : <><h1>New session</h1><Asked words="The recordings are looked at …" /></>}</div>
     </div>
   );
 }
@@ -21,6 +22,7 @@ function Folders(): React.JSX.Element {
     <>
       <h1>New session</h1>
       <p className="soft">Folders that hold recordings and no session yet. Choose the one of a day: all its trials, and what calibrates the cameras.</p>
+      {!folders && <Asked words="The folders are looked through …" />}
       {folders?.length === 0 && <p className={styles.card}>There is none below the folders that the studio was started with. Copy recordings there: a video or a folder of images for each camera and trial, named after the cameras.</p>}
       <ul className={styles.folders}>
         {folders?.map((one) => (

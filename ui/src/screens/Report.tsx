@@ -8,8 +8,8 @@ import styles from "./Report.module.css";
 
 /** The report page as it is, in a frame that may draw and nothing else; where there is none, why. */
 export function Report(): React.JSX.Element {
-  const { header, id, busy } = useStore(), [stands, setStands] = useState<{ ready: boolean; words?: string } | null>(null), there = stands?.ready === true;
-  useEffect(() => void (id && tried(() => standing(id, "report")).then(setStands)), [id, header]);
+  const { header, id, busy, returns } = useStore(), [stands, setStands] = useState<{ ready: boolean; words?: string } | null>(null), there = stands?.ready === true;
+  useEffect(() => void (id && tried(() => standing(id, "report")).then(setStands)), [id, header, returns]);
   return (
     <>
       <header className={styles.head}>

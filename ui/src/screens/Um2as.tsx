@@ -2,10 +2,10 @@
 import { CircleAlert, CircleCheck, CircleDashed, CircleDot, CornerUpLeft, Play, RotateCw } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { MenuRow } from "../api/um2as";
+import { Asked } from "../parts/Asked";
 import { AspectBar } from "../parts/AspectBar";
 import { FilePageView } from "../parts/FilePageView";
 import { choose, enter, menuUp, pathTo, process, rowOf, rowsIn, shownFile, useMenu } from "../state/um2as";
-import { useStore } from "../state/store";
 import styles from "./Um2as.module.css";
 
 const STATES: Record<MenuRow["state"], { icon: typeof Play; tone: string; words: string }> = {
@@ -15,8 +15,8 @@ const STATES: Record<MenuRow["state"], { icon: typeof Play; tone: string; words:
 const ELSEWHERE: Partial<Record<MenuRow["place"], string>> = { cameras: "Cameras & calibration", detect: "Detect", digitise: "Digitise & verify", angles: "Angles" };
 
 export function Um2as(): React.JSX.Element {
-  const { menu, level, task } = useMenu(), busy = useStore((s) => s.busy), note = useStore((s) => s.note);
-  if (!menu) return <div className={styles.waiting}><h1>UM²AS</h1><p role="status">{busy ? "The menu is read …" : note?.words}</p></div>;
+  const { menu, level, task } = useMenu();
+  if (!menu) return <div className={styles.waiting}><h1>UM²AS</h1><Asked words="The menu is read …" /></div>;
   const row = rowOf(task), here = row ?? rowOf(level);
   return (
     <div className={styles.screen} data-level={level} data-task={task}>

@@ -1,5 +1,6 @@
 /** The screens, each with what it alone needs: loaded when it is gone to, and all of them while nothing else is done. */
-import type { Screen } from "../state/store";
+import { known } from "../api/client";
+import { keep, kept, type Screen } from "../state/store";
 
 type View = () => React.JSX.Element;
 
@@ -26,7 +27,20 @@ export const loadedScreen = (screen: Screen): View | undefined => loaded.get(scr
 export async function loadScreen(screen: Screen): Promise<View> {
   const view = loaded.get(screen) ?? (await LOAD[screen]());
   loaded.set(screen, view);
+  if (kept<string>(LOST, "") === screen) keep(LOST, "");
   return view;
+}
+
+/** The screen for which the page was loaded again; ms between two looks whether the server is there, chosen. */
+const LOST = "lost", LOOK_MS = 1000;
+
+/** A part of the page that was lost on its way is never asked for again by a browser, unless it loads the whole page
+ * again: that is done once, as soon as the server answers. What the address says is shown then, and all edits are saved. */
+export async function loadAgain(screen: Screen): Promise<void> {
+  if (kept<string>(LOST, "") === screen) return; // it is not for that
+  while (!(await known())) await new Promise((done) => setTimeout(done, LOOK_MS));
+  keep(LOST, screen);
+  location.reload();
 }
 
 /** The others, the editor first, so that going to them waits for nothing; one that cannot be had now is asked for again when it is wanted. */

@@ -4,7 +4,8 @@ import type { Act, ActDone, GapRow, Problem, SmoothingFunction } from "../api/ty
 import { many, percent } from "../model/format";
 import { decodePart } from "../model/paths";
 import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem, wayOf } from "../model/problems";
-import { fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
+import { unanswered } from "./again";
+import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
 /** s before and after a problem that playing goes round in; the design's. */
@@ -59,6 +60,7 @@ async function refused(error: unknown): Promise<void> {
     await refetch();
     say("refused", "The trial had gone on in another window; it is shown as it is now, and what you just did was not done. Do it again if it is still right.");
   } else say("refused", error instanceof Error ? error.message : String(error));
+  unanswered(error, again); // it may have been written all the same
 }
 
 export const undo = (): Promise<unknown> => act({ kind: "undo" }, "Undone");

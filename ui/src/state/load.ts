@@ -2,6 +2,7 @@
 import * as api from "../api/client";
 import type { Act, ActDone, Gaps, TrialHeader } from "../api/types";
 import { decodePart, mergePaths } from "../model/paths";
+import { answered, unanswered } from "./again";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
 import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
@@ -24,9 +25,12 @@ const AHEAD = 240, BEFORE = 60;
 export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
   set((s) => ({ busy: s.busy + 1 }));
   try {
-    return await work();
+    const got = await work();
+    answered();
+    return got;
   } catch (error) {
     say("refused", error instanceof Error ? error.message : String(error));
+    unanswered(error, again);
     return null;
   } finally {
     set((s) => ({ busy: s.busy - 1 }));
@@ -135,7 +139,11 @@ export async function askNames(): Promise<void> {
 /** The table of gaps; asked for again while some are judged. */
 function takeGaps(gaps: Gaps, id: string): void {
   set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));
-  if (gaps.pending) setTimeout(() => void (get().id === id && get().screen === "gaps" && api.gaps(id).then((again) => takeGaps(again, id)).catch(() => null)), AGAIN_MS);
+  const more = async (): Promise<void> => {
+    const found = get().id === id && get().screen === "gaps" ? await tried(() => api.gaps(id)) : null;
+    if (found && get().id === id) takeGaps(found, id);
+  };
+  if (gaps.pending) setTimeout(() => void more(), AGAIN_MS);
 }
 
 let looks = 0;
@@ -149,6 +157,16 @@ export async function refreshProblems(): Promise<void> {
   const id = get().id, look = ++looks;
   const problems = id && (await tried(() => drawn().then(() => (look === looks ? api.problems(id) : null))));
   if (problems && look === looks && get().id === id) set({ problems });
+}
+
+/** Screens that are of no trial. */
+const OF_NONE: readonly Screen[] = ["home", "new", "cameras", "um2as"];
+
+/** The server is there again, or a request was lost on its way: what is shown is asked for anew. */
+export async function again(): Promise<void> {
+  const { screen, header } = get(), whole = header && !OF_NONE.includes(screen);
+  set((s) => ({ returns: s.returns + 1 }));
+  await (whole ? refetch() : arrive());
 }
 
 /** The trial as it is now on the server, where the journal has gone on without this page. */
@@ -189,7 +207,7 @@ export async function fetchChanged(changed: readonly string[], removed: readonly
 /** Fetch markers again whose fills were not there yet, as long as nothing else is said. */
 function askAgain(id: string, markers: readonly string[], head: string): void {
   setTimeout(() => {
-    if (get().id === id && get().header?.head === head) void fetchChanged(markers, []).catch(() => null);
+    if (get().id === id && get().header?.head === head) void tried(() => fetchChanged(markers, []));
   }, AGAIN_MS);
 }
 

@@ -56,7 +56,10 @@ export async function arriveAtSession(kind: string | undefined, id: string | und
     const key = id ? decodeURIComponent(id) : null;
     if (key !== now().folder || !key) put({ folder: key, proposed: null, said: {} });
     if (key) await propose({});
-    else put({ folders: (await tried(api.folders))?.folders ?? [] });
+    else {
+      const found = await tried(api.folders);
+      put({ folders: found?.folders ?? null });
+    }
     return true;
   }
   if (kind !== "session" || !id) return false;

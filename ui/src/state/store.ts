@@ -42,6 +42,8 @@ export interface State {
   /** Whether the server that is there now is another one, which does not let this window in. */
   stranger: boolean;
   busy: number;
+  /** How often the server was there again after it was not. */
+  returns: number;
   note: Note | null;
   /** Why the screen cannot be shown. */
   unshown: string;
@@ -108,7 +110,7 @@ export const OF_TRIAL = {
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, note: null, unshown: "", runs: true, limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, returns: 0, note: null, unshown: "", runs: true, limit: 5,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));

@@ -238,7 +238,7 @@ class Labels(Message):
 
 
 class HistoryRow(Message):
-    """An entry of the journal; `hash` is the head when it was the last."""
+    """An entry of the journal; `hash` is the head when it was the last, `short` are its words where it says much."""
 
     id: int
     at: str
@@ -248,6 +248,7 @@ class HistoryRow(Message):
     hash: str
     kinds: list[str]
     words: str
+    short: str
     undone: bool
     signed: bool
     outcome: OutcomeWord | None

@@ -7,7 +7,7 @@ from ...data.edits import Applied, Entry, Signed, counting, entry_outcome
 from ...edit import Edited
 from ...edit.difference import difference
 from ...engine.journal import hash_of_entry
-from ...report.words import edit_text
+from ...report.words import edit_text, entry_text
 from .acts import outcome
 from .desk import OpenDocument
 from .edit_messages import Difference, Fault, History, HistoryRow, IdentityChange, SampleChange
@@ -35,6 +35,7 @@ def _row(entry: Entry, applied: list[Applied], counts: bool) -> HistoryRow:
         hash=hash_of_entry(entry),
         kinds=[edit.kind for edit in entry.edits],
         words="; ".join(map(edit_text, entry.edits)),
+        short=entry_text(entry.edits),
         undone=not counts,
         signed=any(isinstance(edit, Signed) for edit in entry.edits),
         outcome=entry_outcome(applied) if applied else None,

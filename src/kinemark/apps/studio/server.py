@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import ipaddress
 import socket
 import sys
@@ -12,6 +11,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+import scipy.ndimage
+import scipy.spatial
 import uvicorn
 
 from ...data import KinemarkError
@@ -25,9 +26,10 @@ LOOPBACK = "127.0.0.1"
 SWITCH_S = 0.0005
 """s after which a thread that computes, as one that looks for problems does, lets others have the interpreter; chosen:
 an act takes it a few times, and waits Python's 5 ms each time otherwise (see benchmarks/studio_browser.py)."""
-NEEDED = "scipy.spatial"
-"""What finding computed points needs, and takes .4 s to be read: it is while the browser starts, not when a trial is
-opened first."""
+NEEDED = (scipy.ndimage, scipy.spatial)
+"""Modules that scipy reads when they are first used, here by finding computed points and problems; they are read before
+anybody asks. Nothing is imported beside requests: threads that import at the same time wait for each other's modules,
+and Python gets out of that by handing one of them half a module."""
 WARNING = (
     "warning: --host {host} lets other machines of the network reach this server, and what goes over the network is "
     "not encrypted. Whoever gets the address below can see and change the patients' data in it."
@@ -64,7 +66,6 @@ def serve(
         threading.Timer(0.5, webbrowser.open, [f"http://{names[0]}/?token={guard.token}"]).start()
     config = uvicorn.Config(guard, log_level="warning", lifespan="off", server_header=False, ws_max_size=1 << 16)
     sys.setswitchinterval(SWITCH_S)
-    threading.Thread(target=importlib.import_module, args=(NEEDED,), daemon=True).start()
     with listening, suppress(KeyboardInterrupt):  # which is how it is ended
         try:
             uvicorn.Server(config).run(sockets=[listening])
@@ -111,6 +112,7 @@ def _listen(host: str, port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((host, port))
+        found.listen()  # so that whoever is told the address is heard, a moment before they are answered
     except OSError as error:
         found.close()
         raise KinemarkError(

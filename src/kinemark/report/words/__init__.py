@@ -13,7 +13,7 @@ from ...data import Finding
 from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
-from .edits import EDIT_WORDS, edit_text
+from .edits import EDIT_WORDS, edit_text, entry_text
 from .error_sources import SOURCE_ADVICE, evidence_text
 from .gait import GAIT_WORDS
 from .open_gaps import open_gap_text
@@ -29,6 +29,7 @@ __all__ = [
     "WORDS",
     "advice_of",
     "edit_text",
+    "entry_text",
     "evidence_text",
     "headline_of",
     "open_gap_text",

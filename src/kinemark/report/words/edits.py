@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import groupby
+
 from ...data.edits import (
     SMOOTHING,
     AddEvent,
@@ -44,11 +47,24 @@ EDIT_WORDS = {
 }
 
 
+SAID, FIRST = 3, 2
+"""Edits of a kind in one entry that are all said, and those that are said where there are more; chosen."""
+
+
+def entry_text(edits: Sequence[Edit]) -> str:
+    """What an entry says, in a line; of many edits of a kind the first ones, and how many more there are."""
+    said: list[str] = []
+    for _, some in groupby(edits, key=lambda edit: edit.kind):
+        texts = [edit_text(edit) for edit in some]
+        said += texts if len(texts) <= SAID else [*texts[:FIRST], f"and {len(texts) - FIRST} more"]
+    return "; ".join(said)
+
+
 def edit_text(edit: Edit) -> str:
     """What somebody said, in a line."""
     match edit:
         case Claim():
-            return f"{_span(edit.where)}: {'no marker' if edit.name is None else edit.name}"
+            return f"{'no marker' if edit.name is None else edit.name}: {_span(edit.where)}"
         case Erase():
             return f"{edit.marker} {_frames(edit.first, edit.last)}: erased"
         case Put():
@@ -93,7 +109,7 @@ def _span(where: Stretch) -> str:
     seen = [witness.frame for witness in where.witnesses]
     x, y, z = where.witnesses[0].xyz
     first, last = where.first or seen[0], where.last or seen[-1]
-    follows = "" if where.first is not None and where.last is not None else ", and as far as the path goes"
+    follows = "" if where.first is not None and where.last is not None else " and on"
     return f"{_frames(first, last)}{follows}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"
 
 

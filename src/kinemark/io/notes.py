@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
 
 Kind = Literal["resampled", "cut", "not_written", "incomplete", "read"]
 
@@ -41,6 +41,11 @@ TEMPLATES = {
     "read": "in the source: {who}.",
 }
 """By `FileNote.kind`."""
+
+
+def file_note_figures(notes: Iterable[FileNote]) -> list[dict[str, Any]]:
+    """Notes for a machine, each with its sentence."""
+    return [{**asdict(note), "text": file_note_text(note)} for note in notes]
 
 
 def file_note_text(note: FileNote) -> str:

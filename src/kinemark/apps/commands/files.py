@@ -13,7 +13,7 @@ from ...engine.describe import describe, described
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import ReadOptions
-from ...io.notes import file_note_text
+from ...io.notes import file_note_figures, file_note_text
 from ..output import Json, LengthUnit, Partial, Rate, print_result
 
 
@@ -61,6 +61,7 @@ def convert(
     length_unit: LengthUnit = None,
     rate_hz: Rate = None,
     partial: Partial = False,
+    json: Json = False,
 ) -> None:
     """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
 
@@ -68,8 +69,13 @@ def convert(
         source: the file to read.
         target: the file to write; an existing one is not replaced.
         what: which part, where the names do not tell.
+        json: print for a machine what was written, and what was odd or could not be kept.
     """
-    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial):
+    notes = convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial)
+    if json:
+        print_result({"written": str(target), "notes": file_note_figures(notes)})
+        return
+    for note in notes:
         print_result(f"note: {file_note_text(note)}")
     print_result(f"{target} is written. What it holds: kinemark info {target}")
 

@@ -162,6 +162,16 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("gaps_beyond_tests", gaps=len(beyond), max_ratio=max(beyond))
     if n := figures["nameless_tracks"]:
         yield make_finding("tracks_not_filled", tracks=n, gaps=figures["nameless_gaps"])
+    yield from _odd_samples(figures)
+    if figures["much_filled"]:
+        yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
+    if figures["never_seen"]:
+        markers = figures["never_seen"]
+        yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
+
+
+def _odd_samples(figures: dict[str, Any]) -> Iterator[Finding]:
+    """Samples that are no positions, that were replaced, or that stand out beside gaps."""
     if figures["far_away"]:
         yield make_finding("samples_far_away", samples=figures["far_away"])
     if figures["replaced"]:
@@ -169,11 +179,6 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("samples_replaced", samples=figures["replaced"], gaps=gaps)
     if figures["suspicious"]:
         yield _suspicious(figures)
-    if figures["much_filled"]:
-        yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
-    if figures["never_seen"]:
-        markers = figures["never_seen"]
-        yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
 
 
 def _suspicious(figures: dict[str, Any]) -> Finding:

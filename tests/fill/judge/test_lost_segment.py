@@ -1,4 +1,4 @@
-"""A whole segment is lost while the rest of the body stands still: what its gaps are tested by, and what is expected."""
+"""A whole segment is lost while the rest of the body stands still: how its gaps are tested, and what is expected."""
 
 import numpy as np
 import pytest

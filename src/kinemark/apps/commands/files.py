@@ -61,6 +61,7 @@ def convert(
     length_unit: LengthUnit = None,
     rate_hz: Rate = None,
     partial: Partial = False,
+    up: Literal["x", "y", "z"] | None = None,
     json: Json = False,
 ) -> None:
     """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
@@ -69,9 +70,11 @@ def convert(
         source: the file to read.
         target: the file to write; an existing one is not replaced.
         what: which part, where the names do not tell.
+        up: turn trajectories and force plates so that this axis goes up, as y for OpenSim; as in the source where none
+            is given.
         json: print for a machine what was written, and what was odd or could not be kept.
     """
-    notes = convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial)
+    notes = convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial, up=up)
     if json:
         print_result({"written": str(target), "notes": file_note_figures(notes)})
         return

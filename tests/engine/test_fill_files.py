@@ -210,6 +210,25 @@ def test_samples_a_kilometre_away_are_told_and_no_motion(tmp_path):
     assert np.isnan(after["B"].xyz[119]).all()
 
 
+def test_gaps_of_tracks_without_a_name_are_none_of_a_markers(tmp_path):
+    paths = list(trial_of(with_gap(segment(120))).trajectories)
+    gappy = next(k for k, path in enumerate(paths) if np.isnan(path.xyz).any())
+    for names, filled in (("*1", 0), ("A", 1)):
+        named = [replace(path, name=f"N{k}") for k, path in enumerate(paths)]
+        named[gappy] = replace(paths[gappy], name=names)
+        write_trc(tmp_path / f"{filled}.trc", Trajectories(tuple(named), 100.0))
+        done = fill_file(
+            tmp_path / f"{filled}.trc", tmp_path / f"out{filled}.trc", method=Linear(), name="linear", limit_mm=np.inf
+        )
+        assert done.figures["filled"] == done.figures["gaps"] == filled
+        said = found(done.figures, "tracks_not_filled")
+        assert [one.values for one in said] == ([] if filled else [{"tracks": 1, "gaps": 1}])
+    alone = [replace(path, name=f"*{k}") for k, path in enumerate(paths)]
+    write_trc(tmp_path / "alone.trc", Trajectories(tuple(alone), 100.0))
+    done = fill_file(tmp_path / "alone.trc", tmp_path / "o.trc", method=Linear(), name="linear", limit_mm=np.inf)
+    assert done.figures["filled"] == 1, "where no track has a name, none is a ghost for that"
+
+
 def test_marks_of_samples_that_another_program_measured_anew_or_that_do_not_fit_are_passed_over(tmp_path):
     write_c3d(tmp_path / "in.c3d", trial_of(with_gap(segment(120))))
     fill_file(tmp_path / "in.c3d", tmp_path / "out.c3d", trim=0, **QUICK)

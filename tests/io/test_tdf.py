@@ -281,10 +281,16 @@ def test_the_date_labels_and_comments_of_a_file_are_kept(tmp_path, gait):
         "date": "2011-12-15T09:31:28",
         "plate 1": "Plate 1 [AMTI OR6-7:0003581]",
         "plate 2": "Plate 2 [AMTI OR6-7:0003582]",
+        "up": "+Y",
     }
     assert any("block 12" in note for note in gait.notes)
     path = write(tmp_path / "a.tdf", *WHOLE)
     raw = bytearray(path.read_bytes())
     raw[64 + 288 * 2 + 32 : 64 + 288 * 2 + 41] = b"subject 7"
     path.write_bytes(raw)
-    assert read_tdf(path).about == {"comment on block 5": "subject 7", "plate 1": "plate", "plate 2": "plate"}
+    assert read_tdf(path).about == {
+        "comment on block 5": "subject 7",
+        "plate 1": "plate",
+        "plate 2": "plate",
+        "up": "+Y",
+    }

@@ -225,6 +225,18 @@ def test_markers_alone_are_no_file_of_nothing(tmp_path):
         write_trial(replace(whole_trial(), trajectories=Trajectories((), RATE)), tmp_path / "a.trc")
 
 
+@pytest.mark.parametrize("ending", [".c3d", ".h5", ".trc", ".csv"])
+def test_nothing_is_written_that_cannot_be_read(tmp_path, ending):
+    for rate in (0.0, float("nan"), -5.0):
+        still = Trajectories(tuple(MARKERS), rate)
+        with pytest.raises(KinemarkError, match="above 0"):
+            write_trial(Trial("a", still), tmp_path / f"a{ending}")
+    assert not list(tmp_path.iterdir())
+    if ending in (".trc", ".csv"):
+        with pytest.raises(KinemarkError, match="no frames"):
+            write_trial(Trial("a", MARKERS.frames(0, 0)), tmp_path / f"a{ending}")
+
+
 def test_every_format_that_is_written_is_read():
     assert all(one.read is not None for one in FORMATS.values())
 

@@ -150,7 +150,9 @@ def test_what_cannot_be_planned_is_told(tmp_path, settings, said):
 
 def test_a_plan_is_written_as_rig_figures_and_page(tmp_path):
     settings = PlanSettings((0, 0, 0, 1500, 1000, 1500), 3, height_mm=(2000, 2000), distance_mm=(1800, 1800))
-    found = camera_plan(tmp_path / "plan", settings=settings)
+    steps = []
+    found = camera_plan(tmp_path / "plan", settings=settings, progress=lambda *step: steps.append(step))
+    assert len(steps) > 20 and steps[0][:2] == ("plan", 0) and steps[-1][1] < steps[-1][2], "a plan takes seconds"
     figures = json.loads((tmp_path / "plan/plan.json").read_text("utf-8"))
     rig = read_rig_toml(tmp_path / "plan/plan.toml")
     assert figures == json.loads(json.dumps(found.figures))

@@ -13,6 +13,9 @@ from .poses import Poses
 from .signals import Signals
 from .trajectories import Trajectories
 
+UP = "up"
+"""Of what is known of a capture: the axis that goes up."""
+
 
 @dataclass(frozen=True, slots=True)
 class Step:
@@ -47,7 +50,8 @@ class Trial:
         steps: how the trial was made.
         signals: angles, moments, powers, forces and other quantities that were computed.
         poses: of segments, each record at its own rate.
-        about: what else is known of the capture, by name: "date", "subject", …
+        about: what else is known of the capture, by name: "date", "subject", …; "up", the axis of the world that goes
+            up, as "+Y", where it is not +Z.
         notes: what was odd in the file and how it was read, in words; only HDF5 keeps them.
     """
 

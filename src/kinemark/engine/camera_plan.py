@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import KinemarkError
+from ..data.progress import listening
 from ..findings.plan_figures import plan_figures
 from ..findings.quality import write_quality
 from ..io.rig_toml import read_rig_toml, write_rig_toml
@@ -21,6 +22,7 @@ from ..report.drawing_library import assets_for
 from ..report.plan_page import write_plan_page
 from ..report.words import with_words
 from .plan_settings import PlanSettings
+from .progress import Progress, Watch, silent
 
 
 class PlanResult(NamedTuple):
@@ -35,6 +37,7 @@ def camera_plan(
     *,
     settings: PlanSettings = PlanSettings(),  # noqa: B008  frozen
     self_contained: bool = False,
+    progress: Progress = silent,
 ) -> PlanResult:
     """Plan cameras and write rig file, figures and page.
 
@@ -42,6 +45,7 @@ def camera_plan(
         folder: of the results; it is made, and a plan that it holds is written anew.
         settings: what is asked for.
         self_contained: the page holds the drawing library.
+        progress: hears how many of the places where a camera may stand are judged.
 
     Raises:
         KinemarkError: a setting cannot be used, no camera has a place, or the folder holds the cameras that are given.
@@ -54,7 +58,8 @@ def camera_plan(
         )
     room, sensor, planning = _room(settings), _sensor(settings), _planning(settings)
     given = None if settings.given is None else read_rig_toml(settings.given)
-    plan = plan_cameras(room, sensor, planning, given=given)
+    with listening(Watch(progress).of("plan")):
+        plan = plan_cameras(room, sensor, planning, given=given)
     figures = with_words(plan_figures(plan))
     folder.mkdir(parents=True, exist_ok=True)
     write_rig_toml(file, plan.rig)

@@ -26,6 +26,7 @@ def convert(
     length_unit: str | None = None,
     rate_hz: float | None = None,
     partial: bool = False,
+    up: str | None = None,
 ) -> tuple[FileNote, ...]:
     """Read one file and write its content in another format, the formats by the names' endings.
 
@@ -36,6 +37,7 @@ def convert(
         length_unit: of a file that is silent or wrong about it.
         rate_hz: of a file that is silent or wrong about it.
         partial: read what there is of a damaged file.
+        up: the axis of the world that goes up in the target, of trajectories; as in the source where None.
 
     Returns:
         What was odd in the source, and what the target could not hold.
@@ -57,7 +59,15 @@ def convert(
             f"{' or '.join(held) or 'none of it'}. "
             + ("Say which with --what." if len(fits) > 1 else "Choose another ending.")
         )
-    return (*read_notes(odd), *write_file(target, fits[0], have[fits[0]]))
+    content = have[fits[0]]
+    turning: tuple[FileNote, ...] = ()
+    if up is not None:
+        if fits[0] != "trajectories":
+            raise KinemarkError(f"--up turns trajectories, and {target} is to hold {fits[0]}. Leave it out.")
+        from .vertical import with_axis_up  # brings the gait model, which no other conversion needs
+
+        content, turning = with_axis_up(content, up)
+    return (*read_notes(odd), *turning, *write_file(target, fits[0], content))
 
 
 def _contents(source: Path, options: ReadOptions) -> tuple[dict[Content, Any], tuple[str, ...]]:

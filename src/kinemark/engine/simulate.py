@@ -5,7 +5,7 @@ from __future__ import annotations
 import pathlib
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -83,6 +83,10 @@ class Scene:
             raise KinemarkError("calibration is 'wand', which goes with the walk and whole frames. Leave one out.")
         if self.cameras < 2:
             raise KinemarkError(f"cameras is {self.cameras}, and a point in space needs two.")
+
+    def figures(self) -> dict[str, Any]:
+        """What is simulated, for a machine."""
+        return {**asdict(self), "c3d": None if self.c3d is None else str(self.c3d)}
 
     def subject(self) -> Subject:
         """The markers and limbs that move.

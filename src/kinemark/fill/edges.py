@@ -49,7 +49,7 @@ class GapEdges(Method):
     most_trimmed: int = parameter(5, unit="samples", low=0, meaning="that may be bad on each side; 0: no check")
     fit_samples: int = parameter(6, unit="samples", low=4, meaning="that the parabola is fitted to")
     median_ratio: float = parameter(
-        5.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on"
+        3.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on"
     )
     tail_ratio: float = parameter(
         1.3,

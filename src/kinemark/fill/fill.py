@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Bools, Floats
 from ..data.edits import OPEN, GapChoice
 from ..numerics.blas_threads import one_blas_thread
 from .chosen_gaps import chosen_gaps, groups
@@ -81,53 +82,116 @@ def fill(
         ValueError: the method or a choice is none of `FILL`, or the limit is not above 0.
     """
     method = Auto() if method is None else method
+    candidates = _candidates(method, limit_mm)
+    edges = edges or GapEdges()
+    known = _KnownEdges.of(trajectories, replace(edges, most_trimmed=trim) if trim else edges, keep=not trim)
+    gaps = of_markers(find_gaps(known.motion, ends=ends), known.motion.names)
+    if isinstance(method, Auto):
+        candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
+    chosen = chosen_gaps(known.motion, trajectories, choices)
+    fills = _fills(known.motion, gaps, candidates, chosen, seed)
+    apart = without_suspicious(known.trimmed, {one.gap: one.tied() for one in fills if known.doubts(one)})
+    written = TrialCopy(trajectories)
+    written.drop(~known.plausible)
+    done = [_left_open(known.motion, gap) for gap, choice in chosen.items() if choice == OPEN]
+    for one in fills:
+        found, cov = _judged(one, known, apart.get(one.gap))
+        found = replace(found, trimmed=written.measured(one.gap))
+        found = found if one.gap in chosen else _within(found, limit_mm)
+        done.append(found)
+        if found.method:
+            written.put(one.gap, one.prediction.xyz, cov)
+    done.sort(key=lambda found: (known.motion.names.index(found.marker), found.start))
+    filled = Filled(written.trajectories(), tuple(done))
+    return filled if static is None else _with_static(filled, static, limit_mm)
+
+
+class _KnownEdges(NamedTuple):
+    """A trial whose samples beside gaps were judged.
+
+    Attributes:
+        motion: what fillers see: without outliers, and without suspicious samples where these are trimmed.
+        trimmed: the same without suspicious samples.
+        suspicious: frames of those that are kept, by their gap.
+        plausible: (M, F) samples that can be positions.
+    """
+
+    motion: MarkerArray
+    trimmed: MarkerArray
+    suspicious: Mapping[Gap, tuple[int, ...]]
+    plausible: Bools
+
+    @classmethod
+    def of(cls, trajectories: Trajectories, edges: GapEdges, *, keep: bool) -> _KnownEdges:
+        """Of a trial; `keep`: suspicious samples stay in it and are listed."""
+        motion = without_outliers(MarkerArray.of(trajectories))
+        judged = trim_edges(motion, find_gaps(motion), method=edges)
+        if keep:
+            return cls(motion, judged.motion, judged.suspicious(), motion.seen)
+        return cls(judged.motion, judged.motion, {}, motion.seen)
+
+    def doubts(self, one: _Fill) -> bool:
+        """Whether a fill is tied to suspicious samples."""
+        return one.gap in self.suspicious and bool(one.found.method)
+
+
+class _Fill(NamedTuple):
+    """The method chosen for a gap, what is said of it, its prediction with the covariance, and all that was tried."""
+
+    gap: Gap
+    found: FilledGap
+    prediction: Prediction
+    cov: Floats
+    tried: Sequence[CandidateFill]
+
+    def tied(self) -> TiedFill:
+        """The fill, and the method that is asked again without suspicious samples."""
+        return TiedFill(self.prediction.xyz, method_again(self.found.method, self.tried))
+
+
+def _candidates(method: Any, limit_mm: float) -> tuple[FillMethod, ...]:
+    """The methods to choose from.
+
+    Raises:
+        ValueError: one is none of `FILL`, or the limit is not above 0.
+    """
     if not limit_mm > 0:
         raise ValueError(f"limit_mm is {limit_mm}, wanted above 0")
     candidates = method.methods if isinstance(method, Auto) else (method,)
     for candidate in candidates:
         filler_of(candidate)
-    motion = without_outliers(MarkerArray.of(trajectories))
-    written = TrialCopy(trajectories)
-    written.drop(~motion.seen)
-    edges = edges or GapEdges()
-    judged = trim_edges(motion, find_gaps(motion), method=replace(edges, most_trimmed=trim) if trim else edges)
-    motion, suspicious = (judged.motion, {}) if trim else (motion, judged.suspicious())
-    gaps = find_gaps(motion, ends=ends)
-    if isinstance(method, Auto):
-        candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
-    answers = (evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates)(
-        motion, gaps, candidates, seed=seed
-    )
-    chosen = chosen_gaps(motion, trajectories, choices)
+    return candidates
+
+
+def of_markers(gaps: list[Gap], names: Sequence[str]) -> list[Gap]:
+    """Those of markers; of a trial that has tracks with names, tracks without one are ghosts and left-over pieces."""
+    named = [not name.startswith("*") for name in names]
+    return [gap for gap in gaps if named[gap.marker]] if any(named) else gaps
+
+
+def _fills(
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], chosen: dict[Gap, str], seed: int
+) -> list[_Fill]:
+    """The best fill of each gap, and that of those for which somebody chose a method, by marker and frame."""
+    evaluate = evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates
+    answers = evaluate(motion, gaps, candidates, seed=seed)
     todo = [(gap, gaps, index, answers) for index, gap in enumerate(gaps) if gap not in chosen]
     for some, methods in groups(chosen, candidates):
         own = evaluate_candidates(motion, some, methods, seed=seed)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
-    done = [_left_open(motion, gap) for gap, choice in chosen.items() if choice == OPEN]
-    picked = [
-        (gap, *choose_candidate(motion, among, index, by), by)
+    return [
+        _Fill(gap, *choose_candidate(motion, among, index, by), by)
         for gap, among, index, by in sorted(todo, key=lambda one: one[0])
     ]
-    tied = {
-        gap: TiedFill(prediction.xyz, method_again(found.method, by))
-        for gap, found, prediction, _, by in picked
-        if gap in suspicious and found.method
-    }
-    apart = without_suspicious(judged.motion, tied)
-    for gap, found, prediction, cov, _ in picked:
-        beside = suspicious.get(gap, ())
-        jump = (
-            0.0 if beside else largest_jump(motion, gap, prediction.xyz, prediction.references)
-        )  # none to a bad sample
-        found = replace(found, trimmed=written.measured(gap), suspicious=beside, jump_mm=jump)
-        found, cov = doubted(found, cov, apart[gap]) if gap in apart else (found, cov)
-        found = found if gap in chosen else _within(found, limit_mm)
-        done.append(found)
-        if found.method:
-            written.put(gap, prediction.xyz, cov)
-    done.sort(key=lambda found: (motion.names.index(found.marker), found.start))
-    filled = Filled(written.trajectories(), tuple(done))
-    return filled if static is None else _with_static(filled, static, limit_mm)
+
+
+def _judged(one: _Fill, known: _KnownEdges, apart: Floats | None) -> tuple[FilledGap, Floats]:
+    """What is said of a fill besides, and its covariance; `apart` (L, 3) mm from it without suspicious samples."""
+    beside = known.suspicious.get(one.gap, ())
+    xyz, references = one.prediction.xyz, one.prediction.references
+    jump = 0.0 if beside else largest_jump(known.motion, one.gap, xyz, references)  # none to a bad sample
+    found = replace(one.found, suspicious=beside, jump_mm=jump)
+    return (found, one.cov) if apart is None else doubted(found, one.cov, apart)
 
 
 def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:

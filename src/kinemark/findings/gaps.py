@@ -11,7 +11,8 @@ import numpy as np
 from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.finding import most_severe_first, red_if
-from ..fill import Filled, FilledGap, MarkerArray
+from ..fill import Filled, FilledGap, MarkerArray, find_gaps
+from ..fill.fill import of_markers
 from ..fill.known_samples import plausible
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain
@@ -66,6 +67,7 @@ def filling_figures(
         "never_seen": [path.name for path in after if (path.origin == Origin.MISSING).all()],
         "much_filled": [path.name for path in after if (path.origin == Origin.FILLED).mean() > MUCH],
         "far_away": _far_away(before),
+        **_nameless(before),
         "list": gaps,
     }
     figures = plain(figures)
@@ -89,6 +91,14 @@ def _at_an_end(gap: FilledGap, before: Trajectories) -> int:
     """Frames of a gap at an end of the trial that was to be filled and stayed open."""
     at_end = (gap.start == 0) != (gap.stop == before.n_frames)
     return gap.length - len(gap.trimmed) if at_end and not gap.method else 0
+
+
+def _nameless(trajectories: Trajectories) -> dict[str, int]:
+    """Tracks whose gaps are none of a marker's, and these gaps."""
+    motion = MarkerArray.of(trajectories)
+    gaps = find_gaps(motion)
+    left = set(gaps) - set(of_markers(gaps, motion.names))
+    return {"nameless_tracks": len({gap.marker for gap in left}), "nameless_gaps": len(left)}
 
 
 def _far_away(trajectories: Trajectories) -> int:
@@ -150,6 +160,18 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("gaps_untested", gaps=figures["unknown"])
     if beyond := [gap["motion_ratio"] for gap in figures["list"] if gap["method"] and _more_motion(gap)]:
         yield make_finding("gaps_beyond_tests", gaps=len(beyond), max_ratio=max(beyond))
+    if n := figures["nameless_tracks"]:
+        yield make_finding("tracks_not_filled", tracks=n, gaps=figures["nameless_gaps"])
+    yield from _odd_samples(figures)
+    if figures["much_filled"]:
+        yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
+    if figures["never_seen"]:
+        markers = figures["never_seen"]
+        yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
+
+
+def _odd_samples(figures: dict[str, Any]) -> Iterator[Finding]:
+    """Samples that are no positions, that were replaced, or that stand out beside gaps."""
     if figures["far_away"]:
         yield make_finding("samples_far_away", samples=figures["far_away"])
     if figures["replaced"]:
@@ -157,11 +179,6 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("samples_replaced", samples=figures["replaced"], gaps=gaps)
     if figures["suspicious"]:
         yield _suspicious(figures)
-    if figures["much_filled"]:
-        yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
-    if figures["never_seen"]:
-        markers = figures["never_seen"]
-        yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
 
 
 def _suspicious(figures: dict[str, Any]) -> Finding:

@@ -318,6 +318,9 @@ class FillingData(TypedDict):
     much_filled: list[str]
     far_away: Count
     """Samples farther than a kilometre from the others."""
+    nameless_tracks: Count
+    """Without a name beside markers with one: ghosts and left-over pieces, whose gaps are not filled."""
+    nameless_gaps: Count
     list: list[GapData]
     findings: list[FindingData]
     verdict: VerdictData

@@ -60,10 +60,10 @@ def standard_trial(
     known = model_names(trial.trajectories.names, markers)
     named = replace(trial, trajectories=with_model_names(trial.trajectories, known))
     if turn is None:
-        turn = level_axes(_axis(up) if up != "auto" else up_shown(marker_points(named)))
+        turn = level_axes(axis_of(up) if up != "auto" else up_shown(marker_points(named)))
     if np.array_equal(turn, np.eye(3)):
         return StandardTrial(named, turn, known)
-    return StandardTrial(_turned(named, turn), turn, known)
+    return StandardTrial(turned(named, turn), turn, known)
 
 
 def up_shown(points: Mapping[str, Floats]) -> Floats:
@@ -77,10 +77,10 @@ def up_shown(points: Mapping[str, Floats]) -> Floats:
     """
     wanted = ("LASI", "RASI", "LANK", "RANK")
     if not set(wanted) <= set(points):
-        return _axis("z")
+        return axis_of("z")
     seen = [points[name][np.isfinite(points[name]).all(1)] for name in wanted]
     if not all(len(xyz) for xyz in seen):
-        return _axis("z")
+        return axis_of("z")
     left, right, *ankles = (np.median(xyz, axis=0) for xyz in seen)
     way = unit((left + right) / 2 - (ankles[0] + ankles[1]) / 2)
     k = int(np.abs(way).argmax())
@@ -148,11 +148,13 @@ def _foot_axes(ankle: Floats, toe: Floats, knee: Floats) -> Floats:
     return upright(ankle, toe - ankle, knee - ankle).R
 
 
-def _axis(up: str) -> Floats:
+def axis_of(up: str) -> Floats:
+    """(3) an axis by its name, as "y", "+Y" or "-x"."""
+    up = up.lower()
     return np.asarray((-1.0 if up[0] == "-" else 1.0) * np.eye(3)["xyz".index(up[-1])])
 
 
-def _turned(trial: Trial, turn: Floats) -> Trial:
+def turned(trial: Trial, turn: Floats) -> Trial:
     """Markers and plates in other axes; vectors (…, 3) times `turn`."""
     paths = tuple(replace(p, xyz=p.xyz @ turn, cov=turn.T @ p.cov @ turn) for p in trial.trajectories)
     plates = tuple(replace(plate, corners=plate.corners @ turn) for plate in trial.plates)

@@ -21,6 +21,7 @@ from ..data import (
     Trajectories,
     Trial,
 )
+from ..data.trial import UP
 from .c3d import read_c3d, write_c3d
 from .detections_csv import NamedDetections, read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
@@ -134,8 +135,9 @@ def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path
     """Writes the markers of a trial, and says what else it has."""
 
     def written(path: Path, trial: Trial) -> tuple[FileNote, ...]:
-        if not len(trial.trajectories):
-            raise KinemarkError(f"The source has no markers, and {path.suffix} holds nothing else. Convert to .c3d.")
+        if not len(trial.trajectories) or not trial.trajectories.n_frames:
+            lack = "frames" if len(trial.trajectories) else "markers"
+            raise KinemarkError(f"The source has no {lack}, and {path.suffix} holds nothing else. Convert to .c3d.")
         write(path, trial.trajectories)
         have = {
             **_of_samples(trial.trajectories),
@@ -143,7 +145,7 @@ def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path
             "analog": tuple(name for a in trial.analog for name in a.names),
             "force plates": tuple(str(i + 1) for i in range(len(trial.plates))),
             "events": tuple(dict.fromkeys(trial.events.label)),
-            "about the capture": tuple(trial.about),
+            "about the capture": tuple(name for name in trial.about if name != UP),
             "poses": tuple(name for p in trial.poses for name in p.names),
         }
         left = [FileNote("not_written", what, names) for what, names in have.items() if names]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
 
-Kind = Literal["resampled", "cut", "not_written", "incomplete", "read"]
+Kind = Literal["resampled", "cut", "not_written", "not_turned", "turned", "incomplete", "read"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +14,8 @@ class FileNote:
     """One thing that changed or was left out on the way from one file into another.
 
     Attributes:
-        kind: "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
+        kind: "turned", to other axes; "not_turned", which stay in those in which they were computed;
+            "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
             no place for it; "incomplete", where a sample that is known in part is missing in the file;
             "read", what was odd in the source.
         what: "analog", "signals", "force plates", "events", "covariance", …; in words where something was read.
@@ -34,6 +35,8 @@ def read_notes(notes: Iterable[str]) -> tuple[FileNote, ...]:
 
 
 TEMPLATES = {
+    "turned": "{who}.",
+    "not_turned": "{who}: not turned; they stay in the axes in which they were computed.",
     "resampled": "{who}: resampled from {rate_hz:g} to {stored_rate_hz:g} Hz.",
     "cut": "{who}: {seconds:.3g} s beyond the frames are not in the file.",
     "not_written": "{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all.",
@@ -41,6 +44,11 @@ TEMPLATES = {
     "read": "in the source: {who}.",
 }
 """By `FileNote.kind`."""
+
+
+def file_note_figures(notes: Iterable[FileNote]) -> list[dict[str, Any]]:
+    """Notes for a machine, each with its sentence."""
+    return [{**asdict(note), "text": file_note_text(note)} for note in notes]
 
 
 def file_note_text(note: FileNote) -> str:

@@ -62,7 +62,12 @@ def write_trial(trial: Trial, path: Path | str) -> tuple[FileNote, ...]:
     """Write a trial in the format that the ending names; returns what that format could not hold. HDF5 holds all.
 
     Raises:
-        KinemarkError: no format of trajectories has that ending, the trial has no markers and the format holds nothing
-            else, or the file cannot be written.
+        KinemarkError: no format of trajectories has that ending, the trial's rate is not above 0, it has no markers or
+            no frames and the format holds nothing else, or the file cannot be written.
     """
+    rate = trial.trajectories.rate
+    if not 0 < rate < math.inf:
+        raise KinemarkError(
+            f"The trial has a rate of {rate:g} Hz, with which no file can be read. Give it one above 0."
+        )
     return write_file(Path(path), "trajectories", trial)

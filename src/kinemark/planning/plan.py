@@ -11,6 +11,7 @@ import numpy as np
 from ..calibrate.quality import points_of, volume_grid
 from ..data import Camera, KinemarkError, Rig
 from ..data.array_types import Bools, Floats
+from ..data.progress import tell
 from ..synth import Subject
 from .placement import Candidates, choose, judged
 from .prediction import Prediction, predict
@@ -152,8 +153,10 @@ def _judged_candidates(
 ) -> Candidates:
     """All candidates; what limbs hide depends on where a camera stands alone, and is looked at once a place."""
     cameras, seen, last, free = [], [], -1, []
-    for p, camera in candidates(room, sensor):
+    stands = list(candidates(room, sensor))
+    for k, (p, camera) in enumerate(stands):
         if p != last:
+            tell(k, len(stands))
             free, last = [free_of_limbs(camera.centre, body) for body in bodies], p
         view = _seen(camera, sensor, planning, bodies, free, xyz)
         if view.any():

@@ -232,7 +232,10 @@ def gait_compare(
 
 
 def gait_reference(
-    *controls: Path, output: Annotated[Path, Parameter(alias="-o")], source: str = "the laboratory's own controls"
+    *controls: Path,
+    output: Annotated[Path, Parameter(alias="-o")],
+    source: str = "the laboratory's own controls",
+    json: Json = False,
 ) -> None:
     """A reference band of gait from a laboratory's own controls.
 
@@ -240,8 +243,11 @@ def gait_reference(
         controls: the gait.json of each, one a subject.
         output: file of the band, JSON.
         source: where the controls are from, as the report will say it.
+        json: print for a machine what was written, and of what.
     """
     from ...engine.gait_reference import reference_of_files
 
     band = reference_of_files(controls, output=output, source=source)
-    print_result(f"{output}: {len(band.mean)} quantities of {band.subjects} subjects")
+    said = f"{output}: {len(band.mean)} quantities of {band.subjects} subjects"
+    figures = {"written": str(output), "subjects": band.subjects, "quantities": sorted(band.mean)}
+    print_result(figures if json else said)

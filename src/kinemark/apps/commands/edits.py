@@ -13,7 +13,7 @@ from cyclopts import App, Parameter
 
 from ...data import KinemarkError
 from ...data.edits import Undo, counting
-from ...io.notes import file_note_text
+from ...io.notes import file_note_figures, file_note_text
 from ..output import Json, print_result
 from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, retrack, review, smooth, trim
 
@@ -206,14 +206,18 @@ def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
 
 
 @edits.command
-def apply(source: Path, *, output: Annotated[Path, Parameter(name=("--output", "-o"))]) -> None:
+def apply(source: Path, *, output: Annotated[Path, Parameter(name=("--output", "-o"))], json: Json = False) -> None:
     """Write a file of trajectories with its edits as another file; gaps are filled where somebody chose how.
 
     Args:
         source: the file, whose journal is in the folder edits beside it.
         output: the file to write; an existing one is not replaced.
+        json: print for a machine what was written, and what could not be kept.
     """
     from ...engine.edit_files import open_editing, write_edited
 
     notes = write_edited(open_editing(source), output)
+    if json:
+        print_result({"written": str(output), "notes": file_note_figures(notes)})
+        return
     print_result("\n".join([*(f"note:     {file_note_text(note)}" for note in notes), f"results:  {output}"]))

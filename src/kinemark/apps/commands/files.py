@@ -13,7 +13,7 @@ from ...engine.describe import describe, described
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import ReadOptions
-from ...io.notes import file_note_text
+from ...io.notes import file_note_figures, file_note_text
 from ..output import Json, LengthUnit, Partial, Rate, print_result
 
 
@@ -61,6 +61,8 @@ def convert(
     length_unit: LengthUnit = None,
     rate_hz: Rate = None,
     partial: Partial = False,
+    up: Literal["x", "y", "z"] | None = None,
+    json: Json = False,
 ) -> None:
     """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
 
@@ -68,8 +70,15 @@ def convert(
         source: the file to read.
         target: the file to write; an existing one is not replaced.
         what: which part, where the names do not tell.
+        up: turn trajectories and force plates so that this axis goes up, as y for OpenSim; as in the source where none
+            is given.
+        json: print for a machine what was written, and what was odd or could not be kept.
     """
-    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial):
+    notes = convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial, up=up)
+    if json:
+        print_result({"written": str(target), "notes": file_note_figures(notes)})
+        return
+    for note in notes:
         print_result(f"note: {file_note_text(note)}")
     print_result(f"{target} is written. What it holds: kinemark info {target}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from ...data import KinemarkError
 from ..output import Json, print_result
 
 
@@ -31,14 +32,17 @@ def schema(what: Literal["session", "quality"] = "session") -> None:
     print_result({"session": session_schema, "quality": quality_schema}[what]())
 
 
-def cite(*words: str, bibtex: bool = False) -> None:
+def cite(*words: str, bibtex: bool = False, json: Json = False) -> None:
     """List the works that the methods come from, to be cited by whoever uses them.
 
     Args:
         words: only works whose authors, year or title hold all of these.
         bibtex: write entries for LaTeX.
+        json: print them for a machine.
     """
     from ...engine.bibliography import as_bibtex, as_text, chosen
 
     found = chosen(words)
-    print_result(as_bibtex(found) if bibtex else as_text(found))
+    if bibtex and json:
+        raise KinemarkError("--bibtex and --json are two forms of one list. Ask for one.")
+    print_result(found if json else as_bibtex(found) if bibtex else as_text(found))

@@ -8,10 +8,12 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ..output import print_result
+from ..output import Json, print_result
 
 
-def pdf(source: Path, *sources: Path, output: Annotated[Path | None, Parameter(alias="-o")] = None) -> None:
+def pdf(
+    source: Path, *sources: Path, output: Annotated[Path | None, Parameter(alias="-o")] = None, json: Json = False
+) -> None:
     """Print reports to PDF, A4, by the Chromium, Chrome or Edge that is installed.
 
     Args:
@@ -19,6 +21,7 @@ def pdf(source: Path, *sources: Path, output: Annotated[Path | None, Parameter(a
             or every page that lies in it.
         sources: and others.
         output: folder of the PDFs; each lies beside its page where it is not given.
+        json: print for a machine which page became which PDF.
     """
     from ..pdf import print_pdf
 
@@ -28,8 +31,13 @@ def pdf(source: Path, *sources: Path, output: Annotated[Path | None, Parameter(a
         raise KinemarkError(
             "Two of the pages would be written to one PDF. Print them one after the other, or without --output."
         )
+    made = []
     for page, target in zip(pages, targets, strict=True):
-        print_result(str(print_pdf(page, target)))
+        made.append({"page": str(page), "pdf": str(print_pdf(page, target))})
+        if not json:
+            print_result(made[-1]["pdf"])
+    if json:
+        print_result(made)
 
 
 def _pages(source: Path) -> list[Path]:

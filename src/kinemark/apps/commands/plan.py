@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from ...engine.plan_settings import PlanSettings
 from ..output import Json, SelfContained, print_result
+from ..progress import progress
 
 
 def plan(
@@ -31,5 +32,6 @@ def plan(
     from ...engine.camera_plan import camera_plan
     from ...report.plan_text import plan_summary
 
-    result = camera_plan(folder, settings=settings or PlanSettings(), self_contained=self_contained)
+    with progress() as tell:
+        result = camera_plan(folder, settings=settings or PlanSettings(), self_contained=self_contained, progress=tell)
     print_result(result.figures if json else f"{plan_summary(result.figures)}\nresults:  {result.folder}/plan.html")

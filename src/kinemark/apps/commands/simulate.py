@@ -31,13 +31,17 @@ def demo(folder: Path = Path("demo"), *, self_contained: SelfContained = False, 
         raise KinemarkError("The demo did not reach what it should; see the figures above.")
 
 
-def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")] = None) -> None:
+def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")] = None, json: Json = False) -> None:
     """Make a session of a virtual laboratory, with images and exact truth, ready for `kinemark run`.
 
     Args:
         folder: a new or empty folder.
         scene: what is simulated.
+        json: print for a machine what was written, and of what.
     """
+    scene = scene or Scene()
     with progress() as tell:
-        simulate_session(folder, scene=scene or Scene(), progress=tell)
-    print_result(f"{folder}/session.toml is written. Next: kinemark run {folder}")
+        simulate_session(folder, scene=scene, progress=tell)
+    file = folder / "session.toml"
+    said = f"{file} is written. Next: kinemark run {folder}"
+    print_result({"written": str(file), "scene": scene.figures()} if json else said)

@@ -120,18 +120,19 @@ def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, se
     if tight:
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
     for index in order:
+        told = source.moving.references(gaps[index])
         for start, gap, stop in _windows(source, gaps[index], per_gap, rng, occupancy if tight else None):
+            own = gap.marker == gaps[index].marker
             shape, marker = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop)), gaps[index].marker
             copy = occupancy.place(shape, marker)
             if copy == len(made.copies):
                 made.copies.append([])
             made.copies[copy] += [shape, *_state(source, gaps[index], gap)]
-            if marker != gap.marker:
+            if not own:
                 made.copies[copy] += [Gap(gap.marker, a, b) for a, b in true_runs(~source.seen[marker]).tolist()]  # (6)
             keep = (gap.start - shape.start, gap.stop - shape.start)
-            made.tests.append(
-                HoldOutGap(int(index), copy, shape, keep, gap.marker == marker, source.moving.of_gap(gap))
-            )
+            moving = source.moving.of_gap(gap, told if own else None)
+            made.tests.append(HoldOutGap(int(index), copy, shape, keep, own, moving))
     return made
 
 
@@ -241,7 +242,8 @@ def _windows(
 def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple[Ints, bool]:
     """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether it moves
     clearly less in all of them."""
-    off = np.log(moving.of(gap.marker, starts, length) / moving.of_gap(gap))
+    told = moving.references(gap)
+    off = np.log(moving.of(gap.marker, starts, length, told) / moving.of_gap(gap, told))
     alike = max(LIKE, float(np.quantile(np.abs(off), LEAST)))
     chosen = np.abs(off) <= alike
     return starts[chosen], bool(off[chosen].max() < -EASY)

@@ -1,12 +1,15 @@
 """What is known of a capture besides its numbers: date, subject, labels and comments.
 
-SUBJECTS:NAMES is C3D's own place for the subject. All else stands in KINEMARK:ABOUT, a row "name: text" each.
+SUBJECTS:NAMES is C3D's own place for the subject, POINT:Y_SCREEN for the axis of the world that goes up, which is told
+where it is not z; its sign is that of the screen, which some programs count downwards. All else stands in
+KINEMARK:ABOUT, a row "name: text" each.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ...data.trial import UP
 from .document import C3D, with_parameters
 from .parameter_tables import with_text
 from .parameters import Parameter
@@ -15,6 +18,9 @@ from .provenance import GROUP
 ABOUT = "ABOUT"
 BETWEEN = ": "
 SUBJECT = "subject"
+OWN_PLACE = (SUBJECT, UP)
+USUAL = "+Z"
+"""The axis that goes up where a file says nothing else; by definition."""
 
 
 def about_of(doc: C3D) -> dict[str, str]:
@@ -22,7 +28,9 @@ def about_of(doc: C3D) -> dict[str, str]:
     subjects = ", ".join(name for name in doc.texts("SUBJECTS", "NAMES") if name)
     rows = (row.partition(BETWEEN) for row in doc.texts(GROUP, ABOUT))
     stated = {name: text for name, between, text in rows if between}
-    return ({SUBJECT: subjects} if subjects else {}) | stated
+    letter = next(iter(doc.texts("POINT", "Y_SCREEN")), "").strip().upper()[-1:]
+    axis = {UP: f"+{letter}"} if letter in ("X", "Y") else {}
+    return ({SUBJECT: subjects} if subjects else {}) | axis | stated
 
 
 def subjects_in(about: Mapping[str, str]) -> tuple[str, ...]:
@@ -40,5 +48,9 @@ def with_about(doc: C3D, about: Mapping[str, str]) -> C3D:
         names = [subject] if subject else []
         parameters = [Parameter.whole("USED", len(names)), Parameter.text("NAMES", names)]
         doc = with_parameters(doc, "SUBJECTS", parameters)
-    rows = [f"{name}{BETWEEN}{text}" for name, text in about.items() if name != SUBJECT]
+    if (up := about.get(UP, USUAL)) != had.get(UP, USUAL):
+        right = "+Y" if up.endswith("X") else "+X"
+        screen = [Parameter.text("X_SCREEN", right), Parameter.text("Y_SCREEN", up)]
+        doc = with_parameters(doc, "POINT", screen)
+    rows = [f"{name}{BETWEEN}{text}" for name, text in about.items() if name not in OWN_PLACE]
     return with_text(doc, GROUP, ABOUT, rows, [-1] * len(rows), doc.texts(GROUP, ABOUT))

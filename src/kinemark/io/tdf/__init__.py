@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...data import Analog, Detections, Events, ForcePlate, KinemarkError, Rig, Trajectories, same
+from ...data.trial import UP
 from . import calibration_blocks, signal_blocks
 from .cursor import Cursor, TdfFile, open_tdf
 
@@ -49,7 +50,8 @@ class Tdf:
         plates: force plates, type 1.
         analog: the plates' channels, then the EMG; each keeps its own rate, start and length.
         events: with their times, s.
-        about: what else the file says: "date" it was made, UTC, labels of its plates, comments on its blocks.
+        about: what else is known of the file: "date" it was made, UTC, labels of its plates, comments on its blocks,
+            and "up", the axis that goes up in every TDF.
         notes: blocks that could not be read, and why; what was odd and how it was read.
     """
 
@@ -132,7 +134,7 @@ def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:
 def _about(file: TdfFile) -> dict[str, str]:
     """What a file says of itself."""
     cursor = file.blocks.get(PLATES)
-    said = dict(file.about)
+    said = {**file.about, UP: "+Y"}
     if cursor is not None:
         with suppress(KinemarkError):
             labels = signal_blocks.plate_labels(replace(cursor, at=0))

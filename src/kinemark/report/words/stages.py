@@ -97,6 +97,11 @@ FILLING_WORDS = {
         "{Markers}: more than {limit_share} of the trial is filled.",
         "What is computed from {markers:it|them} rests on {markers:its|their} neighbours.",
     ),
+    "tracks_not_filled": Words(
+        "{tracks} {tracks:track|tracks} without a name: {tracks:its|their} {gaps} {gaps:gap|gaps} {gaps:is|are} no "
+        "marker's, and {gaps:stays|stay} as {gaps:it is|they are}.",
+        "Name those that are markers (kinemark label), and fill then.",
+    ),
     "markers_absent": Words(
         "{Markers} never seen in this trial.",
         "A static trial in which {markers:it is|they are} seen with three others of {markers:its|their} segment can "

@@ -6,7 +6,7 @@ import type { Bars, BarMeasured } from "../api/um2as";
 import { say, tried } from "../state/load";
 import { useStore } from "../state/store";
 import { fetchMenu, useMenu } from "../state/um2as";
-import { Asked } from "./Asked";
+import { Asked } from "./Shown";
 import styles from "./AspectBar.module.css";
 
 export function AspectBar(): React.JSX.Element {

@@ -5,7 +5,7 @@ import type { WayRow } from "../api/ways";
 import { say, tried } from "../state/load";
 import { useStore } from "../state/store";
 import { fetchCameras, put } from "../state/sessions";
-import { Asked } from "./Asked";
+import { Asked } from "./Shown";
 import styles from "./ChangeWay.module.css";
 
 export function ChangeWay({ id, done }: { id: string; done: () => void }): React.JSX.Element {

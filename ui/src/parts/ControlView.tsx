@@ -5,7 +5,7 @@ import * as api from "../api/sessions";
 import { palette } from "../draw/palette";
 import { answer, asked, back, choose, fetchWhite, keepThreshold, put, useSessions } from "../state/sessions";
 import { useStore } from "../state/store";
-import { Asked } from "./Asked";
+import { Asked } from "./Shown";
 import styles from "./ControlView.module.css";
 
 export function ControlView(): React.JSX.Element {

@@ -3,7 +3,7 @@ import { Flat, type Dot, type Place } from "../draw/Flat";
 import { palette } from "../draw/palette";
 import { useStore } from "../state/store";
 import { fetchPage, turnPage, useMenu } from "../state/um2as";
-import { Asked } from "./Asked";
+import { Asked } from "./Shown";
 import { FrameBar } from "./FrameBar";
 import styles from "./FilePageView.module.css";
 

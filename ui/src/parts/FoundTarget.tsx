@@ -5,7 +5,7 @@ import type { FoundInImage } from "../api/targets";
 import { label, type Over } from "../draw/Picture";
 import { tried } from "../state/load";
 import { useStore } from "../state/store";
-import { Asked } from "./Asked";
+import { Asked } from "./Shown";
 import { FrameBar } from "./FrameBar";
 import { PictureView } from "./PictureView";
 import styles from "./FoundTarget.module.css";

@@ -1,5 +1,6 @@
 import { useEffect, useState } from "react";
 import { loadAgain, loadedScreen, loadScreen, loadTheOthers } from "../screens/shown";
+import { again } from "../state/load";
 import { useStore, type Screen } from "../state/store";
 import styles from "./Waiting.module.css";
 
@@ -29,4 +30,11 @@ export function Shown({ screen }: { screen: Screen }): React.JSX.Element {
       {failed && <div><button type="button" className="button strong" onClick={() => location.reload()}>Load the page again</button></div>}
     </div>
   );
+}
+
+/** What stands where something is asked for that is not there yet; and where it could not be had, that it is asked for again. */
+export function Asked({ words }: { words: string }): React.JSX.Element {
+  const busy = useStore((s) => s.busy > 0), refused = useStore((s) => s.note?.kind === "refused");
+  if (busy || !refused) return <p className="soft" role="status">{words}</p>;
+  return <p role="alert">This could not be had; the line below says why. <button type="button" className="button" onClick={() => void again()}>Ask again</button></p>;
 }

@@ -5,7 +5,7 @@ import { unpacked, type Angles as Shown } from "../api/sessions";
 import { AngleCurves, type Row } from "../draw/AngleCurves";
 import { Flat, type Dot, type Line, type Place } from "../draw/Flat";
 import { palette } from "../draw/palette";
-import { Asked } from "../parts/Asked";
+import { Asked } from "../parts/Shown";
 import { Findings, WordTable } from "../parts/Tables";
 import { Waiting } from "../parts/Waiting";
 import { askSpike, fetchAngles, lookAtSpike, useSessions, writeEuler } from "../state/sessions";

@@ -7,7 +7,7 @@ import { Flat } from "../draw/Flat";
 import { rigDrawn, span } from "../draw/rig";
 import { mm } from "../model/format";
 import { ChangeWay } from "../parts/ChangeWay";
-import { Asked } from "../parts/Asked";
+import { Asked } from "../parts/Shown";
 import { FoundTarget } from "../parts/FoundTarget";
 import { ControlView } from "../parts/ControlView";
 import { Findings, WordTable } from "../parts/Tables";

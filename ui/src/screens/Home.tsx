@@ -4,7 +4,7 @@ import * as api from "../api/client";
 import type { TrialCard } from "../api/types";
 import { count, when } from "../model/format";
 import { goTo, say, tried } from "../state/load";
-import { Asked } from "../parts/Asked";
+import { Asked } from "../parts/Shown";
 import { cameraAddress } from "../state/sessions";
 import { set, useStore } from "../state/store";
 import styles from "./Home.module.css";

@@ -2,7 +2,7 @@
 import { FolderPlus, Play } from "lucide-react";
 import type { Proposed, Role } from "../api/sessions";
 import { many } from "../model/format";
-import { Asked } from "../parts/Asked";
+import { Asked } from "../parts/Shown";
 import { makeSession, propose, useSessions } from "../state/sessions";
 import { set, useStore } from "../state/store";
 import styles from "./NewSession.module.css";

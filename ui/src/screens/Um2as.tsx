@@ -2,7 +2,7 @@
 import { CircleAlert, CircleCheck, CircleDashed, CircleDot, CornerUpLeft, Play, RotateCw } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { MenuRow } from "../api/um2as";
-import { Asked } from "../parts/Asked";
+import { Asked } from "../parts/Shown";
 import { AspectBar } from "../parts/AspectBar";
 import { FilePageView } from "../parts/FilePageView";
 import { choose, enter, menuUp, pathTo, process, rowOf, rowsIn, shownFile, useMenu } from "../state/um2as";

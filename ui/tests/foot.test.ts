@@ -17,6 +17,7 @@ vi.stubGlobal("location", { search: "?still", hash: "" });
 const WAYS: Record<Problem["kind"], Action[]> = {
   swap: ["exchange", "keep"], join: ["join", "keep"], ghost: ["no_marker", "keep"], spike: ["keep", "erase"], filled: ["erase", "keep"], label: ["rename", "keep"],
   sides: ["keep", "exchange"], gap: ["fill", "leave_open"], edit: ["drop_edit", "wait"],
+  lost: ["note", "keep"], repeated: ["erase", "keep"], moved: ["note", "keep"], shaken: ["erase", "keep"],
 };
 const KINDS = Object.keys(WAYS) as Problem["kind"][];
 /** Keys that are about something else than the problem, on every screen. */
@@ -81,7 +82,7 @@ describe.each(KINDS)("the foot on a problem of kind %s", (kind) => {
   it("speaks of a gap, of right as it is, and of no marker only where there is such a way", () => {
     show(kind, ["LKNE", "RKNE"]);
     const ids = footLine(get()).map((one) => one.id);
-    expect([ids.includes("open"), ids.includes("right"), ids.includes("drop")]).toEqual([kind === "gap", WAYS[kind].includes("keep"), ["ghost", "spike", "filled"].includes(kind)]);
+    expect([ids.includes("open"), ids.includes("right"), ids.includes("drop")]).toEqual([kind === "gap", WAYS[kind].includes("keep"), ["ghost", "spike", "filled", "repeated", "shaken"].includes(kind)]);
   });
 });
 

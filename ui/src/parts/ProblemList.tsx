@@ -1,4 +1,4 @@
-import { ArrowLeftRight, CircleCheck, CopyX, Ghost, Link2, Spline, Tag, Unlink, Users, Zap } from "lucide-react";
+import { ArrowLeftRight, CircleCheck, CopyX, FastForward, Ghost, Link2, Move3d, Repeat, Spline, Tag, Unlink, Users, Vibrate, Zap } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { Alternative, Problem } from "../api/types";
 import { count, frames, many, mm, percent } from "../model/format";
@@ -10,7 +10,10 @@ import styles from "./ProblemList.module.css";
 const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
   swap: { word: "Exchange?", icon: ArrowLeftRight }, join: { word: "One marker?", icon: Link2 }, gap: { word: "Gap", icon: Spline }, ghost: { word: "Ghost?", icon: Ghost },
   spike: { word: "Spike?", icon: Zap }, filled: { word: "Measured?", icon: CopyX }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, edit: { word: "Edit lost its place", icon: Unlink },
+  lost: { word: "Frames lost?", icon: FastForward }, repeated: { word: "Frames repeated?", icon: Repeat }, moved: { word: "World moved?", icon: Move3d }, shaken: { word: "World off?", icon: Vibrate },
 };
+/** What is about all markers at once. */
+const OF_WHOLE: readonly Problem["kind"][] = ["lost", "repeated", "moved", "shaken"];
 
 export function ProblemList(): React.JSX.Element {
   const { problems, problem, later } = useParts("problems", "problem", "later"), list = useRef<HTMLDivElement>(null), all = inOrder(problems?.problems ?? [], later), worth = problems?.worth_looking ?? all.length;
@@ -46,7 +49,7 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
   return (
     <button type="button" className={`${styles.row} ${later ? styles.later : ""}`} onClick={() => lookAt(p)}>
       <span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden />
-      <span className={styles.words}><b>{word}</b> {p.tracks.slice(0, 3).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ")}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
+      <span className={styles.words}><b>{word}</b> {OF_WHOLE.includes(p.kind) ? "all markers" : p.tracks.slice(0, 3).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ")}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
       <Weight problem={p} />
     </button>
   );

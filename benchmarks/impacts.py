@@ -11,9 +11,10 @@ import argparse
 import time
 from collections import defaultdict
 
-from tracking_scenes import HEAD, numbers, row, tally, track_with_decisions
+from tracking_scenes import HEAD, numbers, row
 
-from support.scenes import Tally
+from kinemark.track.simultaneous import track_with_decisions
+from support.scenes import Tally, tally
 from support.scenes.impacts import impact_scene
 
 

@@ -18,8 +18,8 @@ WAND_AMBER, WAND_RED = 0.005, 0.02
 WAND_FLOOR_MM = 1.0
 """… below this nobody minds; chosen (see studies/calibration_quality.py)."""
 NEAREST_MM, FARTHEST_MM = 200.0, 500_000.0
-"""Median distance between cameras; chosen (see studies/calibration_quality.py): cameras about a field of play stand 100 m
-apart, and of those half a metre apart lengths in µm taken for mm, or mm for m, make 500 m."""
+"""Median distance between cameras; chosen (see studies/calibration_quality.py): cameras about a field of play stand
+100 m apart, and of cameras half a metre apart, mm that were taken for m make 500 m."""
 SAME_PLACE_MM = 30.0
 """Cameras nearer to each other than this would be within each other; chosen (see studies/calibration_quality.py)."""
 MOST_OFF = 4.0

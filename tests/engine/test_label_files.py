@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial, same
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial, make_finding, same
 from kinemark.engine.audit import audit_file
 from kinemark.engine.check_files import check_figures, check_file, check_text
 from kinemark.engine.label_files import label_file, label_files, label_text, template_of
@@ -212,3 +212,22 @@ def test_what_is_stated_of_tracks_stands(files):
     ):
         with pytest.raises(KinemarkError, match=says):
             label_file(source, files / "other.c3d", template_of([files / "known.c3d"]), stated=wrong)
+
+
+def test_another_subjects_trial_given_as_the_own_is_said_in_words_and_makes_no_name_sure(tmp_path):
+    worn = read_marker_set("plug-in-gait-full")
+    write_trial(Trial("other", moving(worn, body_of(worn, 11, misplaced=0.005), 1)), tmp_path / "other.c3d")
+    new = moving(worn, body_of(worn, 12, misplaced=0.005), 2, duration_s=1.0)
+    new = replace(new, paths=tuple(replace(p, name=f"*{k}") for k, p in enumerate(new.paths, 1)))
+    write_trial(Trial("new", new), tmp_path / "new.c3d")
+    done = label_file(tmp_path / "new.c3d", tmp_path / "out.c3d", template_of([tmp_path / "other.c3d"]))
+    assert "the template is of another subject" in label_text(done) and "--scale" in label_text(done)
+    assert done.figures["another_subject"] is not None and "sure" not in done.labels.state
+
+
+def test_what_is_undecided_of_sides_is_said_in_words(files):
+    done = label_file(files / "new.c3d", files / "labelled.c3d", template_of([files / "known.c3d"]))
+    assert done.figures["undecided"] is None
+    for kind, words in (("world_mirrored", "mirror image of the template"), ("sides_undecided", "cannot be told")):
+        told = done._replace(labels=replace(done.labels, undecided=make_finding(kind, markers=["LKNE"])))
+        assert words in label_text(told) and words not in label_text(done)

@@ -9,7 +9,7 @@ import pytest
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.label import Shredded, label, learn_template, shredded
 from kinemark.label.calibration import UNKNOWN, Cases, calibrated_shift, cases_of, shift_of
-from kinemark.label.decided_sides import decided_sides
+from kinemark.label.decided_sides import _mirrored_world, decided_sides
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import BETA_OTHER, GAINED_OTHER, logistic, margins, probability
 from kinemark.label.side_pairs import mirrored
@@ -207,3 +207,15 @@ def test_an_exchange_that_gains_by_another_subjects_template_tells_nothing_more_
     }
     assert (p["own", -30.0] < p["own", -1.0]).all()
     assert (p["other", -30.0] == p["other", 0.0]).all() and (p["other", 0.0] < p["other", 5.0]).all()
+
+
+def test_a_mirrored_world_is_told_by_names_of_either_side_and_a_right_one_is_none():
+    """Distances fit the names of the own side there, and orientation those of the other."""
+    by = template(39)
+    other = mirrored(by.names)
+    stretches, pairs, true = known(walk(7, 39), by)
+    assert not _mirrored_world(stretches, true, by, pairs, other)
+    turned = replace(walk(7, 39), paths=tuple(replace(p, xyz=p.xyz * [1.0, -1.0, 1.0]) for p in walk(7, 39)))
+    stretches, pairs, true = known(turned, by)
+    assert _mirrored_world(stretches, true, by, pairs, other)
+    assert _mirrored_world(stretches, other[true], by, pairs, other)

@@ -171,6 +171,7 @@ def _figures(
         "fit": round(labels.fit, 3),
         "placed_share": round(labels.placed, 4),
         "figure_alone": by_figure,
+        "undecided": None if labels.undecided is None else labels.undecided.kind,
         "another_subject": None if labels.another is None else round(labels.another, 3),
         "missing": [name for name in names if name not in sure],
         "tracks": each,
@@ -200,6 +201,11 @@ def label_text(found: LabelledFile) -> str:
                 "if it is another's, say so: --scale, or --heights-mm"
             ]
             if found.labels.another is not None
+            else []
+        ),
+        *(
+            [f"          {text_of(found.labels.undecided)} {advice_of(found.labels.undecided)}"]
+            if found.labels.undecided is not None
             else []
         ),
         *(

@@ -7,6 +7,12 @@ body is also settled by moves of a few labels, as a pelvis turns with its legs. 
 it is taken; where the two differ by less than two quadruples are worth, the sides are undecided: their names are as
 likely as the other way round, and the finding asks. Names that
 were stated stay where they are, so that the rest of the body decides by them.
+
+In a world whose axes are left-handed, as where y was counted the other way, the names of the other side have the right
+orientation. But no body is quite its own mirror image, and distances are the same in both worlds: by the subject's own
+template the exchange of all names loses distances in a right one, and gains them in a mirrored one. So where distances
+gain that much and orientation says no, the world is said to be mirrored, and no name is sure; so it is where most
+quadruples of the names are turned.
 """
 
 from __future__ import annotations
@@ -20,10 +26,10 @@ from ..data import make_finding
 from ..data.array_types import Floats, Ints
 from ..data.finding import Finding
 from .anatomy import Anatomy
-from .evidence import WRONG_HAND, PairScore
+from .evidence import WRONG_HAND, PairScore, Single, hands
 from .exchange import FRAMES, Exchanger, best_moves
 from .side_pairs import mirrored
-from .stretches import Stretches
+from .stretches import FREE, Stretches
 from .sweeps import places
 from .template import Template
 
@@ -35,7 +41,8 @@ lose 220 or more."""
 
 
 class Sides(NamedTuple):
-    """(T) labels with left and right as they fit best; (T) tracks whose side nothing decides; the finding that asks."""
+    """(T) labels with left and right as they fit best; (T) tracks whose side nothing decides; the finding that asks,
+    or says that the world is mirrored."""
 
     label: Ints
     undecided: NDArray[np.bool_]
@@ -58,6 +65,8 @@ def decided_sides(stretches: Stretches, label: Ints, template: Template, pairs: 
         return Sides(label, none, None)
     turn, gain = _best_turn(stretches, label, template, pairs, other)
     new = np.where(label >= 0, turn[label], -1) if gain > 0 else label
+    if _mirrored_world(stretches, new, template, pairs, other):
+        return Sides(new, new >= 0, make_finding("world_mirrored"))
     if abs(gain) > UNDECIDED:
         return Sides(new, none, None)
     names = tuple(template.names[a] for a in np.flatnonzero(paired & present))
@@ -69,13 +78,10 @@ def _best_turn(
 ) -> tuple[Ints, float]:
     """(L) what each label becomes on the other side, and the nats a frame that this gains: the better of two ways."""
     exchanger, anatomy = Exchanger.of(template, pairs).keeping(stretches.fixed), Anatomy.of(template.names)
-    y = places(stretches, label, len(template))
-    y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    y = _some_places(stretches, label, len(template))
 
     def gain(turn: Ints) -> float:
-        moved = np.flatnonzero(turn != np.arange(len(turn)))
-        move = (tuple(moved.tolist()), tuple(turn[moved].tolist()))
-        return float(exchanger.gains(y, [move])[0]) + anatomy.gain(y, turn)
+        return _gain(exchanger, y, turn) + anatomy.gain(y, turn)
 
     plain = gain(other)
     if plain < -NEARLY:
@@ -84,6 +90,36 @@ def _best_turn(
     if (settled == np.arange(len(settled))).all() or (settled == other).all():
         return other, plain
     return max(((other, plain), (settled, gain(settled))), key=lambda one: one[1])
+
+
+def _mirrored_world(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, other: Ints) -> bool:
+    """Whether labels (T) fit better by distances with their sides exchanged, or most of their quadruples are turned.
+
+    By another subject's template, who is not quite symmetric in another way, and where names were stated, distances
+    tell nothing.
+    """
+    y = _some_places(stretches, label, len(template))
+    seen = np.isfinite(y[:, template.handed, 0]).all(2)
+    turned = np.array([hands(xyz, template.handed, template.sign) < 0 for xyz in y]).reshape(seen.shape) & seen
+    if 2 * turned.sum() > seen.sum():
+        return True
+    if np.any(template.doubt) or (stretches.fixed != FREE).any():
+        return False
+    plain = Exchanger.of(template, pairs)
+    by_distances = plain._replace(handed=plain.handed[:0], sign=plain.sign[:0])
+    return _gain(by_distances, y, other) > UNDECIDED
+
+
+def _some_places(stretches: Stretches, label: Ints, L: int) -> Single:
+    """(K, L, 3) of labels, in the frames that are compared."""
+    y = places(stretches, label, L)
+    return y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+
+
+def _gain(exchanger: Exchanger, y: Single, turn: Ints) -> float:
+    """Nats a frame by which labels y (K, L, 3) are better when each becomes turn (L)."""
+    moved = np.flatnonzero(turn != np.arange(len(turn)))
+    return float(exchanger.gains(y, [(tuple(moved.tolist()), tuple(turn[moved].tolist()))])[0])
 
 
 def at_most_even(probability: Floats, undecided: NDArray[np.bool_]) -> Floats:

@@ -72,7 +72,8 @@ def label_by_distances(
 ) -> Labels:
     """See `label`; where a template proves to be another subject's, names are found as by such, and none is sure."""
     found = _by_body_and_parts(trajectories, template, method, stated)
-    ratio = None if found.refused is not None else _of_another(trajectories, template, found)
+    settled = found.refused is not None or found.undecided is not None
+    ratio = None if settled else _of_another(trajectories, template, found)
     if ratio is None:
         return found
     return replace(
@@ -113,6 +114,8 @@ def _by_body_and_parts(
         return _of_body(tracks, by, replace(method, least_placed=LEAST_PART), facts)
 
     body = name(trajectories, template, stated)
+    if body.undecided is not None:  # by parts alone nothing would tell the sides either
+        return body if body.placed >= method.least_placed else _nothing_named(body, body.placed, 1.0, method)
     found = with_parts(trajectories, body, template, name, stated)
     if found is body:
         return body if body.placed >= method.least_placed else _nothing_named(body, body.placed, 1.0, method)

@@ -16,6 +16,12 @@ LABELLING_WORDS = {
         "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",
         "Say which side one marker is on, or give a template with a marker that breaks the symmetry.",
     ),
+    "world_mirrored": Words(
+        "The trial is the mirror image of the template: distances fit the names of one side, orientation those of the "
+        "other, so that no name is sure.",
+        "Look at the axes of both: one system is left-handed, as where y or a side of the volume is counted the other "
+        "way. Export it right-handed, or change the sign of one axis.",
+    ),
     "labels_without_template": Words(
         "No marker is named: nothing tells which is which in this trial.",
         'Give [label] a labelled trial of the subject (template), label a trial of kind = "static", or state names.',

@@ -65,7 +65,7 @@ LEAST_JUMP, LEAST_SHARE = 1.0, 1e-9
 """mm/s, and of the gap; by definition: of no account beside OWN_SD."""
 
 MATES = 6
-"""Of (4); chosen (see benchmarks/impacts.py)."""
+"""Pairs of tracks of (4) at most; chosen (see benchmarks/impacts.py)."""
 
 
 class Jumps(NamedTuple):

@@ -262,9 +262,7 @@ def _sharing(trajectories: Trajectories, claims: Sequence[Claim], owned: Owned) 
     return {name: some for name, some in rows.items() if len(some) > 1}
 
 
-def _renamed(
-    trajectories: Trajectories, claims: Sequence[Claim], owned: Owned, kept: dict[int, Bools]
-) -> Trajectories:
+def _renamed(trajectories: Trajectories, claims: Sequence[Claim], owned: Owned, kept: dict[int, Bools]) -> Trajectories:
     """The paths by what their samples are called now; paths that nothing changed are the same."""
     parts: dict[str, list[tuple[int, Bools]]] = {}
     number, as_it_was, nobody = _first_free(trajectories), set[int](), _nobodys(trajectories.n_frames)

@@ -54,7 +54,8 @@ def stretch_of(
     low, high = within or (first, last)
     inside = (number >= (-np.inf if low is None else low)) & (number <= (np.inf if high is None else high))
     if not inside.any():
-        raise ValueError(f"{name} has no sample in frames {low or 'from the first'} to {high or 'the last'}")
+        span = "" if low is None and high is None else f" in frames {low or 'from the first'} to {high or 'the last'}"
+        raise ValueError(f"{name} has no sample{span}")
     chosen = _spread(frames[inside], None if at is None else at - trajectories.first_frame)
     pieces = unbroken([path], among or trajectories)[0] if pieces is None else pieces
     chosen = _in_each_piece(chosen, frames[inside], pieces)

@@ -7,7 +7,8 @@ expected in a camera, s_p and s_p′ in each axis, the common image b of markers
 
     b = (p + p′) / 2,   variance s² + (s_p² + s_p′²) / 4 + (SHARE |p − p′|)²                 (1)
 
-as in `unmarked_merging`. A point all of whose images lie there, within GATE standard deviations, is given up.
+as in `unmarked_merging`. A point all of whose images lie there, within GATE standard deviations, is given up, if MOST
+of its track lies so.
 """
 
 from __future__ import annotations
@@ -24,6 +25,10 @@ from .unmarked_merging import SHARE, NearHeld, near_held
 
 GATE = 3.0
 """Standard deviations of (1); chosen: as many as an image of both is hardly ever off."""
+
+MOST = 0.5
+"""Of a track, a share; chosen: single points given up break tracks of markers, as one of `gait9` that then goes over to
+another marker for 90 frames."""
 
 
 def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
@@ -42,7 +47,7 @@ def between_markers(points: TrackPoints, detection: Ints, images: Images, r: flo
         said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
     number = (detection >= 0).sum(0)
     out[[row for (row, _, _), count in said.items() if count == number[row]]] = True
-    return out
+    return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
 
 
 def _middle(one: NearHeld, other: NearHeld, images: Images) -> Bools:

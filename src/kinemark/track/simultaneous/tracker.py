@@ -15,8 +15,8 @@ Merged images that a file does not mark are inferred from the tracks (`unmarked_
 
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
-Where two cameras alone see a track, images that drift past each other are given up (`drifting_pairs`), before the
-second pass, which looks for better ones, and after it.
+Images that drift past the others of their point are given up (`drifting_pairs`), and so are points that merged images
+make between two markers (`points_between`), before the second pass, which looks for better ones, and after it.
 
 Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1).
 Positions are those of the rig as given.

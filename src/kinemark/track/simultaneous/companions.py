@@ -96,6 +96,8 @@ class Pairs(NamedTuple):
 
 def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simultaneous) -> Stitched:
     """The stitches and more, of P points whose tracks are numbered after the stitches; T s between frames."""
+    name, number = np.unique(points.id, return_inverse=True)
+    points = points._replace(id=number)  # tables of tracks that are there no more would be most of the memory
     piece = rows_of(points)
     pairs, ids = _possible(points, piece, T, method), np.arange(len(piece))
     found: list[Stitch] = []
@@ -106,7 +108,10 @@ def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simu
             if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long), sure)):
                 break
             found += joined
-    return Stitched(np.append(ids, np.arange(len(ids), len(whole.id)))[whole.id], whole.stitches + found)
+    found = [one._replace(before=int(name[one.before]), after=int(name[one.after])) for one in found]
+    of_all = np.arange(len(whole.id))
+    of_all[name] = name[ids]
+    return Stitched(of_all[whole.id], whole.stitches + found)
 
 
 def once_a_frame(points: TrackPoints, T: float, method: Simultaneous) -> Bools:

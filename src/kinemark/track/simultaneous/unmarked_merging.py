@@ -43,7 +43,7 @@ from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import undistort
 from ...geometry.camera import distort
-from ...native import index_images, inverse
+from ...native import ImageIndex, index_images, inverse
 from ...numerics.robust import student_log_likelihood
 from ...numerics.runs import equal_runs
 from .associate import predict_images
@@ -82,6 +82,10 @@ image of their own that are known to 2 to 10 mm, 81 of 89 are then a marker's; b
 TRUST = 0.85
 """Of (4), a probability; chosen: of images of the highest scores so many are nearer to the middle of both markers than
 to the one that has them (seeds 0 to 60 of benchmarks/tracking_scenes.py; 0.81 to 0.85 for (3) above 2)."""
+
+
+AT_ONCE = 50_000
+"""Points and images that are looked at in one go; more would take memory and no less time; chosen."""
 
 
 class Claims(NamedTuple):
@@ -183,10 +187,14 @@ def resolution(images: Images) -> float:
     """r of (1) in px, 0 where images are as near to each other as it comes."""
     order = images.by_cell.order
     cell = images.frame[order] * len(images.P) + images.camera[order]
-    near, second = images.near(cell, images.uv[order, 0], np.full(len(order), LARGEST))
-    first = order[near]
-    apart = np.hypot(*(images.uv[first] - images.uv[second]).T)
-    apart = np.sort(apart[(first < second) & (apart < LARGEST)])
+    found = [np.zeros(0)]
+    for begin in range(0, len(order), AT_ONCE):
+        some = order[begin : begin + AT_ONCE]
+        near, second = images.near(cell[begin : begin + AT_ONCE], images.uv[some, 0], np.full(len(some), LARGEST))
+        first = some[near]
+        apart = np.hypot(*(images.uv[first] - images.uv[second]).T)
+        found.append(apart[(first < second) & (apart < LARGEST)])
+    apart = np.sort(np.concatenate(found))
     r = np.arange(1.0, LARGEST / 2 + 0.5, 0.5)
     m, n = np.searchsorted(apart, r), len(apart)
     likely = m * np.log(TOLD_APART) - n * np.log(1 - (1 - TOLD_APART) * (r / LARGEST) ** 2)  # (1)
@@ -214,13 +222,24 @@ class NearHeld(NamedTuple):
 
 def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> NearHeld:
     """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected."""
-    C, xyz, cov = len(images.P), points.xyz.T, points.cov.transpose(1, 2, 0)
-    expected = predict_images(images.P, KalmanStates(xyz, cov))
-    variance = (expected.S[:, 0] + expected.S[:, 2]) / 2
-    holder = np.full(len(images.uv), -1)
+    C, holder = len(images.P), np.full(len(images.uv), -1)
     for camera in detection:
         holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
     held = index_images(images.uv, images.frame * C + images.camera, holder >= 0, n_cells=C * images.n_frames)
+    parts = []
+    for first in range(0, max(len(points.id), 1), AT_ONCE):
+        part = np.arange(first, min(first + AT_ONCE, len(points.id)))
+        parts.append(_near_held(points.take(part), detection[:, part], images, held, r))
+        parts[-1] = parts[-1]._replace(holder=holder[parts[-1].image], other=part[parts[-1].other])
+    near = NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
+    return near.take(np.argsort(near.camera, kind="stable"))
+
+
+def _near_held(points: TrackPoints, detection: Ints, images: Images, held: ImageIndex, r: float) -> NearHeld:
+    """Of these points, by the images that points have; holders are left out."""
+    C, xyz, cov = len(images.P), points.xyz.T, points.cov.transpose(1, 2, 0)
+    expected = predict_images(images.P, KalmanStates(xyz, cov))
+    variance = (expected.S[:, 0] + expected.S[:, 2]) / 2
     lacks = (detection < 0) & np.isfinite(expected.uv[:, 0]) & (variance < (r / 4) ** 2)
     c, other = np.nonzero(lacks)
     reach = REACH * r + 2 * np.sqrt(variance[c, other])
@@ -228,7 +247,7 @@ def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) ->
     apart = np.hypot(*(expected.uv[c[at], :, other[at]] - images.uv[image]).T)
     at, image = at[apart < reach[at]], image[apart < reach[at]]
     c, other = c[at], other[at]
-    return NearHeld(holder[image], other, c, image, expected.uv[c, :, other].T, variance[c, other])
+    return NearHeld(image, other, c, image, expected.uv[c, :, other].T, variance[c, other])
 
 
 def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:

@@ -9,7 +9,18 @@ import numpy as np
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
 from kinemark.edit import connection, cropped, difference, replay, stretch_of
-from kinemark.edit.probable_errors import Paths, changes, fillings, ghosts, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors import (
+    Paths,
+    breaks,
+    changes,
+    fillings,
+    ghosts,
+    leaps,
+    pieces,
+    places,
+    spikes,
+    unbroken,
+)
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
@@ -17,7 +28,7 @@ from kinemark.fill import Linear, piece_matches, prepare
 from support.edited import entries, paths_without_images
 from support.filling import swaying
 from support.shift_law import Answer, law, moved
-from support.walked import clean, with_xyz
+from support.walked import clean, trajectories, with_xyz
 
 
 def stretch_moved(where, by):
@@ -96,6 +107,17 @@ def _(by):
     found = fillings(Paths.of(moved(with_xyz(walk, dict(enumerate(xyz))), by)))
     assert found
     return Answer(rest=[(one.path, one.first, one.last, one.still, round(one.wrong, 2)) for one in found])
+
+
+@law(breaks, unbroken, share=1e-2, mm=1e-3)
+def _(by):
+    xyz = np.round(clean().xyz * 256) / 256  # as other places here, so that no move rounds them
+    whole = moved(trajectories(np.delete(xyz, slice(151, 155), axis=1), clean().names), by)
+    paths = Paths.of(whole)
+    found = breaks(paths)
+    assert found
+    rest = [(one.kind, one.before, one.after, one.frames, round(one.wrong, 2)) for one in found]
+    return Answer([unbroken(paths, whole.names, found)[0].xyz], rest)
 
 
 @law(problems, filled_gaps, share=1e-2)

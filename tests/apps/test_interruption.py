@@ -16,7 +16,11 @@ from kinemark.io.trial import write_trial
 from support.trials import made_trial
 
 READY = """
+import signal
 import sys
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests that run in the background inherit that it is ignored
+
 from kinemark.__main__ import main
 
 class Ready:  # says so at the first import that main itself does: before it, Ctrl-C would meet this script

@@ -50,6 +50,15 @@ def test_a_plate_half_of_which_is_away_for_long_has_its_tracks_back(seed):
     assert ids.tolist() == [*range(9), *range(5)]
 
 
+def test_numbers_of_tracks_that_are_there_no_more_change_nothing():
+    points = in_pieces(plate(1), AWAY)
+    plain, far = joined(points), joined(points._replace(id=3 * points.id + 2))
+    assert far.id[2::3].tolist() == [3 * i + 2 for i in plain.id.tolist()]
+    assert far.id[:2].tolist() == [0, 1]
+    ends = [(3 * one.before + 2, 3 * one.after + 2) for one in plain.stitches]
+    assert [(one.before, one.after) for one in far.stitches] == ends != []
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_markers_that_move_by_themselves_are_not_joined(seed):
     points = in_pieces(dance(n=12, frames=400, rate=RATE, seed=seed), {1: (120, 260), 6: (140, 270)})

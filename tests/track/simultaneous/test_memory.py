@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from kinemark.track.simultaneous import Simultaneous, time_offsets, track_simultaneously
+from kinemark.track.simultaneous import Simultaneous, time_offsets, track_simultaneously, unmarked_merging
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.passes import Run
 from support.scenes import make, scene
@@ -34,3 +34,14 @@ def test_time_offsets_from_some_of_the_points_are_those_from_all(made, monkeypat
     part = time_offsets.time_offsets(result)
     assert (part.error > whole.error).any()
     np.testing.assert_allclose(part.delay, whole.delay, atol=4 * float(np.hypot(part.error, whole.error).max()))
+
+
+def test_merging_looked_at_part_by_part_is_that_of_all_at_once(monkeypatch):
+    own = make(scene(38)._replace(markers=39, cameras=6, motion="arms", rate=100.0, seconds=2.4))
+    whole = track_simultaneously(own.detections, own.rig, Simultaneous())
+    assert whole.images.merged.any()  # inferred: the file marks none
+    monkeypatch.setattr(unmarked_merging, "AT_ONCE", 777)
+    part = track_simultaneously(own.detections, own.rig, Simultaneous())
+    np.testing.assert_array_equal(part.images.merged, whole.images.merged)
+    np.testing.assert_array_equal(part.tracks.cloud.xyz, whole.tracks.cloud.xyz)
+    np.testing.assert_array_equal(part.tracks.id, whole.tracks.id)

@@ -63,6 +63,18 @@ def test_a_trial_that_was_not_run_says_so(folder):
         trial.run("trakc")
 
 
+def test_a_trial_that_is_opened_again_has_what_is_up_to_date(folder):
+    run = Session.open(folder).trial("one").run("track")
+    opened = Session.open(folder).trial("one")
+    assert opened.done("track") and not opened.done("write")
+    np.testing.assert_array_equal(opened.tracks.cloud.xyz, run.tracks.cloud.xyz)
+    with pytest.raises(KinemarkError, match="has no quality yet: run it to 'quality' first"):
+        _ = opened.quality
+    other = Session.open(folder, overrides=["track.gate=4.0"]).trial("one")
+    with pytest.raises(KinemarkError, match="has no track yet"):
+        _ = other.tracks  # those of the run were made with another gate
+
+
 def test_results_that_were_replaced_are_not_taken_for_those_of_the_run(folder):
     before = Session.open(folder).trial("one").run("track")
     Session.open(folder, overrides=["track.gate=4.0"]).trial("one").run("track")

@@ -144,8 +144,8 @@ class OpenTrial:
         return {stage.name: store.holds(stage.name, keys[stage.name], stage.files) for stage in graph.stages}
 
     def done(self, stage: str) -> bool:
-        """Whether the last run came as far as this stage."""
-        return any(step.stage == stage for step in self.steps)
+        """Whether the run came as far as this stage; of a trial that was only opened, whether its record is there."""
+        return any(step.stage == stage for step in self._known())
 
     def summary(self) -> dict[str, Any]:
         """The last run for a machine: every figure, or the stages done where it stopped earlier, or its error."""
@@ -157,7 +157,7 @@ class OpenTrial:
         """The record of a stage that was run.
 
         Raises:
-            KinemarkError: it was not run, or its file was changed or deleted since.
+            KinemarkError: it was not run, is not up to date, or its file was changed or deleted since.
         """
         return self._records(stage)[stage]
 
@@ -217,9 +217,16 @@ class OpenTrial:
         key, stage = graph.keys("label")["label"], graph.to("label")[-1]
         return key if Store.read(self.folder).holds("label", key, stage.files) else ABSENT
 
+    def _known(self) -> tuple[Step, ...]:
+        """The stages that were run; of a trial that was only opened, those of former runs that are up to date."""
+        if self.steps or self.failed is not None:
+            return self.steps
+        old = Store.read(self.folder).old
+        return tuple(old[stage] for stage, done in self.state().items() if done) if old else ()
+
     def _records(self, stage: str) -> dict[str, Any]:
-        """The records of a stage and of all that it needs, as the last run left them."""
-        keys = {step.stage: step.input for step in self.steps}
+        """The records of a stage and of all that it needs, as the run left them."""
+        keys = {step.stage: step.input for step in self._known()}
         store, found = Store.read(self.folder), {}
         for needed in self._graph(self.workspace.calibrate()).to(stage):
             if needed.name not in keys:

@@ -172,7 +172,7 @@ def _marker_tiles(quality: dict[str, Any]) -> list[Tile]:
             complete, "complete in view", f"{whole} of the whole trial" if known else "not known: images are left over"
         ),
         Tile(number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
-        Tile(median, "median residual", f"RMS {rms}"),
+        Tile(median, "median residual", f"RMS {rms}; images far off count little"),
         Tile(sd, "σ of a position, per axis", _parts_of_sd(markers)),
     ]
 

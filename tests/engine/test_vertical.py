@@ -87,7 +87,9 @@ def test_a_c3d_file_made_of_a_silent_one_claims_what_its_markers_show(tmp_path):
 def test_markers_without_names_that_stand_on_the_floor_show_what_is_up(k):
     """Twelve on a body, 300 mm wide and 1700 high; where it lies high up or is a limb, nothing is claimed."""
     rng = np.random.default_rng(k)
-    body = np.roll(rng.uniform([0, 0, 20], [300, 300, 40], (12, 3)) + np.outer(np.arange(12), [0, 0, 150]), k - 2, axis=1)
+    body = np.roll(
+        rng.uniform([0, 0, 20], [300, 300, 40], (12, 3)) + np.outer(np.arange(12), [0, 0, 150]), k - 2, axis=1
+    )
 
     def said(xyz):
         paths = tuple(MarkerTrajectory.measured(f"m{i}", np.tile(x, (4, 1))) for i, x in enumerate(xyz))

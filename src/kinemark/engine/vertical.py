@@ -1,9 +1,9 @@
 """A trial with another axis upwards, as the program that reads it next wants it.
 
 Which axis goes up is shown by the markers of pelvis and ankles, if it has them; else it is what the file says; else
-the one along which the markers of somebody who stands or walks are far longer than wide and begin near 0, where the floor
-is; and z where nothing tells it. x stays where it is not the one that goes up: (x, y, z) with z up
-is (x, z, -y) with y up, as OpenSim has it.
+the one along which the markers of somebody who stands or walks are far longer than wide and begin near 0, where the
+floor is; and z where nothing tells it. x stays where it is not the one that goes up: (x, y, z) with z up is (x, z, -y)
+with y up, as OpenSim has it.
 """
 
 from __future__ import annotations

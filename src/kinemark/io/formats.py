@@ -258,7 +258,9 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
 
         return open_images(path)
     if (path / "session.toml").is_file():
-        raise KinemarkError(f"{path} is a session. Process it with kinemark run {path}, and give a file in its results.")
+        raise KinemarkError(
+            f"{path} is a session. Process it with kinemark run {path}, and give a file in its results."
+        )
     if path.is_dir():
         raise KinemarkError(f"{path} is a folder without a session.toml. Name the files in it, as {path / '*.c3d'}.")
     if not path.exists():

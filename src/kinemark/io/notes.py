@@ -16,8 +16,8 @@ class FileNote:
     Attributes:
         kind: "turned", to other axes; "not_turned", which stay in those in which they were computed;
             "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
-            no place for it; "incomplete", where a sample that is known in part is missing in the file; "shortened", names cut to what
-            the format has room for;
+            no place for it; "incomplete", where a sample that is known in part is missing in the file; "shortened",
+            names cut to what the format has room for;
             "read", what was odd in the source.
         what: "analog", "signals", "force plates", "events", "covariance", …; in words where something was read.
         names: the channels, signals or markers, in order; empty where it is all of them.

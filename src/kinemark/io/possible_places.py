@@ -1,4 +1,4 @@
-"""Places of markers in a file that cannot be, or hardly in the unit that was read: told, and no calculation meets them."""
+"""Places in a file that cannot be, or hardly in the unit that was read: told, and no calculation meets them."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ FRAMES = 200
 
 
 def with_possible_places(trial: Trial) -> Trial:
-    """The trial without samples 1000 km away and farther, mm, and with notes of these and of a span that tells another
+    """The trial without samples farther than 1000 km, mm, and with notes of these and of a span that tells another
     unit. Where nothing is odd it is the same record."""
     notes = list(trial.notes)
     trajectories, far = _near(trial.trajectories)
     far += _left_out(trial)
     if far:
         samples = "1 sample is" if far == 1 else f"{far} samples are"
-        notes.append(f"{samples} 1000 km away or farther, which is no place; they are missing")
+        notes.append(f"{samples} farther than 1000 km, which is no place; they are missing")
     if text := _unit_doubt(trajectories):
         notes.append(text)
     return trial if len(notes) == len(trial.notes) else replace(trial, trajectories=trajectories, notes=tuple(notes))
@@ -36,7 +36,7 @@ def with_possible_places(trial: Trial) -> Trial:
 
 def _near(trajectories: Trajectories) -> tuple[Trajectories, int]:
     """Those within reach, and how many samples are not."""
-    far = [(np.abs(path.xyz) >= FARTHEST).any(1) for path in trajectories]
+    far = [(np.abs(path.xyz) > FARTHEST).any(1) for path in trajectories]
     count = int(sum(rows.sum() for rows in far))
     if not count:
         return trajectories, 0
@@ -53,7 +53,7 @@ def _left_out(trial: Trial) -> int:
 
 
 def _unit_doubt(trajectories: Trajectories) -> str:
-    """That the markers lie too near or too far from each other for the unit, and what to state; "" where they do not."""
+    """That the markers lie too near or too far from each other for the unit, and what to state; "" if not."""
     if len(trajectories) < LEAST_MARKERS or not trajectories.n_frames:
         return ""
     span = _span(trajectories.xyz[:, :: -(-trajectories.n_frames // FRAMES)])

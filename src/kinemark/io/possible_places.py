@@ -36,11 +36,11 @@ def with_possible_places(trial: Trial) -> Trial:
 
 def _near(trajectories: Trajectories) -> tuple[Trajectories, int]:
     """Those within reach, and how many samples are not."""
-    far = [(np.abs(path.xyz) > FARTHEST).any(1) for path in trajectories]
+    far = [np.asarray((np.abs(path.xyz) > FARTHEST).any(1)) for path in trajectories]
     count = int(sum(rows.sum() for rows in far))
     if not count:
         return trajectories, 0
-    paths = [path.only(~rows) if rows.any() else path for path, rows in zip(trajectories, far, strict=True)]
+    paths = [path.only(np.asarray(~rows, np.bool_)) if rows.any() else path for path, rows in zip(trajectories, far, strict=True)]
     return replace(trajectories, paths=tuple(paths)), count
 
 

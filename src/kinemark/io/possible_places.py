@@ -40,7 +40,10 @@ def _near(trajectories: Trajectories) -> tuple[Trajectories, int]:
     count = int(sum(rows.sum() for rows in far))
     if not count:
         return trajectories, 0
-    paths = [path.only(np.asarray(~rows, np.bool_)) if rows.any() else path for path, rows in zip(trajectories, far, strict=True)]
+    paths = [
+        path.only(np.asarray(~rows, np.bool_)) if rows.any() else path
+        for path, rows in zip(trajectories, far, strict=True)
+    ]
     return replace(trajectories, paths=tuple(paths)), count
 
 

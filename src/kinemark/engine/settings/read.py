@@ -47,7 +47,8 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
         lines = "\n".join(f"  {_said(row)}" for row in rows)
         beside = f" with {', '.join(overrides)}" if overrides else ""
         raise KinemarkError(
-            f"{path}{beside} has settings that are not understood:\n{lines}\nCorrect these. kinemark schema has all keys."
+            f"{path}{beside} has settings that are not understood:\n{lines}\n"
+            "Correct these; kinemark schema has all keys."
         ) from error
 
 

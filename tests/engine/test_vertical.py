@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from kinemark.data import ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.engine.formats import convert
-from kinemark.engine.vertical import with_axis_up
+from kinemark.engine.vertical import with_axis_said, with_axis_up
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.trc import read_trc, write_trc
 from kinemark.synth import walking
@@ -62,6 +62,41 @@ def test_the_file_tells_where_markers_do_not(tmp_path):
     notes = convert(tmp_path / "silent.trc", tmp_path / "up.trc", up="y")
     assert "where a file does not say it" in notes[0].what
     assert read_trc(tmp_path / "up.trc")["A"].xyz[0, 1] == 950
+
+
+def screen_of(path, target):
+    """What a C3D file that is made of it says of the axis that goes up, and the notes."""
+    notes = convert(path, target)
+    return read_c3d(target).source.texts("POINT", "Y_SCREEN"), [note.what for note in notes]
+
+
+def test_a_c3d_file_made_of_a_silent_one_claims_what_its_markers_show(tmp_path):
+    write_trc(tmp_path / "y.trc", standing(up="y").trajectories)
+    said, notes = screen_of(tmp_path / "y.trc", tmp_path / "y.c3d")
+    assert said == ("+Y",) and "from the ankles to the pelvis" in notes[0]
+    write_trc(tmp_path / "z.trc", standing().trajectories)
+    assert screen_of(tmp_path / "z.trc", tmp_path / "z.c3d")[0] == ("+Z",)
+    write_trc(tmp_path / "none.trc", standing(names="ABCD").trajectories)
+    said, notes = screen_of(tmp_path / "none.trc", tmp_path / "none.c3d")
+    assert said == () and "not shown by the markers" in notes[0]
+    convert(tmp_path / "none.trc", tmp_path / "told.c3d", up="z")
+    assert read_c3d(tmp_path / "told.c3d").source.texts("POINT", "Y_SCREEN") == ("+Z",)
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+def test_markers_without_names_that_stand_on_the_floor_show_what_is_up(k):
+    """Twelve on a body, 300 mm wide and 1700 high; where it lies high up or is a limb, nothing is claimed."""
+    rng = np.random.default_rng(k)
+    body = np.roll(
+        rng.uniform([0, 0, 20], [300, 300, 40], (12, 3)) + np.outer(np.arange(12), [0, 0, 150]), k - 2, axis=1
+    )
+
+    def said(xyz):
+        paths = tuple(MarkerTrajectory.measured(f"m{i}", np.tile(x, (4, 1))) for i, x in enumerate(xyz))
+        return with_axis_said(Trial("body", Trajectories(paths, 100.0)))[0].about
+
+    assert said(body) == {"up": f"+{'XYZ'[k]}"}
+    assert said(body + 1500.0) == {} and said(0.3 * body) == {}
 
 
 def test_what_has_no_vertical_is_refused():

@@ -295,3 +295,9 @@ def test_a_gap_in_more_motion_than_its_tests_is_named():
         assert [f["kind"] for f in figures["findings"] if f["kind"] == "gaps_beyond_tests"] == named
         assert figures["verdict"]["grade"] == ("amber" if named else "green")
         check_findings(figures)
+
+
+def test_a_reference_marker_that_was_dropped_after_filling_is_not_drawn():
+    """As a nameless track that a fill rests on and that `edits finish` drops."""
+    before = fill(trial_of(with_gap(segment(120))).trajectories, method=Linear(), limit_mm=np.inf).trajectories
+    assert gap_figure(before, "A", 40, 60, references=("*3",)) == gap_figure(before, "A", 40, 60)

@@ -251,7 +251,7 @@ def test_a_recorded_video_cut_or_damaged_is_refused(tmp_path):
     part = tmp_path / "part.mp4"
     for cut in (1, 1000, len(data) // 2, len(data) - 100):
         part.write_bytes(data[:cut])
-        with pytest.raises(KinemarkError, match="cannot be read as a video"):
+        with pytest.raises(KinemarkError, match="cannot be read as image or video"):
             open_images(part)
     part.write_bytes(data[:30000] + bytes(200) + data[30200:])
     with pytest.raises(KinemarkError, match="of 1202 frames could be decoded"):
@@ -264,7 +264,7 @@ def test_a_recorded_video_cut_or_damaged_is_refused(tmp_path):
 def test_what_is_neither_image_nor_video_is_refused(tmp_path, data):
     for name in ("a.mkv", "a.png", "a.m3u8"):
         (tmp_path / name).write_bytes(data)
-        with pytest.raises(KinemarkError, match="cannot be read as a video"):
+        with pytest.raises(KinemarkError, match="cannot be read as image or video"):
             open_images(tmp_path / name)
 
 

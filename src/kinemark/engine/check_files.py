@@ -83,6 +83,8 @@ def check_file(source: Path, template: SubjectTemplate) -> CheckedNames:
     known = template.marker_set if template.marker_set in marker_sets() else None
     pairs = read_marker_set(known).pairs if known else sides_by_name(template.template.names)
     points = put_aside(read_trial(source), keep=template.template.names).rest
+    if not any((path.origin != Origin.MISSING).any() for path in points):
+        raise KinemarkError(f"{source} is not checked: none of its markers has a sample. Export it again.")
     found = check_names(without_prefix(points, template.template.names), template.template, pairs)
     if found.unfit:
         raise KinemarkError(f"{source} is not checked. {found.unfit}")

@@ -202,7 +202,7 @@ def angle_model(path: Path) -> AngleModel:
     try:
         return fit_model(MarkerArray.of(read_trial(path).trajectories)).model
     except KinemarkError as error:
-        raise KinemarkError(f"No model can be made of {path}. {error}") from error
+        raise KinemarkError(f"No model can be made of {path}: {error}") from error
 
 
 def _with_model(method: Any, name: str, model: AngleModel) -> Any:

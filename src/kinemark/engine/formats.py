@@ -67,6 +67,10 @@ def convert(
         from .vertical import with_axis_up  # brings the gait model, which no other conversion needs
 
         content, turning = with_axis_up(content, up)
+    elif fits[0] == "trajectories" and suffix == ".c3d":
+        from .vertical import with_axis_said
+
+        content, turning = with_axis_said(content)
     return (*read_notes(odd), *turning, *write_file(target, fits[0], content))
 
 

@@ -30,6 +30,7 @@ from ..data import (
     make_finding,
 )
 from ..data.edits import Claim
+from ..data.trial import UP
 from ..edit import cropped
 from ..fill import Filled, Rays, fill_recording
 from ..findings.gaps import filling_figures
@@ -253,7 +254,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     """The trial for other programs, and for a person who reads."""
     trial, figures, edited = _trial(inputs, records), records["quality"], edits_of(inputs, records)
     folder, name, trajectories = inputs.folder, inputs.name, trial.trajectories
-    about = with_identity(trial.about, figures["identity"])
+    about = {UP: "+Z"} | with_identity(trial.about, figures["identity"])
     write_c3d(folder / f"{name}.c3d", replace(trial, steps=_own(tuple(inputs.store.steps)), about=about))
     write_report(
         folder / REPORT,

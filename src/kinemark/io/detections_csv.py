@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
 from .files import replacing
-from .number_text import bad_line, numbers, plain, read_text, whole
+from .number_text import AGAIN, bad_line, numbers, plain, read_text, whole
 
 NEEDED = ("camera", "frame", "u_px", "v_px")
 VARIANCES = ("var_u_px2", "var_v_px2")
@@ -122,7 +122,7 @@ def chunks(
     while pairs := list(islice(rows, ROWS_AT_ONCE)):
         for line, row in pairs:
             if len(row) != len(heading):
-                raise bad_line(path, line, f"has {len(row)} cells, wanted {len(heading)}")
+                raise bad_line(path, line, f"has {len(row)} cells, wanted {len(heading)}. {AGAIN}")
             name = row[at].strip()
             if name not in names and not add:
                 raise bad_line(path, line, f"camera {name!r} is not one of {', '.join(names)}")

@@ -28,6 +28,7 @@ from .dlt_csv import read_dlt_csv, write_dlt_csv
 from .named_points_csv import layout_of, read_named_detections
 from .notes import FileNote
 from .number_text import bad_line, read_text
+from .possible_places import with_possible_places
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
@@ -250,11 +251,16 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
     """
     ending = path.suffix.lower()
     if ending in FORMATS:
-        return FORMATS[ending].read(path, options)
+        found = FORMATS[ending].read(path, options)
+        return with_possible_places(found) if isinstance(found, Trial) else found
     if ending in IMAGES:
         from .images import open_images
 
         return open_images(path)
+    if (path / "session.toml").is_file():
+        raise KinemarkError(
+            f"{path} is a session. Process it with kinemark run {path}, and give a file in its results."
+        )
     if path.is_dir():
         raise KinemarkError(f"{path} is a folder without a session.toml. Name the files in it, as {path / '*.c3d'}.")
     if not path.exists():

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-Kind = Literal["resampled", "cut", "not_written", "not_turned", "turned", "incomplete", "read"]
+Kind = Literal["resampled", "cut", "not_written", "not_turned", "turned", "incomplete", "shortened", "read"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +16,8 @@ class FileNote:
     Attributes:
         kind: "turned", to other axes; "not_turned", which stay in those in which they were computed;
             "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
-            no place for it; "incomplete", where a sample that is known in part is missing in the file;
+            no place for it; "incomplete", where a sample that is known in part is missing in the file; "shortened",
+            names cut to what the format has room for;
             "read", what was odd in the source.
         what: "analog", "signals", "force plates", "events", "covariance", …; in words where something was read.
         names: the channels, signals or markers, in order; empty where it is all of them.
@@ -34,6 +35,9 @@ def read_notes(notes: Iterable[str]) -> tuple[FileNote, ...]:
     return tuple(FileNote("read", note) for note in notes)
 
 
+MOST_NAMES = 8
+"""So many names stand in a sentence, all of them in its figures; chosen."""
+
 TEMPLATES = {
     "turned": "{who}.",
     "not_turned": "{who}: not turned; they stay in the axes in which they were computed.",
@@ -41,6 +45,7 @@ TEMPLATES = {
     "cut": "{who}: {seconds:.3g} s beyond the frames are not in the file.",
     "not_written": "{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all.",
     "incomplete": "{who}: samples of which only some components are known are missing in the file.",
+    "shortened": "{who}: cut to 127 bytes in the file, as its format has no room for more. HDF5 (.h5) keeps all.",
     "read": "in the source: {who}.",
 }
 """By `FileNote.kind`."""
@@ -53,6 +58,7 @@ def file_note_figures(notes: Iterable[FileNote]) -> list[dict[str, Any]]:
 
 def file_note_text(note: FileNote) -> str:
     """A note as a sentence."""
-    who = note.what + (f" {', '.join(note.names)}" if note.names else "")
+    listed, more = note.names[:MOST_NAMES], len(note.names) - MOST_NAMES
+    who = note.what + (f" {', '.join(listed)}" if listed else "") + (f" and {more} more" if more > 0 else "")
     who = who.rstrip(".") if note.kind == "read" else who
     return TEMPLATES[note.kind].format(who=who, **note.values)

@@ -13,6 +13,7 @@ from ..data import KinemarkError
 from .files import read_bytes
 
 MOST_BYTES = 1 << 29  # of a file; chosen for memory
+AGAIN = "Copy or export the file again, or correct that line."
 
 
 def read_text(path: Path | str) -> str:
@@ -52,11 +53,11 @@ def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str
     table = np.full((len(cells), width), np.nan)
     for k, row in enumerate(cells):
         if len(row) < width or any(cell.strip() for cell in row[width:]):
-            raise bad_line(path, lines[k], f"has {len(row)} cells, wanted {width}")
+            raise bad_line(path, lines[k], f"has {len(row)} cells, wanted {width}. {AGAIN}")
         try:
             table[k] = [float(cell) if cell.strip() else np.nan for cell in row[:width]]
         except ValueError as error:
-            raise bad_line(path, lines[k], f"{error}. Empty cells mean missing.") from error
+            raise bad_line(path, lines[k], f"{error}. Correct the cell; an empty one means missing.") from error
     return table
 
 

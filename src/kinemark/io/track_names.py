@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..data import KinemarkError
-from .number_text import bad_line, read_text
+from .number_text import AGAIN, bad_line, read_text
 
 COLUMNS = ("track", "name", "first", "last")
 MOST = 100_000
@@ -69,7 +69,7 @@ def _from_csv(path: Path) -> tuple[TrackName, ...]:
         if not any(cell.strip() for cell in row):
             continue
         if (len(row) > len(head) and any(cell.strip() for cell in row[len(head) :])) or len(row) < 2:
-            raise bad_line(path, line, f"has {len(row)} cells, wanted {len(head)}")
+            raise bad_line(path, line, f"has {len(row)} cells, wanted {len(head)}. {AGAIN}")
         cells = {key: cell.strip() for key, cell in zip(head, row, strict=False)}
         try:
             first, last = (int(cells[key]) if cells.get(key) else None for key in ("first", "last"))

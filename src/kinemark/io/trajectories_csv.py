@@ -81,9 +81,13 @@ def markers(path: Path | str, heading: list[str]) -> list[str]:
 
 def rate_of(path: Path | str, time: NDArray[np.float64], lines: Sequence[int]) -> float:
     """Frames a second of times (F) s that stand in these lines; see `read_trajectories_csv`."""
+    if not len(time):
+        raise KinemarkError(f"{path} has a heading and no frames. Export it again.")
     span = time[-1] - time[0] if len(time) > 1 else np.nan
     if not 0 < span < np.inf:
-        raise KinemarkError(f"{path} does not tell its rate: time_s does not rise. Say it with rate or --rate-hz.")
+        raise KinemarkError(
+            f"{path} does not tell its rate: time_s does not rise. Say it with --rate-hz (in Python: rate)."
+        )
     step = np.diff(time)
     if (jump := np.flatnonzero(step > max(UNEVEN * span / len(step), ROUNDED))).size:
         k = int(jump[0])

@@ -85,7 +85,9 @@ def video_stream(path: Path | str, container: av.container.InputContainer) -> av
 
 def not_a_video(path: Path | str, why: str) -> KinemarkError:
     """The error for a file that cannot be opened as video."""
-    return KinemarkError(f"{path} cannot be read as a video ({why}). Copy it again, or convert it to .mkv with FFV1.")
+    return KinemarkError(
+        f"{path} cannot be read as image or video ({why}). Copy it again, or convert it to .mkv with FFV1."
+    )
 
 
 def counted(path: Path | str, container: av.container.InputContainer) -> int:

@@ -74,7 +74,8 @@ def gap_figure(
     Args:
         trajectories: the trial after filling.
         marker: its name; start, stop: its missing frames, stop excluded.
-        references: markers drawn beside it in grey, moved to where the marker is at the edges of the gap.
+        references: markers drawn beside it in grey, moved to where the marker is at the edges of the gap; those that
+            the trial no longer has, as nameless tracks that were dropped after filling, are left out.
         replaced: what was measured (3) in or beside the gap and is replaced or suspicious, drawn as dots.
     """
     path, rate = trajectories[marker], trajectories.rate
@@ -83,7 +84,7 @@ def gap_figure(
     frames = np.unique(
         np.concatenate([frames[:: max(1, len(frames) // MOST)], np.clip([start - 1, stop], 0, frames[-1])])
     )
-    near = [trajectories[name].xyz[frames] for name in references if name != marker]
+    near = [trajectories[name].xyz[frames] for name in references if name != marker and name in trajectories.names]
     panels = [_panel(path, frames, axis, near, (start, stop), rate, replaced or {}) for axis in range(3)]
     sizes = {"width": WIDTH, "height": HEIGHT, "left": LEFT, "top": TOP, "bottom": HEIGHT - BOTTOM, "apart": APART}
     return render("gap.html", panels=panels, whole=3 * WIDTH + 2 * APART, filled=STATES["filled"], **sizes)

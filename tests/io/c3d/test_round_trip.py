@@ -411,3 +411,13 @@ def test_integers_of_a_saturated_coordinate_come_back_as_they_are(tmp_path):
     trial = trial_of(blank(counts * 0.25, floats=False, scale=0.25), name="made")
     write_c3d(tmp_path / "a.c3d", trial)
     assert np.array_equal(read_c3d(tmp_path / "a.c3d").trajectories.xyz, trial.trajectories.xyz, equal_nan=True)
+
+
+def test_names_beyond_the_formats_room_are_cut_told_and_still_differ(tmp_path):
+    long = "ä" * 70  # 140 bytes
+    names = (f"{long}left", f"{long}right", "short", "b" * 127)
+    paths = tuple(MarkerTrajectory.measured(name, np.full((3, 3), 10.0 * k)) for k, name in enumerate(names))
+    notes = write_c3d(tmp_path / "long.c3d", Trial("long", Trajectories(paths, 100.0)))
+    assert [(note.kind, note.what, note.names) for note in notes] == [("shortened", "markers", names[:2])]
+    labels = read_c3d(tmp_path / "long.c3d").source.texts("POINT", "LABELS")
+    assert labels == ("ä" * 63, "ä" * 62 + "~2", "short", "b" * 127)

@@ -46,7 +46,10 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
         rows = [row for row in error.errors() if {*row["loc"]} - follows or len(error.errors()) == 1]
         lines = "\n".join(f"  {_said(row)}" for row in rows)
         beside = f" with {', '.join(overrides)}" if overrides else ""
-        raise KinemarkError(f"{path}{beside} has settings that are not understood:\n{lines}") from error
+        raise KinemarkError(
+            f"{path}{beside} has settings that are not understood:\n{lines}\n"
+            "Correct these; kinemark schema has all keys."
+        ) from error
 
 
 def _with(table: dict[str, Any], overrides: Sequence[str]) -> dict[str, Any]:

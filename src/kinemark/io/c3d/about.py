@@ -1,8 +1,8 @@
 """What is known of a capture besides its numbers: date, subject, labels and comments.
 
-SUBJECTS:NAMES is C3D's own place for the subject, POINT:Y_SCREEN for the axis of the world that goes up, which is told
-where it is not z; its sign is that of the screen, which some programs count downwards. All else stands in
-KINEMARK:ABOUT, a row "name: text" each.
+SUBJECTS:NAMES is C3D's own place for the subject, POINT:Y_SCREEN for the axis of the world that goes up, which is read
+where it is not z; its sign is that of the screen, which some programs count downwards. It is written where it is
+known: a file of which nothing is known claims nothing. All else stands in KINEMARK:ABOUT, a row "name: text" each.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def about_of(doc: C3D) -> dict[str, str]:
     subjects = ", ".join(name for name in doc.texts("SUBJECTS", "NAMES") if name)
     rows = (row.partition(BETWEEN) for row in doc.texts(GROUP, ABOUT))
     stated = {name: text for name, between, text in rows if between}
-    letter = next(iter(doc.texts("POINT", "Y_SCREEN")), "").strip().upper()[-1:]
-    axis = {UP: f"+{letter}"} if letter in ("X", "Y") else {}
+    up = _up_in(doc)
+    axis = {UP: up} if up not in ("", USUAL) else {}
     return ({SUBJECT: subjects} if subjects else {}) | axis | stated
 
 
@@ -48,9 +48,15 @@ def with_about(doc: C3D, about: Mapping[str, str]) -> C3D:
         names = [subject] if subject else []
         parameters = [Parameter.whole("USED", len(names)), Parameter.text("NAMES", names)]
         doc = with_parameters(doc, "SUBJECTS", parameters)
-    if (up := about.get(UP, USUAL)) != had.get(UP, USUAL):
+    if (up := about.get(UP, USUAL if UP in had else "")) and up != _up_in(doc):
         right = "+Y" if up.endswith("X") else "+X"
         screen = [Parameter.text("X_SCREEN", right), Parameter.text("Y_SCREEN", up)]
         doc = with_parameters(doc, "POINT", screen)
     rows = [f"{name}{BETWEEN}{text}" for name, text in about.items() if name not in OWN_PLACE]
     return with_text(doc, GROUP, ABOUT, rows, [-1] * len(rows), doc.texts(GROUP, ABOUT))
+
+
+def _up_in(doc: C3D) -> str:
+    """The axis that the document says goes up, as "+Y"; "" where it says none."""
+    letter = next(iter(doc.texts("POINT", "Y_SCREEN")), "").strip().upper()[-1:]
+    return f"+{letter}" if letter in ("X", "Y", "Z") else ""

@@ -37,7 +37,8 @@ def with_text(doc: C3D, group: str, name: str, texts: Sequence[str], source: Seq
     if list(texts) == list(had) and list(source) == list(range(len(had))):
         return doc
     kept = [0 <= s < min(len(old), len(had)) and had[s] == text for s, text in zip(source, texts, strict=True)]
-    rows = [old[s] if keep else _encoded(t) for s, keep, t in zip(source, kept, texts, strict=True)]
+    fresh = cut_texts(texts)
+    rows = [old[s] if keep else fresh[k] for k, (s, keep) in enumerate(zip(source, kept, strict=True))]
     width = max(map(len, rows), default=0)
     table = np.frombuffer(b"".join(row.ljust(width) for row in rows), np.uint8).reshape(len(rows), width)
     return _with_rows(doc, group, name, table)
@@ -51,9 +52,29 @@ def with_descriptions(doc: C3D, group: str, rows: Sequence[int], count: int) -> 
     return with_text(doc, group, "DESCRIPTIONS", [had[r] if r >= 0 else "" for r in rows], rows, had)
 
 
-def _encoded(text: str) -> bytes:
-    """UTF-8, cut between letters at 127 bytes."""
-    return text.encode("utf-8")[:LONGEST].decode("utf-8", "ignore").encode("utf-8")
+def cut_texts(texts: Sequence[str]) -> list[bytes]:
+    """In UTF-8, cut between letters at 127 bytes; what differs only behind that ends in ~2, ~3, …"""
+    rows = [_cut(text, LONGEST) for text in texts]
+    taken = {row for row, text in zip(rows, texts, strict=True) if not too_long(text)}
+    for k, text in enumerate(texts):
+        if too_long(text):
+            number = 1
+            while rows[k] in taken:
+                number += 1
+                tail = f"~{number}".encode()
+                rows[k] = _cut(text, LONGEST - len(tail)) + tail
+            taken.add(rows[k])
+    return rows
+
+
+def too_long(text: str) -> bool:
+    """Whether a row of a C3D file has no room for a text."""
+    return len(text.encode("utf-8")) > LONGEST
+
+
+def _cut(text: str, most: int) -> bytes:
+    """UTF-8, cut between letters at so many bytes."""
+    return text.encode("utf-8")[:most].decode("utf-8", "ignore").encode("utf-8")
 
 
 def with_numbers(doc: C3D, group: str, name: str, values: ArrayLike, *, whole: bool = False) -> C3D:

@@ -19,7 +19,7 @@ from .about import subjects_in, with_about
 from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
-from .parameter_tables import matched, rows_from, with_numbers, with_text
+from .parameter_tables import matched, rows_from, too_long, with_numbers, with_text
 from .parameters import Parameter
 from .points import point_names
 from .rotations import with_rotations
@@ -85,7 +85,16 @@ def stored(
     new = [name for name in trial.trajectories.names if name not in had]
     doc = with_prefixes(doc, subjects_in(trial.about), new)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
-    return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog, *about_poses)
+    notes = (*about_signals, *about_analog, *about_poses, *_shortened(trial))
+    return with_counts(doc) if changed or not own else doc, notes
+
+
+def _shortened(trial: Trial) -> list[FileNote]:
+    """What names of the trial do not fit."""
+    channels = [name for a in trial.analog for name in a.names]
+    have = {"markers": trial.trajectories.names, "signals": trial.signals.names, "channels": channels}
+    cut = {what: tuple(name for name in names if too_long(name)) for what, names in have.items()}
+    return [FileNote("shortened", what, names) for what, names in cut.items() if names]
 
 
 def with_events(doc: C3D, trial: Trial) -> C3D:
@@ -114,9 +123,8 @@ def blank_document() -> C3D:
     """A document without points, with the groups of a file of our own in the order that readers know."""
     none = np.zeros((0, 0))
     doc = C3D(ByteOrder.INTEL, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, ())
-    point = [Parameter.text("UNITS", "mm"), Parameter.text("X_SCREEN", "+X"), Parameter.text("Y_SCREEN", "+Z")]
     empty = [Parameter.text("LABELS", []), Parameter.text("DESCRIPTIONS", [])]
-    doc = with_parameters(doc, "POINT", [*point, *empty])
+    doc = with_parameters(doc, "POINT", [Parameter.text("UNITS", "mm"), *empty])
     doc = with_parameters(doc, "ANALOG", [Parameter.real("GEN_SCALE", 1.0), *empty])
     doc = with_parameters(doc, "FORCE_PLATFORM", [Parameter.whole("USED", 0)])
     doc = with_parameters(doc, "EVENT", [Parameter.whole("USED", 0)])

@@ -18,7 +18,7 @@ from ..label.check_sides import SideSwap, find_side_swaps
 from ..label.check_stretches import Mislabelled, find_mislabelled
 from ..label.evidence import PairScore
 from ..label.held import OWN, held
-from ..label.side_pairs import sides_by_name
+from ..data.marker_sides import sides_by_name
 from ..label.stretches import stretches_of
 from ..label.subject_template import SubjectTemplate
 from .put_aside import put_aside

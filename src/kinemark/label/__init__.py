@@ -14,7 +14,7 @@ from .learn_set import learn_marker_set
 from .pooled import template_of_subjects
 from .score import LabelScore, Reliability, reliability, score_labels
 from .shredded import Change, Shredded, shredded
-from .side_pairs import sides_by_name
+from ..data.marker_sides import sides_by_name
 from .stage import LABEL
 from .subject_template import Grown, SubjectTemplate, TemplateSource
 from .subjects import SubjectLabels, label_subjects

@@ -17,7 +17,7 @@ from ..data.array_types import Ints
 from .anatomy import PROOF, Anatomy
 from .evidence import PairScore, Single, hands
 from .exchange import Exchanger, Move
-from .side_pairs import sides_by_name
+from ..data.marker_sides import sides_by_name
 from .stretches import Stretches
 from .sweeps import places, total_score
 from .template import Template

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Ints
+from ..data.marker_sides import sides_by_name
 from ..io.marker_sets import marker_sets, read_marker_set
 from ..io.trial import read_trial
 from ..label import Exchanged, Template, find_exchanges
@@ -18,7 +19,6 @@ from ..label.check_sides import SideSwap, find_side_swaps
 from ..label.check_stretches import Mislabelled, find_mislabelled
 from ..label.evidence import PairScore
 from ..label.held import OWN, held
-from ..data.marker_sides import sides_by_name
 from ..label.stretches import stretches_of
 from ..label.subject_template import SubjectTemplate
 from .put_aside import put_aside

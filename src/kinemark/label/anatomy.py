@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Floats, Ints
-from .evidence import Single
 from ..data.landmarks import FOREFOOT, OF_A_SIDE, OF_THE_MIDDLE, landmarks
 from ..data.marker_sides import sides_by_name
 from ..data.subject_measures import Side
+from .evidence import Single
 
 PROOF = 10.0
 """What a cosine of the agreement is worth, nats a frame; chosen, as two or three quadruples."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -106,14 +106,20 @@ def check_names(trial: Trajectories, own: Template, pairs: Sequence[tuple[str, s
     return CheckedNames(exchanged, swapped, mislabelled, trial.first_frame, off, holds)
 
 
-def check_files(sources: Sequence[Path], template: SubjectTemplate) -> dict[Path, CheckedNames | KinemarkError]:
+def check_files(
+    sources: Sequence[Path], template: SubjectTemplate, *, announce: Callable[[Path], None] = lambda source: None
+) -> dict[Path, CheckedNames | KinemarkError]:
     """Each of many; an error stands in the place of one that cannot be checked.
+
+    Args:
+        sources: files with names. template: of their subject. announce: called with each file before it is checked.
 
     Raises:
         KinemarkError: the only one cannot be checked.
     """
     done: dict[Path, CheckedNames | KinemarkError] = {}
     for source in sources:
+        announce(source)
         try:
             done[source] = check_file(source, template)
         except KinemarkError as error:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from ..data import KinemarkError, Trajectories
 from ..data.landmarks import OF_A_SIDE, OF_THE_MIDDLE, landmarks
 from ..data.marker_sides import without_subject
+from ..data.nearest_word import some_names
 from ..data.subject_measures import LETTER, SIDES, Side
 from .lower_limb import MODEL_MARKERS
 from .static_axes import STATIC_MARKERS
@@ -64,7 +65,7 @@ def _check(stated: Mapping[str, str], names: Sequence[str]) -> None:
             raise KinemarkError(f"{marker} is none of the gait model's markers, which are {', '.join(KNOWN_MARKERS)}.")
         if name not in names:
             raise KinemarkError(f"{marker} is said to be {name!r}, which is not in the trial; there are "
-                                f"{', '.join(list(names)[:40]) or 'none'}.")  # fmt: skip
+                                f"{some_names(list(names))}.")  # fmt: skip
     if twice := sorted({name for name in stated.values() if list(stated.values()).count(name) > 1}):
         raise KinemarkError(f"{', '.join(twice)} is said to be two markers. Give each marker a name of its own.")
 

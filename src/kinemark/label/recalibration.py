@@ -15,13 +15,15 @@ import numpy as np
 from ..data.array_types import Floats
 
 KNOTS = (0.05, 0.5, 0.9, 0.975, 0.99)
-"""Probabilities of (1); chosen: bins between them have 100 labels and more, and from the last one on names are right."""
+"""Probabilities of (1); chosen: bins between them have 100 labels and more, and from the last one on names are as right
+as they say."""
 OWN = (0.228, 0.649, 0.870, 0.941, 0.990)
 """What they become by the subject's own template, also a static one; measured on 305 random shreds
 (benchmarks/labelling_shreds.py static:82000-82045 static:84000-84037 static:85000-85036 crowded:80000-80090
 crowded:83000-83060 crowded:84000-84037)."""
 OTHER = (0.315, 0.597, 0.904, 0.960, 0.990)
-"""The same by another subject's template; measured on 120 shreds (other:82000-82045 other:84000-84037 other:85000-85036)."""
+"""The same by another subject's template; measured on 120 shreds (other:82000-82045 other:84000-84037
+other:85000-85036)."""
 LEAST, MOST = 1e-9, 1 - 1e-12
 """Between which a probability has a logit; by definition of what a float holds."""
 

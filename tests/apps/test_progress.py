@@ -1,9 +1,11 @@
 """What is shown while a command works."""
 
+import time
+
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinemark.apps.progress import ProgressLines
+from kinemark.apps.progress import ProgressLines, at_work
 
 
 def lines(steps, every=10.0):
@@ -38,3 +40,13 @@ def test_lines_are_as_rare_as_they_should_be_whatever_is_told(steps):
         at += pause
         timed.append((at, stage, done, total))
     assert len(lines(timed)) <= at / 10.0
+
+
+def test_what_has_no_steps_to_count_is_said_to_go_on(capsys):
+    with at_work(every=0.02) as tell:
+        tell("naming the markers of walk.c3d")
+        time.sleep(0.15)
+    said = capsys.readouterr().err.splitlines()
+    assert said and set(said) == {"naming the markers of walk.c3d: 0 s so far"}
+    time.sleep(0.05)
+    assert not capsys.readouterr().err  # nothing goes on when it is done

@@ -60,7 +60,7 @@ NO_POSITIONS = {
         io.load_model io.on_frames io.files_of_set io.subject_of io.with_parameters data.named_angles
         report.evidence_text edit.name_probability edit.in_trial
         track.diagnose_model label.reliability label.score_labels label.shredded engine.before engine.load_named
-        engine.save_named label.figure_template label.sides_by_name label.template_of_subjects io.marker_sets
+        engine.save_named label.figure_template data.sides_by_name label.template_of_subjects io.marker_sets
         io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of io.modeled_points
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da

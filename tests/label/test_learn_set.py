@@ -83,7 +83,8 @@ SPELLINGS = [
     ("LASI", "RASI"), ("L_IAS", "R_IAS"), ("L.Heel", "R.Heel"), ("l knee 1", "r knee 1"), ("Anna:LTHI", "Anna:RTHI"),
     ("ASISl", "ASISr"), ("WheelL", "WheelR"), ("ScapulaL1", "ScapulaR1"), ("Left Ankle", "Right Ankle"),
     ("left_wrist", "right_wrist"), ("knee_L", "knee_R"), ("Skeleton_LHand1", "Skeleton_RHand1"), ("Lasi", "Rasi"),
-    ("LFLL", "RFLL"), ("heelLeft", "heelRight"),
+    ("LFLL", "RFLL"), ("heelLeft", "heelRight"), ("lhee", "rhee"), ("WaistLFront", "WaistRFront"), ("PVUL", "PVUR"),
+    ("ASIS.L.1", "ASIS.R.1"),
 ]  # fmt: skip
 
 

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import Shredded, label, learn_template, shredded
+from kinemark.label import Distances, Shredded, label, learn_template, shredded
 from kinemark.label.calibration import UNKNOWN, Cases, calibrated_shift, cases_of, shift_of
 from kinemark.label.decided_sides import _mirrored_world, decided_sides
+from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import BETA_OTHER, GAINED_OTHER, logistic, margins, probability
+from kinemark.label.recalibration import KNOTS, OTHER, OWN, recalibrated
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
@@ -219,3 +221,31 @@ def test_a_mirrored_world_is_told_by_names_of_either_side_and_a_right_one_is_non
     stretches, pairs, true = known(turned, by)
     assert _mirrored_world(stretches, true, by, pairs, other)
     assert _mirrored_world(stretches, other[true], by, pairs, other)
+
+
+def test_probabilities_are_recalibrated_without_changing_which_names_are_sure():
+    p = np.r_[0.0, np.geomspace(1e-6, 1, 200), 1 - np.geomspace(1e-6, 0.5, 200)]
+    p.sort()
+    for another, table in ((False, OWN), (True, OTHER)):
+        found = recalibrated(p, another=another)
+        assert (np.diff(found) >= 0).all() and found[0] == 0
+        np.testing.assert_array_equal(found[p >= 0.99], p[p >= 0.99])
+        assert ((found >= 0.99) == (p >= 0.99)).all()
+        np.testing.assert_allclose(recalibrated(np.array(KNOTS), another=another), table, rtol=1e-9)
+
+
+@pytest.mark.parametrize("another", [False, True])
+def test_the_probability_of_a_name_is_the_recalibrated_one(another):
+    trial = walk(2)
+    by = template().of_another(1.0) if another else template()
+    parts = shredded(trial, 60, 2.0, 3)
+    stretches, pairs = stretches_of(parts.tracks, by.size), PairScore.of_template(by)
+    true = np.array([by.names.index(name) if name else -1 for name in parts.truth])
+    about = margins(stretches, true, by, pairs)
+    beta = {"label": BETA_OTHER, "gained": GAINED_OTHER} if another else {}
+    plain = probability(about, stretches.weight, **beta)
+    shift = calibrated_shift(parts.tracks, by, pairs, true, plain, sure=0.99, least_fit=0.3)
+    wanted = recalibrated(probability(about, stretches.weight, shift=shift, **beta), another=another)
+    found = probability_of_all(parts.tracks, by, pairs, true, about, stretches.weight, Distances())
+    assert ((found > 0) & (found < 0.99)).any()
+    np.testing.assert_array_equal(found, wanted)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -75,3 +76,31 @@ def progress() -> Iterator[Progress]:
             shown.update(tasks[stage], completed=done, total=total)
 
         yield tell
+
+
+@contextmanager
+def at_work(*, every: float = LINE_EVERY) -> Iterator[Callable[[str], None]]:
+    """Takes what is being done now, and shows on the error stream that it goes on: what has no steps to count.
+
+    Args:
+        every: s between two lines where the stream is no terminal.
+    """
+    if errors().is_terminal:
+        with errors().status("") as shown:
+            yield lambda what: shown.update(what)
+        return
+    steps, done = [("at work", time.monotonic())], threading.Event()
+
+    def tell() -> None:
+        while not done.wait(every):
+            what, began = steps[-1]
+            line = f"{what}: {time.monotonic() - began:.0f} s so far"
+            errors().print(line, markup=False, highlight=False, soft_wrap=True)
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield lambda what: steps.append((what, time.monotonic()))
+    finally:
+        done.set()
+        thread.join()

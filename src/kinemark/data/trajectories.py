@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arrays import column, set_columns
+from .nearest_word import some_names
 
 
 class Origin(IntEnum):
@@ -140,7 +141,7 @@ class Trajectories:
         for path in self.paths:
             if path.name == name:
                 return path
-        raise KeyError(f"no marker {name!r}; there are {', '.join(self.names)}")
+        raise KeyError(f"no marker {name!r}; there are {some_names(self.names)}")
 
     @property
     def names(self) -> tuple[str, ...]:

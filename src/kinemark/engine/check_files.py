@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Ints
+from ..data.marker_sides import sides_by_name
 from ..io.marker_sets import marker_sets, read_marker_set
 from ..io.trial import read_trial
 from ..label import Exchanged, Template, find_exchanges
@@ -18,7 +19,6 @@ from ..label.check_sides import SideSwap, find_side_swaps
 from ..label.check_stretches import Mislabelled, find_mislabelled
 from ..label.evidence import PairScore
 from ..label.held import OWN, held
-from ..label.side_pairs import sides_by_name
 from ..label.stretches import stretches_of
 from ..label.subject_template import SubjectTemplate
 from .put_aside import put_aside
@@ -108,14 +108,20 @@ def check_names(trial: Trajectories, own: Template, pairs: Sequence[tuple[str, s
     return CheckedNames(exchanged, swapped, mislabelled, trial.first_frame, off, holds)
 
 
-def check_files(sources: Sequence[Path], template: SubjectTemplate) -> dict[Path, CheckedNames | KinemarkError]:
+def check_files(
+    sources: Sequence[Path], template: SubjectTemplate, *, announce: Callable[[Path], None] = lambda source: None
+) -> dict[Path, CheckedNames | KinemarkError]:
     """Each of many; an error stands in the place of one that cannot be checked.
+
+    Args:
+        sources: files with names. template: of their subject. announce: called with each file before it is checked.
 
     Raises:
         KinemarkError: the only one cannot be checked.
     """
     done: dict[Path, CheckedNames | KinemarkError] = {}
     for source in sources:
+        announce(source)
         try:
             done[source] = check_file(source, template)
         except KinemarkError as error:

@@ -25,6 +25,7 @@ from ..data.edits import (
     is_named,
     live,
 )
+from ..data.nearest_word import guess, some_names
 from ..edit import stretch_of
 from ..edit.values import Footage, solve
 from ..geometry import project
@@ -292,7 +293,7 @@ def known(of: Editing, marker: str) -> str:
     """A marker's name; raises a KinemarkError where there is no such marker, or it has no name."""
     names = of.edited().trajectories.names
     if marker not in names:
-        raise KinemarkError(f"There is no marker {marker}; there are {', '.join(names) or 'none'}.")
+        raise KinemarkError(f"There is no marker {marker}{guess(marker, names)}; there are {some_names(names)}.")
     if not is_named(marker):
         raise KinemarkError(
             f"{marker} is the number of a track, which is another in the next run. Claim a name for it first."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -113,7 +113,12 @@ def label_file(
 
 
 def label_files(
-    sources: Sequence[Path], output: Path, template: SubjectTemplate | Mapping[str, SubjectTemplate], **options: Any
+    sources: Sequence[Path],
+    output: Path,
+    template: SubjectTemplate | Mapping[str, SubjectTemplate],
+    *,
+    announce: Callable[[Path], None] = lambda source: None,
+    **options: Any,
 ) -> dict[Path, LabelledFile | KinemarkError]:
     """Label one trial into a file or folder, or many into a folder under their own names.
 
@@ -122,7 +127,8 @@ def label_files(
     Args:
         sources: files as `label_file` takes them.
         output: a file, or a folder, which is made where it is not there.
-        template: of the subject, or of several. options: the others of `label_file`.
+        template: of the subject, or of several. announce: called with each trial before it is labelled.
+        options: the others of `label_file`.
 
     Raises:
         KinemarkError: there are many files for one, or the only one cannot be labelled.
@@ -132,6 +138,7 @@ def label_files(
         raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
     done: dict[Path, LabelledFile | KinemarkError] = {}
     for source in sources:
+        announce(source)
         try:
             done[source] = label_file(source, output / own_name(source) if into else output, template, **options)
         except KinemarkError as error:

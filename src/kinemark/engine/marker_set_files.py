@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..data import KinemarkError, MarkerSet
+from ..data.nearest_word import guess, some_names
 from ..io.marker_sets import marker_sets, read_marker_set, write_marker_set
 from ..io.trial import read_trial
 from ..label.learn_set import learn_marker_set
@@ -114,7 +115,9 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
     _check_free(target)
     trial = put_aside(read_trial(source), keep=names).rest
     if absent := [name for name in names if name not in trial.names]:
-        raise KinemarkError(f"{source} has no marker {absent[0]}. There are {', '.join(trial.names)}.")
+        raise KinemarkError(
+            f"{source} has no marker {absent[0]}{guess(absent[0], trial.names)}. There are {some_names(trial.names)}."
+        )
     try:
         found = learn_marker_set(trial, names=names or None, name=target.stem)
     except KinemarkError as error:

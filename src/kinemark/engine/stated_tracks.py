@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, MarkerTrajectory, Trajectories
-from ..data.nearest_word import guess
+from ..data.nearest_word import guess, some_names
 from ..io.track_names import TrackName
 
 
@@ -31,7 +31,7 @@ def stated_tracks(trial: Trajectories, statements: Sequence[TrackName]) -> State
         if one.track not in trial.names:
             raise KinemarkError(
                 f"A name is stated of {one.track}, which is no track{guess(one.track, trial.names)}. There are "
-                f"{', '.join(trial.names[:8])}{' …' if len(trial.names) > 8 else ''}."
+                f"{some_names(trial.names)}."
             )
     paths: list[MarkerTrajectory] = []
     stated: dict[str, str | None] = {}

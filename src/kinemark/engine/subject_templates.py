@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, MarkerSet, Trajectories
+from ..data.nearest_word import some_names
 from ..io.c3d import prefixes_of
 from ..io.trial import read_trial
 from ..label import Template, learn_template
@@ -155,7 +156,7 @@ def _learnt(trials: Sequence[Trajectories], known: Known) -> Template:
     if known.marker_set is not None and not known.markers and len(names) < 4:
         raise KinemarkError(
             f"{len(names)} of the {len(known.marker_set)} markers of {known.marker_set.name or 'the marker set'} are "
-            f"in the trial, which has {', '.join(sorted(there)[:8])} …. Wanted are four or more, spelt alike."
+            f"in the trial, which has {some_names(sorted(there))}. Wanted are four or more, spelt alike."
         )
     if known.computed and not names:
         names = tuple(sorted(name for name in there if not name.startswith("*")))

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..data.nearest_word import some_names
 from ..numerics.runs import equal_runs
 from .marker_array import Gap, MarkerArray
 
@@ -186,7 +187,7 @@ class KnownSamples(NamedTuple):
             ValueError: a name is not there.
         """
         if lost := [name for name in names if name not in self.names]:
-            raise ValueError(f"no markers {', '.join(lost)}; there are {', '.join(self.names)}")
+            raise ValueError(f"no markers {', '.join(lost)}; there are {some_names(self.names)}")
         return [self.names.index(name) for name in names]
 
     def among(self, names: Sequence[str]) -> Bools:

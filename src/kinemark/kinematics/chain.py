@@ -29,6 +29,7 @@ import numpy as np
 from ..data import Angles, KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.models import LABORATORY, Axis, Joint, Model, Segment
+from ..data.nearest_word import some_names
 from ..geometry import origin_near
 from .pose import Template, carry
 from .sequences import AngleMethod, SignedAngles, principal, read_angles
@@ -131,7 +132,7 @@ def places_of(trajectories: Trajectories, names: tuple[str, ...], model: Model) 
         need = " A static trial gives them." if set(absent) <= model.carried else ""
         raise KinemarkError(
             f"The model {model.name!r} wants the markers {', '.join(absent)}, which are not in the trial; there are "
-            f"{', '.join(trajectories.names[:60]) or 'none'}.{need} Name them so, or say in a TOML file with "
+            f"{some_names(trajectories.names)}.{need} Name them so, or say in a TOML file with "
             f'base = "{model.name}" and [aliases] what they are called here, and give it as the model.'
         )
     return {name: i for name, i in found.items() if i is not None}

@@ -1,5 +1,6 @@
 """Tracks become markers: names from a subject's template, each with a probability."""
 
+from ..data.marker_sides import sides_by_name
 from .by_location import Located, label_by_location
 from .check import Exchanged, find_exchanges
 from .check_sides import SideSwap, find_side_swaps
@@ -14,7 +15,6 @@ from .learn_set import learn_marker_set
 from .pooled import template_of_subjects
 from .score import LabelScore, Reliability, reliability, score_labels
 from .shredded import Change, Shredded, shredded
-from .side_pairs import sides_by_name
 from .stage import LABEL
 from .subject_template import Grown, SubjectTemplate, TemplateSource
 from .subjects import SubjectLabels, label_subjects

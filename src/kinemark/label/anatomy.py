@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Floats, Ints
+from ..data.landmarks import FOREFOOT, OF_A_SIDE, OF_THE_MIDDLE, landmarks
+from ..data.marker_sides import sides_by_name
+from ..data.subject_measures import Side
 from .evidence import Single
-from .side_pairs import sides_by_name
 
 PROOF = 10.0
 """What a cosine of the agreement is worth, nats a frame; chosen, as two or three quadruples."""
-HEEL, TOE, BACK, FRONT = ("HEE",), ("TOE",), ("SACR", "PSI"), ("ASI",)
-"""How names of these end; conventions of the common marker sets."""
 
 
 class Anatomy(NamedTuple):
@@ -36,11 +36,11 @@ class Anatomy(NamedTuple):
 
     @classmethod
     def of(cls, names: Sequence[str]) -> Anatomy:
-        """By how names end."""
-        heels, toes, back, front = (_ending(names, ends) for ends in (HEEL, TOE, BACK, FRONT))
-        rest = sorted({*range(len(names))} - {*heels, *toes})
-        feet = [(a, b) for a in heels for b in toes if names[a][:-3].upper() == names[b][:-3].upper()]
+        """By what names say (`data.landmarks`)."""
+        feet = _feet(names)
         heel, toe = ([foot[k] for foot in feet] for k in (0, 1))
+        front, back = _of_pelvis(names, "ASI"), [*_of_pelvis(names, "SACR"), *_of_pelvis(names, "PSI")]
+        rest = sorted({*range(len(names))} - {*heel, *toe})
         sides = sides_by_name(names)
         left, right = ([names.index(pair[k]) for pair in sides] for k in (0, 1))
         return cls(heel, toe, back, front, rest, left, right)
@@ -64,9 +64,35 @@ class Anatomy(NamedTuple):
         return PROOF * (self.agreement(y[:, np.argsort(turn)]) - self.agreement(y))
 
 
-def _ending(names: Sequence[str], ends: tuple[str, ...]) -> list[int]:
-    """Which names end so, in letters of any case."""
-    return [k for k, name in enumerate(names) if name.upper().endswith(ends)]
+def _feet(names: Sequence[str]) -> list[tuple[int, int]]:
+    """Heel and toe of each foot that has both; of several the most usual toe, as none of them shows the front better.
+
+    A foot is that of a side of a subject.
+    """
+    heels, toes = _best(names, OF_A_SIDE["HEE"]), _best(names, FOREFOOT)
+    return [(heel, toes[foot]) for foot, heel in heels.items() if foot in toes]
+
+
+def _best(names: Sequence[str], words: Sequence[str]) -> dict[tuple[str, Side], int]:
+    """By subject and side the marker that has the first of these words."""
+    found: dict[tuple[str, Side], tuple[int, int]] = {}
+    for k, ways in enumerate(landmarks(names).values()):
+        for one in ways:
+            if one.side is not None and one.word in words:
+                rank = words.index(one.word), k
+                found[one.subject, one.side] = min(rank, found.get((one.subject, one.side), rank))
+    return {foot: k for foot, (_, k) in found.items()}
+
+
+def _of_pelvis(names: Sequence[str], landmark: str) -> list[int]:
+    """Which markers show a landmark of the pelvis."""
+    sided = landmark in OF_A_SIDE
+    words = OF_A_SIDE[landmark] if sided else OF_THE_MIDDLE[landmark]
+    return [
+        k
+        for k, ways in enumerate(landmarks(names).values())
+        if any((one.side is not None) == sided and one.word in words for one in ways)
+    ]
 
 
 def _mean(y: Single) -> Floats:

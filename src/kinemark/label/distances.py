@@ -19,6 +19,7 @@ from .label import refusal, state_of
 from .labels import Labels, State
 from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, margins, probability
 from .parts import KNOWN, placed_share, with_parts
+from .recalibration import recalibrated
 from .solve import solve, solve_with_facts
 from .stage import LABEL
 from .stated import anchored, fixed_labels
@@ -179,13 +180,14 @@ def probability_of_all(
     weight: Floats,
     method: Distances,
 ) -> Floats:
-    """(T) by the coefficients of all trials, shifted by what the trial itself shows."""
-    beta, gained = (BETA_OTHER, GAINED_OTHER) if np.any(template.doubt) else (BETA_LABEL, GAINED)
+    """(T) by the coefficients of all trials, shifted by what the trial itself shows, and recalibrated."""
+    another = bool(np.any(template.doubt))
+    beta, gained = (BETA_OTHER, GAINED_OTHER) if another else (BETA_LABEL, GAINED)
     p = probability(about, weight, label=beta, gained=gained)
     shift = calibrated_shift(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit
     )
-    return probability(about, weight, shift=shift, label=beta, gained=gained)
+    return recalibrated(probability(about, weight, shift=shift, label=beta, gained=gained), another=another)
 
 
 def _nothing_named(found: Labels, placed: float, holds: float, method: Distances) -> Labels:

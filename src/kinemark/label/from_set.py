@@ -16,6 +16,7 @@ import numpy as np
 
 from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats, Ints
+from ..data.nearest_word import some_names
 from .labels import Labels, State
 from .template import LEAST_VOLUME, Template, learn_template, triple_products, widest
 
@@ -51,10 +52,9 @@ def static_template(trial: Trajectories, marker_set: MarkerSet) -> Template:
     """
     names = [name for name in marker_set.moving if name in trial.names and np.isfinite(trial[name].xyz).any()]
     if len(names) < 4:
-        near = ", ".join(trial.names[:8]) + (" …" if len(trial.names) > 8 else "")
         raise KinemarkError(
             f"{len(names)} of the {len(marker_set.moving)} markers of {marker_set.name or 'the marker set'} are in "
-            f"the static trial, which has {near}. Wanted are four or more, spelt alike."
+            f"the static trial, which has {some_names(trial.names)}. Wanted are four or more, spelt alike."
         )
     return _of_static(trial, marker_set, names, [])
 

@@ -22,7 +22,8 @@ import scipy
 from ..data import KinemarkError, MarkerSet, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..data.marker_set import Place
-from .side_pairs import sides_by_name, sides_by_shape
+from ..data.marker_sides import sides_by_name
+from .side_pairs import sides_by_shape
 from .template import names_in
 
 RELATIVE, OF_SIZE = 0.012, 0.004

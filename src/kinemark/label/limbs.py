@@ -14,10 +14,10 @@ import numpy as np
 import scipy
 
 from ..data.array_types import Ints
+from ..data.marker_sides import sides_by_name
 from .anatomy import PROOF, Anatomy
 from .evidence import PairScore, Single, hands
 from .exchange import Exchanger, Move
-from .side_pairs import sides_by_name
 from .stretches import Stretches
 from .sweeps import places, total_score
 from .template import Template

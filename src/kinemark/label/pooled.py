@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories, make_finding
 from ..data.array_types import Bools, Floats, Ints
 from ..data.finding import Finding
+from ..data.nearest_word import some_names
 from .template import Template, between_subjects
 
 SUBJECTS = 2.0
@@ -191,7 +192,7 @@ def part_of(template: Template, names: Sequence[str]) -> Template:
         ValueError: the template has no such label.
     """
     if absent := [name for name in names if name not in template.names]:
-        raise ValueError(f"the template has no {absent[0]}; it has {', '.join(template.names)}")
+        raise ValueError(f"the template has no {absent[0]}; it has {some_names(template.names)}")
     at = np.array([template.names.index(name) for name in names], np.int64)
     part = np.ix_(at, at)
     new = np.full(len(template), -1)

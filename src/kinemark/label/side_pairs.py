@@ -3,52 +3,20 @@
 from __future__ import annotations
 
 import itertools
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy
 
 from ..data.array_types import Floats, Ints
+from ..data.marker_sides import sides_by_name
 
-Rule = tuple[str, str]
-RULES: tuple[Rule, ...] = (
-    (r"^((?:.*[:/ ])?)[Ll]eft", r"\1{right}"),
-    (r"(?<![A-Za-z])[Ll]eft(?![a-z])", "{right}"),
-    (r"Left", "{right}"),
-    (r"^((?:.*:)?)L(?=[A-Z0-9_. -])", r"\1{R}"),
-    (r"^((?:.*:)?)l(?=[A-Z0-9_. -])", r"\1{R}"),
-    (r"(?<=[_. -])L$", "{R}"),
-    (r"(?<=[_. -])l$", "{R}"),
-    (r"(?<=[a-z0-9])L(?=\d*$)", "{R}"),
-    (r"(?<=[A-Z0-9])l(?=\d*$)", "{R}"),
-    (r"^L(?=[a-z])", "{R}"),
-    (r"(?<=_)L(?=[A-Z_])", "{R}"),
-)
-"""How names say left, and where "right" stands instead; conventions of the common programs."""
 LEAST_SHARE = 0.05
 """Of the body's size: how far the mirror image of a marker may be from its partner; chosen."""
 AXES = 5
 """Of the space in which mean distances are embedded; chosen: a body that moves needs more than three."""
 LEAST_PAIRED = 0.7
 """Share of the markers that a body's mirror image must find again, in pairs or in the middle; chosen."""
-
-
-def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
-    """Pairs of left and right names that differ in the side alone; each name in one pair at most.
-
-    The rule that pairs most names comes first, so that LFLL has its partner by how the others are spelt.
-    """
-    found = [
-        [(name, other) for name in names if (other := swapped(name)) is not None and other in names]
-        for swapped in map(_swap, RULES)
-    ]
-    pairs: dict[str, str] = {}
-    for rows in sorted(found, key=len, reverse=True):
-        for left, right in rows:
-            if not {left, right} & ({*pairs} | {*pairs.values()}):
-                pairs[left] = right
-    return tuple((name, pairs[name]) for name in names if name in pairs)
 
 
 def mirrored(names: tuple[str, ...]) -> Ints:
@@ -58,22 +26,6 @@ def mirrored(names: tuple[str, ...]) -> Ints:
     for one, other in sides_by_name(names):
         out[[number[one], number[other]]] = number[other], number[one]
     return out
-
-
-def _swap(rule: Rule) -> Callable[[str], str | None]:
-    """What turns a left name into the right one; None for a name that the rule finds no side in."""
-    pattern, template = rule
-
-    def swapped(name: str) -> str | None:
-        found = re.search(pattern, name)
-        if not found:
-            return None
-        word = found.group(0)
-        capital = word.lstrip(found.group(1) if found.groups() else "")[:1].isupper()
-        to = template.format(right="Right" if capital else "right", R="R" if capital else "r")
-        return name[: found.start()] + found.expand(to) + name[found.end() :]
-
-    return swapped
 
 
 def sides_by_shape(names: Sequence[str], mean: Floats, xyz: Floats) -> tuple[tuple[str, str], ...]:

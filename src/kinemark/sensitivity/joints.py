@@ -6,6 +6,7 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..data.nearest_word import some_names
 from ..kinematics import Model, joint_matrices, principal
 from .propagation import Kinematics
 
@@ -21,7 +22,7 @@ def kinematics_of(model: Model, names: tuple[str, ...]) -> tuple[tuple[str, ...]
     called = {wanted: _find(names, (wanted, *model.aliases.get(wanted, ()))) for wanted in model.markers}
     if absent := [wanted for wanted, name in called.items() if name is None]:
         raise KinemarkError(
-            f"The model {model.name!r} wants the markers {', '.join(absent)}; there are {', '.join(names)}. "
+            f"The model {model.name!r} wants the markers {', '.join(absent)}; there are {some_names(names)}. "
             "Name a file with these markers by --markers, or another model."
         )
     rows = {wanted: names.index(name) for wanted, name in called.items() if name is not None}

@@ -12,6 +12,7 @@ from ...data import KinemarkError
 from ...io.marker_sets import read_marker_set
 from ...io.track_names import read_track_names
 from ..output import BAD_VERDICT, Json, print_errors, print_result
+from ..progress import at_work
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
     from ...engine.check_files import CheckedNames
@@ -88,12 +89,16 @@ def label(
     every = (source, *sources)
     if subject and (template or scale or heights_mm or check):
         raise KinemarkError("Of several subjects each has its template: give --subject alone, without --template, …")
-    if subject:
-        learnt: Any = templates_of_subjects(subject, known)
-    else:
-        learnt = template_of(template or [], known, scale=scale)
+    with at_work() as tell:
+        tell("learning the template")
+        if subject:
+            learnt: Any = templates_of_subjects(subject, known)
+        else:
+            learnt = template_of(template or [], known, scale=scale)
+        if check:
+            checked = check_files(every, learnt, announce=lambda file: tell(f"checking the names of {file}"))
     if check:
-        _print_checks(check_files(every, learnt), json)
+        _print_checks(checked, json)
         return
     if output is None:
         raise KinemarkError("There is no output. Name the file to write with -o, or --check to write none.")
@@ -102,7 +107,11 @@ def label(
         raise KinemarkError(
             "Names are stated of one file's tracks, and there are several files. Label them one by one."
         )
-    done = label_files(every, output, learnt, unsure=unsure, stated=stated, computed=computed)
+    with at_work() as tell:
+        done = label_files(
+            every, output, learnt, unsure=unsure, stated=stated, computed=computed,
+            announce=lambda file: tell(f"naming the markers of {file}"),
+        )  # fmt: skip
     found = {str(path): one for path, one in done.items() if isinstance(one, LabelledFile)}
     if json:
         figures = {path: one.figures for path, one in found.items()}

@@ -13,10 +13,10 @@ import numpy as np
 
 from ...data import KinemarkError, MarkerTrajectory, Trajectories
 from ...data.edits import Edit, is_named
+from ...data.marker_sides import sides_by_name
 from ...data.problems import Problem, ProblemKind
 from ...edit.probable_errors import name_probability
 from ...label import Exchanged, Mislabelled, SideSwap, Template, learn_template
-from ...label.side_pairs import sides_by_name
 from ...report.words.problems import problem_text
 from ..check_files import CheckedNames, check_names
 from ..subject_templates import without_prefix

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 from ...data import KINDS, Finding
 from ...data.finding import Unit
+from ...data.nearest_word import some_names
 from ..formatting import millimetres, number, percent, some
 
 Text = str | Callable[[Finding], str]
@@ -114,8 +115,7 @@ def _about(name: str, found: Finding) -> str | None:
 
 def listed(names: Sequence[Any], most: int = MOST_NAMED) -> str:
     """`a, b and 3 more`."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(map(str, names[:most])) + more
+    return some_names(names, most) if names else ""
 
 
 def shown(value: Any, unit: Unit, spec: str = "") -> str:

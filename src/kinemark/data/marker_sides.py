@@ -1,0 +1,78 @@
+"""Which markers are the left and the right one of a landmark, by how they are called."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+Rule = tuple[str, str]
+RULES: tuple[Rule, ...] = (
+    (r"^((?:.*[:/ ])?)[Ll]eft", r"\1{right}"),
+    (r"(?<![A-Za-z])[Ll]eft(?![a-z])", "{right}"),
+    (r"Left", "{right}"),
+    (r"^((?:.*:)?)L(?=[A-Z0-9_. -])", r"\1{R}"),
+    (r"^((?:.*:)?)l(?=[A-Z0-9_. -])", r"\1{R}"),
+    (r"(?<=[_. -])L$", "{R}"),
+    (r"(?<=[_. -])l$", "{R}"),
+    (r"(?<=[a-z0-9])L(?=\d*$)", "{R}"),
+    (r"(?<=[A-Z0-9])l(?=\d*$)", "{R}"),
+    (r"^L(?=[a-z])", "{R}"),
+    (r"(?<=_)L(?=[A-Z_])", "{R}"),
+    (r"(?<=[_. -])[Ll](?=[_. -])", "{R}"),
+    (r"(?<=[a-z])L(?=[A-Z])", "{R}"),
+    (r"^((?:.*:)?)l(?=[a-z])", r"\1{R}"),
+    (r"(?<=[A-Z])L(?=\d*$)", "{R}"),
+)
+"""How names say left, and where "right" stands instead; conventions of the common programs."""
+
+
+class Pair(NamedTuple):
+    """Left and right marker of a landmark, and its name without the side, and without the subject's prefix."""
+
+    left: str
+    right: str
+    landmark: str
+
+
+def paired(names: Sequence[str]) -> tuple[Pair, ...]:
+    """Pairs of left and right names that differ in the side alone; each name in one pair at most.
+
+    The rule that pairs most names comes first, so that LFLL has its partner by how the others are spelt.
+    """
+    there = set(names)
+    found = [[pair for name in names if (pair := _pair(name, rule)) and pair.right in there] for rule in RULES]
+    pairs: dict[str, Pair] = {}
+    used: set[str] = set()
+    for rows in sorted(found, key=len, reverse=True):
+        for pair in rows:
+            if not {pair.left, pair.right} & used:
+                pairs[pair.left] = pair
+                used |= {pair.left, pair.right}
+    return tuple(pairs[name] for name in names if name in pairs)
+
+
+def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """Left and right names of all pairs (`paired`), in the order of the left ones."""
+    return tuple((pair.left, pair.right) for pair in paired(names))
+
+
+def without_subject(name: str) -> str:
+    """Without the subject's prefix, as in `Anna:LASI`."""
+    return name.rsplit(":", 1)[-1]
+
+
+def _pair(name: str, rule: Rule) -> Pair | None:
+    """A left name, and what the right one and the landmark are called; None for a name that the rule has no side in."""
+    pattern, template = rule
+    found = re.search(pattern, name)
+    if not found:
+        return None
+    word = found.group(0)
+    capital = word.lstrip(found.group(1) if found.groups() else "")[:1].isupper()
+
+    def spelt(right: str, letter: str) -> str:
+        return name[: found.start()] + found.expand(template.format(right=right, R=letter)) + name[found.end() :]
+
+    other = spelt("Right", "R") if capital else spelt("right", "r")
+    return Pair(name, other, without_subject(spelt("", "")))

@@ -49,6 +49,7 @@ from .noise_of_tracks import excess
 from .passes import Associations, run
 from .points_between import between_markers
 from .rig_of_tracks import rig_of_tracks
+from .rigid_pass import rigid_pass
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
@@ -142,6 +143,8 @@ def track_once(
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids, became = _with_rigid_pass(cloud, ids, working.images, solver, method)
+    whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
     if working.rig is not rig:
         given = solver_for(detections, shared, Working(rig, images, noise), errors)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
@@ -317,6 +320,31 @@ def _with_second_pass(
     return_memory()
     points = _points(cloud, ids)
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
+    return _with_found(cloud, ids, kept, found, detection, images, solver, method)
+
+
+def _with_rigid_pass(
+    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
+) -> tuple[Cloud, Ints, Ints]:
+    """The points and their tracks after the pass over rigid bodies, and what each track became."""
+    again = rigid_pass(_points(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
+    kept = again.id >= 0
+    if not len(again.found.id) and (again.id == ids).all():
+        return cloud, ids, again.became
+    return *_with_found(cloud, again.id, kept, again.found, again.detection, images, solver, method), again.became
+
+
+def _with_found(
+    cloud: Cloud,
+    ids: Ints,
+    kept: Bools,
+    found: TrackPoints,
+    detection: Ints,
+    images: Images,
+    solver: Solver,
+    method: Simultaneous,
+) -> tuple[Cloud, Ints]:
+    """The points that are kept (P), their tracks, and those that were found, solved from detections (C, N)."""
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)

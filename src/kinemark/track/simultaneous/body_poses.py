@@ -68,7 +68,7 @@ def body_poses(body: RigidBody, points: TrackPoints, rows: NDArray[np.int32], ot
     poses, starts = by_tracks(body, points, rows), np.searchsorted(points.frame, np.arange(rows.shape[1] + 1))
     if len(body.shape) < SEARCHED:
         return poses
-    R, t, fit, rms = (column.copy() for column in poses)
+    R, t, fit, rms = poses.R.copy(), poses.t.copy(), poses.fit.copy(), poses.rms.copy()
     for way in (1, -1):
         for f in range(len(fit))[::way]:
             beside = f - way
@@ -104,8 +104,9 @@ def searched(body: RigidBody, points: Floats, R: Floats, t: Floats) -> Fit | Non
     apart = np.linalg.norm((at + shifts[:, None])[:, :, None] - points, axis=-1).min(2)
     near = (apart < 1.5 * reach).sum(1)
     best = np.argsort(-near, kind="stable")[:STARTS]
-    fits = [_fitted(body, points, R, t + shifts[k], reach) for k in best[near[best] >= MIN_FIT]]
-    fits = sorted((fit for fit in fits if fit), key=lambda fit: (-fit.number, fit.rms))
+    starts = best[near[best] >= MIN_FIT]
+    fits = [fit for k in starts if (fit := _fitted(body, points, R, t + shifts[k], reach)) is not None]
+    fits.sort(key=lambda fit: (-fit.number, fit.rms))
     if not fits or fits[0].number < least:
         return None
     elsewhere = [fit.number for fit in fits if np.linalg.norm(fit.at - fits[0].at, axis=1).mean() > reach.mean()]

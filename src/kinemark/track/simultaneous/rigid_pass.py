@@ -174,8 +174,8 @@ def _looked_for(
     """Points of members that have none in a frame with a pose, and their detections (C, n), by (3)."""
     lacks = np.zeros((len(poses.fit), len(owner)), bool)
     lacks[poses.fit > 0] = True
-    for k, track in enumerate(owner.tolist()):
-        lacks[points.frame[ids == track], k] = False
+    for member, track in enumerate(owner.tolist()):
+        lacks[points.frame[ids == track], member] = False
     frame, k = np.nonzero(lacks)
     at = member_places(body, poses, frame)[np.arange(len(frame)), k]
     sd = np.maximum(np.hypot(body.sd[k], poses.rms[frame]), LEAST_SD)

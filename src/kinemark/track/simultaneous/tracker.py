@@ -25,10 +25,9 @@ Positions are those of the rig as given.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
@@ -40,6 +39,7 @@ from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import UsualResiduals, drifting, usual_residuals, without_strangers
+from .found_points import with_found
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
@@ -320,7 +320,7 @@ def _with_second_pass(
     return_memory()
     points = _points(cloud, ids)
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
-    return _with_found(cloud, ids, kept, found, detection, images, solver, method)
+    return with_found(cloud, ids, kept, found, detection, images, solver, method)
 
 
 def _with_rigid_pass(
@@ -331,42 +331,7 @@ def _with_rigid_pass(
     kept = again.id >= 0
     if not len(again.found.id) and (again.id == ids).all():
         return cloud, ids, again.became
-    return *_with_found(cloud, again.id, kept, again.found, again.detection, images, solver, method), again.became
-
-
-def _with_found(
-    cloud: Cloud,
-    ids: Ints,
-    kept: Bools,
-    found: TrackPoints,
-    detection: Ints,
-    images: Images,
-    solver: Solver,
-    method: Simultaneous,
-) -> tuple[Cloud, Ints]:
-    """The points that are kept (P), their tracks, and those that were found, solved from detections (C, N)."""
-    order = np.argsort(found.frame, kind="stable")
-    detection = detection[:, order]
-    new = solved(found.frame[order], detection, found.xyz[order].T, solver)
-    own = ((detection >= 0) & ~images.merged[detection]).sum(0)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, own, method)
-    frame = np.concatenate([cloud.frame[kept], new.frame[good]])
-    ids = np.concatenate([ids[kept], found.id[order][good]])
-    by_frame = np.argsort(frame, kind="stable")
-    start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
-    columns = (
-        _joined(getattr(cloud, name), kept, getattr(new, name), good, by_frame)
-        for name in ("xyz", "cov", "residual", "detection")
-    )
-    return Cloud(cloud.rate, start, *columns), ids[by_frame]
-
-
-def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
-    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
-    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
-    out[old] = one[np.flatnonzero(kept)[order[old]]]
-    out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
-    return out
+    return *with_found(cloud, again.id, kept, again.found, again.detection, images, solver, method), again.became
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

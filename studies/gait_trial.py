@@ -22,11 +22,9 @@ a second and more. What the method then makes of them it makes by chance, with a
 its extra points may be ghosts, and the others are markers.
 
 **Their merged images.** Where two markers run together in a camera, the reference takes the one image there is for a
-marker's own, and is drawn away from where the other cameras see it. A reference sample is called *bent* where a point
-of ours lies FARTHEST mm from it or less, three or more images agree on that to AGREE px RMS, and the reference fits
-these same images more than twice as badly. A second judge knows nothing of images: where the two differ by NEAR to
-FARTHEST mm, it takes the distances to the MATES markers that keep theirs most steadily, of both points, and says which
-leaves its usual distances less, in their own spread.
+marker's own, and is drawn away from where the other cameras see it. `gait_trial_judges` says, without any tracker,
+which samples of the reference stand up, and three judges say who is right where a method differs from it by NEAR to
+FARTHEST mm: the images, the path, and the distances to other markers.
 
 Run: python studies/gait_trial.py [method …], a part of its name, or "all"; the first three where none is given.
 """
@@ -39,11 +37,21 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from gait_trial_judges import (
+    CLEARLY,
+    NEAR,
+    Disputed,
+    FrameImages,
+    Standing,
+    judged,
+    projected,
+    standing,
+)
 from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.data import Camera, Cloud, Detections, Rig, Tracks
-from kinemark.data.array_types import Floats, Ints
+from kinemark.data.array_types import Floats
 from kinemark.data.method import Method
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
@@ -57,12 +65,8 @@ from kinemark.track.simultaneous import Simultaneous, track_detections
 
 JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s²)
 MARGIN = 3  # frames beside a jump that the reference's own smoothing has bent
-NEAR = 5.0  # mm; a reference sample counts as found
 SHIFT = 0.8  # s; of each camera against the one before it, for the control
-FARTHEST = 30.0  # mm; of our point for a bent reference sample
-AGREE = 0.5  # px
-MATES = 4
-CLEARLY = 1.5  # times nearer to the usual distances
+FARTHEST = 30.0  # mm; of our point from a reference sample that it is another opinion of
 RINGS = ((0.0, 0.2), (0.2, 0.3), (0.3, 0.4), (0.4, 1.0))
 
 
@@ -90,13 +94,7 @@ def points(
         ideal[seen, c] = inverse(camera, uv)
         radius[seen, c] = np.linalg.norm(normalised(camera, uv), axis=-1)
     xyz = triangulate(ideal, rig.P)
-    return xyz, beside(rig, ideal, xyz), radius
-
-
-def beside(rig: Rig, ideal: Floats, xyz: Floats) -> Floats:
-    """(P, C) px of ideal images (P, C, 2) from where points (P, 3) should be seen."""
-    x = np.einsum("cij,pj->pci", rig.P, np.column_stack([xyz, np.ones(len(xyz))]))
-    return np.asarray(np.linalg.norm(ideal - x[..., :2] / x[..., 2:], axis=-1))
+    return xyz, np.linalg.norm(ideal - projected(rig, xyz), axis=-1), radius
 
 
 def continuous_pieces(xyz: Floats) -> Floats:
@@ -144,15 +142,6 @@ def shift_cameras(detections: Detections, frames: int) -> Detections:
     return Detections.build(detections.cameras, detections.rate, counts, detections.uv[row], cov)
 
 
-class Disputed(NamedTuple):
-    """N reference samples of marker and frame that are not found, while `point` of a cloud, at xyz (N, 3), is near."""
-
-    marker: Ints
-    frame: Ints
-    point: Ints
-    xyz: Floats
-
-
 def disputed(tracks: Tracks, xyz: Floats, found: Score, reference: Floats) -> Disputed:
     """Missed samples with the points (P, 3) of tracks that no sample is near, as the assignment pairs them best."""
     cloud, free = tracks.cloud, (found.owner < 0) & (tracks.id >= 0)
@@ -164,7 +153,7 @@ def disputed(tracks: Tracks, xyz: Floats, found: Score, reference: Floats) -> Di
         i, j = assign(np.linalg.norm(reference[m, f][:, None] - xyz[p], axis=-1), np.full(len(m), FARTHEST))
         pairs.append(np.array([m[i], np.full(len(i), f), p[j]]))
     marker, frame, point = np.concatenate(pairs, 1)
-    return Disputed(marker, frame, point, xyz[point])
+    return Disputed(marker, frame, xyz[point])
 
 
 def there(tracks: Tracks, found: Score, reference: Floats) -> NDArray[np.bool_]:
@@ -172,59 +161,6 @@ def there(tracks: Tracks, found: Score, reference: Floats) -> NDArray[np.bool_]:
     out = np.zeros(reference.shape[:2], bool)
     near = found.owner >= 0
     out[found.owner[near], tracks.cloud.frame[near]] = True
-    return out
-
-
-def bent(rig: Rig, detections: Detections, tracks: Tracks, found: Score, reference: Floats) -> float:
-    """Share of the reference samples that are bent."""
-    xyz, off, _ = points(rig, detections, tracks.cloud, division)
-    ours = np.sqrt(np.nanmean(off**2, axis=1))
-    some = disputed(tracks, xyz, found, reference)
-    detection = tracks.cloud.detection[some.point]
-    ideal = np.full((*detection.shape, 2), np.nan)
-    for c, camera in enumerate(rig):
-        ideal[detection[:, c] >= 0, c] = division(camera, detections.uv[detection[detection[:, c] >= 0, c]])
-    theirs = np.sqrt(np.nanmean(beside(rig, ideal, reference[some.marker, some.frame]) ** 2, axis=1))
-    agreed = ((detection >= 0).sum(1) >= 3) & (ours[some.point] < AGREE)
-    return int((agreed & (theirs > 2 * ours[some.point])).sum()) / int(np.isfinite(reference[..., 0]).sum())
-
-
-class Judged(NamedTuple):
-    """Of n disputed samples, %: our point leaves its usual distances clearly less, the reference does, neither."""
-
-    n: int
-    ours: float
-    reference: float
-    neither: float
-
-
-def by_distances(some: Disputed, known: NDArray[np.bool_], reference: Floats, low: float, high: float) -> Judged:
-    """The second judge's word on samples disputed by low to high mm; `known` (M, F) are those found."""
-    theirs = reference[some.marker, some.frame]
-    apart = np.linalg.norm(some.xyz - theirs, axis=1)
-    off = np.array([_left(some.marker, some.frame, xyz, known, reference) for xyz in (some.xyz, theirs)])
-    which = (apart >= low) & (apart < high) & np.isfinite(off).all(0)
-    ours, theirs = off[:, which]
-    said = np.array([(CLEARLY * ours < theirs).mean(), (CLEARLY * theirs < ours).mean()]) * 100
-    return Judged(int(which.sum()), said[0], said[1], 100 - said.sum())
-
-
-def _left(marker: Ints, frame: Ints, xyz: Floats, known: NDArray[np.bool_], reference: Floats) -> Floats:
-    """(N) RMS by which points leave their usual distances, in their spread; NaN where no mate is known."""
-    out = np.full(len(marker), np.nan)
-    for m in np.unique(marker):
-        apart = np.where(known & known[m], np.linalg.norm(reference - reference[m], axis=-1), np.nan)
-        apart[m] = np.nan
-        mates = np.flatnonzero(np.isfinite(apart).sum(1) >= 200)
-        usual = np.nanmedian(apart[mates], axis=1)
-        spread = 1.4826 * np.nanmedian(np.abs(apart[mates] - usual[:, None]), axis=1)
-        best = np.argsort(spread)[:MATES]
-        own = np.flatnonzero(marker == m)
-        now = np.linalg.norm(reference[mates[best]][:, frame[own]] - xyz[own], axis=-1)
-        now[~known[mates[best]][:, frame[own]]] = np.nan
-        off = (now - usual[best, None]) / np.maximum(spread[best, None], 1.0)
-        some = np.isfinite(off).any(0)
-        out[own[some]] = np.sqrt(np.nanmean(off[:, some] ** 2, axis=0))
     return out
 
 
@@ -333,6 +269,41 @@ def line(name: str, row: Row, lens: str, pieces: Floats, chance: float) -> str:
     )
 
 
+def frame_images(rig: Rig, detections: Detections) -> FrameImages:
+    """The images through the reference's lens."""
+    ideal = np.empty_like(detections.uv)
+    for c, camera in enumerate(rig):
+        ideal[detections.camera == c] = division(camera, detections.uv[detections.camera == c])
+    return FrameImages(ideal, detections.start)
+
+
+def standing_table(stands: Standing, rows: dict[str, Row], xyz: Floats) -> None:
+    """Print how many samples of the reference (M, F, 3) do not stand up, and what is found of the others."""
+    known, off = np.isfinite(xyz[..., 0]), (stands.unseen, stands.elsewhere, stands.jumping)
+    unseen, elsewhere, jumping = (int(which.sum()) for which in off)
+    print(f"Of {known.sum()} reference samples {stands.fallen.sum()} do not stand up: {unseen} lie on no two images,")
+    print(f"{elsewhere} elsewhere than most of their images, {jumping} beside a jump.")
+    print("Of those that stand up, and of those that do not, so many are found, %:")
+    for name, row in rows.items():
+        found = there(row.tracks, row.whole[THEIRS], xyz)
+        share = [100 * found[known & which].mean() for which in (~stands.fallen, stands.fallen)]
+        print(f"  {name:42}{share[0]:8.2f}{share[1]:8.2f}")
+
+
+def judges_table(stands: Standing, rows: dict[str, Row], xyz: Floats) -> None:
+    """Print who is right where a method and the reference (M, F, 3) differ."""
+    print(f"Who is right where they differ ({CLEARLY} times nearer), of the samples that a judge can tell:")
+    for name, row in rows.items():
+        found = row.whole[THEIRS]
+        some, known = disputed(row.tracks, row.placed[THEIRS], found, xyz), there(row.tracks, found, xyz)
+        for low, high in ((NEAR, 10.0), (10.0, FARTHEST)):
+            for judge, said in judged(some, known, xyz, stands, low, high).items():
+                print(
+                    f"  {name:42}{low:3.0f} to {high:2.0f} mm, {judge:10}{said.n:4d} samples: ours{said.ours:4.0f} %, "
+                    f"the reference{said.reference:4.0f} %, neither{said.neither:4.0f} %"
+                )
+
+
 def main(*asked: str) -> None:
     tdf = read_tdf(recording("cameras/gait9_bts/gait9.tdf"))
     assert tdf.rig and tdf.detections and tdf.trajectories
@@ -356,23 +327,9 @@ def main(*asked: str) -> None:
         "method makes of the images left over with the cameras shifted in time; extra points beyond these are markers."
     )
     print(f"The trial lasted {detections.n_frames / detections.rate:.1f} s; time is that of one processor.")
-    print(
-        f"Of the reference samples, so many are bent, images agreeing on a point {NEAR:.0f} to {FARTHEST:.0f} mm off,"
-    )
-    print("and so many are found or bent, %:")
-    for name, row in rows.items():
-        share = bent(rig, detections, row.tracks, row.whole[THEIRS], xyz)
-        print(f"  {name:42}{100 * share:8.2f}{100 * (share + row.whole[THEIRS].recall):8.2f}")
-    print(f"Which of the two leaves the distances to steady markers {CLEARLY} times less, where they differ:")
-    for name, row in rows.items():
-        found = row.whole[THEIRS]
-        some = disputed(row.tracks, row.placed[THEIRS], found, xyz)
-        for low, high in ((NEAR, 10.0), (10.0, FARTHEST)):
-            judged = by_distances(some, there(row.tracks, found, xyz), xyz, low, high)
-            print(
-                f"  {name:42}{low:3.0f} to {high:2.0f} mm, {judged.n:4d} samples: ours{judged.ours:4.0f} %, "
-                f"the reference{judged.reference:4.0f} %, neither{judged.neither:4.0f} %"
-            )
+    stands = standing(rig, frame_images(rig, detections), xyz, pieces)
+    standing_table(stands, rows, xyz)
+    judges_table(stands, rows, xyz)
     print("Without cutting the reference at its own jumps, so many of its swaps would count as ours:")
     for name, row in rows.items():
         print(f"  {name:42}{len(changes(row.tracks, row.whole[THEIRS].owner, xyz)):8d}")

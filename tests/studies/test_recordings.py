@@ -23,11 +23,12 @@ def test_a_clinical_gait_trial():
     }
     ladder = found["epipolar_triplets, extrapolation_ladder"]
     assert ladder["recall"] >= 98 and ladder["median"] <= 0.2 and ladder["swaps"] == 0 and ladder["pieces"] < 1.2
-    assert found["simultaneous"]["recall"] > 97.5 and found["simultaneous"]["pieces"] < 1.2
-    bent, found_or_bent = figures(text.split("found or bent, %:")[1], "simultaneous")[:2]
-    assert bent < 1 and found_or_bent > 98.5
-    judged = re.search(r"10 to 30 mm.* ours +(\d+) %, the reference +(\d+) %", text)
-    assert judged and int(judged[1]) > 4 * int(judged[2])  # of the points that differ most, ours fit the body
+    assert found["simultaneous"]["recall"] > 98 and found["simultaneous"]["pieces"] < 1.2
+    stands = text.split("so many are found, %:")[1].split("Who is right")[0]
+    assert figures(stands, "simultaneous")[0] > 99.3 and figures(stands, "epipolar_triplets")[0] > 99
+    for judge in ("images", "path", "distances"):  # of the points that differ most, ours fit better
+        said = re.search(rf"simultaneous +10 to 30 mm, {judge}.* ours +(\d+) %, the reference +(\d+) %", text)
+        assert said and int(said[1]) > 1.5 * int(said[2]), judge
     assert found["kiss_triplets, kiss_tracking"]["recall"] > 90
     for name, row in found.items():
         assert row["chance"] <= 0.2 and row["extra"] - row["markers"] <= 0.2

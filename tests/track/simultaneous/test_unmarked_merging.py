@@ -14,6 +14,7 @@ from kinemark.track.simultaneous.solved_points import Solver
 from kinemark.track.simultaneous.unmarked_merging import (
     LEAST,
     inferred_merging,
+    near_held,
     possible_claims,
     resolution,
     scores,
@@ -63,6 +64,26 @@ def test_an_image_of_both_is_told_from_a_marker_that_is_hidden(merged):
     assert set(held[0, claims.row[first]]) == set(own)
     assert (said[first] > LEAST).all() == merged
     assert (said[first] < LEAST).all() == (not merged)
+
+
+def test_two_tracks_that_no_camera_shows_apart_have_no_image_in_common():
+    """One marker, whose images in two cameras are 2 px off: two tracks, one of which has an image in each camera."""
+    rig, marker = ring(4), dance(n=1, frames=FRAMES, seed=2)
+    detections, _ = observe(rig, marker, noise=0.05, seed=3)
+    images = read_images(detections, rig)
+    uv = images.uv + np.where(images.camera[:, None] >= 2, [2.0, 0.0], 0.0)
+    images = images._replace(uv=uv)
+    one = np.full((4, FRAMES), -1)
+    one[images.camera, images.frame] = np.arange(len(images.frame))
+    held = np.stack([one, one], axis=1)
+    held[2:, 0], held[:2, 1] = -1, -1
+    held = held.reshape(4, -1)
+    point = intersect(images, held)
+    points = TrackPoints(
+        np.tile(np.arange(FRAMES), 2), np.repeat([0, 1], FRAMES), point.xyz.T, point.cov.transpose(2, 0, 1)
+    )
+    assert len(near_held(points, held, images, 6.0).image)
+    assert not len(possible_claims(points, held, images, 6.0).row)
 
 
 def test_the_image_of_both_says_where_that_of_one_alone_would_be(monkeypatch):

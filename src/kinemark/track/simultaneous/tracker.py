@@ -25,10 +25,9 @@ Positions are those of the rig as given.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
@@ -40,6 +39,7 @@ from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import UsualResiduals, drifting, usual_residuals, without_strangers
+from .found_points import with_found
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
@@ -49,6 +49,7 @@ from .noise_of_tracks import excess
 from .passes import Associations, run
 from .points_between import between_markers
 from .rig_of_tracks import rig_of_tracks
+from .rigid_pass import rigid_pass
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
@@ -142,6 +143,8 @@ def track_once(
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids, became = _with_rigid_pass(cloud, ids, working.images, solver, method)
+    whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
     if working.rig is not rig:
         given = solver_for(detections, shared, Working(rig, images, noise), errors)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
@@ -317,28 +320,18 @@ def _with_second_pass(
     return_memory()
     points = _points(cloud, ids)
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
-    order = np.argsort(found.frame, kind="stable")
-    detection = detection[:, order]
-    new = solved(found.frame[order], detection, found.xyz[order].T, solver)
-    own = ((detection >= 0) & ~images.merged[detection]).sum(0)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, own, method)
-    frame = np.concatenate([cloud.frame[kept], new.frame[good]])
-    ids = np.concatenate([ids[kept], found.id[order][good]])
-    by_frame = np.argsort(frame, kind="stable")
-    start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
-    columns = (
-        _joined(getattr(cloud, name), kept, getattr(new, name), good, by_frame)
-        for name in ("xyz", "cov", "residual", "detection")
-    )
-    return Cloud(cloud.rate, start, *columns), ids[by_frame]
+    return with_found(cloud, ids, kept, found, detection, images, solver, method)
 
 
-def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
-    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
-    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
-    out[old] = one[np.flatnonzero(kept)[order[old]]]
-    out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
-    return out
+def _with_rigid_pass(
+    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
+) -> tuple[Cloud, Ints, Ints]:
+    """The points and their tracks after the pass over rigid bodies, and what each track became."""
+    again = rigid_pass(_points(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
+    kept = again.id >= 0
+    if not len(again.found.id) and (again.id == ids).all():
+        return cloud, ids, again.became
+    return *with_found(cloud, again.id, kept, again.found, again.detection, images, solver, method), again.became
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -52,6 +52,7 @@ from .detection_index import Images
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .likelihood import DEGREES_OF_FREEDOM, SURE
 from .neighbouring_points import TrackPoints
+from .seen_apart import seen_apart
 from .simultaneous_method import Simultaneous
 from .solved_points import Solver
 
@@ -253,9 +254,12 @@ def _near_held(points: TrackPoints, detection: Ints, images: Images, held: Image
 def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
     """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
 
-    Claims on several cameras at once are followed by one for each.
+    Of tracks that no camera ever shows apart none can tell (`seen_apart`). Claims on several cameras at once are
+    followed by one for each.
     """
     near = near_held(points, detection, images, r)
+    two = seen_apart(points, detection, points.id[near.holder], points.id[near.other])
+    near = near.take(np.flatnonzero(two))
     apart = np.hypot(*(near.uv - images.uv[near.image].T))
     order = np.lexsort([apart, near.image])
     order = order[np.diff(near.image[order], prepend=-1) > 0]

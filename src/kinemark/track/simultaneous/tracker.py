@@ -16,7 +16,8 @@ Merged images that a file does not mark are inferred from the tracks (`unmarked_
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
 Images that drift past the others of their point are given up (`drifting_pairs`), and so are points that merged images
-make between two markers (`points_between`), before the second pass, which looks for better ones, and after it.
+make between two markers (`points_between`), before the second pass, which looks for better ones, and after it. Dropped
+tracks whose images do not drift are given back (`dropped_tracks`).
 
 Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1).
 Positions are those of the rig as given.
@@ -25,10 +26,9 @@ Positions are those of the rig as given.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
@@ -40,6 +40,7 @@ from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import UsualResiduals, drifting, usual_residuals, without_strangers
+from .dropped_tracks import given_back
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
@@ -52,8 +53,8 @@ from .rig_of_tracks import rig_of_tracks
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
-from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_smoothed
-from .stitch import Stitch, stitched
+from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_points, with_smoothed
+from .stitch import Stitch, Stitched, stitched
 from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
@@ -130,7 +131,7 @@ def track_once(
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
-    whole = stitched(_points(cloud, ids), T, method)
+    whole, confirmed = stitched(_points(cloud, ids), T, method), np.unique(ids)
     ids = whole.id[ids]
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
@@ -139,6 +140,7 @@ def track_once(
     cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
     usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids, whole = _with_given_back(every, confirmed, cloud, ids, whole, working.images, usual, solver, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
@@ -212,6 +214,31 @@ def _without_drifting(
         own = ((detection >= 0) & ~images.merged[detection]).sum(0)
         sound &= ~less | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
     return cloud.keep(sound), ids[sound]
+
+
+def _with_given_back(
+    every: Associations,
+    confirmed: Ints,
+    cloud: Cloud,
+    ids: Ints,
+    whole: Stitched,
+    images: Images,
+    usual: UsualResiduals,
+    solver: Solver,
+    method: Simultaneous,
+) -> tuple[Cloud, Ints, Stitched]:
+    """The points and their tracks, with those of dropped tracks that are markers, and stitched anew."""
+    rows = given_back(every, confirmed, cloud, ids, images, usual, method.gate) if usual.of else confirmed[:0]
+    if not len(rows):
+        return cloud, ids, whole
+    new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, (new.detection >= 0).sum(1), method)
+    cloud, ids = with_points(cloud, ids, new.keep(good), every.id[rows][good])
+    again = stitched(_points(cloud, ids), 1 / cloud.rate, method)
+    number = np.arange(max(len(whole.id), len(again.id)))
+    before, after = number.copy(), number.copy()
+    before[: len(whole.id)], after[: len(again.id)] = whole.id, again.id
+    return cloud, again.id[ids], Stitched(after[before], whole.stitches + again.stitches)
 
 
 class FirstPass(NamedTuple):
@@ -322,23 +349,7 @@ def _with_second_pass(
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)
     own = ((detection >= 0) & ~images.merged[detection]).sum(0)
     good = usable_points(new, solver.rig, margin=None) & precise_enough(new, own, method)
-    frame = np.concatenate([cloud.frame[kept], new.frame[good]])
-    ids = np.concatenate([ids[kept], found.id[order][good]])
-    by_frame = np.argsort(frame, kind="stable")
-    start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
-    columns = (
-        _joined(getattr(cloud, name), kept, getattr(new, name), good, by_frame)
-        for name in ("xyz", "cov", "residual", "detection")
-    )
-    return Cloud(cloud.rate, start, *columns), ids[by_frame]
-
-
-def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
-    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
-    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
-    out[old] = one[np.flatnonzero(kept)[order[old]]]
-    out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
-    return out
+    return with_points(cloud, ids, new, found.id[order], kept=kept, good=good)
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -54,7 +54,7 @@ from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_points, with_smoothed
-from .stitch import Stitch, Stitched, stitched
+from .stitch import Stitch, stitched
 from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
@@ -132,6 +132,7 @@ def track_once(
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
     whole, confirmed = stitched(_points(cloud, ids), T, method), np.unique(ids)
+    whole = whole.of(int(every.id.max(initial=-1)) + 1)
     ids = whole.id[ids]
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
@@ -140,7 +141,7 @@ def track_once(
     cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
     usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
-    cloud, ids, whole = _with_given_back(every, confirmed, cloud, ids, whole, working.images, usual, solver, method)
+    cloud, ids = _with_given_back(every, confirmed, cloud, ids, working.images, usual, solver, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
@@ -155,8 +156,7 @@ def track_once(
     once = once_a_frame(_points(cloud, ids), T, method)
     cloud, ids = cloud.keep(once), ids[once]
     kept, number = np.unique(ids, return_inverse=True)
-    final = np.full(int(every.id.max(initial=-1)) + 1, -1)
-    final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
+    final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
     return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
 
@@ -221,24 +221,18 @@ def _with_given_back(
     confirmed: Ints,
     cloud: Cloud,
     ids: Ints,
-    whole: Stitched,
     images: Images,
     usual: UsualResiduals,
     solver: Solver,
     method: Simultaneous,
-) -> tuple[Cloud, Ints, Stitched]:
-    """The points and their tracks, with those of dropped tracks that are markers, and stitched anew."""
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks, with those of dropped tracks that are markers, which nothing is stitched to."""
     rows = given_back(every, confirmed, cloud, ids, images, usual, method.gate) if usual.of else confirmed[:0]
     if not len(rows):
-        return cloud, ids, whole
+        return cloud, ids
     new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
     good = usable_points(new, solver.rig, margin=None) & precise_enough(new, (new.detection >= 0).sum(1), method)
-    cloud, ids = with_points(cloud, ids, new.keep(good), every.id[rows][good])
-    again = stitched(_points(cloud, ids), 1 / cloud.rate, method)
-    number = np.arange(max(len(whole.id), len(again.id)))
-    before, after = number.copy(), number.copy()
-    before[: len(whole.id)], after[: len(again.id)] = whole.id, again.id
-    return cloud, again.id[ids], Stitched(after[before], whole.stitches + again.stitches)
+    return with_points(cloud, ids, new, every.id[rows], good=good)
 
 
 class FirstPass(NamedTuple):

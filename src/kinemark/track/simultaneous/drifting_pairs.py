@@ -35,6 +35,7 @@ where a block of one has more than CERTAIN, the image of which all pairs have th
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
@@ -47,6 +48,7 @@ from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.runs import begins, equal_runs
 from .candidate_points import fundamentals
 from .detection_index import Images
+from .likelihood import SURE
 
 SOUND = 3
 """Images of a point that are taken for one marker's, a number; chosen, as in `second_pass`."""
@@ -86,9 +88,10 @@ MAX_FACTOR = 1.3
 chosen: of 665 pairs of cameras of 60 simulated scenes all have 0.6 to 1.21, those of gait9 1.1 to 2.6, the median 1.55.
 """
 
-CERTAIN = float(np.log(1000.0))
-"""Two markers are then a thousand times likelier than one; chosen: points of one marker are a hundred times as many
-(see benchmarks/tracking_scenes.py, seeds 5000 to 5119)."""
+CERTAIN = float(np.log(30.0))
+"""Two markers are then thirty times likelier than one; chosen: in 68 scenes of four cameras (seeds 131000 to 131200 of
+benchmarks/tracking_scenes.py) 629 ghosts with ln 1000 become 581, with ln 10 578, and with ln 3 584, for 0.02, 0.04 and
+0.06 % of the samples that two cameras see."""
 
 SEVERAL = 3
 """Tracks, a number; chosen: of three, two are markers."""
@@ -182,6 +185,27 @@ def _judged(
 ) -> _Judged:
     """Some points (P) judged by all pairs of their images."""
     out = _Judged(np.zeros(len(frame), bool), np.zeros(detection.shape, np.float32))
+    for (a, b), rows, part in _scored(frame, id, detection, which, images, usual, gate):
+        for c in (a, b):
+            out.blame[c, rows] += part.score[:, None]
+        for k in np.flatnonzero(part.score > CERTAIN).tolist():
+            out.of_two[rows[k, _parts_of_two(part.off[k], part.reach[k], part.usual)]] = True
+    return out
+
+
+class _Scored(NamedTuple):
+    """Of blocks: score (B) by (2), residuals less m, off (B, n) px, g² s², reach (B) px², and what is usual there."""
+
+    score: Floats
+    off: Floats
+    reach: Floats
+    usual: Usual
+
+
+def _scored(
+    frame: Ints, id: Ints, detection: Ints, which: Bools, images: Images, usual: UsualResiduals, gate: float
+) -> Iterator[tuple[tuple[int, int], Ints, _Scored]]:
+    """Of each pair of cameras, blocks of some points (P), their rows (B, n), and the scores."""
     order = np.flatnonzero(which)
     order = order[np.lexsort([frame[order], id[order]])]
     own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
@@ -191,12 +215,22 @@ def _judged(
         there = one.shifted(_shift(e - one.median, id[rows]))
         for block in _blocks(frame[rows], id[rows]):
             off, reach = e[block] - one.median, squared[block].mean(1) * gate**2
-            score = _scores(off, reach, there)
-            for c in (a, b):
-                out.blame[c, rows[block]] += score[:, None]
-            for k in np.flatnonzero(score > CERTAIN).tolist():
-                out.of_two[rows[block[k, _parts_of_two(off[k], reach[k], there)]]] = True
-    return out
+            yield (a, b), rows[block], _Scored(_scores(off, reach, there), off, reach, there)
+
+
+def of_one_marker(
+    frame: Ints, id: Ints, detection: Ints, which: Bools, images: Images, usual: UsualResiduals, gate: float
+) -> Bools:
+    """(P) of some points of tracks id (P), those whose images are rather one marker's by (2), in each block of any two
+    of their cameras, and in the whole of their track ten times likelier so."""
+    worst, total = np.full(len(frame), -np.inf), np.zeros(int(id.max(initial=-1)) + 1)
+    blocks = list(_scored(frame, id, detection, which, images, usual, gate))
+    for _, rows, part in blocks:
+        worst[rows] = np.maximum(worst[rows], part.score[:, None])
+    for _, rows, part in blocks:
+        good = (worst[rows] < 0).all(1)
+        np.add.at(total, id[rows[good, 0]], part.score[good])
+    return np.isfinite(worst) & (worst < 0) & (total < -SURE)[id]
 
 
 def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:

@@ -9,9 +9,10 @@ filtered, and as much of it as those points have added afterwards (2).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, Matches, Rig
 from ...data.array_types import Bools, Floats, Ints
@@ -88,6 +89,30 @@ def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud
         xyz[part], cov[part], residual[part] = points.xyz, points.cov, points.residual
     start = np.searchsorted(frame, np.arange(n_frames + 1))
     return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
+
+
+def with_points(
+    cloud: Cloud, ids: Ints, new: Cloud, new_ids: Ints, *, kept: Bools | None = None, good: Bools | None = None
+) -> tuple[Cloud, Ints]:
+    """Points of tracks ids (P), those that are `kept` (P), and the `good` ones (n) of new ones; all where None."""
+    kept = np.ones(len(cloud), bool) if kept is None else kept
+    good = np.ones(len(new), bool) if good is None else good
+    frame, ids = np.concatenate([cloud.frame[kept], new.frame[good]]), np.concatenate([ids[kept], new_ids[good]])
+    order = np.argsort(frame, kind="stable")
+    start = np.searchsorted(frame[order], np.arange(cloud.n_frames + 1))
+    columns = (
+        _joined(getattr(cloud, name), kept, getattr(new, name), good, order)
+        for name in ("xyz", "cov", "residual", "detection")
+    )
+    return Cloud(cloud.rate, start, *columns), ids[order]
+
+
+def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
+    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
+    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
+    out[old] = one[np.flatnonzero(kept)[order[old]]]
+    out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
+    return out
 
 
 def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:

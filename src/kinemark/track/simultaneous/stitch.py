@@ -90,6 +90,10 @@ class Stitched(NamedTuple):
     id: Ints
     stitches: list[Stitch]
 
+    def of(self, tracks: int) -> Stitched:
+        """The same of at least so many tracks, of which the others are whole by themselves."""
+        return self._replace(id=np.append(self.id, np.arange(len(self.id), tracks)))
+
 
 def stitched(points: TrackPoints, T: float, method: Simultaneous, *, apart: Bools | None = None) -> Stitched:
     """Tracks that do not overlap stitched to longer ones; T is the time between frames in s.

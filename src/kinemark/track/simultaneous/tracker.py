@@ -16,7 +16,8 @@ Merged images that a file does not mark are inferred from the tracks (`unmarked_
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
 Images that drift past the others of their point are given up (`drifting_pairs`), and so are points that merged images
-make between two markers (`points_between`), before the second pass, which looks for better ones, and after it.
+make between two markers (`points_between`), before the second pass, which looks for better ones, and after it. Dropped
+tracks whose images do not drift are given back (`dropped_tracks`).
 
 Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1).
 Positions are those of the rig as given.
@@ -39,6 +40,7 @@ from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import UsualResiduals, drifting, usual_residuals, without_strangers
+from .dropped_tracks import given_back
 from .found_points import with_found
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
@@ -53,7 +55,7 @@ from .rigid_pass import rigid_pass
 from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
-from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_smoothed
+from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_points, with_smoothed
 from .stitch import Stitch, stitched
 from .unmarked_merging import Merging, inferred_merging
 
@@ -131,7 +133,8 @@ def track_once(
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
-    whole = stitched(_points(cloud, ids), T, method)
+    whole, confirmed = stitched(_points(cloud, ids), T, method), np.unique(ids)
+    whole = whole.of(int(every.id.max(initial=-1)) + 1)
     ids = whole.id[ids]
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
@@ -140,6 +143,7 @@ def track_once(
     cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
     usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids = _with_given_back(every, confirmed, cloud, ids, working.images, usual, solver, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
@@ -156,8 +160,7 @@ def track_once(
     once = once_a_frame(_points(cloud, ids), T, method)
     cloud, ids = cloud.keep(once), ids[once]
     kept, number = np.unique(ids, return_inverse=True)
-    final = np.full(int(every.id.max(initial=-1)) + 1, -1)
-    final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
+    final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
     return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
 
@@ -215,6 +218,25 @@ def _without_drifting(
         own = ((detection >= 0) & ~images.merged[detection]).sum(0)
         sound &= ~less | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
     return cloud.keep(sound), ids[sound]
+
+
+def _with_given_back(
+    every: Associations,
+    confirmed: Ints,
+    cloud: Cloud,
+    ids: Ints,
+    images: Images,
+    usual: UsualResiduals,
+    solver: Solver,
+    method: Simultaneous,
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks, with those of dropped tracks that are markers, which nothing is stitched to."""
+    rows = given_back(every, confirmed, cloud, ids, images, usual, method.gate) if usual.of else confirmed[:0]
+    if not len(rows):
+        return cloud, ids
+    new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, (new.detection >= 0).sum(1), method)
+    return with_points(cloud, ids, new, every.id[rows], good=good)
 
 
 class FirstPass(NamedTuple):

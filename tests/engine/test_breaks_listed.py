@@ -113,3 +113,11 @@ def test_what_a_system_does_all_the_time_is_one_problem(tmp_path):
 
 def test_where_nothing_moves_in_the_whole_trial_nobody_tells_that_frames_repeat(tmp_path):
     assert not asked(editing_of(np.repeat(clean().xyz[:, 100:101], 200, axis=1), tmp_path))
+
+
+@pytest.mark.parametrize("make", [lost, held, shaken])
+def test_what_is_not_worth_a_look_beside_a_cause_is_looked_at_with_it(tmp_path, make):
+    """Else the list has it once for every marker, below the line, and expects errors of it."""
+    found = problems(editing_of(make(clean().xyz), tmp_path))
+    beside = [one for one in found.items if one.kind not in OF_WHOLE and one.first <= F + 20 and one.last >= F - 20]
+    assert not beside and found.errors_left < 0.1

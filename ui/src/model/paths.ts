@@ -15,6 +15,18 @@ export interface Path {
   readonly cameras?: Uint8Array;
 }
 
+/** Gaps between samples of these markers, and how many of them have one. */
+export function gapsOf(paths: readonly Path[]): { gaps: number; markers: number } {
+  let gaps = 0, markers = 0;
+  for (const { origin } of paths) {
+    let own = 0, seen = false;
+    for (let i = 0; i < origin.length; i++) if (origin[i]) (own += seen && !origin[i - 1] ? 1 : 0), (seen = true);
+    gaps += own;
+    markers += own ? 1 : 0;
+  }
+  return { gaps, markers };
+}
+
 export interface PathSet {
   readonly firstFrame: number;
   readonly frames: number;

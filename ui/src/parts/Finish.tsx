@@ -2,8 +2,9 @@ import { useState } from "react";
 import * as api from "../api/client";
 import type { TrialHeader } from "../api/types";
 import { count, many } from "../model/format";
+import { gapsOf } from "../model/paths";
 import { act } from "../state/acts";
-import { runTrial, say, tried } from "../state/load";
+import { goTo, runTrial, say, tried } from "../state/load";
 import { get, set, useStore } from "../state/store";
 import { Modal } from "./Modal";
 import styles from "./Modal.module.css";
@@ -26,8 +27,16 @@ function Common({ header }: { header: TrialHeader | null }): React.JSX.Element |
   const all = ends(header);
   if (!header || !all.length) return null;
   const late = all.reduce((a, b) => (b.first > a.first ? b : a)), soon = all.reduce((a, b) => (b.last < a.last ? b : a)), n = soon.last - late.first + 1;
-  if (n > 0) return <p className="soft">All markers have frames {late.first}–{soon.last}: {count(n)} of {count(header.n_frames)}.</p>;
+  if (n > 0) return <p className="soft">All markers are there from frame {late.first} to {soon.last}: {count(n)} of {count(header.n_frames)}.</p>;
   return <p>There are no frames that all markers have: <b>{late.name}</b> begins in frame {late.first} and <b>{soon.name}</b> ends in {soon.last}. Name the pieces that are missing, or say from where to where.</p>;
+}
+
+/** Gaps that the file would have. */
+function Open({ header }: { header: TrialHeader | null }): React.JSX.Element | null {
+  const paths = useStore((s) => s.paths);
+  const { gaps, markers } = gapsOf((header?.tracks ?? []).flatMap((t) => (t.named && !t.computed && paths?.byName.has(t.name) ? [paths.byName.get(t.name)!] : [])));
+  if (!gaps) return null;
+  return <p><b>{many(gaps, "gap")}</b> of {many(markers, "marker")} {gaps === 1 ? "is" : "are"} not filled, and will be in the file: <button type="button" className="button" onClick={() => (set({ dialog: null }), goTo("gaps"))}>look at gaps</button>.</p>;
 }
 
 /** Where the trial begins and ends: the marked stretch, else what all markers have, else all of it. */
@@ -53,6 +62,7 @@ export function Finish(): React.JSX.Element {
         <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at these frames, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
         <p>Frames {frame(from, setFrom, "First frame that is left")} to {frame(to, setTo, "Last frame that is left")}</p>
         <Common header={header} />
+        <Open header={header} />
         {left != null && <p>Errors expected: <b>{left.toFixed(1)}</b>.</p>}
         <div className={styles.actions}>
           <button type="button" className="button" onClick={() => (set({ dialog: null }), void write())}>Only write</button>

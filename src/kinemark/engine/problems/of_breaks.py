@@ -18,8 +18,8 @@ VERDICTS = 5
 LIKELY, SEVERAL = 0.5, 3
 """Probability of a break, and how many at most are looked at one by one; chosen: more are how the system works."""
 INSTEAD = {
-    "lost": "export the recording again without loss, or use what is before and after by itself",
-    "moved": "process the recording again with one calibration, or use what is before and after by itself",
+    "lost": "export it again without loss, or use its parts apart",
+    "moved": "process it again with one calibration, or use its parts apart",
 }
 """What a laboratory can do where no edit mends it."""
 

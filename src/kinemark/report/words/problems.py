@@ -117,5 +117,5 @@ def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, na
         "leave_open": "leave it open",
         "drop_edit": "drop the edit",
         "wait": "keep it, and wait",
-        "note": f"it is so, and no edit mends it: {name}",
+        "note": f"it is so; {name}",
     }[action]

@@ -62,6 +62,7 @@ def test_a_cause_is_one_problem_in_words_and_is_settled_by_its_best_alternative(
     editing, (kind, action, words) = editing_of(make(clean().xyz), tmp_path), CAUSES[make]
     (one,) = asked(editing)
     assert one.kind == kind and one.wrong > 0.9 and words in one.words and len(one.tracks) == len(clean())
+    assert one.frame == F + 2  # the first that is wrong, or that is elsewhere
     best = one.alternatives[0]
     assert best.action == action and sum(way.probability for way in one.alternatives) == pytest.approx(1)
     editing.say(*best.edits)

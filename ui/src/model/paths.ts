@@ -1,5 +1,5 @@
 /** Paths of markers as typed arrays: one record a marker, so that an edit replaces one and shares the rest. */
-import type { PathsHeader, PathsPart, TrialHeader } from "../api/types";
+import type { GapRow, PathsHeader, PathsPart, TrialHeader } from "../api/types";
 
 export const MISSING = 0, MEASURED = 1, FILLED = 2, EDITED = 3;
 export const ORIGINS = ["missing", "measured", "filled", "edited"] as const;
@@ -25,6 +25,12 @@ export function gapsOf(paths: readonly Path[]): { gaps: number; markers: number 
     markers += own ? 1 : 0;
   }
   return { gaps, markers };
+}
+
+/** The same of gaps that are known, without those that somebody chose a way for: their fills may still be worked out. */
+export function leftOpen(gaps: readonly GapRow[]): { gaps: number; markers: number } {
+  const open = gaps.filter((gap) => gap.choice == null || gap.choice === "open");
+  return { gaps: open.length, markers: new Set(open.map((gap) => gap.marker)).size };
 }
 
 export interface PathSet {

@@ -68,7 +68,8 @@ def _problem(context: Context, some: Sequence[Break], who: Sequence[int]) -> Pro
         words = breaks_text(one.kind, first, one.after + context.start, len(some), sum(map(_frames, some)))
     return Problem(
         context.id(one.kind, who[0], one.before), one.kind, tracks, first + mends, last - mends,
-        one.after + context.start, wrong, n, cost, words, tuple(sorted((keep, gone), key=lambda way: way.cost)),
+        (one.before + 1 if mends else one.after) + context.start, wrong, n, cost, words,
+        tuple(sorted((keep, gone), key=lambda way: way.cost)),
         one.evidence._asdict() | {"frames": float(sum(each.frames for each in some)), "places": float(len(some))},
     )  # fmt: skip
 

@@ -73,7 +73,9 @@ def test_what_is_erased_after_a_cut_is_of_the_piece_that_begins_there(tmp_path):
     assert one.alternatives[0].words == f"erase 3 samples and cut {name} at frame 152"
     said = editing.say(*one.alternatives[0].edits)
     assert {each.outcome for each in said.applied} == {"held"}
-    rest = editing.edited().trajectories[next(edit.name for edit in one.alternatives[0].edits if isinstance(edit, Claim))]
+    rest = editing.edited().trajectories[
+        next(edit.name for edit in one.alternatives[0].edits if isinstance(edit, Claim))
+    ]
     assert np.flatnonzero(np.isfinite(rest.xyz[:, 0])).tolist() == [*range(151, 230), *range(233, 400)]
 
 

@@ -252,7 +252,12 @@ def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple
         )  # fmt: skip
     else:
         other = context.alternative(
-            "cut", tracks, frame, wrong, (1 - wrong) * n * mm, [*context.claim(p, context.marker(p, parts[p, g]), g), no]
+            "cut",
+            tracks,
+            frame,
+            wrong,
+            (1 - wrong) * n * mm,
+            [*context.claim(p, context.marker(p, parts[p, g]), g), no],
         )
     words = problem_text(kind, tracks, first, last, change.keep_mm)
     values = {name: float(value) for name, value in zip(change.evidence._fields, change.evidence, strict=True)}

@@ -17,8 +17,8 @@ from ...report.words.problems import action_text, mend_text, together_text
 from .context import Context
 
 BESIDE_S = 1.0
-"""s between steps of a marker that are looked at together, at most; chosen: what the curves show beside a problem. Those
-of a track without a name are so however far apart they are."""
+"""s between steps of a marker that are looked at together, at most; chosen: what the curves show beside a problem.
+Those of a track without a name are so however far apart they are."""
 LIKELY = 0.5
 """Probability from which on a step is mended with the others of its path, by definition: below it is rather right."""
 
@@ -59,13 +59,12 @@ def _one(context: Context, some: Sequence[Problem]) -> Problem:
     mended, kept = [_way(one, keeps=one.wrong < least) for one in some], [_way(one, keeps=True) for one in some]
     cuts = [one.frame for one, way in zip(some, mended, strict=True) if way.action == "cut"]
     erased = sum(one.at_stake for one, way in zip(some, mended, strict=True) if way.action == "erase")
+    edits, verdicts = _mending(context, track, mended, cuts), tuple(edit for way in kept for edit in way.edits)
+    right = action_text("keep", (track,), first, float("nan"))
     ways = (
-        Alternative("mend", mend_text(track, erased, cuts), wrong, _cost(mended), edits=_mending(context, track, mended, cuts)),
-        Alternative(
-            "keep", action_text("keep", (track,), first, float("nan")), 1 - wrong, _cost(kept),
-            edits=tuple(edit for way in kept for edit in way.edits),
-        ),
-    )  # fmt: skip
+        Alternative("mend", mend_text(track, erased, cuts), wrong, _cost(mended), edits=edits),
+        Alternative("keep", right, 1 - wrong, _cost(kept), edits=verdicts),
+    )
     return replace(
         worst, id=problem_id("join", *(one.id for one in some)), kind="join", first=first, last=last, wrong=wrong,
         at_stake=sum(one.at_stake for one in some), cost=sum(one.cost for one in some),
@@ -83,7 +82,7 @@ def _cost(some: Sequence[Alternative]) -> float:
 
 
 def _mending(context: Context, track: str, some: Sequence[Alternative], cuts: Sequence[int]) -> tuple[Edit, ...]:
-    """What all of them say, in the order of time. A piece ends where the next begins, and what is erased in it is its."""
+    """What all say, in the order of time. A piece ends where the next begins, and what is erased in it is its."""
     said, of, path = list[Edit](), track, context.now.names.index(track)
     pieces = iter(zip(cuts, [*(frame - 1 - context.start for frame in cuts[1:]), None], strict=True))
     for way in some:

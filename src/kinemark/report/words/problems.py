@@ -96,7 +96,9 @@ def together_text(track: str, first: int, last: int, places: int) -> str:
 def mend_text(track: str, erased: int, cuts: Sequence[int]) -> str:
     """What mends them: so many samples erased, and cut at these frames."""
     parts = [f"erase {_samples(erased)}"] if erased else []
-    places = f"{len(cuts)} places" if len(cuts) > SEVERAL else f"frame{'s' * (len(cuts) > 1)} {', '.join(map(str, cuts))}"
+    places = (
+        f"{len(cuts)} places" if len(cuts) > SEVERAL else f"frame{'s' * (len(cuts) > 1)} {', '.join(map(str, cuts))}"
+    )
     parts += [f"cut {track} at {places}"] if cuts else []
     return " and ".join(parts)
 

@@ -302,7 +302,8 @@ def listed(known: Known) -> Problems:
     with tempfile.TemporaryDirectory() as folder:
         journal = Journal.of(Path(folder), "trial")
         return problems(
-            Editing("trial", journal, known.trajectories, known.detections, known.rig, decisions=known.decisions)
+            Editing("trial", journal, known.trajectories, known.detections, known.rig, decisions=known.decisions),
+            one_by_one=True,
         )
 
 

@@ -134,12 +134,13 @@ def is_that(one: Break, of: Seeded | None) -> bool:
     return same and one.after >= of.before - NEAR and one.before <= of.before + inside + NEAR
 
 
-def listed(trial: Trajectories, *, causes: bool = True) -> tuple[Problem, ...]:
+def listed(trial: Trajectories, *, causes: bool = True, one_by_one: bool = False) -> tuple[Problem, ...]:
     """The problems worth a look, with causes of all markers looked for, or without."""
     OF_PATHS._found.cache_clear()
     looked = mock.patch.object(OF_PATHS, "breaks", OF_PATHS.breaks if causes else lambda paths: [])
     with looked, tempfile.TemporaryDirectory() as folder:
-        return problems(Editing("trial", Journal.of(Path(folder), "trial"), trial, None, None)).asked
+        editing = Editing("trial", Journal.of(Path(folder), "trial"), trial, None, None)
+        return problems(editing, one_by_one=one_by_one).asked
 
 
 def trials() -> Iterator[tuple[str, Trajectories, Seeded | None]]:
@@ -187,8 +188,8 @@ class Count:
     def list_of(self, trial: Trajectories, fault: Seeded) -> None:
         """The problems of a trial with a fault, with and without causes."""
         after, before = listed(trial), listed(trial, causes=False)
-        own = [one for one in after if one.kind not in OF_WHOLE]
-        self.lists.append((len(before), len(after), len(after) - len(own)))
+        own = [one for one in listed(trial, one_by_one=True) if one.kind not in OF_WHOLE]
+        self.lists.append((len(before), len(after), sum(one.kind in OF_WHOLE for one in after)))
         for p, frame in fault.single:
             near = (abs(one.frame - 1 - frame) < NEAR and trial.names[p] in one.tracks for one in own)
             self.single = [self.single[0] + any(near), self.single[1] + 1]

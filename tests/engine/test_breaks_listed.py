@@ -62,6 +62,7 @@ def test_a_cause_is_one_problem_in_words_and_is_settled_by_its_best_alternative(
     editing, (kind, action, words) = editing_of(make(clean().xyz), tmp_path), CAUSES[make]
     (one,) = asked(editing)
     assert one.kind == kind and one.wrong > 0.9 and words in one.words and len(one.tracks) == len(clean())
+    assert one.frame == F + 2  # the first that is wrong, or that is elsewhere
     best = one.alternatives[0]
     assert best.action == action and sum(way.probability for way in one.alternatives) == pytest.approx(1)
     editing.say(*best.edits)
@@ -113,3 +114,11 @@ def test_what_a_system_does_all_the_time_is_one_problem(tmp_path):
 
 def test_where_nothing_moves_in_the_whole_trial_nobody_tells_that_frames_repeat(tmp_path):
     assert not asked(editing_of(np.repeat(clean().xyz[:, 100:101], 200, axis=1), tmp_path))
+
+
+@pytest.mark.parametrize("make", [lost, held, shaken])
+def test_what_is_not_worth_a_look_beside_a_cause_is_looked_at_with_it(tmp_path, make):
+    """Else the list has it once for every marker, below the line, and expects errors of it."""
+    found = problems(editing_of(make(clean().xyz), tmp_path))
+    beside = [one for one in found.items if one.kind not in OF_WHOLE and one.first <= F + 20 and one.last >= F - 20]
+    assert not beside and found.errors_left < 0.1

@@ -1,9 +1,9 @@
 /** Acts go out one after another, and none waits for the problems to be looked for. */
 import { expect, it, vi } from "vitest";
 import type { Act, PathsPart, Problems, TrialHeader } from "../src/api/types";
-import { act, choose } from "../src/state/acts";
-import { get, set, useStore } from "../src/state/store";
-import { HEADER, path, problem, PROBLEMS, set as paths } from "./support";
+import { act, choose, lookAt, step } from "../src/state/acts";
+import { get, set, useStore, watched } from "../src/state/store";
+import { alternative, HEADER, path, problem, PROBLEMS, set as paths } from "./support";
 
 const answer: { paths: PathsPart | null; header?: TrialHeader; outcomes?: object[] } = vi.hoisted(() => ({ paths: null }));
 const said: Act[] = [], answers: ((problems: Problems) => void)[] = [];
@@ -106,4 +106,40 @@ it("says of an act what of it does not hold, and not what had nothing to do besi
     expect(get().note?.kind).toBe(kind);
   }
   delete answer.outcomes;
+});
+
+it("goes through what is worth a look, and through the others where they are shown", () => {
+  show();
+  set({ problems: { ...PROBLEMS, worth_looking: 1 }, problem: "p1" });
+  step(1);
+  expect(get().problem).toBe("p1");
+  set({ unlikely: true });
+  step(1);
+  expect(get().problem).toBe("p2");
+  set({ unlikely: false, problem: null, note: null, problems: { ...PROBLEMS, worth_looking: 0 } });
+  step(1);
+  expect([get().problem, get().note?.words.includes("2 problems below 5 %")]).toEqual([null, true]);
+});
+
+it("counts a settled problem no more while the others are looked for", async () => {
+  show();
+  const taken = choose(PROBLEMS.problems[0]!, "exchange");
+  await soon();
+  expect(get().problems!.worth_looking).toBe(1);
+  answers[0]!({ ...PROBLEMS, problems: [problem("p2")], worth_looking: 0 });
+  await taken;
+  expect(get().problem).toBeNull();
+});
+
+it("selects nothing on a problem of all markers, shows them, and draws nothing where nothing would change", async () => {
+  show();
+  const lost = problem("l", { kind: "lost", alternatives: [alternative("note"), alternative("keep")] });
+  set({ problems: { ...PROBLEMS, problems: [lost], worth_looking: 1 }, paths: paths([path("LKNE", [1, 1]), path("*3", [1, 1])]) });
+  lookAt(lost);
+  expect([get().selected, watched(get()), get().instead]).toEqual([[], ["LKNE", "*3"], null]);
+  const taken = choose(lost, "note");
+  await soon();
+  expect(get().note!.words).toBe("Noted; the trial stays as it is.");
+  answers.at(-1)!({ ...PROBLEMS, problems: [], worth_looking: 0 });
+  await taken;
 });

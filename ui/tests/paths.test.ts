@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { decodeDetections, detectedIn } from "../src/model/detections";
-import { decodePaths, exchanged, jump, mergePaths, runs, speed } from "../src/model/paths";
+import { decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed } from "../src/model/paths";
 import { path, set } from "./support";
+import type { GapRow } from "../src/api/types";
 
 function body(...parts: (Float32Array | Uint8Array | Uint32Array | Int32Array)[]): ArrayBuffer {
   const bytes = parts.flatMap((p) => [...new Uint8Array(p.buffer, p.byteOffset, p.byteLength)]);
@@ -61,4 +62,16 @@ it("detections are found by camera and frame", () => {
   expect(detectedIn(all, 1, 7)).toEqual([1, 3]);
   expect(detectedIn(all, 1, 9)).toEqual([0, 0]);
   expect(all.track[2]).toBe(-1);
+});
+
+describe("gaps that a file would have", () => {
+  it("are those between samples, however they were filled", () => {
+    expect(gapsOf([path("A", [0, 1, 0, 0, 1, 0]), path("B", [1, 2, 1, 0, 1, 0]), path("C", [1, 1, 2, 2, 1, 1]), path("D", [0, 0, 0, 0, 0, 0])])).toEqual({ gaps: 2, markers: 2 });
+    expect(gapsOf([path("A", [1, 0, 1, 0, 0, 1])])).toEqual({ gaps: 2, markers: 1 });
+  });
+
+  it("are none where somebody chose how to fill them, though the fill is not there yet", () => {
+    const row = (marker: string, choice: string | null): GapRow => ({ marker, choice }) as GapRow;
+    expect(leftOpen([row("A", "quintic"), row("A", null), row("A", "open"), row("B", "best")])).toEqual({ gaps: 2, markers: 1 });
+  });
 });

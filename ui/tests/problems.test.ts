@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem } from "../src/model/problems";
+import { actOf, asItIs, changes, dropOf, inOrder, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, worthALook } from "../src/model/problems";
 import { alternative, problem } from "./support";
 
 const all = ["a", "b", "c", "d"].map((id) => problem(id)), ids = (of: readonly { id: string }[]): string => of.map((p) => p.id).join("");
@@ -11,6 +11,19 @@ describe("the order of problems", () => {
 
   it("has what was put off at the end, in the same order", () => {
     expect(ids(inOrder(all, ["c", "a"]))).toBe("bdac");
+  });
+});
+
+describe("the line below which nothing is worth a look", () => {
+  const of = { problems: all, worth_looking: 3 };
+
+  it("has what was put off above it, after the others that are worth a look", () => {
+    expect(ids(worthALook(of, ["a"]))).toBe("bca");
+    expect(ids(unlikely(of, ["a"]))).toBe("d");
+  });
+
+  it("is none before the problems are there", () => {
+    expect([worthALook(null, []), unlikely(null, [])]).toEqual([[], []]);
   });
 });
 
@@ -55,6 +68,12 @@ describe("alternatives", () => {
   it("are told apart: as it is, or otherwise", () => {
     expect(p.alternatives.map(asItIs)).toEqual([false, true]);
     expect(keepOf(p)!.action).toBe("keep");
+  });
+
+  it("change the trial, or note what no edit mends", () => {
+    const lost = problem("l", { kind: "lost", alternatives: [alternative("note"), alternative("keep")] });
+    expect([...p.alternatives, ...lost.alternatives].map(changes)).toEqual([true, false, false, false]);
+    expect([ofWhole(lost), ofWhole(p), ofWhole(null), keepOf(lost)!.action]).toEqual([true, false, false, "keep"]);
   });
 
   it("find the way that takes a ghost or a spike away", () => {

@@ -36,10 +36,11 @@ OF_IDENTITY: tuple[ProblemKind, ...] = ("swap", "join", "ghost", "spike", "fille
 """Kinds that are errors where they are right; a gap and an edit that is an orphan are there for certain."""
 
 Action = Literal[
-    "keep", "exchange", "cut", "join", "no_marker", "erase", "rename", "fill", "leave_open", "drop_edit", "wait",
-    "note",
+    "keep", "exchange", "cut", "join", "no_marker", "erase", "mend", "rename", "fill", "leave_open", "drop_edit",
+    "wait", "note",
 ]  # fmt: skip
-"""What an alternative does; `note` says that it is so where no edit mends it."""
+"""What an alternative does; `mend` erases and cuts at several places, `note` says that it is so where no edit mends
+it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,15 +48,16 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
     editing = open_editing(source, by=by)
     if not np.isfinite(editing.trajectories.xyz).any():
         raise KinemarkError(f"{source} has no trajectories. Give a file of markers in space, as a C3D file.")
-    found, mended = problems(editing, template=template), list[Problem]()
+    mended = list[Problem]()
     for _ in range(ROUNDS if mend else 0):
+        found = problems(editing, template=template, one_by_one=True)
         sure = _beside_each_other([one for one in found.asked if one.wrong >= SURE and _mends(one)])
         if not sure:
             break
         for one in sure:
             editing.say(*_best(one).edits, why=f"{WHY}: {one.words}")
         mended += sure
-        found = problems(editing, template=template)
+    found = problems(editing, template=template)
     return Audit(found, tuple(mended), computed_names(editing.source) if editing.source else ())
 
 

@@ -31,6 +31,9 @@ const FARTHEST_MM = 12000, WITHIN = 0.88;
 /** mm, radius of a marker; chosen: of 14 mm spheres, a little larger. */
 const RADIUS_MM = 11;
 
+/** mm from which two markers are looked at, and how many times as far as they are from their middle, so that all are seen; chosen. */
+const NEAR_MM = 1300, WIDE = 3.6;
+
 export class Scene {
   readonly orbit: Orbit;
   onPick: (name: string | null, more: boolean) => void = () => {};
@@ -108,7 +111,8 @@ export class Scene {
       if (flat > 1) this.orbit.azimuth = Math.atan2(along.y, along.x) + Math.PI / 2;
       this.orbit.elevation = 0.25;
     }
-    this.orbit.look(middle.x, middle.y, middle.z, 1300);
+    const wide = Math.max(...places.map((place) => place.distanceTo(middle)));
+    this.orbit.look(middle.x, middle.y, middle.z, Math.max(NEAR_MM, WIDE * wide));
   }
 
   show(frame: number): void {

@@ -74,6 +74,7 @@ function taken(n: number): Command {
   return {
     id: `take-${n}`, keys: [String(n)], title: `Take alternative ${n}`, group: "Problems", screens: ["tracks"],
     when: (s) => (currentProblem(s)?.alternatives.length ?? 0) >= n, foot: n === 1 ? undefined : 10 + n,
+    fits: (s) => currentProblem(s)!.alternatives[n - 1]!.action !== "keep", // Y stands for it
     hint: (s) => currentProblem(s)?.alternatives[n - 1]?.words ?? "", run: () => acts.takeNumber(n),
   };
 }
@@ -87,8 +88,9 @@ const SIDES = 4;
 export const COMMANDS: readonly Command[] = [
   // Problems
   { id: "accept", keys: ["Enter"], title: "Accept what is proposed", group: "Problems", screens: ["tracks"], when: onProblem, foot: 1, hint: (s) => proposed(currentProblem(s)!)?.words ?? "accept", run: acts.acceptProposal },
-  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : s.problems?.problems.length ? `look at the first of ${many(s.problems.problems.length, "problem")}` : "no problem is left"), run: () => acts.step(1) },
+  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : acts.walked(s).length ? `look at the first of ${many(acts.walked(s).length, "problem")}` : s.problems?.problems.length ? "nothing is left that is worth a look" : "no problem is left"), run: () => acts.step(1) },
   { id: "previous", keys: ["Shift+N"], title: "Previous problem", group: "Problems", screens: ["tracks"], when: hasTrial, run: () => acts.step(-1) },
+  { id: "unlikely", keys: ["Shift+U"], title: "Show problems that are not worth a look, or hide them", group: "Problems", screens: ["tracks"], when: (s) => (s.problems?.problems.length ?? 0) > (s.problems?.worth_looking ?? 0), run: () => set((s) => ({ unlikely: !s.unlikely })) },
   ...[1, 2, 3, 4, 5].map(taken),
   { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: (s) => onProblem(s) && keepOf(currentProblem(s)!) !== null, fits: (s) => wayTo(currentProblem(s), "keep") !== null, foot: 20, hint: (s) => keepOf(currentProblem(s)!)!.words, run: acts.rightAsIs },
   { id: "later", keys: ["-"], title: "Later", group: "Problems", screens: ["tracks"], when: onProblem, foot: 22, hint: () => "later", run: acts.putOff },

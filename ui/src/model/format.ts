@@ -1,8 +1,10 @@
 /** Numbers as people read them. */
 /** Between thousands; no line ends there. */
 const THIN = "\u202f";
+/** mm from which on a distance is none that anybody measured, as in the program's words. */
+const FAR_MM = 10_000;
 export const mm = (value: number | null | undefined): string =>
-  value == null || !Number.isFinite(value) ? "–" : value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(value < 1 ? 2 : 1);
+  value == null || !Number.isFinite(value) ? "–" : value > FAR_MM ? `> ${count(FAR_MM)}` : value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(value < 1 ? 2 : 1);
 export const percent = (p: number | null | undefined): string =>
   p == null ? "–" : p > 0.9995 ? "> 99.9 %" : p > 0.995 ? `${(100 * p).toFixed(1)} %` : p < 0.005 ? "< 1 %" : `${Math.round(100 * p)} %`;
 export const count = (n: number | null | undefined): string => (n == null ? "–" : n.toLocaleString("en").replaceAll(",", THIN));

@@ -1,5 +1,5 @@
 /** Paths of markers as typed arrays: one record a marker, so that an edit replaces one and shares the rest. */
-import type { PathsHeader, PathsPart, TrialHeader } from "../api/types";
+import type { GapRow, PathsHeader, PathsPart, TrialHeader } from "../api/types";
 
 export const MISSING = 0, MEASURED = 1, FILLED = 2, EDITED = 3;
 export const ORIGINS = ["missing", "measured", "filled", "edited"] as const;
@@ -13,6 +13,24 @@ export interface Path {
   readonly cov?: Float32Array;
   readonly residual?: Float32Array;
   readonly cameras?: Uint8Array;
+}
+
+/** Gaps between samples of these markers, and how many of them have one. */
+export function gapsOf(paths: readonly Path[]): { gaps: number; markers: number } {
+  let gaps = 0, markers = 0;
+  for (const { origin } of paths) {
+    let own = 0, seen = false;
+    for (let i = 0; i < origin.length; i++) if (origin[i]) (own += seen && !origin[i - 1] ? 1 : 0), (seen = true);
+    gaps += own;
+    markers += own ? 1 : 0;
+  }
+  return { gaps, markers };
+}
+
+/** The same of gaps that are known, without those that somebody chose a way for: their fills may still be worked out. */
+export function leftOpen(gaps: readonly GapRow[]): { gaps: number; markers: number } {
+  const open = gaps.filter((gap) => gap.choice == null || gap.choice === "open");
+  return { gaps: open.length, markers: new Set(open.map((gap) => gap.marker)).size };
 }
 
 export interface PathSet {

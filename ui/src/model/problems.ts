@@ -4,11 +4,20 @@ import type { Act, Alternative, Problem } from "../api/types";
 /** Ways that leave the trial as it is. */
 const AS_IT_IS: readonly Alternative["action"][] = ["keep", "wait", "leave_open"];
 
+/** Kinds that are about all markers at once. */
+const OF_WHOLE: readonly Problem["kind"][] = ["lost", "repeated", "moved", "shaken"];
+export const ofWhole = (p: Problem | null): boolean => p !== null && OF_WHOLE.includes(p.kind);
+
 /** The order in which problems are shown: as they come, those that were put off after the others. */
 export function inOrder(problems: readonly Problem[], later: readonly string[]): Problem[] {
   const off = new Set(later);
   return [...problems.filter((p) => !off.has(p.id)), ...problems.filter((p) => off.has(p.id))];
 }
+
+/** Those that are worth a look, the first so many of the server's, in the order in which they are shown. */
+export const worthALook = (of: { problems: readonly Problem[]; worth_looking: number } | null, later: readonly string[]): Problem[] => inOrder(of?.problems.slice(0, of.worth_looking) ?? [], later);
+/** Those that are not. */
+export const unlikely = (of: { problems: readonly Problem[]; worth_looking: number } | null, later: readonly string[]): Problem[] => inOrder(of?.problems.slice(of.worth_looking) ?? [], later);
 
 /** The one after or before `current` in a ring; the first or last where there is none. */
 export function stepProblem(all: readonly Problem[], current: string | null, step: 1 | -1): Problem | null {
@@ -30,6 +39,9 @@ export const proposed = (p: Problem): Alternative | null => p.alternatives[0] ??
 
 /** Whether an alternative leaves the trial as it is: drawn as A; all others as B. */
 export const asItIs = (a: Alternative): boolean => AS_IT_IS.includes(a.action);
+
+/** Whether taking it changes the trial: only that can be drawn beside what is. */
+export const changes = (a: Alternative): boolean => a.act !== null && !asItIs(a) && a.action !== "note";
 
 /** The act of taking an alternative; one that says nothing is a verdict that all is right. */
 export const actOf = (p: Problem, taken: Alternative): Act => (taken.act as Act | null) ?? { kind: "review", problem: p.id, right: true };

@@ -21,7 +21,7 @@ export function Foot(): React.JSX.Element {
       <ul className={styles.keys} aria-label="What keys would do now">
         {line.filter((one) => !ALWAYS.includes(one.id)).map(key)}
       </ul>
-      <p className={`${styles.note} ${note ? styles[note.kind] : ""}`} role="status" data-note={note?.kind ?? ""}>{note && <><Icon size={14} aria-hidden />{note.words}</>}</p>
+      <p className={`${styles.note} ${note ? styles[note.kind] : ""}`} role="status" data-note={note?.kind ?? ""}>{note && <><Icon size={14} aria-hidden /><span className={styles.said} title={note.words}>{note.words}</span></>}</p>
       <ul className={`${styles.keys} ${styles.always}`} aria-label="What keys do everywhere">{line.filter((one) => ALWAYS.includes(one.id)).map(key)}</ul>
     </footer>
   );

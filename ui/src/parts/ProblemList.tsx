@@ -2,9 +2,9 @@ import { ArrowLeftRight, CircleCheck, CopyX, FastForward, Ghost, Link2, Move3d, 
 import { useEffect, useRef } from "react";
 import type { Alternative, Problem } from "../api/types";
 import { count, frames, many, mm, percent } from "../model/format";
-import { asItIs, inOrder, keepOf } from "../model/problems";
+import { asItIs, changes, keepOf, ofWhole, unlikely, worthALook } from "../model/problems";
 import { choose, lookAt } from "../state/acts";
-import { useParts } from "../state/store";
+import { set, useParts } from "../state/store";
 import styles from "./ProblemList.module.css";
 
 const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
@@ -12,25 +12,28 @@ const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
   spike: { word: "Spike?", icon: Zap }, filled: { word: "Measured?", icon: CopyX }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, edit: { word: "Edit lost its place", icon: Unlink },
   lost: { word: "Frames lost?", icon: FastForward }, repeated: { word: "Frames repeated?", icon: Repeat }, moved: { word: "World moved?", icon: Move3d }, shaken: { word: "World off?", icon: Vibrate },
 };
-/** What is about all markers at once. */
-const OF_WHOLE: readonly Problem["kind"][] = ["lost", "repeated", "moved", "shaken"];
 
 export function ProblemList(): React.JSX.Element {
-  const { problems, problem, later } = useParts("problems", "problem", "later"), list = useRef<HTMLDivElement>(null), all = inOrder(problems?.problems ?? [], later), worth = problems?.worth_looking ?? all.length;
+  const { problems, problem, later, unlikely: more } = useParts("problems", "problem", "later", "unlikely"), list = useRef<HTMLDivElement>(null);
+  const first = worthALook(problems, later), rest = unlikely(problems, later), shown = more ? [...first, ...rest] : first, worth = first.length;
   useEffect(() => void list.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [problem]);
   return (
     <section className={styles.section} aria-label="Problems">
-      <header className={styles.head}><h2>Problems</h2><span className="soft number">{worth < all.length ? `${worth} of ${all.length} worth a look` : all.length}</span></header>
+      <header className={styles.head}><h2>Problems</h2><span className="soft number">{problems && `${worth} worth a look`}</span></header>
       <div ref={list} className={styles.list} tabIndex={0} role="region" aria-label="List of problems">
-        {problems && !all.length && <p className={styles.none}><CircleCheck size={26} aria-hidden />Nothing is left to look at.</p>}
+        {problems && !worth && <p className={styles.none}><CircleCheck size={26} aria-hidden />{rest.length ? "Nothing is left that is worth a look." : "Nothing is left to look at."}</p>}
         <ol>
-          {all.map((p, i) => (
+          {shown.map((p, i) => (
             <li key={p.id} data-problem={p.kind} data-id={p.id}>
-              {i === worth && worth > 0 && <p className={styles.stop}>Looking on is not worth it: below, {errors(problems?.errors_left)} expected</p>}
               {p.id === problem ? <Open problem={p} number={i + 1} /> : <Row problem={p} number={i + 1} later={later.includes(p.id)} />}
             </li>
           ))}
         </ol>
+        {rest.length > 0 && (
+          <button type="button" className={styles.stop} aria-expanded={more} onClick={() => set({ unlikely: !more })}>
+            {more ? "Hide" : "Show"} {many(rest.length, "more", "more")} below 5 %, with {errors(problems?.errors_left)} in all <kbd>⇧ U</kbd>
+          </button>
+        )}
       </div>
       {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when these are settled</> : ". Looking on is not worth it."}</p>}
     </section>
@@ -49,7 +52,7 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
   return (
     <button type="button" className={`${styles.row} ${later ? styles.later : ""}`} onClick={() => lookAt(p)}>
       <span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden />
-      <span className={styles.words}><b>{word}</b> {OF_WHOLE.includes(p.kind) ? "all markers" : p.tracks.slice(0, 3).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ")}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
+      <span className={styles.words}><b>{word}</b> {ofWhole(p) ? "all markers" : p.tracks.slice(0, 3).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ")}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
       <Weight problem={p} />
     </button>
   );
@@ -57,7 +60,7 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
 
 /** How probable a way is, and what comes of it. */
 function Consequence({ of: a }: { of: Alternative }): React.JSX.Element | null {
-  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null ? "" : `costs ${count(a.cost < 10 ? Math.round(10 * a.cost) / 10 : Math.round(a.cost))} mm × samples`].filter(Boolean);
+  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null || a.cost < 0.05 ? "" : `costs ${count(a.cost < 10 ? Math.round(10 * a.cost) / 10 : Math.round(a.cost))} mm × samples`].filter(Boolean);
   return parts.length ? <small className="number">{parts.join(" · ")}</small> : null;
 }
 
@@ -75,7 +78,7 @@ function Open({ problem: p, number }: { problem: Problem; number: number }): Rea
             <button type="button" className={styles.way} data-key={a.key} data-first={i === 0 ? "yes" : ""} onClick={() => void choose(p, a.key)}>
               <kbd>{i === 0 ? "Enter" : i + 1}</kbd>
               <span><b>{a.words}</b>{<Consequence of={a} />}</span>
-              <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>
+              {(asItIs(a) || changes(a)) && <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>}
             </button>
           </li>
         ))}

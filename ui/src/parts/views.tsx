@@ -7,7 +7,7 @@ import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
 import { hasSd, type Path, type PathSet } from "../model/paths";
-import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, type State } from "../state/store";
+import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, watched, type State } from "../state/store";
 import { wantDetections } from "../state/load";
 import { Computed } from "./Computed";
 import styles from "./views.module.css";
@@ -65,7 +65,7 @@ export function SceneView(): React.JSX.Element {
   useEffect(() => void (scene && header && paths && scene.set(header, paths)), [scene, header, paths]);
   useEffect(() => scene?.with({ selected, alone, ellipsoids: bands, instead }), [scene, selected, alone, bands, s.instead, s.candidates, s.method, s.screen]);
   useEffect(() => void (side || scene?.orbit.azimuth ? scene?.side(SIDES[side]!) : null), [scene, side]);
-  useEffect(() => void (scene && focused && scene.focus(get().selected, playhead.frame)), [scene, focused]);
+  useEffect(() => void (scene && focused && scene.focus(watched(get()), playhead.frame)), [scene, focused]);
   const turn = (e: React.KeyboardEvent): void => {
     const by = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[e.key];
     if (e.altKey && by) e.preventDefault(), e.stopPropagation(), scene?.orbit.turn(by[0]!, by[1]!);
@@ -102,7 +102,7 @@ const mmOf = (v: number): string => v.toFixed(1);
 
 export function CurvesView(): React.JSX.Element {
   const place = useRef<HTMLDivElement>(null), [curves, setCurves] = useState<Curves | null>(null);
-  const s = useSeen(), { header, paths, selected, first, last, bands, fourth, window } = s;
+  const s = useSeen(), { header, paths, selected, first, last, bands, fourth, window } = s, seen = watched(s);
   useEffect(() => {
     const made = new Curves(place.current!);
     made.onFrame = (frame): void => (playhead.pause(), playhead.go(frame));
@@ -118,19 +118,19 @@ export function CurvesView(): React.JSX.Element {
   useEffect(() => {
     if (!curves || !header || !paths) return;
     curves.set({ curves: curvesOf(s), firstFrame: paths.firstFrame, rate: header.rate, window: window ?? [playhead.first, playhead.last], marked: [first, last], bands, fourth });
-  }, [curves, header, paths, selected, first, last, bands, fourth, window, s.instead, s.candidates, s.method, s.screen]);
+  }, [curves, header, paths, selected, s.problem, first, last, bands, fourth, window, s.instead, s.candidates, s.method, s.screen]);
   return (
     <section className={styles.view} aria-label="Curves">
-      <div ref={place} className={`${styles.fill} ${styles.under}`} role="img" aria-label={`X, Y, Z and ${fourth} of ${selected.join(" and ") || "no marker"} over time`} />
-      {!selected.length && <p className={styles.none}><span>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></span></p>}
-      {selected.length > 0 && <CurveLegend />}
+      <div ref={place} className={`${styles.fill} ${styles.under}`} role="img" aria-label={`X, Y, Z and ${fourth} of ${seen.slice(0, 4).join(" and ") || "no marker"} over time`} />
+      {!seen.length && <p className={styles.none}><span>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></span></p>}
+      {seen.length > 0 && <CurveLegend names={seen} />}
     </section>
   );
 }
 
 function curvesOf(s: State): Curve[] {
   const p = palette(), two = [p.a, p.measured, p.filled, p.edited], one = currentProblem(s) ? two : [p.measured, p.filled, p.edited, p.accent];
-  const own: Curve[] = s.selected.slice(0, 4).flatMap((name, i) => (s.paths?.byName.has(name) ? [{ path: s.paths.byName.get(name)!, colour: one[i]! }] : []));
+  const own: Curve[] = watched(s).slice(0, 4).flatMap((name, i) => (s.paths?.byName.has(name) ? [{ path: s.paths.byName.get(name)!, colour: one[i]! }] : []));
   if (s.screen === "gaps" && s.candidates) {
     const { marker, first, candidates } = s.candidates;
     for (const c of candidates) own.push({ ...joined(candidatePath(marker, c.xyz, c.sd), first, s.paths), colour: c.method === s.method ? p.b : p.faint, dashed: c.method !== s.method, band: c.method === s.method });
@@ -148,13 +148,13 @@ function joined(piece: Path, first: number, paths: PathSet | null): { path: Path
   return { path: { ...piece, xyz, sd, origin, cov }, at: first - 1 };
 }
 
-function CurveLegend(): React.JSX.Element {
-  const { selected, instead, screen, candidates, method, bands } = useParts("selected", "instead", "screen", "candidates", "method", "bands"), paths = useStore((s) => s.paths), shown = screen === "tracks" && instead;
+function CurveLegend({ names }: { names: readonly string[] }): React.JSX.Element {
+  const { instead, screen, candidates, method, bands } = useParts("instead", "screen", "candidates", "method", "bands"), paths = useStore((s) => s.paths), shown = screen === "tracks" && instead;
   const way = screen === "gaps" ? candidates?.candidates.find((c) => c.method === method) : undefined;
-  const shaded = Boolean(way?.sd) || selected.some((name) => paths?.byName.has(name) && hasSd(paths.byName.get(name)!));
+  const shaded = Boolean(way?.sd) || names.some((name) => paths?.byName.has(name) && hasSd(paths.byName.get(name)!));
   return (
     <p className={styles.legend}>
-      <b>{selected.slice(0, 4).join(", ")}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
+      <b>{names.slice(0, 4).join(", ")}{names.length > 4 && ` and ${names.length - 4} more`}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
       {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && shaded && " · shaded 95 %"}
     </p>
   );

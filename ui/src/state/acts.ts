@@ -1,9 +1,9 @@
 /** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
 import * as api from "../api/client";
-import type { Act, ActDone, GapRow, Problem, SmoothingFunction } from "../api/types";
+import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
 import { decodePart } from "../model/paths";
-import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem, wayOf } from "../model/problems";
+import { actOf, changes, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
 import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
@@ -77,7 +77,7 @@ export function lookAt(problem: Problem): void {
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, problem.frame - round), Math.min(playhead.last, problem.frame + round)];
   const window: [number, number] = [Math.max(playhead.first, Math.min(problem.first, problem.frame) - beside), Math.min(playhead.last, Math.min(problem.last, problem.frame + 4 * beside) + beside)];
-  const there = problem.tracks.filter((name) => get().paths?.byName.has(name));
+  const there = ofWhole(problem) ? [] : problem.tracks.filter((name) => get().paths?.byName.has(name));
   set((s) => ({ problem: problem.id, selected: there, instead: null, first: null, last: null, window, focused: s.focused + 1, join: null, follow: true }));
   playhead.go(problem.frame);
   if (!still() && (problem.kind === "swap" || problem.kind === "sides")) playhead.play();
@@ -86,7 +86,7 @@ export function lookAt(problem: Problem): void {
 
 /** Ask what the first other way would give, and draw it beside what is. */
 async function drawInstead(problem: Problem): Promise<void> {
-  const other = problem.alternatives.find((a) => a.act !== null && !asItIs(a)), id = get().id;
+  const other = problem.alternatives.find(changes), id = get().id;
   if (!other?.act || !id) return;
   try {
     const shown = await api.preview(id, other.act);
@@ -98,12 +98,15 @@ async function drawInstead(problem: Problem): Promise<void> {
   }
 }
 
+/** The problems that are gone through: those worth a look, and all others where they are shown. */
+export const walked = (s: State): Problem[] => [...worthALook(s.problems, s.later), ...(s.unlikely ? unlikely(s.problems, s.later) : [])];
+
 export function step(by: 1 | -1): void {
   const s = get();
   if (!s.problems) return soon(by);
-  const next = stepProblem(inOrder(s.problems.problems, s.later), s.problem, by);
+  const next = stepProblem(walked(s), s.problem, by), rest = s.problems.problems.length;
   if (next) lookAt(next);
-  else say("news", "There is nothing to look at.");
+  else say("news", rest ? `Nothing is left that is worth a look; ${many(rest, "problem")} below 5 % can be shown under the list.` : "There is nothing to look at.");
 }
 
 /** The step that was asked for before the problems were there. */
@@ -121,15 +124,21 @@ export async function choose(problem: Problem, key: string): Promise<void> {
   const taken = problem.alternatives.find((a) => a.key === key);
   if (!taken) return;
   if (taken.action === "wait") return putOff(); // nothing is said: it stays in the list
-  const before = inOrder(get().problems?.problems ?? [], get().later);
-  const done = await act(actOf(problem, taken), taken.words);
+  const before = walked(get());
+  const done = await act(actOf(problem, taken), taken.action === "note" ? "Noted; the trial stays as it is" : taken.words);
   if (!done || get().problem !== problem.id) return;
-  set((s) => ({ problems: s.problems && { ...s.problems, problems: s.problems.problems.filter((p) => p !== problem) } })); // no key is for it now
+  set((s) => ({ problems: s.problems && without(s.problems, problem) })); // no key is for it now
   await looking;
   if (get().problem !== problem.id) return; // the person went on
-  const { problems, later } = get(), next = nextAfter(before, problem.id, inOrder(problems?.problems ?? [], later));
-  if (next && (problems?.worth_looking ?? 0) > 0) lookAt(next);
+  const next = nextAfter(before, problem.id, walked(get()));
+  if (next) lookAt(next);
   else finishLooking();
+}
+
+/** The problems but for one. */
+function without(all: Problems, one: Problem): Problems {
+  const at = all.problems.findIndex((p) => p.id === one.id);
+  return at < 0 ? all : { ...all, problems: all.problems.filter((p) => p.id !== one.id), worth_looking: all.worth_looking - (at < all.worth_looking ? 1 : 0) };
 }
 
 function finishLooking(): void {

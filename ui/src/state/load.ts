@@ -7,6 +7,7 @@ import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
 import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
 import { arriveAtMenu, held, menuAddress } from "./um2as";
+import { marked } from "../model/finish";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
@@ -55,6 +56,12 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
   else location.hash = target;
 }
 
+/** A gap that is looked at marks its frames on Gaps alone: elsewhere what is said of marked frames would be of those. */
+export function leaveGap(): void {
+  const { first, last, gap } = get();
+  if (gap) set({ gap: null, candidates: null, ...(marked(first, last, gap)[0] === null ? { first: null, last: null } : {}) });
+}
+
 /** Show what the address says. */
 export async function arrive(): Promise<void> {
   const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
@@ -68,6 +75,7 @@ export async function arrive(): Promise<void> {
     return;
   }
   const trial = decodeURIComponent(id);
+  if (screen !== "gaps") leaveGap();
   if (get().id !== trial || (!get().header && !BEFORE_RUN.includes(screen))) {
     set({ ...OF_TRIAL, id: trial, screen });
     if (!BEFORE_RUN.includes(screen)) await openTrial(trial);

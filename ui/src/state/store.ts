@@ -4,6 +4,7 @@ import { create } from "zustand";
 import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
 import type { Detected } from "../model/detections";
+import { ofWhole } from "../model/problems";
 import { shownPaths, type Path, type PathSet } from "../model/paths";
 import { Playhead } from "../model/playhead";
 import type { Tried } from "./detect";
@@ -52,6 +53,8 @@ export interface State {
   savedAt: string | null;
 
   problem: string | null;
+  /** Whether problems that are not worth a look are shown too. */
+  unlikely: boolean;
   later: readonly string[];
   instead: Instead | null;
   selected: readonly string[];
@@ -103,7 +106,7 @@ export function keep(key: string, value: string): void {
 
 /** What is of one trial, and forgotten with it. */
 export const OF_TRIAL = {
-  header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, later: [],
+  header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, unlikely: false, later: [],
   instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
   alone: false, computed: false, window: null, detect: null, digitise: null,
 } satisfies Partial<State>;
@@ -138,4 +141,9 @@ export const still = (): boolean =>
 
 /** Whether what is looked at is a file of trajectories, without images and recordings. */
 export const ofFile = (s: State): boolean => (s.header ? s.header.session_id === null : !s.runs);
+/** What views show: what is selected, else all that a problem of all markers is about. */
+export const watched = (s: State): readonly string[] => {
+  const p = s.selected.length ? null : currentProblem(s);
+  return p && ofWhole(p) ? p.tracks : s.selected;
+};
 export const currentProblem = (s: State): Problem | null => (s.screen === "tracks" && s.problems?.problems.find((p) => p.id === s.problem)) || null;

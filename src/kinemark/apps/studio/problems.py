@@ -146,10 +146,8 @@ def _alternative(of: core.Problem, way: core.Alternative) -> Alternative:
 
 
 def _consequence(way: core.Alternative) -> str:
-    """What comes of it, in figures."""
-    parts = [f"{way.jump_mm:.1f} mm"] if np.isfinite(way.jump_mm) and way.action != "fill" else []
-    parts += [f"explains {way.images} images"] if way.images is not None else []
-    return ", ".join(parts)
+    """What comes of it besides what its words say."""
+    return f"explains {way.images} images" if way.images is not None else ""
 
 
 def _cameras(document: OpenDocument, one: core.Problem) -> list[str]:

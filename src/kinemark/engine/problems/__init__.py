@@ -20,6 +20,7 @@ from .context import Context
 from .of_gaps import of_edits, of_gaps
 from .of_names import of_names
 from .of_paths import of_paths
+from .together import together
 
 __all__ = ["filled_gaps", "problems"]
 
@@ -34,13 +35,16 @@ BEFORE: dict[ProblemKind, int] = {"edit": 0}
 """Kinds that come first whatever they cost."""
 
 
-def problems(editing: Editing, *, gaps: Sequence[FilledGap] = (), template: Template | None = None) -> Problems:
+def problems(
+    editing: Editing, *, gaps: Sequence[FilledGap] = (), template: Template | None = None, one_by_one: bool = False
+) -> Problems:
     """What is to be looked at, what saves most first.
 
     Args:
         editing: the trial.
         gaps: what filling said of its gaps; none are listed where it was not filled.
         template: of the subject, by which names are judged; what the trial is itself like where None.
+        one_by_one: each step of a path by itself, which are one problem else (`together`).
     """
     edited = editing.edited()
     context = Context(editing, edited)
@@ -49,6 +53,8 @@ def problems(editing: Editing, *, gaps: Sequence[FilledGap] = (), template: Temp
     seen = list(of_paths(context))
     seen += [one for one in of_names(context, template) if not _seen_by_motion(one, seen, context)]
     found += [one for one in seen if not any(_is_about(verdict, one, context) for verdict in settled)]
+    if not one_by_one:
+        found = list(together(context, found))
     order = sorted(found, key=lambda one: (BEFORE.get(one.kind, 1), not one.asked, -one.cost, one.first, one.id))
     return Problems(tuple(_with_own_ids(order)), editing.journal.head)
 

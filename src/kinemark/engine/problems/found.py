@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ...data.array_types import Ints
+from ...data.problems import ASK_ABOVE
 from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, Piece, Spike, in_trial
 
 
@@ -57,4 +59,18 @@ def numbered(found: Found, frame: Ints) -> Found:
         pieces=tuple(one._replace(last=at[one.last], first=at[one.first]) for one in found.pieces),
         ghosts=tuple(one._replace(first=at[one.first], last=at[one.last]) for one in found.ghosts),
         fillings=tuple(one._replace(first=at[one.first], last=at[one.last]) for one in found.fillings),
+    )
+
+
+def apart_from(found: Found, causes: Sequence[Break], near: float) -> Found:
+    """Without what is not worth a look and within `near` frames of a cause of all markers: it is looked at with that,
+    and a list would have it for every marker."""
+
+    def stays(wrong: float, first: float, last: float) -> bool:
+        return wrong >= ASK_ABOVE or not any(c.before - near <= last and first <= c.after + near for c in causes)
+
+    return found._replace(
+        spikes=tuple(one for one in found.spikes if stays(one.wrong, one.first, one.last)),
+        leaps=tuple(one for one in found.leaps if stays(one.wrong, one.before, one.after)),
+        changes=tuple(one for one in found.changes if stays(one.wrong, one.place.middle, one.place.middle)),
     )

@@ -18,8 +18,8 @@ VERDICTS = 5
 LIKELY, SEVERAL = 0.5, 3
 """Probability of a break, and how many at most are looked at one by one; chosen: more are how the system works."""
 INSTEAD = {
-    "lost": "export the recording again without loss, or use what is before and after by itself",
-    "moved": "process the recording again with one calibration, or use what is before and after by itself",
+    "lost": "export it again without loss, or use its parts apart",
+    "moved": "process it again with one calibration, or use its parts apart",
 }
 """What a laboratory can do where no edit mends it."""
 
@@ -68,7 +68,8 @@ def _problem(context: Context, some: Sequence[Break], who: Sequence[int]) -> Pro
         words = breaks_text(one.kind, first, one.after + context.start, len(some), sum(map(_frames, some)))
     return Problem(
         context.id(one.kind, who[0], one.before), one.kind, tracks, first + mends, last - mends,
-        one.after + context.start, wrong, n, cost, words, tuple(sorted((keep, gone), key=lambda way: way.cost)),
+        (one.before + 1 if mends else one.after) + context.start, wrong, n, cost, words,
+        tuple(sorted((keep, gone), key=lambda way: way.cost)),
         one.evidence._asdict() | {"frames": float(sum(each.frames for each in some)), "places": float(len(some))},
     )  # fmt: skip
 

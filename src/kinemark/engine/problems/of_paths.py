@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -32,7 +32,7 @@ from ...edit.probable_errors import (
 )
 from ...report.words.problems import problem_text
 from .context import VERSIONS, Context
-from .found import Found, by_trial, numbered
+from .found import Found, apart_from, by_trial, numbered
 from .of_breaks import of_breaks
 
 TOGETHER_S = 0.2
@@ -51,10 +51,11 @@ def of_paths(context: Context) -> Iterator[Problem]:
     found = _found(context.markers, now.rate, now.first_frame, tuple(_told(context)))
     for spike in found.spikes:
         yield _spike(context, spike)
+    parts = _parts(found)
     for leap in found.leaps:
-        yield _leap(context, leap)
+        yield _leap(context, leap, parts)
     for change in found.changes:
-        yield _change(context, found.paths, change)
+        yield _change(context, found.paths, change, parts)
     for piece in found.pieces:
         yield _piece(context, piece)
     for ghost in found.ghosts:
@@ -62,6 +63,21 @@ def of_paths(context: Context) -> Iterator[Problem]:
     for filling in found.fillings:
         yield _filling(context, filling)
     yield from of_breaks(context, found.as_it_is, found.breaks)
+
+
+def _parts(found: Found) -> dict[tuple[int, int], str]:
+    """What the name of a path's marker ends with after each frame, from 0, at which it may be cut: in their order, so
+    that all cuts can be said at once."""
+    cuts = {(one.path, one.after) for one in found.leaps if not one.back}
+    for one in found.changes:
+        if one.partner.path < 0:
+            cuts.add((one.place.path, int(found.paths.frames[one.place.path][one.place.sample + 1])))
+    count: dict[int, int] = {}
+    parts = {}
+    for path, frame in sorted(cuts):
+        k = count[path] = count.get(path, 0) + 1
+        parts[path, frame] = chr(ord("a") + k) if k < 26 else f"z{k}"
+    return parts
 
 
 @lru_cache(maxsize=VERSIONS)
@@ -74,8 +90,8 @@ def _found(some: tuple[MarkerTrajectory, ...], rate: float, first_frame: int, to
     if not likely:
         return _of_each(now, paths, told)._replace(breaks=broken)
     now, frame = unbroken(paths, now.names, likely)
-    found = _of_each(now, Paths.of(now), told)
-    return numbered(found, frame)._replace(breaks=broken, as_it_is=as_it_is)
+    found = numbered(_of_each(now, Paths.of(now), told), frame)
+    return apart_from(found, likely, TOGETHER_S * rate)._replace(breaks=broken, as_it_is=as_it_is)
 
 
 def _of_each(now: Trajectories, paths: Paths, told: tuple[Told, ...]) -> Found:
@@ -212,7 +228,7 @@ def _once(some: Sequence[Change], paths: Paths) -> list[Change]:
     return kept
 
 
-def _change(context: Context, paths: Paths, change: Change) -> Problem:
+def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple[int, int], str]) -> Problem:
     """A place at which a path may go on as another marker."""
     p, q, i = change.place.path, change.partner.path, change.place.sample
     f, g = int(paths.frames[p][i]), int(paths.frames[p][i + 1])
@@ -236,7 +252,12 @@ def _change(context: Context, paths: Paths, change: Change) -> Problem:
         )  # fmt: skip
     else:
         other = context.alternative(
-            "cut", tracks, frame, wrong, (1 - wrong) * n * mm, [*context.claim(p, context.marker(p, "b"), g), no]
+            "cut",
+            tracks,
+            frame,
+            wrong,
+            (1 - wrong) * n * mm,
+            [*context.claim(p, context.marker(p, parts[p, g]), g), no],
         )
     words = problem_text(kind, tracks, first, last, change.keep_mm)
     values = {name: float(value) for name, value in zip(change.evidence._fields, change.evidence, strict=True)}
@@ -277,7 +298,7 @@ def _spike(context: Context, spike: Spike) -> Problem:
     )  # fmt: skip
 
 
-def _leap(context: Context, leap: Leap) -> Problem:
+def _leap(context: Context, leap: Leap, parts: Mapping[tuple[int, int], str]) -> Problem:
     """A path that is elsewhere some frames later."""
     p, f, g, wrong = leap.path, leap.before, leap.after, leap.wrong
     tracks, own = (context.name(p),), context.samples(p)
@@ -289,7 +310,7 @@ def _leap(context: Context, leap: Leap) -> Problem:
         mm=leap.mm,
     )  # fmt: skip
     between = context.erase(p, f + 1, g - 1) if g > f + 1 else ()
-    rest = () if leap.back else context.claim(p, context.marker(p, "b"), g)
+    rest = () if leap.back else context.claim(p, context.marker(p, parts[p, g]), g)
     gone = context.alternative(
         "erase" if leap.back else "cut", tracks, last, wrong, (1 - wrong) * n * leap.mm,
         [*between, *rest, context.verdict("join", (p,), f, g, right=False)],

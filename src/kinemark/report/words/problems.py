@@ -8,6 +8,8 @@ import numpy as np
 
 from ...data.problems import Action, ProblemKind
 
+SEVERAL = 3
+"""Frames that are named one by one, at most; chosen: what a line holds."""
 FAR_MM = 10_000.0
 """mm from which on a distance is none that anybody measured, as of a motion carried on over a long gap; chosen."""
 
@@ -78,8 +80,27 @@ def _count(frames: int) -> str:
     return f"{frames} frame{'s' if frames > 1 else ''}"
 
 
+def _samples(n: int) -> str:
+    return f"{n} sample{'s' if n != 1 else ''}"
+
+
 def _frames(first: int, last: int) -> str:
     return f"frame {first}" if first == last else f"frames {first}–{last}"
+
+
+def together_text(track: str, first: int, last: int, places: int) -> str:
+    """A path that jumps at several places."""
+    return f"{track} jumps at {places} places, {_frames(first, last)}"
+
+
+def mend_text(track: str, erased: int, cuts: Sequence[int]) -> str:
+    """What mends them: so many samples erased, and cut at these frames."""
+    parts = [f"erase {_samples(erased)}"] if erased else []
+    places = (
+        f"{len(cuts)} places" if len(cuts) > SEVERAL else f"frame{'s' * (len(cuts) > 1)} {', '.join(map(str, cuts))}"
+    )
+    parts += [f"cut {track} at {places}"] if cuts else []
+    return " and ".join(parts)
 
 
 def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, name: str = "") -> str:
@@ -92,11 +113,11 @@ def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, na
         "cut": f"cut {one} at frame {frame}: two markers",
         "join": f"{one} and {other} are one marker{jump}",
         "no_marker": f"{one} is no marker",
-        "erase": f"these samples are wrong{jump}",
+        "erase": f"erase these samples{jump}",
         "rename": f"it is {name}",
         "fill": f"fill by {name}{jump}",
         "leave_open": "leave it open",
         "drop_edit": "drop the edit",
         "wait": "keep it, and wait",
-        "note": f"it is so, and no edit mends it: {name}",
+        "note": f"it is so; {name}",
     }[action]

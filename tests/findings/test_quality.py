@@ -376,13 +376,16 @@ def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
 
 @pytest.mark.parametrize(("frames", "grade"), [(1, None), (39, "amber"), (300, "red")])
 def test_tracks_that_came_near_for_long_are_never_green(frames, grade):
-    """Of 1200 points; either of two tracks could have had the other's images for so many frames."""
+    """Of 1200 points; either of two tracks could have had the other's images for so many frames, two points a frame."""
     rig = ring()
     near = AmbiguousDecision("swap", 0, frames - 1, (0, 1), "came_near", {"distance_mm": 3.0})
     short = AmbiguousDecision("swap", 0, 399, (0, 1), "found_again", {"sd_mm": 12.0})
-    figures = judge(rig, capture(rig, walk(frames=400)), ambiguous_decisions=[near, short])
+    figures = judge(rig, capture(rig, walk(frames=400)), ambiguous_decisions=[near, near, short])
     kinds = {row["kind"]: row["severity"] for row in figures["findings"]}
     assert kinds.get("tracks_confusable") == grade
+    assert all(
+        f["values"]["points_share"] == 2 * frames / 1200 for f in figures["findings"] if "confusable" in f["kind"]
+    )
     assert grade is None or figures["verdict"]["grade"] == grade
 
 

@@ -41,10 +41,10 @@ NOISE_RATIO = 1.5
 OUTSIDE_SHARE = 0.02
 """Share of samples that may lie outside the control volume; chosen."""
 
-NEAR_SHARE, NEAR_SHARE_RED = 0.005, 0.2
-"""Share of the points on tracks so near another that either could have its images. Of simulated recordings one in six
-without a swap had more than the first; walking and crawling at 25 Hz, with many swaps, 0.3 and more; chosen
-(see benchmarks/tracking_scenes.py)."""
+NEAR_SHARE, NEAR_SHARE_RED = 0.01, 0.25
+"""Share of the points on tracks so near another that either could have its images. Of 40 simulated recordings without a
+swap one in six had more than the first, none more than 0.11; walking at 25 Hz, with few swaps, 0.21, and at 10 Hz, with
+one a track, 0.28; chosen (see benchmarks/tracking_scenes.py)."""
 NO_TRACK = 0.1
 """Share of the points that may belong to no track; chosen."""
 TWO_CAMERAS = 0.5
@@ -318,8 +318,13 @@ def _close_decisions(figures: Figures) -> Findings:
 def _confusable(figures: Figures) -> Findings:
     """Tracks that came near each other, for the rate, for so much of the time that some were likely exchanged."""
     near = [row for row in figures["ambiguous_decisions"] if row["reason"] == "came_near"]
-    points = sum(row["last_frame"] - row["first_frame"] + 1 for row in near)
-    share = points / max(figures["points"]["count"], 1)
+    points = {
+        (who, f)
+        for row in near
+        for who in row["trajectories"]
+        for f in range(row["first_frame"], row["last_frame"] + 1)
+    }
+    share = len(points) / max(figures["points"]["count"], 1)
     if share > NEAR_SHARE:
         yield make_finding(
             "tracks_confusable",

@@ -65,9 +65,20 @@ def straight(n=2, frames=20, apart=100.0):
 @pytest.mark.parametrize(("share", "found"), [(0.98, 1), (1.02, 0)])
 def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
     paths, before = straight(), 3.0
+    paths[..., 2] += 50 * (np.arange(20) % 2)  # they leave their courses by more than `before`
     paths[1, 8:12, 1] = share * 2 * METHOD.gate * before / np.sqrt(3)  # (1); elsewhere 100 mm apart
     decisions = _came_near(sightings(paths, before=before), METHOD)
     assert [(d.kind, d.first, d.last, d.tracks) for d in decisions] == [("swap", 8, 11, (0, 1))] * found
+
+
+@pytest.mark.parametrize(("sideways", "found"), [(0.0, 0), (10.0, 0), (40.0, 1)])
+def test_tracks_that_keep_their_courses_were_not_exchanged(sideways, found):
+    """At a low rate any marker may go far until the next frame; by what they did, these can have been exchanged or not."""
+    paths = straight(apart=200.0)
+    paths[:, 10, 2] += sideways
+    decisions = _came_near(sightings(paths, before=60.0), METHOD)
+    assert len(decisions) == found
+    assert all(d.tracks == (0, 1) and abs(d.first - 8) <= 2 and abs(d.last - 12) <= 2 for d in decisions)
 
 
 def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():

@@ -73,7 +73,7 @@ def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
 
 @pytest.mark.parametrize(("sideways", "found"), [(0.0, 0), (10.0, 0), (40.0, 1)])
 def test_tracks_that_keep_their_courses_were_not_exchanged(sideways, found):
-    """At a low rate any marker may go far until the next frame; by what they did, these can have been exchanged or not."""
+    """At a low rate any marker may go far until the next frame; what they did tells whether these were exchanged."""
     paths = straight(apart=200.0)
     paths[:, 10, 2] += sideways
     decisions = _came_near(sightings(paths, before=60.0), METHOD)

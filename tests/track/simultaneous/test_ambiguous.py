@@ -226,6 +226,26 @@ def test_a_shift_is_said_to_be_since_when_it_was(seen):
         assert offset == pytest.approx((3.0, 1.0), abs=0.05) and found.frames == (((since, 79),) if since else ())
 
 
+def test_a_shift_that_comes_little_by_little_is_of_the_place(seen):
+    """As a subject walks through the volume of a calibration that fits less well on one side."""
+    rig, _, detections = seen
+    along = (detections.camera == 3) * np.clip(detections.frame - 10, 0, None) / 60
+    drifting = replace(detections, uv=detections.uv + along[:, None] * [1.2, 0.6])
+    assert diagnose(drifting, rig, track_simultaneously(drifting, rig, METHOD)) == []
+
+
+def test_a_calibration_that_is_off_in_all_cameras_touched_none(seen):
+    rig, _, detections = seen
+    by = np.array([[1.4, 0.5], [-0.9, 1.2], [0.4, -1.5], [-1.3, -0.9], [1.2, -0.9], [-0.9, 1.4]])
+    off = replace(detections, uv=detections.uv + by[detections.camera])
+    (found,) = diagnose(off, rig, track_simultaneously(off, rig, METHOD))
+    assert found.kind == "calibration_off" and len(found.cameras) >= 3
+    assert 0.5 < found.values["offset_px"] < 2
+    touched = replace(off, uv=off.uv + (detections.camera == 3)[:, None] * [-8.0, 0.0])
+    kinds = {one.kind: one.cameras for one in diagnose(touched, rig, track_simultaneously(touched, rig, METHOD))}
+    assert kinds["camera_shifted"] == ("c3",)
+
+
 def test_only_our_own_method_says_that_a_camera_was_left_out(seen):
     rig, _, detections = seen
     order = [0, 4, 2, 3, 1, 5]

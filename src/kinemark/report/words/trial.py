@@ -108,6 +108,27 @@ def _delay_learned(found: Finding) -> str:
     )
 
 
+def _by_images(found: Finding) -> str:
+    """How many images a camera is late or early."""
+    n = round(_number(found, "images"))
+    return f"{abs(n)}\u00a0{'image' if abs(n) == 1 else 'images'} {'earlier' if n < 0 else 'later'}"
+
+
+def _started_apart(found: Finding) -> str:
+    return fill(f"{{Cameras}} was started {_by_images(found)} than the others.", found)
+
+
+def _apart_advice(found: Finding) -> str:
+    name = found.cameras[0] if found.cameras else "camera"
+    return f"Write delays_ms = {{ {name} = {_number(found, 'delay_ms'):.6g} }} into [cameras], and run again."
+
+
+def _lost_images(found: Finding) -> str:
+    said = f"About from frame {{first_frame}} on, {{cameras}} shows what the others show {_by_images(found)}"
+    lost = "lost" if _number(found, "images") > 0 else "repeated"
+    return fill(f"{said}: it {lost} images before.", found)
+
+
 def _number(found: Finding, name: str) -> float:
     value = found.values[name]
     return value if isinstance(value, float | int) else float("nan")
@@ -240,6 +261,11 @@ TRIAL_WORDS = {
         _out_of_sync,
         "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
     ),
+    "camera_started_apart": Words(_started_apart, _apart_advice),
+    "camera_lost_images": Words(
+        _lost_images,
+        "Look at the times of its images, and put an empty one where one was lost; or leave these frames of it out.",
+    ),
     "camera_delay_learned": Words(
         _delay_learned,
         "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
@@ -265,6 +291,11 @@ TRIAL_WORDS = {
         _shifted,
         "The camera was probably touched after the calibration. Look at it in a second trial: calibrate again, or "
         "leave it out.",
+    ),
+    "calibration_off": Words(
+        "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "
+        "the calibration fits no better.",
+        "Calibrate again, lens distortion included, with the wand or the points all over the volume and the images.",
     ),
     "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
     "camera_fits_nothing": Words(

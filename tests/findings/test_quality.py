@@ -227,6 +227,12 @@ def test_the_deviation_of_positions_is_told_in_noise_and_what_stays():
     assert "the positions tremble by 1.2" in shown[1.2].replace("\u00a0", " ")
 
 
+def scaled(figures, by):
+    """The cameras stand as by a calibration in another unit."""
+    for camera in figures["cameras"]:
+        camera["position_mm"] = by * np.asarray(camera["position_mm"])
+
+
 @pytest.mark.parametrize(
     ("change", "kind", "severity", "about"),
     [
@@ -238,6 +244,8 @@ def test_the_deviation_of_positions_is_told_in_noise_and_what_stays():
         (lambda q: q["points"].update(residual_median_px=4.0), "cameras_agree_poorly", "red", None),
         (lambda q: q["points"].update(in_a_track_share=0.5), "points_in_no_track", "amber", None),
         (lambda q: q["cameras"][0].update(focal_px=[800.0, 600.0]), "pixels_not_square", "amber", "cam1"),
+        (lambda q: scaled(q, 1e-3), "scale_impossible", "red", None),
+        (lambda q: scaled(q, 1e3), "scale_impossible", "red", None),
         (lambda q: q["trajectories"].update(completeness_of_found_share=0.9), "incomplete", "amber", None),
         (lambda q: q["trajectories"].update(completeness_of_found_share=0.5), "incomplete", "red", None),
         (lambda q: q["trajectories"]["markers"][0].update(name="*1"), "unnamed_trajectories", "info", None),

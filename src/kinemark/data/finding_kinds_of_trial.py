@@ -28,6 +28,8 @@ TRIAL_KINDS = (
          "where most of all do not. used_share is the least of these cameras.", {"used_share": "share"}),
     Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",
          {"points_share": "share"}),
+    Kind("scale_impossible", "calibrate", "red", "The outermost cameras stand nearer to each other than cameras are "
+         "wide, or farther apart than they see: the calibration's unit of length is probably another.", {"apart_mm": "mm"}),
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
     Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
          "rate a camera.", {"rate_hz": "Hz", "stated_hz_list": "Hz"}),
@@ -49,8 +51,8 @@ TRIAL_KINDS = (
     Kind("camera_out_of_sync", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others; shift_px is how far that moves its images.",
          {"delay_ms": "ms", "delay_frames": "frames", "shift_px": "px"}),
-    Kind("camera_started_apart", "track", "amber", "A camera was started later (or earlier, below 0) than the others, by "
-         "whole images.", {"images": "count", "delay_ms": "ms"}),
+    Kind("camera_started_apart", "track", "amber", "A camera was started later (or earlier, below 0) than the others, "
+         "by whole images.", {"images": "count", "delay_ms": "ms"}),
     Kind("camera_lost_images", "track", "amber", "From a frame on, a camera's images are those of later (or earlier, "
          "below 0) frames: it lost images, or has some twice.", {"images": "count", "delay_ms": "ms"}),
     Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "

@@ -232,6 +232,11 @@ TRIAL_WORDS = {
         "{points_share} of the points rest on only two cameras, which cannot check one another.",
         "Add cameras or turn them so that at least three see every marker.",
     ),
+    "scale_impossible": Words(
+        "By this calibration the outermost cameras stand {apart_mm} from each other: its unit of length is probably "
+        "another one.",
+        "Correct length_unit in [calibration], or the lengths that calibrated: all positions are as wrong.",
+    ),
     "pixels_not_square": Words(
         "The pixels of {cameras} would not be square by this calibration.",
         "Check the coordinates of the control points, unless the sensor has such pixels.",
@@ -312,7 +317,9 @@ TRIAL_WORDS = {
         'Record some more; or set method = "distance_only" under [track], which needs no motion.',
     ),
     "speeds_impossible": Words(
-        "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
+        "Markers move at {speed_m_s}, faster than people but sprinters and throwers: {rate_hz} is probably not the "
+        "frame rate of the recording.",
+        RATE,
     ),
     "points_dropped_outside": Words(
         _left_outside,

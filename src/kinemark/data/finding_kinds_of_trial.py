@@ -29,7 +29,8 @@ TRIAL_KINDS = (
     Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",
          {"points_share": "share"}),
     Kind("scale_impossible", "calibrate", "red", "The outermost cameras stand nearer to each other than cameras are "
-         "wide, or farther apart than they see: the calibration's unit of length is probably another.", {"apart_mm": "mm"}),
+         "wide, or farther apart than they see: the calibration's unit of length is probably another.",
+         {"apart_mm": "mm"}),
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
     Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
          "rate a camera.", {"rate_hz": "Hz", "stated_hz_list": "Hz"}),

@@ -234,6 +234,15 @@ def test_a_shift_that_comes_little_by_little_is_of_the_place(seen):
     assert diagnose(drifting, rig, track_simultaneously(drifting, rig, METHOD)) == []
 
 
+def test_the_last_tenth_alone_tells_no_small_shift(seen):
+    rig, _, detections = seen
+    last = (detections.camera == 3) & (detections.frame >= 72)
+    for by, kinds in ((0.7, []), (4.0, ["camera_moved"])):
+        beside = replace(detections, uv=detections.uv + last[:, None] * [by, 0.0])
+        found = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
+        assert [one.kind for one in found] == kinds
+
+
 def test_a_calibration_that_is_off_in_all_cameras_touched_none(seen):
     rig, _, detections = seen
     by = np.array([[1.4, 0.5], [-0.9, 1.2], [0.4, -1.5], [-1.3, -0.9], [1.2, -0.9], [-0.9, 1.4]])

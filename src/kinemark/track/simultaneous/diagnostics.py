@@ -47,6 +47,10 @@ STEP = 0.4
 """Of what changed since before, the least that did so from one part of the recording to the next (8); chosen: a subject
 who walks through the volume changes it by up to a third."""
 
+ALONE = 2.0
+"""px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a few
+markers in a short part move its median by up to one."""
+
 FEW = 30
 """Points from which a median is taken; chosen (see benchmarks/tracking.py)."""
 
@@ -169,6 +173,8 @@ def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: floa
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > most)  # (1)
     if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)
+        return []
+    if len(wrong) == 1 and far[wrong[0]] < ALONE:
         return []
     whole = len(wrong) >= np.isfinite(far).sum() - 1 or not np.isfinite(far[: wrong[0]]).any()
     if not whole and not _stepped(parts.off, wrong[0], most):

@@ -48,8 +48,8 @@ STEP = 0.4
 who walks through the volume changes it by up to a third."""
 
 ALONE = 2.0
-"""px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a few
-markers in a short part move its median by up to one."""
+"""px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a
+few markers in a short part move its median by up to one."""
 
 FEW = 30
 """Points from which a median is taken; chosen (see benchmarks/tracking.py)."""

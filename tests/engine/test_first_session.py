@@ -21,6 +21,7 @@ from kinemark.engine.session import Session
 from kinemark.engine.simulate import Scene, simulate
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.images import write_png
+from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.um2as import write_msr
 from kinemark.io.video import write_video
 from support.laboratory import observe, ring
@@ -246,3 +247,24 @@ def test_stills_that_are_called_as_measured_places_show_them(tmp_path, stills, r
     assert next(one.role for one in proposal.recordings if one.path.startswith(stills + "_")) is role
     assert ('images = "box_' in session_text(proposal).split("[[trials]]")[0]) == (role is Role.CONTROL_POINTS)
     assert [one.name for one in proposal.trials][-1] == "walk"
+
+
+def test_a_calibration_of_another_program_asks_its_unit(tmp_path):
+    """Their TOML files do not say it; one that cannot be used is told, with the reason."""
+    rig = ring(3)
+    write_detections_csv(tmp_path / "walk.csv", observe(rig, swarm(5, frames=40, seed=2))[0])
+    file = tmp_path / "calibration.toml"
+    write_rig_toml(file, rig)
+    ours = propose_session(tmp_path)
+    assert (ours.way.path, [one.key for one in ours.questions]) == ("calibration.toml", ["rate_hz"])
+    theirs = file.read_text().replace('units = "mm"\n', "")
+    file.write_text(theirs)
+    found = propose_session(tmp_path)
+    assert found.way.path == "calibration.toml" and "# ? length_unit" in session_text(found)
+    for key, said in (("rate_hz", "100"), ("calibration.length_unit", "mm")):
+        found = answered(found, key, said)
+    write_first_session(found)
+    assert len(Session.open(tmp_path).run(to="track")["walk"].tracks) == 5
+    file.write_text(theirs.replace("fisheye = false", "fisheye = true"))
+    refused = propose_session(tmp_path)
+    assert refused.way is None and "fisheye lenses are not supported" in session_text(refused)

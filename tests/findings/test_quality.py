@@ -227,6 +227,12 @@ def test_the_deviation_of_positions_is_told_in_noise_and_what_stays():
     assert "the positions tremble by 1.2" in shown[1.2].replace("\u00a0", " ")
 
 
+def scaled(figures, by):
+    """The cameras stand as by a calibration in another unit."""
+    for camera in figures["cameras"]:
+        camera["position_mm"] = by * np.asarray(camera["position_mm"])
+
+
 @pytest.mark.parametrize(
     ("change", "kind", "severity", "about"),
     [
@@ -238,6 +244,8 @@ def test_the_deviation_of_positions_is_told_in_noise_and_what_stays():
         (lambda q: q["points"].update(residual_median_px=4.0), "cameras_agree_poorly", "red", None),
         (lambda q: q["points"].update(in_a_track_share=0.5), "points_in_no_track", "amber", None),
         (lambda q: q["cameras"][0].update(focal_px=[800.0, 600.0]), "pixels_not_square", "amber", "cam1"),
+        (lambda q: scaled(q, 1e-3), "scale_impossible", "red", None),
+        (lambda q: scaled(q, 1e3), "scale_impossible", "red", None),
         (lambda q: q["trajectories"].update(completeness_of_found_share=0.9), "incomplete", "amber", None),
         (lambda q: q["trajectories"].update(completeness_of_found_share=0.5), "incomplete", "red", None),
         (lambda q: q["trajectories"]["markers"][0].update(name="*1"), "unnamed_trajectories", "info", None),
@@ -376,13 +384,16 @@ def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
 
 @pytest.mark.parametrize(("frames", "grade"), [(1, None), (39, "amber"), (300, "red")])
 def test_tracks_that_came_near_for_long_are_never_green(frames, grade):
-    """Of 1200 points; either of two tracks could have had the other's images for so many frames."""
+    """Of 1200 points; either of two tracks could have had the other's images for so many frames, two points a frame."""
     rig = ring()
     near = AmbiguousDecision("swap", 0, frames - 1, (0, 1), "came_near", {"distance_mm": 3.0})
     short = AmbiguousDecision("swap", 0, 399, (0, 1), "found_again", {"sd_mm": 12.0})
-    figures = judge(rig, capture(rig, walk(frames=400)), ambiguous_decisions=[near, short])
+    figures = judge(rig, capture(rig, walk(frames=400)), ambiguous_decisions=[near, near, short])
     kinds = {row["kind"]: row["severity"] for row in figures["findings"]}
     assert kinds.get("tracks_confusable") == grade
+    assert all(
+        f["values"]["points_share"] == 2 * frames / 1200 for f in figures["findings"] if "confusable" in f["kind"]
+    )
     assert grade is None or figures["verdict"]["grade"] == grade
 
 

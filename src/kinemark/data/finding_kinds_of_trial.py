@@ -28,6 +28,9 @@ TRIAL_KINDS = (
          "where most of all do not. used_share is the least of these cameras.", {"used_share": "share"}),
     Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",
          {"points_share": "share"}),
+    Kind("scale_impossible", "calibrate", "red", "The outermost cameras stand nearer to each other than cameras are "
+         "wide, or farther apart than they see: the calibration's unit of length is probably another.",
+         {"apart_mm": "mm"}),
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
     Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
          "rate a camera.", {"rate_hz": "Hz", "stated_hz_list": "Hz"}),
@@ -49,6 +52,10 @@ TRIAL_KINDS = (
     Kind("camera_out_of_sync", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others; shift_px is how far that moves its images.",
          {"delay_ms": "ms", "delay_frames": "frames", "shift_px": "px"}),
+    Kind("camera_started_apart", "track", "amber", "A camera was started later (or earlier, below 0) than the others, "
+         "by whole images.", {"images": "count", "delay_ms": "ms"}),
+    Kind("camera_lost_images", "track", "amber", "From a frame on, a camera's images are those of later (or earlier, "
+         "below 0) frames: it lost images, or has some twice.", {"images": "count", "delay_ms": "ms"}),
     Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others by delay_ms, of standard error delay_se_ms; all was tracked with this delay.",
          {"delay_ms": "ms", "delay_se_ms": "ms"}),
@@ -65,6 +72,8 @@ TRIAL_KINDS = (
     Kind("camera_moved", "track", "amber", "A camera's images fit no track any more from a frame on."),
     Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
          "where that began within the recording.", {"offset_u_px": "px", "offset_v_px": "px"}),
+    Kind("calibration_off", "track", "amber", "The images of most cameras lie beside where the others expect them, by "
+         "offset_px in the median camera.", {"offset_px": "px"}),
     Kind("camera_takes_place_of_other", "track", "amber", "The first camera sees what the second should see.",
          {"left_out": "flag"}),
     Kind("camera_fits_nothing", "track", "amber", "A camera's images fit nothing that the others see.",

@@ -58,6 +58,7 @@ from .pixel_axes import pixel_axes
 from .retracking import retrack_stage
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
+from .start_times import with_start_times
 from .swapped_cameras import swapped_cameras
 from .tracking_stage import (
     DECISIONS,
@@ -191,7 +192,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *_channels(beside, filled.trajectories),
             *swapped,
             *pixel_axes(detections, inputs.rig, cloud, **how),
-            *(one.numbered(first) for one in _diagnostics(tracked, records)),
+            *(one.numbered(first) for one in with_start_times(_diagnostics(tracked, records), detections, inputs.rig)),
             *(one.numbered(first) for one in (records["label"].findings if "label" in records else ())),
             *(records["edit"].findings if "edit" in records else ()),
             *(found_by_angles(records["angles"]) if "angles" in records else ()),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from itertools import chain, combinations
 from typing import Any
 
 from ..data import Finding, Severity, make_finding
@@ -41,10 +41,13 @@ NOISE_RATIO = 1.5
 OUTSIDE_SHARE = 0.02
 """Share of samples that may lie outside the control volume; chosen."""
 
-NEAR_SHARE, NEAR_SHARE_RED = 0.005, 0.2
-"""Share of the points on tracks so near another that either could have its images. Of simulated recordings one in six
-without a swap had more than the first; walking and crawling at 25 Hz, with many swaps, 0.3 and more; chosen
-(see benchmarks/tracking_scenes.py)."""
+NEAR_SHARE, NEAR_SHARE_RED = 0.01, 0.25
+"""Share of the points on tracks so near another that either could have its images. Of 40 simulated recordings without a
+swap one in six had more than the first, none more than 0.11; walking at 25 Hz, with few swaps, 0.21, and at 10 Hz, with
+one a track, 0.28; chosen (see benchmarks/tracking_scenes.py)."""
+NEAREST_MM, FARTHEST_MM = 30.0, 500_000.0
+"""How far apart the two outermost cameras may stand; chosen: nearer than cameras are wide, and farther than they see
+markers, where metres were taken for mm, or mm for metres."""
 NO_TRACK = 0.1
 """Share of the points that may belong to no track; chosen."""
 TWO_CAMERAS = 0.5
@@ -318,8 +321,13 @@ def _close_decisions(figures: Figures) -> Findings:
 def _confusable(figures: Figures) -> Findings:
     """Tracks that came near each other, for the rate, for so much of the time that some were likely exchanged."""
     near = [row for row in figures["ambiguous_decisions"] if row["reason"] == "came_near"]
-    points = sum(row["last_frame"] - row["first_frame"] + 1 for row in near)
-    share = points / max(figures["points"]["count"], 1)
+    points = {
+        (who, f)
+        for row in near
+        for who in row["trajectories"]
+        for f in range(row["first_frame"], row["last_frame"] + 1)
+    }
+    share = len(points) / max(figures["points"]["count"], 1)
     if share > NEAR_SHARE:
         yield make_finding(
             "tracks_confusable",
@@ -327,6 +335,14 @@ def _confusable(figures: Figures) -> Findings:
             decisions=len(near),
             points_share=min(share, 1.0),
         )
+
+
+def _scale(figures: Figures) -> Findings:
+    """Cameras that stand nearer to each other, or farther apart, than any do."""
+    places = [camera["position_mm"] for camera in figures["cameras"]]
+    apart = max((math.dist(a, b) for a, b in combinations(places, 2)), default=math.nan)
+    if apart < NEAREST_MM or apart > FARTHEST_MM:
+        yield make_finding("scale_impossible", apart_mm=apart)
 
 
 def _not_square(figures: Figures) -> Findings:
@@ -345,7 +361,7 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
     return [camera["name"] for camera in _outliers(figures)]
 
 
-CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
+CAMERA_CHECKS = (_scale, _blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
     *(
         _few_cameras,

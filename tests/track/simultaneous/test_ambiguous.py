@@ -65,9 +65,20 @@ def straight(n=2, frames=20, apart=100.0):
 @pytest.mark.parametrize(("share", "found"), [(0.98, 1), (1.02, 0)])
 def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
     paths, before = straight(), 3.0
+    paths[..., 2] += 50 * (np.arange(20) % 2)  # they leave their courses by more than `before`
     paths[1, 8:12, 1] = share * 2 * METHOD.gate * before / np.sqrt(3)  # (1); elsewhere 100 mm apart
     decisions = _came_near(sightings(paths, before=before), METHOD)
     assert [(d.kind, d.first, d.last, d.tracks) for d in decisions] == [("swap", 8, 11, (0, 1))] * found
+
+
+@pytest.mark.parametrize(("sideways", "found"), [(0.0, 0), (10.0, 0), (40.0, 1)])
+def test_tracks_that_keep_their_courses_were_not_exchanged(sideways, found):
+    """At a low rate any marker may go far until the next frame; what they did tells whether these were exchanged."""
+    paths = straight(apart=200.0)
+    paths[:, 10, 2] += sideways
+    decisions = _came_near(sightings(paths, before=60.0), METHOD)
+    assert len(decisions) == found
+    assert all(d.tracks == (0, 1) and abs(d.first - 8) <= 2 and abs(d.last - 12) <= 2 for d in decisions)
 
 
 def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():
@@ -213,6 +224,35 @@ def test_a_shift_is_said_to_be_since_when_it_was(seen):
         (found,) = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
         offset = found.values["offset_u_px"], found.values["offset_v_px"]
         assert offset == pytest.approx((3.0, 1.0), abs=0.05) and found.frames == (((since, 79),) if since else ())
+
+
+def test_a_shift_that_comes_little_by_little_is_of_the_place(seen):
+    """As a subject walks through the volume of a calibration that fits less well on one side."""
+    rig, _, detections = seen
+    along = (detections.camera == 3) * np.clip(detections.frame - 10, 0, None) / 60
+    drifting = replace(detections, uv=detections.uv + along[:, None] * [1.2, 0.6])
+    assert diagnose(drifting, rig, track_simultaneously(drifting, rig, METHOD)) == []
+
+
+def test_the_last_tenth_alone_tells_no_small_shift(seen):
+    rig, _, detections = seen
+    last = (detections.camera == 3) & (detections.frame >= 72)
+    for by, kinds in ((0.7, []), (4.0, ["camera_moved"])):
+        beside = replace(detections, uv=detections.uv + last[:, None] * [by, 0.0])
+        found = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
+        assert [one.kind for one in found] == kinds
+
+
+def test_a_calibration_that_is_off_in_all_cameras_touched_none(seen):
+    rig, _, detections = seen
+    by = np.array([[1.4, 0.5], [-0.9, 1.2], [0.4, -1.5], [-1.3, -0.9], [1.2, -0.9], [-0.9, 1.4]])
+    off = replace(detections, uv=detections.uv + by[detections.camera])
+    (found,) = diagnose(off, rig, track_simultaneously(off, rig, METHOD))
+    assert found.kind == "calibration_off" and len(found.cameras) >= 3
+    assert 0.5 < found.values["offset_px"] < 2
+    touched = replace(off, uv=off.uv + (detections.camera == 3)[:, None] * [-8.0, 0.0])
+    kinds = {one.kind: one.cameras for one in diagnose(touched, rig, track_simultaneously(touched, rig, METHOD))}
+    assert kinds["camera_shifted"] == ("c3",)
 
 
 def test_only_our_own_method_says_that_a_camera_was_left_out(seen):

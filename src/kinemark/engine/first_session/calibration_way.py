@@ -40,6 +40,8 @@ def completed(proposal: SessionProposal) -> SessionProposal:
     return replace(whole, questions=tuple(_questions(whole)))
 
 
+UNITLESS = ("holds_dlt", "holds_rig_without_unit")
+"""Why a file is a calibration that does not say its unit of length."""
 MOVING = 30
 """Images of a camera, from which on a recording may be of a wand in motion; chosen."""
 TARGETS = (Role.CALIBRATION, Role.CONTROL_FRAME)
@@ -82,7 +84,7 @@ def _questions(proposal: SessionProposal) -> Iterator[Question]:
     if way is None:
         moving = [one for one in proposal.recordings if one.role is Role.CALIBRATION and (one.frames or 0) >= MOVING]
         yield from (Question("calibration.way", 0, 0, tuple(map(str, ASKED)), about=one.path) for one in moving[:1])
-    elif way.why.kind == "holds_dlt":
+    elif way.why.kind in UNITLESS:
         yield Question("calibration.length_unit", 0, 0, ("mm", "cm", "m", "in"), about=way.path)
     elif way.role is Role.WAND:
         yield Question("calibration.wand.lengths_mm", 1, 3, about=way.path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import tomllib
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
@@ -15,6 +16,8 @@ from ...io.detections_csv import NamedDetections
 from ...io.formats import IMAGES, ReadOptions, read_file
 from ...io.images import open_images
 from ...io.named_points_csv import layout_of
+from ...io.number_text import read_text
+from ...io.rig_toml import read_rig_toml
 from ...io.tdf import Tdf, read_tdf
 from ...io.um2as import files_of_set, read_msr
 from ..session_name import FILE
@@ -134,7 +137,7 @@ def other_file(folder: Path, path: str) -> FoundRecording | None:
     try:
         record = _record(folder / path)
     except KinemarkError as error:
-        ours = Path(path).suffix.lower() in (".tdf", ".c3d", ".da1", ".cp1")
+        ours = Path(path).suffix.lower() in (".tdf", ".c3d", ".da1", ".cp1") or _of_cameras(folder / path)
         why = Reason("unreadable", {"error": str(error)})
         return FoundRecording(path, "other", (), Role.UNUSED, why) if ours else None
     role, why = role_of(path)
@@ -155,6 +158,17 @@ def other_file(folder: Path, path: str) -> FoundRecording | None:
     return FoundRecording(path, kind[0], tuple(cameras), kind[1], Reason(f"holds_{kind[0]}"))
 
 
+def _of_cameras(path: Path) -> bool:
+    """Whether a file is TOML with the table of a camera, be it one that cannot be used."""
+    if path.suffix.lower() != ".toml":
+        return False
+    try:
+        tables = tomllib.loads(read_text(path)).values()
+    except (KinemarkError, tomllib.TOMLDecodeError, RecursionError):
+        return False
+    return any(isinstance(table, dict) and {"matrix", "rotation", "translation"} <= {*table} for table in tables)
+
+
 def _record(path: Path) -> Any:
     """The record of a file, or directly what was found of it; None for files that no session has."""
     suffix = path.suffix.lower()
@@ -170,7 +184,18 @@ def _record(path: Path) -> Any:
         return FoundRecording(
             path.name, "points", (), Role.CONTROL_POINTS, Reason("holds_measured", {"n": len(read_msr(path))})
         )
-    return read_file(path, ReadOptions()) if suffix in (".c3d", ".trc", ".toml", ".h5") else None
+    if suffix == ".toml":
+        return _toml(path)
+    return read_file(path, ReadOptions()) if suffix in (".c3d", ".trc", ".h5") else None
+
+
+def _toml(path: Path) -> Any:
+    """Rods or a rig; where its file does not say the unit of length, as those of other programs, that is asked."""
+    try:
+        return read_file(path, ReadOptions())
+    except KinemarkError:
+        cameras = read_rig_toml(path, "mm").names  # any unit will do for the names
+    return FoundRecording(path.name, "rig", tuple(cameras), Role.RIG, Reason("holds_rig_without_unit"))
 
 
 def _um2as(path: Path) -> FoundRecording | None:

@@ -17,6 +17,7 @@ from ...io.control_points import PointedPoints, write_pointed
 from ...io.um2as import read_msr
 from ...report.words.first_session import HEAD, question_text, reason_text
 from ..session_name import FILE
+from .calibration_way import UNITLESS
 from .proposal import FoundRecording, Role, SessionProposal
 
 MARK = "?"
@@ -150,12 +151,12 @@ NO_WAY = "file, control_points, control_frame, wand or single_marker: exactly on
 
 
 def _add_rig(table: Table, one: FoundRecording, proposal: SessionProposal) -> None:
-    """A ready-made calibration; DLT parameters do not say their unit."""
+    """A ready-made calibration; DLT parameters and the TOML files of some programs do not say their unit."""
     table["file"] = tomlkit.item(one.path).comment(reason_text(one.why))
     unit = proposal.answers.get("calibration.length_unit")
     if isinstance(unit, str):
         table["length_unit"] = unit
-    elif one.why.kind == "holds_dlt":
+    elif one.why.kind in UNITLESS:
         table.add(tomlkit.comment(f'{MARK} length_unit = "?"  # mm, cm, m or in, which the file does not say'))
 
 

@@ -29,6 +29,7 @@ REASONS = {
     "digitised": "UM²AS's digitised centroids, a file a camera",
     "holds_rods": "it describes hanging rods",
     "holds_rig": "it holds a calibration",
+    "holds_rig_without_unit": "it holds a calibration, as anipose, caliscope and Pose2Sim write it",
     "holds_dlt": "it holds DLT parameters of {cameras} cameras",
     "holds_points": "it holds control points and their places in the images",
     "holds_places": "it holds the measured places of control points, whose images are still to be pointed at",

@@ -108,6 +108,27 @@ def _delay_learned(found: Finding) -> str:
     )
 
 
+def _by_images(found: Finding) -> str:
+    """How many images a camera is late or early."""
+    n = round(_number(found, "images"))
+    return f"{abs(n)}\u00a0{'image' if abs(n) == 1 else 'images'} {'earlier' if n < 0 else 'later'}"
+
+
+def _started_apart(found: Finding) -> str:
+    return fill(f"{{Cameras}} was started {_by_images(found)} than the others.", found)
+
+
+def _apart_advice(found: Finding) -> str:
+    name = found.cameras[0] if found.cameras else "camera"
+    return f"Write delays_ms = {{ {name} = {_number(found, 'delay_ms'):.6g} }} into [cameras], and run again."
+
+
+def _lost_images(found: Finding) -> str:
+    said = f"About from frame {{first_frame}} on, {{cameras}} shows what the others show {_by_images(found)}"
+    lost = "lost" if _number(found, "images") > 0 else "repeated"
+    return fill(f"{said}: it {lost} images before.", found)
+
+
 def _number(found: Finding, name: str) -> float:
     value = found.values[name]
     return value if isinstance(value, float | int) else float("nan")
@@ -211,6 +232,11 @@ TRIAL_WORDS = {
         "{points_share} of the points rest on only two cameras, which cannot check one another.",
         "Add cameras or turn them so that at least three see every marker.",
     ),
+    "scale_impossible": Words(
+        "By this calibration the outermost cameras stand {apart_mm} from each other: its unit of length is probably "
+        "another one.",
+        "Correct length_unit in [calibration], or the lengths that calibrated: all positions are as wrong.",
+    ),
     "pixels_not_square": Words(
         "The pixels of {cameras} would not be square by this calibration.",
         "Check the coordinates of the control points, unless the sensor has such pixels.",
@@ -240,6 +266,11 @@ TRIAL_WORDS = {
         _out_of_sync,
         "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
     ),
+    "camera_started_apart": Words(_started_apart, _apart_advice),
+    "camera_lost_images": Words(
+        _lost_images,
+        "Look at the times of its images, and put an empty one where one was lost; or leave these frames of it out.",
+    ),
     "camera_delay_learned": Words(
         _delay_learned,
         "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
@@ -266,6 +297,11 @@ TRIAL_WORDS = {
         "The camera was probably touched after the calibration. Look at it in a second trial: calibrate again, or "
         "leave it out.",
     ),
+    "calibration_off": Words(
+        "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "
+        "the calibration fits no better.",
+        "Calibrate again, lens distortion included, with the wand or the points all over the volume and the images.",
+    ),
     "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
     "camera_fits_nothing": Words(
         _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
@@ -281,7 +317,9 @@ TRIAL_WORDS = {
         'Record some more; or set method = "distance_only" under [track], which needs no motion.',
     ),
     "speeds_impossible": Words(
-        "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
+        "Markers move at {speed_m_s}, faster than people but sprinters and throwers: {rate_hz} is probably not the "
+        "frame rate of the recording.",
+        RATE,
     ),
     "points_dropped_outside": Words(
         _left_outside,

@@ -3,7 +3,9 @@
 Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
 What is so in less than half of the parts from then on is of a place in the volume, as a lens fits less well at the edge
-of the image, where subjects come and go (7).
+of the image, where subjects come and go (7); so is what comes little by little, as a subject walks along (8). A camera
+that was touched stands out among the others, whose images lie beside theirs by what the calibration leaves (9); where
+most of them lie as far off, it is the calibration that fits no better (10).
 The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2),
 where its images are in no tracks: a subject who leaves turns away from a camera that still sees some of the markers.
 A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
@@ -37,6 +39,18 @@ PARTS = 10
 MAX_SPEED = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
 
+STANDS_OUT = 2.0
+"""Times as far off as the others' median that the images of a camera are that was touched (9); chosen: of simulated
+calibrations .3 to 1.5 px off every camera, one in twenty cameras is."""
+
+STEP = 0.4
+"""Of what changed since before, the least that did so from one part of the recording to the next (8); chosen: a subject
+who walks through the volume changes it by up to a third."""
+
+ALONE = 2.0
+"""px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a
+few markers in a short part move its median by up to one."""
+
 FEW = 30
 """Points from which a median is taken; chosen (see benchmarks/tracking.py)."""
 
@@ -44,8 +58,12 @@ FEW = 30
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
     """What is odd about the input; nothing where nothing is."""
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
+    parts = [_parts_of_recording(result, c) for c in range(len(rig))]
+    usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
     for c, name in enumerate(rig.names):
-        found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name)
+        most = max(MIN_SHIFT, STANDS_OUT * _median(np.delete(usual, c)))  # (9)
+        found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name, parts[c], most)
+    found += _calibration_off(rig, usual, late)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):
         return [*found, make_finding("too_few_frames", frame_count=detections.n_frames, least=LEAST_FRAMES)]
@@ -121,12 +139,31 @@ class Parts(NamedTuple):
     share: Floats
     first: Ints
 
+    @property
+    def usual(self) -> float:
+        """px, how far off in the median part; NaN where that is not known."""
+        return _median(np.linalg.norm(self.off, axis=1), np.nan)
 
-def _shifted(result: TrackingResult, c: int, name: str) -> list[Finding]:
-    """About a camera whose images lie beside the others', or fit no longer."""
+
+def _median(values: Floats, none: float = 0.0) -> float:
+    """The median of those that are known."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else none
+
+
+def _calibration_off(rig: Rig, usual: Floats, late: dict[int, list[Finding]]) -> list[Finding]:
+    """About a calibration by which the images of most cameras lie beside the others', usual (C) px (10)."""
+    if (middle := _median(usual)) <= MIN_SHIFT or late:
+        return []
+    names = [rig.names[c] for c in np.flatnonzero(usual > MIN_SHIFT)]
+    return [make_finding("calibration_off", cameras=names, offset_px=middle)]
+
+
+def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:
+    """About a camera whose images lie beside the others', by more than `most` px, or fit no longer."""
     if c in result.noise.inconsistent:
         return []
-    parts, end = _parts_of_recording(result, c), result.tracks.cloud.n_frames - 1
+    end = result.tracks.cloud.n_frames - 1
     usual = np.nanmax(parts.share, initial=0.0)
     lost = parts.share < 0.1 * usual
     if usual > MIN_FOUND_SHARE and lost[-1]:  # (2)
@@ -134,13 +171,25 @@ def _shifted(result: TrackingResult, c: int, name: str) -> list[Finding]:
         if _images_fit_nothing(result, c, since):  # without images, nothing says that they fit no longer
             return [make_finding("camera_moved", cameras=[name], frames=[(since, end)])]
     far = np.linalg.norm(parts.off, axis=1)
-    wrong = np.flatnonzero(far > MIN_SHIFT)  # (1)
+    wrong = np.flatnonzero(far > most)  # (1)
     if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)
         return []
-    whole = len(wrong) >= np.isfinite(far).sum() - 1
+    if len(wrong) == 1 and far[wrong[0]] < ALONE:
+        return []
+    whole = len(wrong) >= np.isfinite(far).sum() - 1 or not np.isfinite(far[: wrong[0]]).any()
+    if not whole and not _stepped(parts.off, wrong[0], most):
+        return []
     began = [] if whole else [(parts.first[wrong[0]], end)]
     u, v = np.nanmedian(parts.off[wrong], axis=0)
     return [make_finding("camera_shifted", cameras=[name], frames=began, offset_u_px=u, offset_v_px=v)]
+
+
+def _stepped(off: Floats, k: int, most: float) -> bool:
+    """Whether off (n, 2) changed by `most` px with part k, and at once (8)."""
+    step = np.linalg.norm(np.nanmedian(off[k:], axis=0) - np.nanmedian(off[:k], axis=0))
+    known = off[np.isfinite(off[:, 0])]
+    at_once = np.linalg.norm(np.diff(known, axis=0), axis=1).max()
+    return bool(step > most and at_once > STEP * step)
 
 
 def _images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:

@@ -1,0 +1,57 @@
+"""Cameras that were started apart by whole images, or lost some, are told so, and not something else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import make_finding
+from kinemark.engine.start_times import with_start_times
+from kinemark.report.words import advice_of, text_of
+from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from support.laboratory import observe, ring
+from support.motions import dance
+
+RIG, FRAMES = ring(6), 100
+
+
+@pytest.fixture(scope="module")
+def seen():
+    return observe(RIG, dance(n=12, frames=FRAMES), noise=0.1)[0]
+
+
+def later(detections, n, since=0):
+    """Of camera c1 every image from frame `since` on is that of n frames later."""
+    own = (detections.camera == 1) & (detections.frame >= since)
+    frame = np.where(own, detections.frame - n, detections.frame)
+    kept = (frame >= 0) & (frame < FRAMES) & ~(own & (frame < since))
+    moved = detections.keep(kept)
+    counts = np.zeros((6, FRAMES), np.int64)
+    np.add.at(counts, (moved.camera, frame[kept]), 1)
+    return type(moved).build(moved.cameras, moved.rate, counts, uv=moved.uv, cov=moved.cov)
+
+
+def told(detections, rig=RIG):
+    return with_start_times(diagnose(detections, rig, track_simultaneously(detections, rig, DEFAULT)), detections, rig)
+
+
+@pytest.mark.parametrize("n", [2, -5])
+def test_a_camera_that_was_started_apart_is_told_by_how_many_images(seen, n):
+    (found,) = told(later(seen, n))
+    assert (found.kind, found.cameras, found.values["images"]) == ("camera_started_apart", ("c1",), n)
+    assert f"delays_ms = {{ c1 = {10 * n} }}" in advice_of(found)
+
+
+def test_a_camera_that_lost_images_was_not_touched(seen):
+    (found,) = told(later(seen, 4, since=40))
+    assert (found.kind, found.cameras, found.values["images"]) == ("camera_lost_images", ("c1",), 4)
+    assert abs(found.frames[0][0] - 40) <= 10 and "4\xa0images later" in text_of(found)
+
+
+def test_a_camera_that_stands_otherwise_was_not_started_apart(seen):
+    touched = replace(seen, uv=seen.uv + (seen.camera == 1)[:, None] * [9.0, 4.0])
+    assert {one.kind for one in told(touched)} == {"camera_shifted"}
+    turned = make_finding("camera_fits_nothing", cameras=["c1"], left_out=True)
+    mirrored = replace(seen, uv=np.where((seen.camera == 1)[:, None], [1280.0, 1024.0] - seen.uv, seen.uv))
+    assert with_start_times([turned], mirrored, RIG) == (turned,)

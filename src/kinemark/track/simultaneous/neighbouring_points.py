@@ -45,10 +45,17 @@ class TrackPoints(NamedTuple):
         """Only these."""
         return TrackPoints(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
 
-    def plus(self, other: TrackPoints) -> TrackPoints:
-        """These and others after them."""
-        frame, id = np.concatenate([self.frame, other.frame]), np.concatenate([self.id, other.id])
-        return TrackPoints(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
+    def plus(self, other: TrackPoints, kept: Bools | None = None) -> TrackPoints:
+        """These, or those that are kept (P), and others after them."""
+        pairs = zip(self, other, strict=True)
+        return TrackPoints(*(np.concatenate([a if kept is None else a[kept], b]) for a, b in pairs))
+
+
+def parts_of_frames(frame: Ints, at_once: int) -> list[Ints]:
+    """Places of about so many of the frames (N) each, a frame being in one part alone."""
+    order = np.argsort(frame, kind="stable")
+    cuts = np.searchsorted(frame[order], frame[order][at_once::at_once], "right")
+    return [part for part in np.split(order, np.unique(cuts)) if len(part)]
 
 
 def rows_of(points: TrackPoints) -> NDArray[np.int32]:

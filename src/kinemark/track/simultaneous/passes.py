@@ -81,6 +81,11 @@ class Associations(NamedTuple):
         """Only these."""
         return Associations(*self.columns(which))
 
+    @classmethod
+    def of(cls, columns: list[NDArray[Any]], which: NDArray[Any]) -> Associations:
+        """Only these, of columns that nobody else needs: each ends before the next one is in memory twice."""
+        return cls(*(columns.pop(0)[..., which] for _ in cls._fields))
+
     def columns(self, which: NDArray[Any]) -> Iterator[NDArray[Any]]:
         """Each column of only these by itself, so that not all of them are in memory twice."""
         return (column[..., which] if column.size else column for column in self)

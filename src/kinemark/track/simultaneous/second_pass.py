@@ -29,7 +29,7 @@ from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, predict, reversed_time, update
-from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
+from .neighbouring_points import TrackPoints, between, motion_from, parts_of_frames, rows_near, rows_of
 from .passes import without_outliers
 from .simultaneous_method import Simultaneous
 
@@ -88,14 +88,16 @@ def points_between(
         kept: (P) which of the points are known; all where None.
         seen: tracks that three cameras ever saw; by the known points where None.
     """
-    known, detection = (points, detection) if kept is None else (points.take(kept), detection[:, kept])
-    seen, old = known.id[(detection >= 0).sum(0) >= SOUND] if seen is None else seen, len(known.id)
+    kept = np.ones(len(points.id), bool) if kept is None else kept
+    seen = points.id[kept & ((detection >= 0).sum(0) >= SOUND)] if seen is None else seen
+    found, own = points.take(np.zeros(0, np.int64)), detection[:, :0]
     for _ in range(ITERATIONS):
+        known = points.plus(found, kept)
         in_question = _in_question(known, images.n_frames, T, method)
         inside = (in_question.before >= 0) & (in_question.after >= 0)
         in_question = in_question.take(inside | np.isin(in_question.id, seen))
-        free, associated = _free(images, detection), np.empty((len(detection), len(in_question.id)), np.int64)
-        for part in _parts(in_question.frame):
+        free, associated = _free(images, detection, own, kept), np.empty((len(own), len(in_question.id)), np.int64)
+        for part in parts_of_frames(in_question.frame, AT_ONCE):  # the images of a frame are associated together
             tell(1, 2)
             expected = _expected(known, in_question.take(part), T, method)
             associated[:, part] = _associated(images, free, in_question.frame[part], expected, method)
@@ -104,11 +106,10 @@ def points_between(
         good = ((associated >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
             break
+        found, own = found.plus(new.take(good)), np.concatenate([own, associated[:, good]], 1)
+        del known  # before there are two in memory
         return_memory()
-        known = known.plus(new.take(good))
-        detection = np.concatenate([detection, associated[:, good]], 1)
-    rows = np.arange(old, len(known.id))
-    return known.take(rows), detection[:, rows]  # copies, as all of `known` would stay with a slice
+    return found, own
 
 
 def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
@@ -117,8 +118,10 @@ def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T
     in_question = _in_question(known, images.n_frames, T, method)
     at = rows_near(rows_of(points), in_question.id, in_question.frame, 1)[0]
     in_question, at = in_question.take(at >= 0), at[at >= 0]
-    free = _free(images, np.delete(detection, at, axis=1))
-    for part in _parts(in_question.frame):
+    held = np.ones(len(sound), bool)
+    held[at] = False
+    free = _free(images, detection, detection[:, :0], held)
+    for part in parts_of_frames(in_question.frame, AT_ONCE):
         own, expected = at[part], _expected(known, in_question.take(part), T, method)
         off = points.xyz[own].T - expected.position
         N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
@@ -128,17 +131,12 @@ def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T
     return wrong
 
 
-def _parts(frame: Ints) -> list[Ints]:
-    """Places of about AT_ONCE of the frames (N), each frame in one part, as its images are associated together."""
-    order = np.argsort(frame, kind="stable")
-    cuts = np.searchsorted(frame[order], frame[order][AT_ONCE::AT_ONCE], "right")
-    return [part for part in np.split(order, np.unique(cuts)) if len(part)]
-
-
-def _free(images: Images, held: Ints) -> Bools:
-    """(D) the usable images that none of the detections (C, n) is."""
+def _free(images: Images, detection: Ints, more: Ints, kept: Bools) -> Bools:
+    """(D) the usable images that none of the detections (C, P) of the kept points (P), nor of more (C, n), is."""
     free = images.usable.copy()
-    free[held[held >= 0]] = False
+    for camera, others in zip(detection, more, strict=True):
+        free[camera[kept & (camera >= 0)]] = False
+        free[others[others >= 0]] = False
     return free
 
 

@@ -119,6 +119,7 @@ def track_once(
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig, timing), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
+    images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method)
     broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
     working, method = working._replace(images=moving.images), moving.method
@@ -127,7 +128,9 @@ def track_once(
         better = learned(detections, images, working, first.cloud, method)
         if better is not working:
             del first  # before there are two in memory
+            return_memory()
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
+    images = _waiting(images, working, rig)
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
     whole = stitched(_points(cloud, ids), T, method)
@@ -142,9 +145,15 @@ def track_once(
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
-    if working.rig is not rig:
-        given = solver_for(detections, shared, Working(rig, images, noise), errors)
-        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
+    adjusted = working.rig is not rig
+    del working, solver, usual
+    return_memory()
+    if adjusted:
+        solver = solver_for(detections, shared, Working(rig, images, noise), errors)
+        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver))
+        del solver
+        images = images.indexed()
+    return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     whole = with_impacts(_points(cloud, ids), whole, T, method)
@@ -157,6 +166,13 @@ def track_once(
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
     return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
+
+
+def _waiting(images: Images, working: Working, rig: Rig) -> Images:
+    """The images by the rig as given, without their index where another rig is worked with until the end."""
+    images = images if working.rig is rig else images.unindexed()
+    return_memory()
+    return images
 
 
 def _points(cloud: Cloud, ids: Ints) -> TrackPoints:
@@ -180,13 +196,22 @@ def _without_merged(
     again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
     xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
     xyz[which], cov[which], residual[which] = again.xyz, again.cov, again.residual
-    cloud, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
+    moved, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
     few = which & (own < 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
     xyz[few], cov[few] = smoothed(TrackPoints(cloud.frame, ids, xyz, cov), few, own >= 2, 1 / cloud.rate, method)
     clear = own + np.isin(cloud.detection, merging.image[merging.clear]).sum(1) == number
     clear &= (own == 1) & (np.trace(cov, axis1=1, axis2=2) < method.uncertain_sd**2)
-    good = usable_points(cloud, solver.rig, margin=None) & (clear | precise_enough(cloud, own, method))
-    return cloud.keep(~which | good), ids[~which | good]
+    good = ~which | usable_points(moved, solver.rig, margin=None) & (clear | precise_enough(moved, own, method))
+    columns = [xyz, cov, residual, cloud.detection]
+    del moved, xyz, cov, residual
+    return _kept(cloud, good, columns), ids[good]
+
+
+def _kept(cloud: Cloud, kept: Bools, columns: list[NDArray[Any]]) -> Cloud:
+    """A cloud of those points that are kept (P), of columns xyz, cov, residual and detection in place of its own, each
+    of which ends before the next one is in memory twice."""
+    start = np.concatenate([[0], np.cumsum(kept)])[cloud.start]
+    return Cloud(cloud.rate, start, *(columns.pop(0)[kept] for _ in range(4)))
 
 
 def _without_between(cloud: Cloud, ids: Ints, merging: Merging, images: Images) -> tuple[Cloud, Ints]:
@@ -204,14 +229,19 @@ def _without_drifting(
     detection = without_strangers(cloud.frame, ids, cloud.detection.T, images, usual, method.gate)
     sound = ~drifting(cloud.frame, ids, detection, images, usual, method.gate)
     less = (cloud.detection != detection.T).any(1)
-    if less.any():
-        again = solved(cloud.frame[less], detection[:, less], cloud.xyz[less].T, solver)
-        xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
-        xyz[less], cov[less], residual[less] = again.xyz, again.cov, again.residual
-        cloud = replace(cloud, xyz=xyz, cov=cov, residual=residual, detection=np.ascontiguousarray(detection.T))
-        own = ((detection >= 0) & ~images.merged[detection]).sum(0)
-        sound &= ~less | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
-    return cloud.keep(sound), ids[sound]
+    if not less.any():
+        return cloud.keep(sound), ids[sound]
+    detection = np.ascontiguousarray(detection.T)
+    rows, own = np.flatnonzero(less), detection[less]
+    again = solved(cloud.frame[rows], own.T, cloud.xyz[rows].T, solver)
+    own = ((own >= 0) & ~images.merged[own]).sum(1)
+    good = usable_points(again, solver.rig, margin=None) & precise_enough(again, own, method)
+    sound[rows[~good]] = False
+    columns = [cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy(), detection]
+    for column, new in zip(columns, (again.xyz, again.cov, again.residual), strict=False):
+        column[rows] = new
+    del detection, column
+    return _kept(cloud, sound, columns), ids[sound]
 
 
 class FirstPass(NamedTuple):
@@ -231,6 +261,7 @@ def _first_pass(
     """The tracks that are confirmed, their points solved, before any is stitched."""
     T = 1 / detections.rate
     every, seen, speaks = _followed(detections.rate, images, working, method)
+    return_memory()
     own = _unshared(seen, images)
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
@@ -239,11 +270,12 @@ def _first_pass(
     filtered = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1))
     del seen, own  # what no longer counts, before the cloud is in memory twice
     return_memory()
-    cloud = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting)
+    cloud, ids = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting), filtered.id
+    del filtered
     return_memory()
     good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, number, method)
-    good &= (speaks > SURE)[filtered.id]
-    return FirstPass(every, speaks, shared, cloud.keep(good), filtered.id[good])
+    good &= (speaks > SURE)[ids]
+    return FirstPass(every, speaks, shared, cloud.keep(good), ids[good])
 
 
 def _followed(
@@ -256,12 +288,18 @@ def _followed(
     T = 1 / rate
     least = min(max(method.min_duration / T, 4), images.n_frames)
     every = run(working.images, rate, method)
-    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    evident, columns = ~_without_evidence(every, _unshared(every, images), least, method), list(every)
+    del every
+    every = Associations.of(columns, evident)
+    return_memory()
     sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
     return_memory()
     rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    del every
+    return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
+    rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
@@ -279,7 +317,7 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     if not len(images.by_cell.order) or (images.stated and not noise.added.any()):
         return given  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
-    moved = read_images(detections, adjusted, images.timing)
+    moved = read_images(detections, adjusted, images.timing, other=images)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
     if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given
@@ -301,7 +339,9 @@ def _of_tracks(detections: Detections, images: Images, working: Working, cloud: 
     rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)
     if rig is working.rig:
         return working
-    moved, noise = learn_noise(now := read_images(detections, rig, images.timing), fundamentals(now.P), method.gate)
+    now = read_images(detections, rig, images.timing, other=images)
+    moved, noise = learn_noise(now, fundamentals(now.P), method.gate)
+    del now
     moved = moved.noisier(-excess(cloud.detection.T, moved))
     if np.median(moved.variance) > OF_TRACKS_RATIO * np.median(working.images.variance):
         return working

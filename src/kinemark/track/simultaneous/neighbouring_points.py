@@ -45,10 +45,9 @@ class TrackPoints(NamedTuple):
         """Only these."""
         return TrackPoints(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
 
-    def plus(self, other: TrackPoints, kept: Bools | None = None) -> TrackPoints:
-        """These, or those that are kept (P), and others after them."""
-        pairs = zip(self, other, strict=True)
-        return TrackPoints(*(np.concatenate([a if kept is None else a[kept], b]) for a, b in pairs))
+    def plus(self, other: TrackPoints) -> TrackPoints:
+        """These and others after them."""
+        return TrackPoints(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
 
 
 def parts_of_frames(frame: Ints, at_once: int) -> list[Ints]:
@@ -60,9 +59,13 @@ def parts_of_frames(frame: Ints, at_once: int) -> list[Ints]:
 
 def rows_of(points: TrackPoints) -> NDArray[np.int32]:
     """(N, F) the row of each track in each frame, −1 for none."""
-    shape = int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1
-    rows = np.full(shape, -1, np.int32)  # half the memory of a table that long recordings make large
-    rows[points.id, points.frame] = np.arange(len(points.id))
+    return row_table(points.frame, points.id)
+
+
+def row_table(frame: Ints, id: Ints) -> NDArray[np.int32]:
+    """(N, F) the same of points in frames (P) of tracks id (P)."""
+    rows = np.full((int(id.max(initial=-1)) + 1, int(frame.max(initial=-1)) + 1), -1, np.int32)  # half the memory
+    rows[id, frame] = np.arange(len(id))
     return rows
 
 

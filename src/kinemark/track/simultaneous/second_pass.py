@@ -20,6 +20,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Ints
 from ...data.progress import tell
@@ -29,7 +30,7 @@ from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, predict, reversed_time, update
-from .neighbouring_points import TrackPoints, between, motion_from, parts_of_frames, rows_near, rows_of
+from .neighbouring_points import TrackPoints, between, motion_from, parts_of_frames, row_table, rows_near, rows_of
 from .passes import without_outliers
 from .simultaneous_method import Simultaneous
 
@@ -48,6 +49,30 @@ class SecondPass(NamedTuple):
     kept: Bools
     found: TrackPoints
     detection: Ints
+
+
+class KnownPoints(NamedTuple):
+    """N points: `row` (n) of some of `points`, then all of those that were `found`; frame and id (N) of each, and rows
+    (tracks, F), the place of each track in each frame. Copies of all that is known would take much memory."""
+
+    points: TrackPoints
+    row: Ints
+    found: TrackPoints
+    frame: Ints
+    id: Ints
+    rows: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, points: TrackPoints, kept: Bools, found: TrackPoints) -> KnownPoints:
+        """Of the points those that are kept (P), and others."""
+        frame, id = (np.concatenate([a[kept], b]) for a, b in ((points.frame, found.frame), (points.id, found.id)))
+        return cls(points, np.flatnonzero(kept), found, frame, id, row_table(frame, id))
+
+    def take(self, place: Ints) -> TrackPoints:
+        """Those at some places (k), which rise."""
+        n = len(self.row)
+        old = place[: np.searchsorted(place, n)]
+        return self.points.take(self.row[old]).plus(self.found.take(place[len(old) :] - n))
 
 
 class FramesInQuestion(NamedTuple):
@@ -92,10 +117,12 @@ def points_between(
     seen = points.id[kept & ((detection >= 0).sum(0) >= SOUND)] if seen is None else seen
     found, own = points.take(np.zeros(0, np.int64)), detection[:, :0]
     for _ in range(ITERATIONS):
-        known = points.plus(found, kept)
+        return_memory()
+        known = KnownPoints.of(points, kept, found)
         in_question = _in_question(known, images.n_frames, T, method)
         inside = (in_question.before >= 0) & (in_question.after >= 0)
         in_question = in_question.take(inside | np.isin(in_question.id, seen))
+        return_memory()
         free, associated = _free(images, detection, own, kept), np.empty((len(own), len(in_question.id)), np.int64)
         for part in parts_of_frames(in_question.frame, AT_ONCE):  # the images of a frame are associated together
             tell(1, 2)
@@ -107,17 +134,17 @@ def points_between(
         if not good.any():
             break
         found, own = found.plus(new.take(good)), np.concatenate([own, associated[:, good]], 1)
-        del known  # before there are two in memory
-        return_memory()
     return found, own
 
 
 def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
     """(P) by (1), from the sound points (P)."""
-    known, wrong = points.take(sound), np.zeros(len(sound), bool)
+    known = KnownPoints.of(points, sound, points.take(np.zeros(0, np.int64)))
+    wrong = np.zeros(len(sound), bool)
     in_question = _in_question(known, images.n_frames, T, method)
     at = rows_near(rows_of(points), in_question.id, in_question.frame, 1)[0]
     in_question, at = in_question.take(at >= 0), at[at >= 0]
+    return_memory()
     held = np.ones(len(sound), bool)
     held[at] = False
     free = _free(images, detection, detection[:, :0], held)
@@ -140,7 +167,7 @@ def _free(images: Images, detection: Ints, more: Ints, kept: Bools) -> Bools:
     return free
 
 
-def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> FramesInQuestion:
+def _in_question(known: KnownPoints, n_frames: int, T: float, method: Simultaneous) -> FramesInQuestion:
     """The frames between known points of a track, and those soon after its last and before its first."""
     order = np.lexsort([known.frame, known.id])
     a, b = order[:-1], order[1:]
@@ -152,7 +179,7 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
     near = (known.id[a] == known.id[b]) & short
     edge = np.ones(min(len(order), 1), bool)
     last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]
-    none = np.full(len(last), -1)
+    none, near = np.full(len(last), -1), near & (step > 1)
     before, after = np.concatenate([a[near], last, none]), np.concatenate([b[near], none, first])
     left, right = np.minimum(wait, known.frame[first]), np.minimum(wait, n_frames - 1 - known.frame[last])
     count = np.concatenate([step[near] - 1, right, left])
@@ -162,13 +189,17 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
     return FramesInQuestion(known.id[own], known.frame[own] + way * nth, before[k], after[k])
 
 
-def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
+def _expected(known: KnownPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
     """What the known points on both sides, or on the only one, say of the motion in the frames in question."""
-    rows, sides = rows_of(known), []
+    sides = []
     for point, way in ((in_question.before, -1), (in_question.after, 1)):
         ends, which = np.unique(point, return_inverse=True)
-        near = rows_near(rows, known.id[ends], known.frame[ends], way)
-        motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
+        near = rows_near(known.rows, known.id[ends], known.frame[ends], way)
+        number, local = np.unique(np.concatenate([ends, near.ravel()]), return_inverse=True)
+        none = int(number[0] < 0)
+        local, some = local.ravel() - none, known.take(number[none:])
+        around, near = some.xyz[local[: len(ends)]].T, local[len(ends) :].reshape(near.shape)
+        motion = motion_from(some, near, around, T, method).take(which)
         sides.append(predict(motion, np.abs(in_question.frame - known.frame[point]) * T, method.process_noise))
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)

@@ -133,13 +133,17 @@ def track_once(
     images = _waiting(images, working, rig)
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
+    return_memory()
     whole = stitched(_points(cloud, ids), T, method)
     ids = whole.id[ids]
+    return_memory()
     merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
     images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
+    return_memory()
     solver = solver_for(detections, shared, working, errors)
     cloud, ids = _without_between(cloud, ids, merging, working.images)
     cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
+    return_memory()
     usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
     cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
     cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
@@ -149,9 +153,10 @@ def track_once(
     del working, solver, usual
     return_memory()
     if adjusted:
-        solver = solver_for(detections, shared, Working(rig, images, noise), errors)
-        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver))
-        del solver
+        given = Working(rig, images, noise)
+        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
+        del given
+        return_memory()
         images = images.indexed()
     return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
@@ -190,18 +195,22 @@ def _without_merged(
     """
     if not len(merging.image):
         return cloud, ids
-    solver = merging.told_apart(cloud, ids, solver)
-    which = np.isin(cloud.detection, merging.image).any(1)
-    own, number = (cloud.detection >= 0) & ~images.merged[cloud.detection], (cloud.detection >= 0).sum(1)
+    solver, rig = merging.told_apart(cloud, ids, solver), solver.rig
+    has, own = cloud.detection >= 0, (cloud.detection >= 0) & ~images.merged[cloud.detection]
+    which, number, own = (has & ~own).any(1), has.sum(1), own.sum(1)
     again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
+    del solver
+    return_memory()
     xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
     xyz[which], cov[which], residual[which] = again.xyz, again.cov, again.residual
-    moved, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
+    moved = replace(cloud, xyz=xyz, cov=cov, residual=residual)
     few = which & (own < 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
     xyz[few], cov[few] = smoothed(TrackPoints(cloud.frame, ids, xyz, cov), few, own >= 2, 1 / cloud.rate, method)
-    clear = own + np.isin(cloud.detection, merging.image[merging.clear]).sum(1) == number
+    sure = np.zeros(len(images.uv), bool)
+    sure[merging.image[merging.clear]] = True
+    clear = own + (has & sure[cloud.detection]).sum(1) == number
     clear &= (own == 1) & (np.trace(cov, axis1=1, axis2=2) < method.uncertain_sd**2)
-    good = ~which | usable_points(moved, solver.rig, margin=None) & (clear | precise_enough(moved, own, method))
+    good = ~which | usable_points(moved, rig, margin=None) & (clear | precise_enough(moved, own, method))
     columns = [xyz, cov, residual, cloud.detection]
     del moved, xyz, cov, residual
     return _kept(cloud, good, columns), ids[good]
@@ -216,6 +225,7 @@ def _kept(cloud: Cloud, kept: Bools, columns: list[NDArray[Any]]) -> Cloud:
 
 def _without_between(cloud: Cloud, ids: Ints, merging: Merging, images: Images) -> tuple[Cloud, Ints]:
     """The points and their tracks, without those that merged images make between two markers."""
+    return_memory()
     sound = ~between_markers(_points(cloud, ids), cloud.detection.T, images, merging.resolution)
     return cloud.keep(sound), ids[sound]
 
@@ -226,8 +236,11 @@ def _without_drifting(
     """The points and their tracks, without images of other markers, and without those of two images of two markers."""
     if not usual.of:
         return cloud, ids
+    return_memory()
     detection = without_strangers(cloud.frame, ids, cloud.detection.T, images, usual, method.gate)
+    return_memory()
     sound = ~drifting(cloud.frame, ids, detection, images, usual, method.gate)
+    return_memory()
     less = (cloud.detection != detection.T).any(1)
     if not less.any():
         return cloud.keep(sound), ids[sound]
@@ -237,11 +250,12 @@ def _without_drifting(
     own = ((own >= 0) & ~images.merged[own]).sum(1)
     good = usable_points(again, solver.rig, margin=None) & precise_enough(again, own, method)
     sound[rows[~good]] = False
-    columns = [cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy(), detection]
-    for column, new in zip(columns, (again.xyz, again.cov, again.residual), strict=False):
-        column[rows] = new
-    del detection, column
-    return _kept(cloud, sound, columns), ids[sound]
+    columns, detection = [column[sound] for column in (cloud.xyz, cloud.cov, cloud.residual)], detection[sound]
+    place = (np.cumsum(sound) - 1)[rows[good]]
+    for column, new in zip(columns, (again.xyz, again.cov, again.residual), strict=True):
+        column[place] = new[good]
+    start = np.concatenate([[0], np.cumsum(sound)])[cloud.start]
+    return Cloud(cloud.rate, start, *columns, detection), ids[sound]
 
 
 class FirstPass(NamedTuple):
@@ -294,11 +308,13 @@ def _followed(
     return_memory()
     sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
     return_memory()
-    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    columns = list(every)
     del every
+    rivalled = without_rivalled(columns, working.images, fundamentals(working.images.P), T, method)
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
+    every = every._replace(detection=every.detection.astype(np.int32))  # kept to the end: half the memory
     rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
@@ -357,6 +373,7 @@ def _with_second_pass(
     return_memory()
     points = _points(cloud, ids)
     kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
+    return_memory()
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)
@@ -374,9 +391,10 @@ def _with_second_pass(
 
 
 def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
-    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
-    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
-    out[old] = one[np.flatnonzero(kept)[order[old]]]
+    """Some rows of one column and some of another, in an order of both; none is in memory twice."""
+    old, rows = order < np.count_nonzero(kept), np.zeros(len(order), np.int64)
+    rows[old] = np.flatnonzero(kept)[order[old]]
+    out = one[rows] if len(one) else np.empty((len(order), *one.shape[1:]), one.dtype)
     out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
     return out
 

@@ -43,8 +43,8 @@ import scipy
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
-from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.returned_memory import return_memory
+from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.runs import begins, equal_runs
 from .candidate_points import fundamentals
 from .detection_index import Images

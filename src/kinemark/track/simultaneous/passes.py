@@ -62,7 +62,8 @@ class Associations(NamedTuple):
 
     Attributes:
         frame, id: (S).
-        detection: (C, S) index in `Images`, −1 for none, int32 where they are kept to the end; shared: (C, S) whether another track has the image too.
+        detection: (C, S) index in `Images`, −1 for none, int32 where kept to the end.
+        shared: (C, S) whether another track has the image too.
         squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
         before: (S) the standard deviation of its prediction, of all three axes together, mm.
         xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position; no cov (3, 3, 0) where it has done its work.

@@ -71,7 +71,7 @@ class Associations(NamedTuple):
 
     frame: Ints
     id: Ints
-    detection: Ints | NDArray[np.int32]
+    detection: Ints
     shared: Bools
     squared: Floats
     before: Floats

@@ -25,7 +25,7 @@ Positions are those of the rig as given.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -255,7 +255,7 @@ def _without_drifting(
     for column, new in zip(columns, (again.xyz, again.cov, again.residual), strict=True):
         column[place] = new[good]
     start = np.concatenate([[0], np.cumsum(sound)])[cloud.start]
-    return Cloud(cloud.rate, start, *columns, detection), ids[sound]
+    return Cloud(cloud.rate, start, columns[0], columns[1], columns[2], detection), ids[sound]
 
 
 class FirstPass(NamedTuple):
@@ -314,7 +314,7 @@ def _followed(
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
-    every = every._replace(detection=every.detection.astype(np.int32))  # kept to the end: half the memory
+    every = every._replace(detection=cast(Ints, every.detection.astype(np.int32)))  # kept to the end: half the memory
     rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest

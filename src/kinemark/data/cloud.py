@@ -64,7 +64,9 @@ class Cloud:
         return np.repeat(np.arange(self.n_frames), np.diff(self.start))
 
     def keep(self, mask: NDArray[np.bool_]) -> Cloud:
-        """Only the rows where `mask` (P) is true."""
+        """Only the rows where `mask` (P) is true; the same record where all are."""
+        if mask.all():
+            return self
         before = np.concatenate([[0], np.cumsum(mask)])
         return replace(
             self,

@@ -128,7 +128,9 @@ def index_images(uv: Floats, cell: Ints, usable: Bools, *, n_cells: int) -> Imag
     key = _keys(cell, u, low, width)
     order = np.lexsort((u, cell))
     first = np.searchsorted(cell[order], np.arange(n_cells + 1))
-    return ImageIndex(uv, rows[order], key[order], first, low, width)
+    rows, key = rows[order], key[order]
+    del u, cell, order  # of long recordings each is much memory
+    return ImageIndex(uv, rows, key, first, low, width)
 
 
 def candidates(

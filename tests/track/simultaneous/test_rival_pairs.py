@@ -43,7 +43,7 @@ def made(*, wrong=1, by=0.4, hidden=(3,)):
 
 
 def judged(images, track):
-    return without_rivalled(track, images, fundamentals(images.P), 1 / RATE, METHOD)
+    return without_rivalled(list(track), images, fundamentals(images.P), 1 / RATE, METHOD)
 
 
 def test_a_stretch_is_given_up_for_a_rival_that_fits_better():

@@ -82,7 +82,7 @@ def test_two_tracks_that_no_camera_shows_apart_have_no_image_in_common():
     points = TrackPoints(
         np.tile(np.arange(FRAMES), 2), np.repeat([0, 1], FRAMES), point.xyz.T, point.cov.transpose(2, 0, 1)
     )
-    assert len(near_held(points, held, images, 6.0).image)
+    assert sum(len(near.image) for near in near_held(points, held, images, 6.0))
     assert not len(possible_claims(points, held, images, 6.0).row)
 
 

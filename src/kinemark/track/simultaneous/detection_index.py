@@ -25,6 +25,7 @@ from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, undistort
 from ...geometry.common_view import common_view_centre
 from ...native import ImageIndex, index_images
+from ...numerics.returned_memory import return_memory
 
 USUAL_SD = 0.2
 """px, of centroids of which nobody knows the noise; chosen (see benchmarks/tracking.py)."""
@@ -97,41 +98,54 @@ class Images(NamedTuple):
         usable = self.usable & ~np.isin(self.camera, cameras)
         return self._replace(usable=usable, by_cell=self.by_cell.keep(usable))
 
+    def unindexed(self) -> Images:
+        """The same while nothing is looked up in it; `indexed` gives it back."""
+        nothing = index_images(np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0, bool), n_cells=self.by_cell.n_cells)
+        return self._replace(by_cell=nothing)
+
+    def indexed(self) -> Images:
+        """The same with the index of all usable images."""
+        return self._replace(by_cell=_index(self.uv, self.frame, self.camera, self.usable, self.n_frames, len(self.P)))
+
     def in_frames(self, frames: list[int]) -> list[Ints]:
         """Usable rows of each frame, camera by camera."""
         order, first, C = self.by_cell.order, self.by_cell.first, len(self.P)
         return [order[first[f * C] : first[(f + 1) * C]] for f in frames]
 
 
-def read_images(detections: Detections, rig: Rig, timing: Floats | None = None) -> Images:
-    """The images of detections, seen by the cameras of a rig; `timing` (D, 2) px as that of `Images`."""
+def read_images(
+    detections: Detections, rig: Rig, timing: Floats | None = None, *, other: Images | None = None
+) -> Images:
+    """The images of detections, seen by the cameras of a rig; `timing` (D, 2) px as that of `Images`.
+
+    With those of an `other` rig they share the columns that are of no rig: a long recording has many images.
+    """
+    of_camera, frame = (detections.camera, detections.frame) if other is None else (other.camera, other.frame)
     uv = np.full((len(detections), 2), np.nan)
     for c, camera in enumerate(rig):
-        own = slice(detections.start[c, 0], detections.start[c, -1])
+        own = _of_camera(detections, c)
         uv[own] = undistort(camera, detections.uv[own])
     usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
-    size = np.array([extent(camera, uv[detections.camera == c]) for c, camera in enumerate(rig)])
+    size = np.array([extent(camera, uv[_of_camera(detections, c)]) for c, camera in enumerate(rig)])
     clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
     middle = common_view_centre(rig)
     calibration = np.array([_open(camera, middle) for camera in rig])
-    centroid = np.trace(detections.cov, axis1=1, axis2=2) / 2
-    known = np.isfinite(centroid)
-    usual = float(np.median(centroid[known])) if known.any() else USUAL_SD**2
-    radius = np.sqrt(np.where(np.isfinite(detections.area), detections.area, USUAL_AREA) / np.pi)
-    noise = np.where(known, centroid, usual)
-    margin = np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(np.isfinite(detections.area), (HIDDEN * radius) ** 2, 0.0)
-    variance = noise + margin + calibration[detections.camera]  # (1)
+    noise, stated, usual = _noise(detections)
+    radius, margin = _sizes(detections, noise) if other is None else (other.radius, other.margin)
+    variance = noise + margin + calibration[of_camera]  # (1)
+    del noise
     variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
     variance = variance if timing is None else variance + (timing**2).sum(1)
-    cell = detections.frame * len(rig) + detections.camera
-    index = index_images(uv, cell, usable, n_cells=len(rig) * detections.n_frames)
+    return_memory()
+    index = _index(uv, frame, of_camera, usable, detections.n_frames, len(rig))
+    return_memory()
     return Images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
         uv=uv,
         variance=variance,
         radius=radius,
-        camera=detections.camera,
-        frame=detections.frame,
+        camera=of_camera,
+        frame=frame,
         usable=usable,
         merged=detections.merged,
         prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
@@ -139,12 +153,37 @@ def read_images(detections: Detections, rig: Rig, timing: Floats | None = None) 
         margin=margin,
         timing=timing,
         widest=_widest(variance, index),
-        stated=bool(known.any()),
+        stated=stated,
         usual=usual,
         size=size,
         n_frames=detections.n_frames,
         by_cell=index,
     )
+
+
+def _of_camera(detections: Detections, c: int) -> slice:
+    """The rows of camera c."""
+    return slice(int(detections.start[c, 0]), int(detections.start[c, -1]))
+
+
+def _noise(detections: Detections) -> tuple[Floats, bool, float]:
+    """(D) px² of the centroids, whether any states it, and the usual, which those have that do not."""
+    centroid = np.trace(detections.cov, axis1=1, axis2=2) / 2
+    known = np.isfinite(centroid)
+    usual = float(np.median(centroid[known])) if known.any() else USUAL_SD**2
+    return np.where(known, centroid, usual), bool(known.any()), usual
+
+
+def _sizes(detections: Detections, noise: Floats) -> tuple[Floats, Floats]:
+    """`Images.radius` and `Images.margin` of images of noise (D) px²."""
+    known = np.isfinite(detections.area)
+    radius = np.sqrt(np.where(known, detections.area, USUAL_AREA) / np.pi)
+    return radius, np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(known, (HIDDEN * radius) ** 2, 0.0)
+
+
+def _index(uv: Floats, frame: Ints, camera: Ints, usable: Bools, n_frames: int, C: int) -> ImageIndex:
+    """`Images.by_cell`."""
+    return index_images(uv, frame * C + camera, usable, n_cells=n_frames * C)
 
 
 def _widest(variance: Floats, index: ImageIndex) -> Floats:

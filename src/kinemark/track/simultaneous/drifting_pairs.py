@@ -44,6 +44,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.returned_memory import return_memory
 from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.runs import begins, equal_runs
 from .candidate_points import fundamentals
@@ -285,6 +286,7 @@ def _mixture(a: Floats, V: Floats, added: Floats) -> tuple[float, float]:
 
 def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
     """e (n) px by (1) of `epipolar_noise` of images of two cameras, and s² (n) px² by (2) of it."""
+    return_memory()  # of the pair before: there are many, of long recordings
     x, y = (np.column_stack([images.uv[each], np.ones(len(each))]) for each in (one, other))
     line, back = x @ F.T, y @ F
     size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
 from ...native import inverse
 from .kalman_states import KalmanStates, initial_states, predict, reversed_time, update
@@ -41,21 +42,36 @@ class TrackPoints(NamedTuple):
     xyz: Floats
     cov: Floats
 
+    @classmethod
+    def of(cls, cloud: Cloud, id: Ints) -> TrackPoints:
+        """Those of a cloud, of tracks id (P)."""
+        return cls(cloud.frame, id, cloud.xyz, cloud.cov)
+
     def take(self, which: Bools | Ints) -> TrackPoints:
         """Only these."""
         return TrackPoints(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
 
     def plus(self, other: TrackPoints) -> TrackPoints:
         """These and others after them."""
-        frame, id = np.concatenate([self.frame, other.frame]), np.concatenate([self.id, other.id])
-        return TrackPoints(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
+        return TrackPoints(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+
+
+def parts_of_frames(frame: Ints, at_once: int) -> list[Ints]:
+    """Places of about so many of the frames (N) each, a frame being in one part alone."""
+    order = np.argsort(frame, kind="stable")
+    cuts = np.searchsorted(frame[order], frame[order][at_once::at_once], "right")
+    return [part for part in np.split(order, np.unique(cuts)) if len(part)]
 
 
 def rows_of(points: TrackPoints) -> NDArray[np.int32]:
     """(N, F) the row of each track in each frame, −1 for none."""
-    shape = int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1
-    rows = np.full(shape, -1, np.int32)  # half the memory of a table that long recordings make large
-    rows[points.id, points.frame] = np.arange(len(points.id))
+    return row_table(points.frame, points.id)
+
+
+def row_table(frame: Ints, id: Ints) -> NDArray[np.int32]:
+    """(N, F) the same of points in frames (P) of tracks id (P)."""
+    rows = np.full((int(id.max(initial=-1)) + 1, int(frame.max(initial=-1)) + 1), -1, np.int32)  # half the memory
+    rows[id, frame] = np.arange(len(id))
     return rows
 
 

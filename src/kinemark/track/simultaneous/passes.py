@@ -62,7 +62,8 @@ class Associations(NamedTuple):
 
     Attributes:
         frame, id: (S).
-        detection: (C, S) index in `Images`, −1 for none; shared: (C, S) whether another track has the image too.
+        detection: (C, S) index in `Images`, −1 for none, int32 where kept to the end.
+        shared: (C, S) whether another track has the image too.
         squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
         before: (S) the standard deviation of its prediction, of all three axes together, mm.
         xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position; no cov (3, 3, 0) where it has done its work.
@@ -80,6 +81,11 @@ class Associations(NamedTuple):
     def take(self, which: NDArray[Any]) -> Associations:
         """Only these."""
         return Associations(*self.columns(which))
+
+    @classmethod
+    def of(cls, columns: list[NDArray[Any]], which: NDArray[Any]) -> Associations:
+        """Only these, of columns that nobody else needs: each ends before the next one is in memory twice."""
+        return cls(*(columns.pop(0)[..., which] for _ in cls._fields))
 
     def columns(self, which: NDArray[Any]) -> Iterator[NDArray[Any]]:
         """Each column of only these by itself, so that not all of them are in memory twice."""

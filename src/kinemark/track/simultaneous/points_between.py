@@ -36,15 +36,15 @@ def between_markers(points: TrackPoints, detection: Ints, images: Images, r: flo
     out = np.zeros(len(points.id), bool)
     if not r:
         return out
-    near = near_held(points, detection, images, r)
-    near = near.take(np.lexsort([near.other, near.image]))
-    cuts = equal_runs(near.image)
     said: Counter[tuple[int, int, int]] = Counter()
-    for k in np.flatnonzero(np.diff(cuts) > 1).tolist():
-        i, j = cuts[k] + np.array(np.triu_indices(cuts[k + 1] - cuts[k], 1))
-        good = _middle(near.take(i), near.take(j), images)
-        i, j = i[good], j[good]
-        said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
+    for near in near_held(points, detection, images, r):
+        near = near.take(np.lexsort([near.other, near.image]))
+        cuts = equal_runs(near.image)
+        for k in np.flatnonzero(np.diff(cuts) > 1).tolist():
+            i, j = cuts[k] + np.array(np.triu_indices(cuts[k + 1] - cuts[k], 1))
+            good = _middle(near.take(i), near.take(j), images)
+            i, j = i[good], j[good]
+            said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
     number = (detection >= 0).sum(0)
     out[[row for (row, _, _), count in said.items() if count == number[row]]] = True
     return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]

@@ -22,9 +22,10 @@ which of these go on as which.
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.robust import student_log_likelihood
@@ -88,8 +89,14 @@ class Rivalled(NamedTuple):
         return whole
 
 
-def without_rivalled(every: Associations, images: Images, F: Floats, T: float, method: Simultaneous) -> Rivalled:
-    """The associations with rivals in place of stretches that are less likely."""
+def without_rivalled(
+    columns: list[NDArray[Any]], images: Images, F: Floats, T: float, method: Simultaneous
+) -> Rivalled:
+    """Associations of these columns with rivals in place of stretches that are less likely.
+
+    The list is empty afterwards, so that no column is in memory twice.
+    """
+    every = Associations(*columns)
     stretch = stretches(every)
     held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
     free = images.usable.copy()
@@ -104,7 +111,11 @@ def without_rivalled(every: Associations, images: Images, F: Floats, T: float, m
             free[rivals.free[chain]], taken[rivals.kept[chain]] = False, True
             won.append(rivals.take(chain))
             gone.append(_given_up(every.frame, stretch, won[-1].row))
-    return _replaced(every, won, gone, images)
+    number = int(every.id.max(initial=-1)) + 1
+    new = [_as_associations(rival, every, images, number + k) for k, rival in enumerate(won)]
+    cuts = _cuts(every, gone, number + len(won))
+    del every
+    return Rivalled(_replaced(columns, new, gone), cuts)
 
 
 def stretches(every: Associations) -> Ints:
@@ -220,19 +231,19 @@ def _given_up(frame: Ints, stretch: Ints, row: Ints) -> Ints:
     return rows[~stays]
 
 
-def _replaced(every: Associations, won: list[Rivals], gone: list[Ints], images: Images) -> Rivalled:
-    """The associations without the rows `gone`, and with the rivals."""
-    number = int(every.id.max(initial=-1)) + 1
-    new = [_as_associations(rival, every, images, number + k) for k, rival in enumerate(won)]
-    kept = np.ones(len(every.id), bool)
+def _replaced(columns: list[NDArray[Any]], new: list[Associations], gone: list[Ints]) -> Associations:
+    """The associations of these columns without the rows `gone`, and with the rivals; the list is empty afterwards."""
+    kept = np.ones(columns[0].shape[-1], bool)
     kept[np.concatenate([np.zeros(0, np.int64), *gone])] = False
+    more = list(zip(*new, strict=True)) or [()] * len(columns)
+    return Associations(*(np.concatenate([columns.pop(0)[..., kept], *each], -1) for each in more))
+
+
+def _cuts(every: Associations, gone: list[Ints], number: int) -> Ints:
+    """`Rivalled.cuts` where the rows `gone` were; what comes after them is numbered from `number` on."""
     last = {(int(every.id[rows[0]]), int(every.frame[rows].max())) for rows in gone}
     latest_first = sorted(last, key=lambda cut: -cut[1])
-    cuts = [(*cut, number + len(won) + k) for k, cut in enumerate(latest_first)]
-    columns = zip(every.columns(kept), *new, strict=True)
-    return Rivalled(
-        Associations(*(np.concatenate(each, -1) for each in columns)), np.array(cuts, np.int64).reshape(-1, 3)
-    )
+    return np.array([(*cut, number + k) for k, cut in enumerate(latest_first)], np.int64).reshape(-1, 3)
 
 
 def _as_associations(rival: Rivals, every: Associations, images: Images, id: int) -> Associations:

@@ -20,6 +20,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Ints
 from ...data.progress import tell
@@ -29,7 +30,7 @@ from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, predict, reversed_time, update
-from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
+from .neighbouring_points import TrackPoints, between, motion_from, parts_of_frames, row_table, rows_near, rows_of
 from .passes import without_outliers
 from .simultaneous_method import Simultaneous
 
@@ -48,6 +49,30 @@ class SecondPass(NamedTuple):
     kept: Bools
     found: TrackPoints
     detection: Ints
+
+
+class KnownPoints(NamedTuple):
+    """N points: `row` (n) of some of `points`, then all of those that were `found`; frame and id (N) of each, and rows
+    (tracks, F), the place of each track in each frame. Copies of all that is known would take much memory."""
+
+    points: TrackPoints
+    row: Ints
+    found: TrackPoints
+    frame: Ints
+    id: Ints
+    rows: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, points: TrackPoints, kept: Bools, found: TrackPoints) -> KnownPoints:
+        """Of the points those that are kept (P), and others."""
+        frame, id = (np.concatenate([a[kept], b]) for a, b in ((points.frame, found.frame), (points.id, found.id)))
+        return cls(points, np.flatnonzero(kept), found, frame, id, row_table(frame, id))
+
+    def take(self, place: Ints) -> TrackPoints:
+        """Those at some places (k), which rise."""
+        n = len(self.row)
+        old = place[: np.searchsorted(place, n)]
+        return self.points.take(self.row[old]).plus(self.found.take(place[len(old) :] - n))
 
 
 class FramesInQuestion(NamedTuple):
@@ -88,14 +113,18 @@ def points_between(
         kept: (P) which of the points are known; all where None.
         seen: tracks that three cameras ever saw; by the known points where None.
     """
-    known, detection = (points, detection) if kept is None else (points.take(kept), detection[:, kept])
-    seen, old = known.id[(detection >= 0).sum(0) >= SOUND] if seen is None else seen, len(known.id)
+    kept = np.ones(len(points.id), bool) if kept is None else kept
+    seen = points.id[kept & ((detection >= 0).sum(0) >= SOUND)] if seen is None else seen
+    found, own = points.take(np.zeros(0, np.int64)), detection[:, :0]
     for _ in range(ITERATIONS):
+        return_memory()
+        known = KnownPoints.of(points, kept, found)
         in_question = _in_question(known, images.n_frames, T, method)
         inside = (in_question.before >= 0) & (in_question.after >= 0)
         in_question = in_question.take(inside | np.isin(in_question.id, seen))
-        free, associated = _free(images, detection), np.empty((len(detection), len(in_question.id)), np.int64)
-        for part in _parts(in_question.frame):
+        return_memory()
+        free, associated = _free(images, detection, own, kept), np.empty((len(own), len(in_question.id)), np.int64)
+        for part in parts_of_frames(in_question.frame, AT_ONCE):  # the images of a frame are associated together
             tell(1, 2)
             expected = _expected(known, in_question.take(part), T, method)
             associated[:, part] = _associated(images, free, in_question.frame[part], expected, method)
@@ -104,21 +133,22 @@ def points_between(
         good = ((associated >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
             break
-        return_memory()
-        known = known.plus(new.take(good))
-        detection = np.concatenate([detection, associated[:, good]], 1)
-    rows = np.arange(old, len(known.id))
-    return known.take(rows), detection[:, rows]  # copies, as all of `known` would stay with a slice
+        found, own = found.plus(new.take(good)), np.concatenate([own, associated[:, good]], 1)
+    return found, own
 
 
 def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
     """(P) by (1), from the sound points (P)."""
-    known, wrong = points.take(sound), np.zeros(len(sound), bool)
+    known = KnownPoints.of(points, sound, points.take(np.zeros(0, np.int64)))
+    wrong = np.zeros(len(sound), bool)
     in_question = _in_question(known, images.n_frames, T, method)
     at = rows_near(rows_of(points), in_question.id, in_question.frame, 1)[0]
     in_question, at = in_question.take(at >= 0), at[at >= 0]
-    free = _free(images, np.delete(detection, at, axis=1))
-    for part in _parts(in_question.frame):
+    return_memory()
+    held = np.ones(len(sound), bool)
+    held[at] = False
+    free = _free(images, detection, detection[:, :0], held)
+    for part in parts_of_frames(in_question.frame, AT_ONCE):
         own, expected = at[part], _expected(known, in_question.take(part), T, method)
         off = points.xyz[own].T - expected.position
         N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
@@ -128,21 +158,16 @@ def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T
     return wrong
 
 
-def _parts(frame: Ints) -> list[Ints]:
-    """Places of about AT_ONCE of the frames (N), each frame in one part, as its images are associated together."""
-    order = np.argsort(frame, kind="stable")
-    cuts = np.searchsorted(frame[order], frame[order][AT_ONCE::AT_ONCE], "right")
-    return [part for part in np.split(order, np.unique(cuts)) if len(part)]
-
-
-def _free(images: Images, held: Ints) -> Bools:
-    """(D) the usable images that none of the detections (C, n) is."""
+def _free(images: Images, detection: Ints, more: Ints, kept: Bools) -> Bools:
+    """(D) the usable images that none of the detections (C, P) of the kept points (P), nor of more (C, n), is."""
     free = images.usable.copy()
-    free[held[held >= 0]] = False
+    for camera, others in zip(detection, more, strict=True):
+        free[camera[kept & (camera >= 0)]] = False
+        free[others[others >= 0]] = False
     return free
 
 
-def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> FramesInQuestion:
+def _in_question(known: KnownPoints, n_frames: int, T: float, method: Simultaneous) -> FramesInQuestion:
     """The frames between known points of a track, and those soon after its last and before its first."""
     order = np.lexsort([known.frame, known.id])
     a, b = order[:-1], order[1:]
@@ -154,7 +179,7 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
     near = (known.id[a] == known.id[b]) & short
     edge = np.ones(min(len(order), 1), bool)
     last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]
-    none = np.full(len(last), -1)
+    none, near = np.full(len(last), -1), near & (step > 1)
     before, after = np.concatenate([a[near], last, none]), np.concatenate([b[near], none, first])
     left, right = np.minimum(wait, known.frame[first]), np.minimum(wait, n_frames - 1 - known.frame[last])
     count = np.concatenate([step[near] - 1, right, left])
@@ -164,13 +189,17 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
     return FramesInQuestion(known.id[own], known.frame[own] + way * nth, before[k], after[k])
 
 
-def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
+def _expected(known: KnownPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
     """What the known points on both sides, or on the only one, say of the motion in the frames in question."""
-    rows, sides = rows_of(known), []
+    sides = []
     for point, way in ((in_question.before, -1), (in_question.after, 1)):
         ends, which = np.unique(point, return_inverse=True)
-        near = rows_near(rows, known.id[ends], known.frame[ends], way)
-        motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
+        near = rows_near(known.rows, known.id[ends], known.frame[ends], way)
+        number, local = np.unique(np.concatenate([ends, near.ravel()]), return_inverse=True)
+        none = int(number[0] < 0)
+        local, some = local.ravel() - none, known.take(number[none:])
+        around, near = some.xyz[local[: len(ends)]].T, local[len(ends) :].reshape(near.shape)
+        motion = motion_from(some, near, around, T, method).take(which)
         sides.append(predict(motion, np.abs(in_question.frame - known.frame[point]) * T, method.process_noise))
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)

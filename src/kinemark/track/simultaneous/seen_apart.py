@@ -16,20 +16,29 @@ FRAMES = 3
 """Frames in which a camera has an image of either track; chosen: by chance, as by a false image, fewer have."""
 
 
-def seen_apart(points: TrackPoints, detection: Ints, first: Ints, second: Ints) -> Bools:
-    """(N) whether pairs of tracks, first and second (N), have images of their own in one camera, in FRAMES and more.
+class SeenApart:
+    """Tells of pairs of tracks whether a camera shows them apart; each pair is looked at once."""
 
-    Args:
-        points: the P points of all tracks. detection: (C, P) their images, −1 for none.
-    """
-    order = np.lexsort([points.frame, points.id])
-    ids, frame = points.id[order], points.frame[order]
-    pairs, which = np.unique(np.stack([first, second]), axis=1, return_inverse=True)
-    begin, end = np.searchsorted(ids, pairs), np.searchsorted(ids, pairs, "right")
-    apart = np.zeros(pairs.shape[1], bool)
-    for k in range(len(apart)):
-        one, other = (slice(begin[side, k], end[side, k]) for side in (0, 1))
-        _, i, j = np.intersect1d(frame[one], frame[other], assume_unique=True, return_indices=True)
-        both = (detection[:, order[one][i]] >= 0) & (detection[:, order[other][j]] >= 0)
-        apart[k] = np.count_nonzero(both.any(0)) >= FRAMES
-    return apart[which.ravel()]
+    def __init__(self, points: TrackPoints, detection: Ints) -> None:
+        """Of the P points of all tracks and their images detection (C, P), −1 for none."""
+        self._order = np.lexsort([points.frame, points.id])
+        self._id, self._frame, self._detection = points.id[self._order], points.frame[self._order], detection
+        self._known: dict[tuple[int, int], bool] = {}
+
+    def __call__(self, first: Ints, second: Ints) -> Bools:
+        """(N) whether tracks first and second (N) have images of their own in one camera, in FRAMES and more."""
+        pairs, which = np.unique(np.stack([first, second]), axis=1, return_inverse=True)
+        said = [self._asked(one, other) for one, other in pairs.T.tolist()]
+        return np.array(said, bool)[which.ravel()]
+
+    def _asked(self, first: int, second: int) -> bool:
+        if (first, second) not in self._known:
+            self._known[first, second] = self._known[second, first] = self._apart(first, second)
+        return self._known[first, second]
+
+    def _apart(self, first: int, second: int) -> bool:
+        one, other = (slice(*np.searchsorted(self._id, [k, k + 1])) for k in (first, second))
+        _, i, j = np.intersect1d(self._frame[one], self._frame[other], assume_unique=True, return_indices=True)
+        both = self._detection[:, self._order[one][i]] >= 0
+        both &= self._detection[:, self._order[other][j]] >= 0
+        return bool(np.count_nonzero(both.any(0)) >= FRAMES)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...data import Cloud, Detections, Matches, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import ImageErrors, weighted_points
+from ...numerics.returned_memory import return_memory
 from .detection_index import Images
 from .measurement_noise import Noise
 from .neighbouring_points import TrackPoints, smoothed
@@ -87,6 +88,8 @@ def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud
             errors=solver.errors,
         )
         xyz[part], cov[part], residual[part] = points.xyz, points.cov, points.residual
+        if first % (5 * AT_ONCE) == 0:  # not each time, as it takes some milliseconds
+            return_memory()
     start = np.searchsorted(frame, np.arange(n_frames + 1))
     return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
 
@@ -108,9 +111,10 @@ def with_points(
 
 
 def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
-    """Some rows of one column and some of another, in an order of both; in memory no more than twice."""
-    out, old = np.empty((len(order), *one.shape[1:]), one.dtype), order < np.count_nonzero(kept)
-    out[old] = one[np.flatnonzero(kept)[order[old]]]
+    """Some rows of one column and some of another, in an order of both; none is in memory twice."""
+    old, rows = order < np.count_nonzero(kept), np.zeros(len(order), np.int64)
+    rows[old] = np.flatnonzero(kept)[order[old]]
+    out = one[rows] if len(one) else np.empty((len(order), *one.shape[1:]), one.dtype)
     out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
     return out
 
@@ -120,13 +124,21 @@ def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
 
     Those of which the images say little keep their positions.
     """
-    given = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
+    given, lasting = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver), solver.lasting
+    del solver  # which has much memory
+    return_memory()
     sd = _sd(given.cov)
     known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
-    xyz = np.where(clear[:, None], given.xyz, cloud.xyz)
-    cov = np.where(clear[:, None, None], given.cov, cloud.cov + _shared_cov(sd[clear], solver.lasting))  # (2)
-    return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
+    vague = np.flatnonzero(~clear)
+    if not len(vague):
+        return given
+    columns = [given.xyz, given.cov, given.residual]
+    del given  # each of its columns ends before the next one is in memory twice
+    xyz, cov, residual = (columns.pop(0).copy() for _ in range(3))
+    xyz[vague], residual[vague] = cloud.xyz[vague], cloud.residual[vague]
+    cov[vague] = cloud.cov[vague] + _shared_cov(sd[clear], lasting)  # (2)
+    return replace(cloud, xyz=xyz, cov=cov, residual=residual)
 
 
 def with_smoothed(

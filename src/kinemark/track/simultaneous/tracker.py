@@ -15,9 +15,9 @@ Merged images that a file does not mark are inferred from the tracks (`unmarked_
 
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
-Images that drift past the others of their point are given up (`drifting_pairs`), and so are points that merged images
-make between two markers (`points_between`), before the second pass, which looks for better ones, and after it. Dropped
-tracks whose images do not drift are given back (`dropped_tracks`).
+Images of other markers, and the points that they make, are given up before the second pass, which looks for better
+ones, and after it (`given_up_points`). Dropped tracks whose images do not drift are given back (`dropped_tracks`).
+Tracks of a rigid body that breaks are told by their place on it (`rigid_pass`).
 
 Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1).
 Positions are those of the rig as given.
@@ -25,8 +25,7 @@ Positions are those of the rig as given.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -39,25 +38,22 @@ from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
-from .drifting_pairs import UsualResiduals, drifting, usual_residuals, without_strangers
-from .dropped_tracks import given_back
-from .found_points import with_found
+from .drifting_pairs import usual_residuals
+from .found_points import with_given_back, with_rigid_pass, with_second_pass
+from .given_up_points import without_between, without_drifting, without_merged
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
-from .neighbouring_points import TrackPoints, smoothed
+from .neighbouring_points import TrackPoints
 from .noise_of_tracks import excess
 from .passes import Associations, run
-from .points_between import between_markers
 from .rig_of_tracks import rig_of_tracks
-from .rigid_pass import rigid_pass
 from .rival_pairs import without_rivalled
-from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
-from .solved_points import Solver, Working, on_given_rig, precise_enough, solved, solver_for, with_points, with_smoothed
-from .stitch import Stitch, stitched
-from .unmarked_merging import Merging, inferred_merging
+from .solved_points import Working, on_given_rig, precise_enough, solved, solver_for, with_smoothed
+from .stitch import Stitch, Stitched, stitched
+from .unmarked_merging import inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
@@ -120,8 +116,56 @@ def track_once(
 ) -> TrackingResult:
     """`track_simultaneously` with all cameras taken for synchronous, but for errors `timing` (D, 2) px of `Images`."""
     T = 1 / detections.rate
+    images, noise, working, method, first = _learned(detections, rig, method, errors, timing)
+    every, speaks, shared, cloud, ids = first
+    del first  # its arrays end with the names that they have now
+    return_memory()
+    whole, confirmed = stitched(TrackPoints.of(cloud, ids), T, method), np.unique(ids)
+    whole = whole.of(int(every.id.max(initial=-1)) + 1)
+    ids = whole.id[ids]
+    return_memory()
+    merging = inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, working.images, T, method)
+    images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
+    return_memory()
+    solver = solver_for(detections, shared, working, errors)
+    cloud, ids = without_between(cloud, ids, merging, working.images)
+    cloud, ids = without_merged(cloud, ids, merging, solver, working.images, method)
+    return_memory()
+    usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
+    cloud, ids = without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids = with_given_back(every, confirmed, cloud, ids, working.images, usual, solver, method)
+    cloud, ids = with_second_pass(cloud, ids, working.images, solver, method)
+    cloud, ids = without_between(cloud, ids, merging, working.images)
+    cloud, ids = without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids, became = with_rigid_pass(cloud, ids, working.images, solver, method)
+    whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
+    adjusted = working.rig is not rig
+    del working, solver, usual
+    return_memory()
+    if adjusted:
+        given = Working(rig, images, noise)
+        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
+        del given
+        return_memory()
+        images = images.indexed()
+    return_memory()
+    inside = usable_points(cloud, rig, margin=volume_margin)
+    outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
+    cloud, ids, whole = _joined_pieces(cloud, ids, whole, T, method)
+    kept, number = np.unique(ids, return_inverse=True)
+    final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
+    tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
+    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
+
+
+def _learned(
+    detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, timing: Floats | None
+) -> tuple[Images, Noise, Working, Simultaneous, FirstPass]:
+    """The images by the rig as given and their noise; the rig, noise and motion that images and tracks tell, by which
+    the first pass was done, and its tracks."""
     images, noise = learn_noise(images := read_images(detections, rig, timing), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
+    images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method)
     broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
     working, method = working._replace(images=moving.images), moving.method
@@ -130,113 +174,27 @@ def track_once(
         better = learned(detections, images, working, first.cloud, method)
         if better is not working:
             del first  # before there are two in memory
+            return_memory()
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
-    every, speaks, shared, cloud, ids = first
-    del first  # its arrays end with the names that they have now
-    whole, confirmed = stitched(_points(cloud, ids), T, method), np.unique(ids)
-    whole = whole.of(int(every.id.max(initial=-1)) + 1)
+    return _waiting(images, working, rig), noise, working, method, first
+
+
+def _joined_pieces(
+    cloud: Cloud, ids: Ints, whole: Stitched, T: float, method: Simultaneous
+) -> tuple[Cloud, Ints, Stitched]:
+    """The points, one a frame, and their tracks, those joined that impacts ended or that companions tell."""
+    whole = with_impacts(TrackPoints.of(cloud, ids), whole, T, method)
+    whole = with_companions(TrackPoints.of(cloud, ids := whole.id[ids]), whole, T, method)
     ids = whole.id[ids]
-    merging = inferred_merging(_points(cloud, ids), cloud.detection.T, working.images, T, method)
-    images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
-    solver = solver_for(detections, shared, working, errors)
-    cloud, ids = _without_between(cloud, ids, merging, working.images)
-    cloud, ids = _without_merged(cloud, ids, merging, solver, working.images, method)
-    usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
-    cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
-    cloud, ids = _with_given_back(every, confirmed, cloud, ids, working.images, usual, solver, method)
-    cloud, ids = _with_second_pass(cloud, ids, working.images, solver, method)
-    cloud, ids = _without_between(cloud, ids, merging, working.images)
-    cloud, ids = _without_drifting(cloud, ids, working.images, usual, solver, method)
-    cloud, ids, became = _with_rigid_pass(cloud, ids, working.images, solver, method)
-    whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
-    if working.rig is not rig:
-        given = solver_for(detections, shared, Working(rig, images, noise), errors)
-        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, given))
-    inside = usable_points(cloud, rig, margin=volume_margin)
-    outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
-    whole = with_impacts(_points(cloud, ids), whole, T, method)
-    whole = with_companions(_points(cloud, ids := whole.id[ids]), whole, T, method)
-    ids = whole.id[ids]
-    once = once_a_frame(_points(cloud, ids), T, method)
-    cloud, ids = cloud.keep(once), ids[once]
-    kept, number = np.unique(ids, return_inverse=True)
-    final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
-    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
+    once = once_a_frame(TrackPoints.of(cloud, ids), T, method)
+    return cloud.keep(once), ids[once], whole
 
 
-def _points(cloud: Cloud, ids: Ints) -> TrackPoints:
-    """Of tracks ids (P)."""
-    return TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
-
-
-def _without_merged(
-    cloud: Cloud, ids: Ints, merging: Merging, solver: Solver, images: Images, method: Simultaneous
-) -> tuple[Cloud, Ints]:
-    """The points and their tracks, those of merged images solved again from what these say of each marker.
-
-    Those of fewer than two images of their own are smoothed. Where that is vague, they are given if one image is their
-    own and the merging is clear, up to `uncertain_sd`: others are as often a chance meeting of two markers' images.
-    """
-    if not len(merging.image):
-        return cloud, ids
-    solver = merging.told_apart(cloud, ids, solver)
-    which = np.isin(cloud.detection, merging.image).any(1)
-    own, number = (cloud.detection >= 0) & ~images.merged[cloud.detection], (cloud.detection >= 0).sum(1)
-    again = solved(cloud.frame[which], cloud.detection[which].T, cloud.xyz[which].T, solver)
-    xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
-    xyz[which], cov[which], residual[which] = again.xyz, again.cov, again.residual
-    cloud, own = replace(cloud, xyz=xyz, cov=cov, residual=residual), own.sum(1)
-    few = which & (own < 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
-    xyz[few], cov[few] = smoothed(TrackPoints(cloud.frame, ids, xyz, cov), few, own >= 2, 1 / cloud.rate, method)
-    clear = own + np.isin(cloud.detection, merging.image[merging.clear]).sum(1) == number
-    clear &= (own == 1) & (np.trace(cov, axis1=1, axis2=2) < method.uncertain_sd**2)
-    good = usable_points(cloud, solver.rig, margin=None) & (clear | precise_enough(cloud, own, method))
-    return cloud.keep(~which | good), ids[~which | good]
-
-
-def _without_between(cloud: Cloud, ids: Ints, merging: Merging, images: Images) -> tuple[Cloud, Ints]:
-    """The points and their tracks, without those that merged images make between two markers."""
-    sound = ~between_markers(_points(cloud, ids), cloud.detection.T, images, merging.resolution)
-    return cloud.keep(sound), ids[sound]
-
-
-def _without_drifting(
-    cloud: Cloud, ids: Ints, images: Images, usual: UsualResiduals, solver: Solver, method: Simultaneous
-) -> tuple[Cloud, Ints]:
-    """The points and their tracks, without images of other markers, and without those of two images of two markers."""
-    if not usual.of:
-        return cloud, ids
-    detection = without_strangers(cloud.frame, ids, cloud.detection.T, images, usual, method.gate)
-    sound = ~drifting(cloud.frame, ids, detection, images, usual, method.gate)
-    less = (cloud.detection != detection.T).any(1)
-    if less.any():
-        again = solved(cloud.frame[less], detection[:, less], cloud.xyz[less].T, solver)
-        xyz, cov, residual = cloud.xyz.copy(), cloud.cov.copy(), cloud.residual.copy()
-        xyz[less], cov[less], residual[less] = again.xyz, again.cov, again.residual
-        cloud = replace(cloud, xyz=xyz, cov=cov, residual=residual, detection=np.ascontiguousarray(detection.T))
-        own = ((detection >= 0) & ~images.merged[detection]).sum(0)
-        sound &= ~less | (usable_points(cloud, solver.rig, margin=None) & precise_enough(cloud, own, method))
-    return cloud.keep(sound), ids[sound]
-
-
-def _with_given_back(
-    every: Associations,
-    confirmed: Ints,
-    cloud: Cloud,
-    ids: Ints,
-    images: Images,
-    usual: UsualResiduals,
-    solver: Solver,
-    method: Simultaneous,
-) -> tuple[Cloud, Ints]:
-    """The points and their tracks, with those of dropped tracks that are markers, which nothing is stitched to."""
-    rows = given_back(every, confirmed, cloud, ids, images, usual, method.gate) if usual.of else confirmed[:0]
-    if not len(rows):
-        return cloud, ids
-    new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, (new.detection >= 0).sum(1), method)
-    return with_points(cloud, ids, new, every.id[rows], good=good)
+def _waiting(images: Images, working: Working, rig: Rig) -> Images:
+    """The images by the rig as given, without their index where another rig is worked with until the end."""
+    images = images if working.rig is rig else images.unindexed()
+    return_memory()
+    return images
 
 
 class FirstPass(NamedTuple):
@@ -256,6 +214,7 @@ def _first_pass(
     """The tracks that are confirmed, their points solved, before any is stitched."""
     T = 1 / detections.rate
     every, seen, speaks = _followed(detections.rate, images, working, method)
+    return_memory()
     own = _unshared(seen, images)
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
@@ -264,11 +223,12 @@ def _first_pass(
     filtered = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1))
     del seen, own  # what no longer counts, before the cloud is in memory twice
     return_memory()
-    cloud = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting)
+    cloud, ids = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting), filtered.id
+    del filtered
     return_memory()
     good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, number, method)
-    good &= (speaks > SURE)[filtered.id]
-    return FirstPass(every, speaks, shared, cloud.keep(good), filtered.id[good])
+    good &= (speaks > SURE)[ids]
+    return FirstPass(every, speaks, shared, cloud.keep(good), ids[good])
 
 
 def _followed(
@@ -281,12 +241,20 @@ def _followed(
     T = 1 / rate
     least = min(max(method.min_duration / T, 4), images.n_frames)
     every = run(working.images, rate, method)
-    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    evident, columns = ~_without_evidence(every, _unshared(every, images), least, method), list(every)
+    del every
+    every = Associations.of(columns, evident)
+    return_memory()
     sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
     return_memory()
-    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    columns = list(every)
+    del every
+    rivalled = without_rivalled(columns, working.images, fundamentals(working.images.P), T, method)
+    return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
+    every = every._replace(detection=cast(Ints, every.detection.astype(np.int32)))  # kept to the end: half the memory
+    rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
@@ -304,7 +272,7 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     if not len(images.by_cell.order) or (images.stated and not noise.added.any()):
         return given  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
-    moved = read_images(detections, adjusted, images.timing)
+    moved = read_images(detections, adjusted, images.timing, other=images)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
     if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given
@@ -326,34 +294,15 @@ def _of_tracks(detections: Detections, images: Images, working: Working, cloud: 
     rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)
     if rig is working.rig:
         return working
-    moved, noise = learn_noise(now := read_images(detections, rig, images.timing), fundamentals(now.P), method.gate)
+    now = read_images(detections, rig, images.timing, other=images)
+    moved, noise = learn_noise(now, fundamentals(now.P), method.gate)
+    del now
     moved = moved.noisier(-excess(cloud.detection.T, moved))
     if np.median(moved.variance) > OF_TRACKS_RATIO * np.median(working.images.variance):
         return working
     usual = [np.median(own) if len(own := moved.variance[moved.camera == c]) else 0.0 for c in range(len(rig))]
     moved = moved.noisier((HEAVY_TAILS - 1) * np.array(usual))
     return Working(rig, moved.without(noise.inconsistent), noise)
-
-
-def _with_second_pass(
-    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
-) -> tuple[Cloud, Ints]:
-    """The points and their tracks after the second pass."""
-    return_memory()
-    points = _points(cloud, ids)
-    kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
-    return with_found(cloud, ids, kept, found, detection, images, solver, method)
-
-
-def _with_rigid_pass(
-    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
-) -> tuple[Cloud, Ints, Ints]:
-    """The points and their tracks after the pass over rigid bodies, and what each track became."""
-    again = rigid_pass(_points(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
-    kept = again.id >= 0
-    if not len(again.found.id) and (again.id == ids).all():
-        return cloud, ids, again.became
-    return *with_found(cloud, again.id, kept, again.found, again.detection, images, solver, method), again.became
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -34,6 +34,7 @@ Other points that have an image of both are solved as those of files that mark t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -43,7 +44,7 @@ from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import undistort
 from ...geometry.camera import distort
-from ...native import ImageIndex, index_images, inverse
+from ...native import ImageIndex, inverse
 from ...numerics.robust import student_log_likelihood
 from ...numerics.runs import equal_runs
 from .associate import predict_images
@@ -51,8 +52,8 @@ from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .likelihood import DEGREES_OF_FREEDOM, SURE
-from .neighbouring_points import TrackPoints
-from .seen_apart import seen_apart
+from .neighbouring_points import TrackPoints, parts_of_frames
+from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
 from .solved_points import Solver
 
@@ -188,16 +189,15 @@ def resolution(images: Images) -> float:
     """r of (1) in px, 0 where images are as near to each other as it comes."""
     order = images.by_cell.order
     cell = images.frame[order] * len(images.P) + images.camera[order]
-    found = [np.zeros(0)]
+    r = np.arange(1.0, LARGEST / 2 + 0.5, 0.5)
+    m, n = np.zeros(len(r), np.int64), 0
     for begin in range(0, len(order), AT_ONCE):
         some = order[begin : begin + AT_ONCE]
         near, second = images.near(cell[begin : begin + AT_ONCE], images.uv[some, 0], np.full(len(some), LARGEST))
         first = some[near]
         apart = np.hypot(*(images.uv[first] - images.uv[second]).T)
-        found.append(apart[(first < second) & (apart < LARGEST)])
-    apart = np.sort(np.concatenate(found))
-    r = np.arange(1.0, LARGEST / 2 + 0.5, 0.5)
-    m, n = np.searchsorted(apart, r), len(apart)
+        apart = np.sort(apart[(first < second) & (apart < LARGEST)])
+        m, n = m + np.searchsorted(apart, r), n + len(apart)
     likely = m * np.log(TOLD_APART) - n * np.log(1 - (1 - TOLD_APART) * (r / LARGEST) ** 2)  # (1)
     best = int(likely.argmax())
     return float(r[best]) if likely[best] > SURE else 0.0
@@ -215,25 +215,22 @@ class NearHeld(NamedTuple):
     uv: Floats
     variance: Floats
 
-    def take(self, which: Ints) -> NearHeld:
+    def take(self, which: Bools | Ints) -> NearHeld:
         """Only these."""
         row, other, camera, image, uv, variance = self
         return NearHeld(row[which], other[which], camera[which], image[which], uv[:, which], variance[which])
 
 
-def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> NearHeld:
-    """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected."""
-    C, holder = len(images.P), np.full(len(images.uv), -1)
+def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> Iterator[NearHeld]:
+    """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected: part by
+    part, an image being in one part alone."""
+    holder = np.full(len(images.uv), -1, np.int32)  # half the memory of a column that long recordings make long
     for camera in detection:
         holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
-    held = index_images(images.uv, images.frame * C + images.camera, holder >= 0, n_cells=C * images.n_frames)
-    parts = []
-    for first in range(0, max(len(points.id), 1), AT_ONCE):
-        part = np.arange(first, min(first + AT_ONCE, len(points.id)))
-        parts.append(_near_held(points.take(part), detection[:, part], images, held, r))
-        parts[-1] = parts[-1]._replace(holder=holder[parts[-1].image], other=part[parts[-1].other])
-    near = NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
-    return near.take(np.argsort(near.camera, kind="stable"))
+    held = images.by_cell.keep(holder >= 0)
+    for part in parts_of_frames(points.frame, AT_ONCE) or [np.arange(0)]:
+        near = _near_held(points.take(part), detection[:, part], images, held, r)
+        yield near._replace(holder=holder[near.image].astype(np.int64), other=part[near.other])
 
 
 def _near_held(points: TrackPoints, detection: Ints, images: Images, held: ImageIndex, r: float) -> NearHeld:
@@ -257,16 +254,22 @@ def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: flo
     Of tracks that no camera ever shows apart none can tell (`seen_apart`). Claims on several cameras at once are
     followed by one for each.
     """
-    near = near_held(points, detection, images, r)
-    two = seen_apart(points, detection, points.id[near.holder], points.id[near.other])
-    near = near.take(np.flatnonzero(two))
-    apart = np.hypot(*(near.uv - images.uv[near.image].T))
-    order = np.lexsort([apart, near.image])
-    order = order[np.diff(near.image[order], prepend=-1) > 0]
-    near = near.take(order)
-    spread = 4 * images.variance[near.image] + near.variance + (SHARE * apart[order]) ** 2
+    apart = SeenApart(points, detection)
+    found = near_held(points, detection, images, r)
+    parts = [_nearest(near.take(apart(points.id[near.holder], points.id[near.other])), images) for near in found]
+    near = NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
+    near = near.take(np.argsort(near.image, kind="stable"))
+    off = np.hypot(*(near.uv - images.uv[near.image].T))
+    spread = 4 * images.variance[near.image] + near.variance + (SHARE * off) ** 2
     alone = 2 * images.uv[near.image] - near.uv.T  # (2)
     return _tabled(near.holder, near.other, near.camera, alone, spread, len(images.P))
+
+
+def _nearest(near: NearHeld, images: Images) -> NearHeld:
+    """Of several places near an image the nearest."""
+    apart = np.hypot(*(near.uv - images.uv[near.image].T))
+    order = np.lexsort([apart, near.image])
+    return near.take(order[np.diff(near.image[order], prepend=-1) > 0])
 
 
 def _tabled(row: Ints, other: Ints, c: Ints, uv: Floats, variance: Floats, C: int) -> Claims:

@@ -40,7 +40,7 @@ def told(detections, rig=RIG):
 def test_a_camera_that_was_started_apart_is_told_by_how_many_images(seen, n):
     (found,) = told(later(seen, n))
     assert (found.kind, found.cameras, found.values["images"]) == ("camera_started_apart", ("c1",), n)
-    assert f"delays_ms = {{ c1 = {10 * n} }}" in advice_of(found)
+    assert f"delays_ms.c1 = {10 * n} below [cameras]" in advice_of(found)
 
 
 def test_a_camera_that_lost_images_was_not_touched(seen):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Detections, KinemarkError, Rig
+from ..data.trial import UP
 from ..io.detections_csv import NamedDetections
 from ..io.formats import FORMATS, UNKNOWN_RATE, Content, ReadOptions, endings, read_file, write_file
 from ..io.notes import FileNote, read_notes
@@ -64,10 +65,10 @@ def convert(
     if up is not None:
         if fits[0] != "trajectories":
             raise KinemarkError(f"--up turns trajectories, and {target} is to hold {fits[0]}. Leave it out.")
-        from .vertical import with_axis_up  # brings the gait model, which no other conversion needs
+        from .vertical import with_axis_up  # brings the gait model, which other conversions do not need
 
         content, turning = with_axis_up(content, up)
-    elif fits[0] == "trajectories" and suffix == ".c3d":
+    elif fits[0] == "trajectories" and suffix == ".c3d" and UP not in content.about and content.source is None:
         from .vertical import with_axis_said
 
         content, turning = with_axis_said(content)

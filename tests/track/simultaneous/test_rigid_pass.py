@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinemark.track.simultaneous import track_detections, tracker
+from kinemark.track.simultaneous import found_points, track_detections
 from kinemark.track.simultaneous.body_poses import body_poses, in_place
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints, rows_of
 from kinemark.track.simultaneous.rigid_bodies import learned_bodies
@@ -94,7 +94,7 @@ def test_a_plate_that_moves_by_its_pitch_from_frame_to_frame_keeps_its_tracks(mo
         none = points.take(np.zeros(0, np.int64))
         return RigidPass(points.id, none, detection[:, :0], np.arange(points.id.max() + 1))
 
-    monkeypatch.setattr(tracker, "rigid_pass", nothing)
+    monkeypatch.setattr(found_points, "rigid_pass", nothing)
     before, less = pieces(track_detections(detections, ring(6)), xyz)
     assert (number == 1).all() and found > 0.98
     assert before.sum() > 1.5 * number.sum() and less < found

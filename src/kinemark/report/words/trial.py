@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ...data import Finding
 from .template import Words, fill, shown
 from .verdicts import calibration_headline
@@ -110,8 +112,10 @@ def _delay_learned(found: Finding) -> str:
 
 def _by_images(found: Finding) -> str:
     """How many images a camera is late or early."""
-    n = round(_number(found, "images"))
-    return f"{abs(n)}\u00a0{'image' if abs(n) == 1 else 'images'} {'earlier' if n < 0 else 'later'}"
+    n = _number(found, "images")
+    if not math.isfinite(n):
+        return "some images earlier or later"
+    return f"{abs(round(n))}\u00a0{'image' if abs(round(n)) == 1 else 'images'} {'earlier' if n < 0 else 'later'}"
 
 
 def _started_apart(found: Finding) -> str:
@@ -120,7 +124,7 @@ def _started_apart(found: Finding) -> str:
 
 def _apart_advice(found: Finding) -> str:
     name = found.cameras[0] if found.cameras else "camera"
-    return f"Write delays_ms = {{ {name} = {_number(found, 'delay_ms'):.6g} }} into [cameras], and run again."
+    return f"Write delays_ms.{name} = {_number(found, 'delay_ms'):.6g} below [cameras], and run again."
 
 
 def _lost_images(found: Finding) -> str:

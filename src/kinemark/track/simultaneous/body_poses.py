@@ -42,6 +42,9 @@ STARTS = 12
 GATE = 4.0
 """Standard deviations of (2); chosen, for errors that are not normal."""
 
+AT_ONCE = 5_000
+"""Points of which the nearest member is looked for in one go; chosen: more would take memory and no less time."""
+
 MIN_FIT = 3
 """Points of a pose; by definition."""
 
@@ -138,15 +141,23 @@ class InPlace(NamedTuple):
     off: Bools
 
 
+def _nearest_member(body: RigidBody, poses: Poses, frame: Ints, xyz: Floats) -> tuple[Ints, Floats]:
+    """(n) the member whose place is nearest to points xyz (n, 3) in frames (n), and how far it is, mm."""
+    k, near = np.zeros(len(frame), np.int64), np.zeros(len(frame))
+    for first in range(0, len(frame), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        apart = np.linalg.norm(member_places(body, poses, frame[part]) - xyz[part][:, None], axis=-1)
+        k[part], near[part] = np.argmin(apart, axis=1), np.min(apart, axis=1)
+    return k, near
+
+
 def in_place(body: RigidBody, poses: Poses, points: TrackPoints) -> InPlace:
     """Which member each point is, by (2); of several in a frame that of the member's own tracks, or the nearest."""
     member, off = np.full(len(points.id), -1), np.zeros(len(points.id), bool)
     row = np.flatnonzero(poses.fit[points.frame] > 0)
     frame = points.frame[row]
-    apart = np.linalg.norm(member_places(body, poses, frame) - points.xyz[row][:, None], axis=-1)
+    k, apart = _nearest_member(body, poses, frame, points.xyz[row])
     own = np.trace(points.cov[row], axis1=1, axis2=2) / 3
-    k = np.argmin(apart, axis=1)
-    apart = apart[np.arange(len(row)), k]
     s = np.sqrt(body.sd[k] ** 2 + poses.rms[frame] ** 2 + np.where(np.isfinite(own), own, 0.0))
     near = apart < np.minimum(body.reach[k], GATE * s)
     off[row] = ~near

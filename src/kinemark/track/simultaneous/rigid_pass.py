@@ -63,6 +63,16 @@ class RigidPass(NamedTuple):
 
 def rigid_pass(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> RigidPass:
     """The pass over P points of tracks, of detections (C, P)."""
+    used, id = np.unique(points.id, return_inverse=True)  # most numbers have no track here; tables have a row for each
+    again = _pass_over(points._replace(id=id), detection, images, T, method)
+    became = np.arange(int(used.max(initial=-1)) + 1)
+    became[used] = used[again.became]
+    found = again.found._replace(id=used[again.found.id])
+    return RigidPass(np.append(used, -1)[again.id], found, again.detection, became)
+
+
+def _pass_over(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> RigidPass:
+    """The same of tracks that are numbered without a gap."""
     ids, became = points.id.copy(), np.arange(int(points.id.max(initial=-1)) + 1)
     found, own = points.take(np.zeros(0, np.int64)), detection[:, :0]
     rows, F, left = rows_of(points), fundamentals(images.P), np.ones(len(became), bool)

@@ -254,7 +254,7 @@ def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: flo
     Of tracks that no camera ever shows apart none can tell (`seen_apart`). Claims on several cameras at once are
     followed by one for each.
     """
-    apart = SeenApart(points, detection)
+    apart = SeenApart(points, detection, images.P, r)
     found = near_held(points, detection, images, r)
     parts = [_nearest(near.take(apart(points.id[near.holder], points.id[near.other])), images) for near in found]
     near = NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))

@@ -251,7 +251,7 @@ def _near_held(points: TrackPoints, detection: Ints, images: Images, held: Image
 def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
     """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
 
-    Of tracks that no camera ever shows apart none can tell (`seen_apart`). Claims on several cameras at once are
+    Of tracks that one marker can make none is told (`seen_apart`). Claims on several cameras at once are
     followed by one for each.
     """
     apart = SeenApart(points, detection, images.P, r)

@@ -11,6 +11,7 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 from kinemark.apps.studio.labels import labels
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.findings.labels import label_figures
+from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import label, learn_template
 from support.named_sessions import walk
 from support.studio import Studio, file_in
@@ -70,3 +71,29 @@ def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(
     monkeypatch.setattr(module, "propose_names", lambda *_: ProposedNames("", {}))
     none = studio.page.get(f"{studio.trial}/labels?ask=true").json()
     assert none["by"] == "" and "none of the templates" in none["words"]
+
+
+def test_a_link_is_stretched_within_a_segment_and_bends_over_a_joint():
+    """Hips and thighs of a walker change their distance and are right; a knee that is another's is not."""
+    whole = walk(1, 1100.0, 0.8, 1.0).trajectories
+    exchanged = {"LKNE": "RKNE", "RKNE": "LKNE"}
+    wrong = Trajectories(
+        tuple(replace(path, xyz=_half(path, whole[exchanged.get(path.name, path.name)])) for path in whole), whole.rate, 1
+    )
+    assert set(_states(whole).values()) == {"steady", "bends"}
+    assert {link for link, state in _states(whole).items() if state == "bends"} == {("LASI", "LTHI"), ("RASI", "RTHI")}
+    assert {state for link, state in _states(wrong).items() if "LKNE" in link} == {"stretched"}
+    assert set(_states(whole.frames(0, 5)).values()) == {"unknown"}
+
+
+def _half(path, other):
+    middle = len(path.xyz) // 2
+    return np.concatenate([path.xyz[:middle], other.xyz[middle:]])
+
+
+def _states(tracks):
+    document = SimpleNamespace(
+        records={}, marker_set=read_marker_set("kiss-15"), head="", trial=object(),
+        editing=SimpleNamespace(trajectories=tracks), now=SimpleNamespace(trajectories=tracks),
+    )  # fmt: skip
+    return {(one.a, one.b): one.state for one in labels(document).links}

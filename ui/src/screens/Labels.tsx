@@ -86,16 +86,18 @@ function Row({ of: p }: { of: Proposal }): React.JSX.Element {
   );
 }
 
+const LINK = { steady: "steady", stretched: "stretched", bends: "over a joint", unknown: "seen too little" };
+
 function Links(): React.JSX.Element {
-  const labels = useStore((s) => s.labels), links = [...(labels?.links ?? [])].sort((a, b) => Number(b.stretched) - Number(a.stretched));
+  const labels = useStore((s) => s.labels), links = [...(labels?.links ?? [])].sort((a, b) => Number(b.state === "stretched") - Number(a.state === "stretched"));
   return (
     <div className={styles.links} tabIndex={0} role="region" aria-label="Lengths of links">
       <table>
         <thead><tr><th scope="col">Link</th><th scope="col">Length</th><th scope="col">Stated</th><th scope="col">State</th></tr></thead>
         <tbody>
           {links.map((l) => (
-            <tr key={`${l.a} ${l.b}`} className={l.stretched ? styles.stretched : ""} onClick={() => set((s) => ({ selected: [l.a, l.b], focused: s.focused + 1 }))}>
-              <th scope="row">{l.a} – {l.b}</th><td className="number">{mm(l.mean_mm)} ± {mm(l.sd_mm)} mm</td><td className="number">{l.stated_mm === null ? "–" : `${mm(l.stated_mm)} mm`}</td><td>{l.stretched ? <b>stretched</b> : "steady"}</td>
+            <tr key={`${l.a} ${l.b}`} className={l.state === "stretched" ? styles.stretched : ""} onClick={() => set((s) => ({ selected: [l.a, l.b], focused: s.focused + 1 }))}>
+              <th scope="row">{l.a} – {l.b}</th><td className="number">{mm(l.mean_mm)} ± {mm(l.sd_mm)} mm</td><td className="number">{l.stated_mm === null ? "–" : `${mm(l.stated_mm)} mm`}</td><td>{l.state === "stretched" ? <b>stretched</b> : LINK[l.state]}</td>
             </tr>
           ))}
         </tbody>

@@ -211,15 +211,21 @@ class Proposal(Message):
     state: Literal["sure", "unsure", "unknown"]
 
 
+LinkState = Literal["steady", "stretched", "bends", "unknown"]
+
+
 class LinkFound(Message):
-    """A link as it is in the trial, mm; `stretched` where it varies more than a segment does."""
+    """A link as it is in the trial, mm.
+
+    `state`: `stretched` where it varies more than its segment does, `bends` over a joint, `unknown` in too few frames.
+    """
 
     a: str
     b: str
     mean_mm: float | None
     sd_mm: float | None
     stated_mm: float | None
-    stretched: bool
+    state: LinkState
 
 
 class Labels(Message):

@@ -11,12 +11,12 @@ from ...data.edits import is_named
 from ...engine.proposed_names import propose_names
 from ...report.words import text_of
 from .desk import OpenDocument
-from .edit_messages import Labels, LinkFound, Proposal
+from .edit_messages import Labels, LinkFound, LinkState, Proposal
 from .header import finite
 
 STRETCHED = 0.04
-"""Standard deviation of a link's length, as a share of it, above which it is shown as stretched; chosen: skin moves
-markers of one segment by 1–3 % against each other."""
+"""Standard deviation of a link's length, as a share of it, above which a link within a segment is shown as stretched;
+chosen: skin moves markers of one segment by 1–3 % against each other. More where the marker set states more."""
 LEAST_FRAMES = 10
 """That a link must be seen in for its spread to say something; chosen."""
 
@@ -146,14 +146,24 @@ def _links(marker_set: MarkerSet | None, trajectories: Trajectories) -> list[Lin
     for (a, b), stated in zip(marker_set.links.tolist(), marker_set.length, strict=True):
         ends = there.get(marker_set.names[a]), there.get(marker_set.names[b])
         if ends[0] is not None and ends[1] is not None:
-            found.append(_link(ends[0].name, ends[1].name, ends[0].xyz - ends[1].xyz, finite(stated)))
+            allowed = _allowed(marker_set, ends[0].name, ends[1].name)
+            found.append(_link(ends[0].name, ends[1].name, ends[0].xyz - ends[1].xyz, finite(stated), allowed))
     return found
 
 
-def _link(a: str, b: str, apart: Any, stated: float | None) -> LinkFound:
+def _allowed(marker_set: MarkerSet, a: str, b: str) -> float | None:
+    """The share of its length by which a link may vary; None for one over a joint, whose length the joint changes."""
+    both = [name for name, markers in marker_set.segments.items() if a in markers and b in markers]
+    if marker_set.segments and not both:
+        return None
+    return max([STRETCHED, *(marker_set.rigidity.get(name, 0.0) for name in both)])
+
+
+def _link(a: str, b: str, apart: Any, stated: float | None, allowed: float | None) -> LinkFound:
     length = np.linalg.norm(apart, axis=1)
     length = length[np.isfinite(length)]
     if len(length) < LEAST_FRAMES:
-        return LinkFound(a=a, b=b, mean_mm=None, sd_mm=None, stated_mm=stated, stretched=False)
+        return LinkFound(a=a, b=b, mean_mm=None, sd_mm=None, stated_mm=stated, state="unknown")
     mean, sd = float(length.mean()), float(length.std())
-    return LinkFound(a=a, b=b, mean_mm=mean, sd_mm=sd, stated_mm=stated, stretched=sd > STRETCHED * mean)
+    state: LinkState = "bends" if allowed is None else "stretched" if sd > allowed * mean else "steady"
+    return LinkFound(a=a, b=b, mean_mm=mean, sd_mm=sd, stated_mm=stated, state=state)

@@ -1220,7 +1220,7 @@ export interface components {
              * Action
              * @enum {string}
              */
-            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "rename" | "fill" | "leave_open" | "drop_edit" | "wait" | "note";
+            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "mend" | "rename" | "fill" | "leave_open" | "drop_edit" | "wait" | "note";
             /**
              * Consequence
              * @default
@@ -2623,7 +2623,9 @@ export interface components {
         };
         /**
          * LinkFound
-         * @description A link as it is in the trial, mm; `stretched` where it varies more than a segment does.
+         * @description A link as it is in the trial, mm.
+         *
+         *     `state`: `stretched` where it varies more than its segment does, `bends` over a joint, `unknown` in too few frames.
          */
         LinkFound: {
             /** A */
@@ -2634,10 +2636,13 @@ export interface components {
             mean_mm: number | null;
             /** Sd Mm */
             sd_mm: number | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "steady" | "stretched" | "bends" | "unknown";
             /** Stated Mm */
             stated_mm: number | null;
-            /** Stretched */
-            stretched: boolean;
         };
         /**
          * Live

@@ -78,7 +78,9 @@ def test_a_link_is_stretched_within_a_segment_and_bends_over_a_joint():
     whole = walk(1, 1100.0, 0.8, 1.0).trajectories
     exchanged = {"LKNE": "RKNE", "RKNE": "LKNE"}
     wrong = Trajectories(
-        tuple(replace(path, xyz=_half(path, whole[exchanged.get(path.name, path.name)])) for path in whole), whole.rate, 1
+        tuple(replace(path, xyz=_half(path, whole[exchanged.get(path.name, path.name)])) for path in whole),
+        whole.rate,
+        1,
     )
     assert set(_states(whole).values()) == {"steady", "bends"}
     assert {link for link, state in _states(whole).items() if state == "bends"} == {("LASI", "LTHI"), ("RASI", "RTHI")}

@@ -78,6 +78,13 @@ def test_what_is_missing_is_named():
         lower_limbs(points, MEASURES)
 
 
+def test_a_laboratory_without_wands_is_told_of_clusters():
+    points = walker()
+    del points["LTHI"], points["RTIB"]
+    with pytest.raises(KinemarkError, match='--cluster "left thigh=A,B,C", and likewise for the right shank'):
+        lower_limbs(points, MEASURES)
+
+
 def test_a_measure_in_metres_is_refused():
     with pytest.raises(KinemarkError, match="millimetres"):
         LegMeasures(leg_mm=0.9, knee_mm=100, ankle_mm=70)

@@ -116,8 +116,20 @@ def check_markers(points: Mapping[str, Floats]) -> None:
     if absent:
         raise KinemarkError(
             f"The gait model wants the markers {', '.join(absent)}, which are not in the trial; there are "
-            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or name its markers so."
+            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or name its markers so.{_instead(absent)}"
         )
+
+
+def _instead(absent: list[str]) -> str:
+    """What a laboratory without the model's wands can do."""
+    of = {"LTHI": "left thigh", "LTIB": "left shank", "RTHI": "right thigh", "RTIB": "right shank"}
+    wands = [of[name] for name in absent if name in of]
+    if not wands:
+        return ""
+    return (
+        f" Three or more markers on the same segment stand for a wand, with a standing trial: --cluster "
+        f'"{wands[0]}=A,B,C"' + (f", and likewise for the {' and the '.join(wands[1:])}." if wands[1:] else ".")
+    )
 
 
 def pelvis_of(points: Mapping[str, Floats]) -> tuple[Segment, Floats]:

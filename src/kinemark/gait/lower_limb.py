@@ -116,7 +116,8 @@ def check_markers(points: Mapping[str, Floats]) -> None:
     if absent:
         raise KinemarkError(
             f"The gait model wants the markers {', '.join(absent)}, which are not in the trial; there are "
-            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or name its markers so.{_instead(absent)}"
+            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or name its markers so."
+            f"{_instead(absent)}"
         )
 
 

@@ -5,7 +5,7 @@ Plotly's own `make_subplots` with an update for every axis takes some 50 ms a fi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import plotly.graph_objects as go
@@ -13,7 +13,7 @@ import plotly.graph_objects as go
 from .theme import axis_style, figure
 
 TITLE = {"xref": "paper", "yref": "paper", "xanchor": "center", "yanchor": "bottom", "showarrow": False}
-TITLE_SIZE = 16
+TITLE_FONT = {"size": 16}
 
 
 def panels(
@@ -22,6 +22,8 @@ def panels(
     axes: Sequence[tuple[dict[str, Any], dict[str, Any]]],
     *,
     titles: Sequence[str] = (),
+    title_font: Mapping[str, Any] = TITLE_FONT,
+    notes: Sequence[dict[str, Any]] = (),
     gaps: tuple[float, float] = (0.0, 0.0),
     shared: Literal["x", "y"] | None = None,
     **layout: Any,
@@ -31,15 +33,16 @@ def panels(
     Args:
         height: of the whole, px. shape: rows and columns.
         axes: of each panel, what its x and y axis have beside the house style; may be fewer than the shape has places.
-        titles: above the panels.
+        titles: above the panels, in `title_font`; an empty one is none.
+        notes: further annotations of Plotly's.
         gaps: between columns and between rows, as shares of the whole.
         shared: "x": all rows go with the lowest one's x axis; "y": all columns with the first one's y axis.
         layout: as for `figure`.
     """
     stated: dict[str, Any] = {}
-    notes = []
+    heads = []
     for k, (x, y) in enumerate(axes):
-        across, upwards = _domains(k, shape, gaps)
+        across, upwards = domains(k, shape, gaps)
         own: dict[str, dict[str, Any]] = {
             "x": {"domain": across, "anchor": f"y{_number(k)}"},
             "y": {"domain": upwards, "anchor": f"x{_number(k)}"},
@@ -48,11 +51,9 @@ def panels(
         if shared and k != leader:
             own[shared] |= {"matches": f"{shared}{_number(leader)}", "showticklabels": False}
         stated |= {f"{name}axis{_number(k)}": axis_style() | own[name] | more for name, more in (("x", x), ("y", y))}
-        if k < len(titles):
-            notes.append(
-                TITLE | {"text": titles[k], "x": sum(across) / 2, "y": upwards[1], "font": {"size": TITLE_SIZE}}
-            )
-    return figure(height, **stated, annotations=notes, **layout)
+        if k < len(titles) and titles[k]:
+            heads.append(TITLE | {"text": titles[k], "x": sum(across) / 2, "y": upwards[1], "font": title_font})
+    return figure(height, **stated, annotations=[*heads, *notes], **layout)
 
 
 def panel(k: int) -> dict[str, str]:
@@ -65,7 +66,7 @@ def axis_title(text: str | None) -> dict[str, Any]:
     return {"title": axis_style()["title"] | ({} if text is None else {"text": text})}
 
 
-def _domains(k: int, shape: tuple[int, int], gaps: tuple[float, float]) -> tuple[list[float], list[float]]:
+def domains(k: int, shape: tuple[int, int], gaps: tuple[float, float]) -> tuple[list[float], list[float]]:
     """From where to where the k-th panel goes, across and upwards, as shares of the whole."""
     row, column = divmod(k, shape[1])
     width, height = ((1 - gap * (n - 1)) / n for n, gap in zip(shape[::-1], gaps, strict=True))

@@ -107,7 +107,8 @@ def figure(height: int, **layout: Any) -> go.Figure:
 
 def _merged(base: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
     """Both, what is in a dict of both put together; faster than Plotly's `update_layout` by tens of milliseconds."""
-    both = {key: _merged(base[key], more[key]) for key in base.keys() & more.keys() if isinstance(base[key], Mapping)}
+    dicts = (key for key in base.keys() & more.keys() if isinstance(base[key], dict) and isinstance(more[key], dict))
+    both = {key: _merged(base[key], more[key]) for key in dicts}
     return {**base, **more, **both}
 
 

@@ -38,10 +38,7 @@ RATES = ("export frame rate", "capture frame rate")
 """What the heading calls the rate of the rows, the one that counts first."""
 SAME_RATE = 0.01
 """Share by which the rate of the heading and that of the times may differ; chosen: times have six decimals."""
-TELLS_UP = (
-    "Motive has y upwards, and so it is taken here; for a file that was exported with another axis upwards, convert it "
-    "with --up"
-)
+TELLS_UP = "y is taken to go up, as it does in Motive; the file does not say it: export it with Motive's own axes"
 
 
 class Heading(NamedTuple):

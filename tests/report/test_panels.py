@@ -9,7 +9,6 @@ from plotly.subplots import make_subplots
 from kinemark.report.panels import axis_title, panel, panels
 from kinemark.report.stride_panels import band, directions, line, stride_figure, upright
 
-
 SHAPES = [(1, 1, None), (1, 3, None), (3, 1, None), (2, 4, None), (1, 3, "y"), (3, 1, "x")]
 
 

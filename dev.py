@@ -100,6 +100,11 @@ def tell_now_and_then(said: list[str], began: float, done: threading.Event) -> N
         known = len(said)
 
 
+def keep_compiled() -> None:
+    """Let Python keep what it compiles: tests start hundreds of processes, and each would compile all of it again."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
 def wanted(extras: str) -> str:
     """A key of what should be installed, so that it is only done again when that changes."""
     sources = sorted((ROOT / "src" / "kinemark" / "native").glob("*.[ch]"))  # to be compiled again
@@ -170,6 +175,7 @@ def main() -> None:
     }
     if task not in commands:
         sys.exit(__doc__)
+    keep_compiled()
     install(extras)
     commands[task]()
 

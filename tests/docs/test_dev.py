@@ -1,6 +1,7 @@
 """`dev.py` shows that it is alive while it installs."""
 
 import importlib.util
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -46,3 +47,12 @@ def test_dev_needs_nothing_but_python():
     text = (ROOT / "dev.py").read_text("utf-8")
     imported = {line.split()[1] for line in text.splitlines() if line.startswith(("import ", "from "))}
     assert imported <= set(sys.stdlib_module_names) | {"__future__"}
+
+
+def test_what_is_compiled_is_kept_for_the_processes_that_tests_start(tmp_path):
+    (tmp_path / "m.py").write_text("")
+    start = "import subprocess; subprocess.run([sys.executable, '-c', 'import m'], check=True)"
+    code = f"import sys; sys.path.insert(0, {str(ROOT)!r}); import dev; dev.keep_compiled(); {start}"
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True, timeout=60)
+    assert list(tmp_path.glob("__pycache__/m.*.pyc"))

@@ -65,3 +65,9 @@ def test_the_command_says_what_to_write(tmp_path, capsys):
     assert "delays_ms = { cam1 = 0, cam2 = 600, cam3 = -200 }" in capsys.readouterr().out
     with pytest.raises(KinemarkError, match="no cameras"):
         starts_of_files(tmp_path / "d.csv", tmp_path / "d.csv", most_s=1.0, rate_hz=50.0)
+    silent = (tmp_path / "rig.toml").read_text("utf-8").replace('units = "mm"\n', "")
+    (tmp_path / "rig.toml").write_text(silent, "utf-8")
+    with pytest.raises(KinemarkError, match="--length-unit"):
+        app(command, result_action="return_value")
+    app([*command, "--length-unit", "mm"], result_action="return_value")
+    assert "cam2 = 600" in capsys.readouterr().out

@@ -13,11 +13,12 @@ import math
 import os
 import re
 import shlex
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
+
+from support.command_line import command as run_words
 
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"-?\d+\.\d+")
@@ -74,17 +75,21 @@ def commands(text: str) -> Iterator[tuple[str, str]]:
 def run_command(command: str) -> str:
     """What `kinemark …` prints; the shell's wildcards are expanded.
 
+    It runs in this process; what a process of its own costs and does is tested elsewhere (tests/apps/test_startup.py).
+
     Raises:
         AssertionError: it is another command, or it failed.
     """
     program, *words = shlex.split(command)
     assert program == "kinemark", command
     arguments = [name for word in words for name in (sorted(map(str, Path().glob(word))) if "*" in word else [word])]
-    env = os.environ | {"COLUMNS": "200"}
-    call = [sys.executable, "-m", "kinemark", *arguments]
-    ran = subprocess.run(call, capture_output=True, encoding="utf-8", env=env, check=False)
-    assert ran.returncode == 0, f"{command}\n{ran.stdout}{ran.stderr}"
-    return ran.stdout
+    with (
+        contextlib.redirect_stdout(io.StringIO()) as out,
+        contextlib.redirect_stderr(io.StringIO()),
+        mock.patch.dict(os.environ, {"COLUMNS": "200"}),
+    ):
+        run_words(*arguments)
+    return out.getvalue()
 
 
 def compare(shown: str, real: str) -> None:

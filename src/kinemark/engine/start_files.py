@@ -14,7 +14,9 @@ from .recordings import open_cameras
 from .session import Session
 
 
-def starts_of_files(detections: Path, cameras: Path, *, most_s: float, rate_hz: float | None = None) -> dict[str, Any]:
+def starts_of_files(
+    detections: Path, cameras: Path, *, most_s: float, rate_hz: float | None = None, length_unit: str | None = None
+) -> dict[str, Any]:
     """By how many images, and by how many ms, each camera was started later than the first; what to write down.
 
     Args:
@@ -22,13 +24,14 @@ def starts_of_files(detections: Path, cameras: Path, *, most_s: float, rate_hz: 
         cameras: a file of calibrated cameras.
         most_s: seconds that two cameras may be apart.
         rate_hz: of a file that does not say it.
+        length_unit: "mm", "cm", "m" or "in", of a file of cameras that does not say it.
 
     Raises:
         KinemarkError: a file holds something else, or the markers do not tell.
     """
     found = read_file(detections, ReadOptions(rate_hz, None, False, "detections"))
     points = found.detections if isinstance(found, NamedDetections) else found
-    rig = read_file(cameras, ReadOptions(None, None, False, "rig"))
+    rig = read_file(cameras, ReadOptions(None, length_unit, False, "rig"))
     if not isinstance(points, Detections):
         raise KinemarkError(f"{detections} holds no detections. Give a file of them, CSV or HDF5.")
     if not isinstance(rig, Rig):

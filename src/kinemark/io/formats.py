@@ -25,7 +25,9 @@ from ..data.trial import UP
 from .c3d import read_c3d, write_c3d
 from .detections_csv import NamedDetections, read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
+from .motive_csv import is_motive, read_motive_csv
 from .named_points_csv import layout_of, read_named_detections
+from .nexus_csv import is_nexus, read_nexus_csv
 from .notes import FileNote
 from .number_text import bad_line, read_text
 from .possible_places import with_possible_places
@@ -92,9 +94,14 @@ class Format(NamedTuple):
 
 def _csv(path: Path, options: ReadOptions) -> Any:
     """A CSV file: its heading tells detections and trajectories from DLT parameters, which have none."""
+    text = read_text(path)
+    first_line = text.lstrip("\r\n\t,; ").split("\n", 1)[0]
+    for says, read in ((is_motive, read_motive_csv), (is_nexus, read_nexus_csv)):
+        if says(first_line):
+            return read(path, rate_hz=options.rate_hz, length_unit=options.length_unit)
     if layout_of(path) is not None:
         return read_named_detections(path, rate=options.rate_hz or UNKNOWN_RATE)
-    head = read_text(path).split("\n", 1)[0]
+    head = text.split("\n", 1)[0]
     found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else options.what
     if found == "detections":
         return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)

@@ -68,7 +68,8 @@ def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | No
     unit = stated if stated is not None else length_unit
     if unit is None:
         raise KinemarkError(
-            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to {USUAL_UNITS}."
+            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration], or --length-unit, "
+            f"to {USUAL_UNITS}."
         )
     mm = mm_per(unit)
     if mm is None or (length_unit is not None and mm_per(length_unit) != mm):

@@ -15,13 +15,13 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
 from .files import replacing
-from .number_text import bad_line, plain, read_text, whole
+from .frame_numbers import first_frame
+from .number_text import bad_line, plain, read_text
 from .trc_table import AGAIN, HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL_UNITS, mm_per
 
@@ -58,7 +58,7 @@ def read_trc_trial(
     complete = _complete(path, found, partial)
     mm, unit = _unit(path, found, length_unit)
     rate, timing = _rate(path, found, rate_hz)
-    first, step = _first_frame(path, found)
+    first, step = first_frame(path, found.lines, found.table[:, 0])
     xyz = found.table[:, 2:].reshape(len(found.table), len(found.names), 3).transpose(1, 0, 2) * mm
     xyz[(xyz == 0).all(2)] = np.nan
     names = distinct(found.names, len(found.names), "*")
@@ -128,25 +128,6 @@ def _number(path: Path | str, found: TrcTable, name: str) -> float:
         return float(text.replace(",", ".")) if text else math.nan
     except ValueError as error:
         raise bad_line(path, found.heading, f"{error}") from error
-
-
-def _first_frame(path: Path | str, found: TrcTable) -> tuple[int, tuple[str, ...]]:
-    """The number of the first frame.
-
-    Raises:
-        KinemarkError: frames are missing between others.
-    """
-    numbers: NDArray[np.float64] = found.table[:, 0]
-    if not len(numbers) or np.isnan(numbers).all():
-        return 1, ()
-    frame = whole(path, found.lines, numbers, "the frame")
-    steps = np.diff(frame)
-    if steps.size and (steps == steps[0]).all() and steps[0] > 1:
-        return int(frame[0]), (f"only every {steps[0]}th frame is numbered; they are read as one after the other",)
-    if (jump := np.flatnonzero(steps != 1)).size:
-        line = found.lines[int(jump[0]) + 1]
-        raise bad_line(path, line, "the frame does not follow the one before. Export every frame.")
-    return int(frame[0]), ()
 
 
 def write_trc(path: Path | str, trajectories: Trajectories) -> None:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from ..data import Origin, Trajectories
 from ..findings.markers import sample_deviation
-from .theme import HUES, STATES, axis_style, empty, figure, hue, labels
+from .panels import axis_title, panel, panels
+from .theme import HUES, STATES, empty, figure, hue, labels
 from .thin import MOST_MARKERS, blocks, fullest, short, thinned
 
 SAMPLES = 24_000
@@ -30,9 +30,9 @@ def trajectories_figure(trajectories: Trajectories) -> go.Figure:
         return empty(NO_MARKERS)
     trajectories, _ = fullest(trajectories)
     names = labels(trajectories.names)
-    rows = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.03)
-    style = figure(720, showlegend=True, margin={"l": 60, "r": 20, "t": 44, "b": 48}).layout
-    fig = go.Figure(rows).update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    axes = [(axis_title("time (s)" if name == "z" else None), axis_title(f"{name} (mm)")) for name in "xyz"]
+    margin = {"l": 60, "r": 20, "t": 44, "b": 48}
+    fig = panels(720, (3, 1), axes, gaps=(0.0, 0.03), shared="x", showlegend=True, margin=margin)
     most = SAMPLES // (3 * max(len(trajectories), 1))
     single = "lines+markers" if trajectories.n_frames == 1 else "lines"
     for m, path in enumerate(trajectories):
@@ -41,12 +41,9 @@ def trajectories_figure(trajectories: Trajectories) -> go.Figure:
             fig.add_scatter(
                 **curve.at(trajectories.rate), y=short(curve.values), mode=single,
                 line={"color": hue(m), "width": 1.5}, connectgaps=False, name=names[m],
-                legendgroup=str(m), showlegend=axis == 0, row=axis + 1, col=1,
+                legendgroup=str(m), showlegend=axis == 0, **panel(axis),
                 hovertemplate="%{x:.3f} s: %{y:.1f} mm",
             )  # fmt: skip
-    for axis, name in enumerate("xyz", 1):
-        fig.update_yaxes(**axis_style(), title_text=f"{name} (mm)", row=axis, col=1)
-        fig.update_xaxes(**axis_style(), title_text="time (s)" if axis == 3 else None, row=axis, col=1)
     return fig.update_layout(updatemenus=[_all_or_none()])
 
 

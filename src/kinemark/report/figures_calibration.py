@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from ..data import Rig
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
 from .formatting import number
+from .panels import axis_title, panel, panels
 from .scene3d import HOVER, draw_box, draw_camera, draw_floor, extent_of, stand_upright
-from .theme import FAINT, HUES, axis_style, empty, figure, hue, labels
+from .theme import FAINT, HUES, empty, figure, hue, labels
 from .thin import short
 
 SLICES = 3  # heights of the volume that are drawn; chosen
@@ -26,6 +26,8 @@ LOST_COLUMNS = 4  # panels side by side; chosen
 LEAST_LOSS = 1.5
 """Up to which factor the colours reach at least, so that a small loss is not made to look large; chosen."""
 NAMES = "xyz"
+BELOW_TITLES = {"l": 60, "r": 20, "t": 40, "b": 48}
+"""px about panels that have titles."""
 
 
 def slices_figure(figures: dict[str, Any], up: int) -> go.Figure:
@@ -36,17 +38,16 @@ def slices_figure(figures: dict[str, Any], up: int) -> go.Figure:
     cuts = np.unique(np.linspace(0, len(axes[up]) - 1, SLICES).round().astype(int))
     a, b = (axis for axis in range(3) if axis != up)
     titles = [f"{NAMES[up]} = {number(axes[up][k], 0)} mm" for k in cuts]
-    fig = go.Figure(make_subplots(rows=1, cols=len(cuts), subplot_titles=titles, horizontal_spacing=0.06))
-    style = figure(330, margin={"l": 60, "r": 20, "t": 40, "b": 48}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
-    for i, k in enumerate(cuts, 1):
+    written = [
+        (axis_title(f"{NAMES[a]} (mm)"), axis_title(None if i else f"{NAMES[b]} (mm)")) for i in range(len(cuts))
+    ]
+    fig = panels(330, (1, len(cuts)), written, titles=titles, gaps=(0.06, 0.0), margin=BELOW_TITLES)
+    for i, k in enumerate(cuts):
         cut = np.take(sd, k, axis=up)
         fig.add_heatmap(
-            z=_rounded(cut.T), x=axes[a], y=axes[b], coloraxis="coloraxis", row=1, col=i,
+            z=_rounded(cut.T), x=axes[a], y=axes[b], coloraxis="coloraxis", **panel(i),
             hovertemplate=f"{NAMES[a]} %{{x:.0f}}, {NAMES[b]} %{{y:.0f}} mm<br>σ %{{z:.3g}} mm<extra></extra>",
         )  # fmt: skip
-        fig.update_xaxes(**axis_style(), title_text=f"{NAMES[a]} (mm)", row=1, col=i)
-        fig.update_yaxes(**axis_style(), title_text=f"{NAMES[b]} (mm)" if i == 1 else None, row=1, col=i)
     low, high = _range(sd)
     bar = {"title": {"text": "σ (mm)"}, "thickness": 14}
     return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": low, "cmax": high, "colorbar": bar})
@@ -135,20 +136,20 @@ def lost_figure(figures: dict[str, Any]) -> go.Figure:
     x, y = (figures["map"][f"{NAMES[axis]}_mm"] for axis in (a, b))
     rows, columns = -(-len(cameras) // LOST_COLUMNS), min(LOST_COLUMNS, len(cameras))
     titles = [f"without {name}" for name in labels(camera["name"] for camera in cameras)]
-    gaps = {"vertical_spacing": 0.3 / rows, "horizontal_spacing": 0.05}
-    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
-    style = figure(70 + 210 * rows, margin={"l": 60, "r": 20, "t": 40, "b": 48}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    axes = [
+        (
+            axis_title(f"{NAMES[a]} (mm)" if c + columns >= len(cameras) else None),
+            axis_title(f"{NAMES[b]} (mm)" if c % columns == 0 else None),
+        )
+        for c in range(len(cameras))
+    ]
+    gaps = (0.05, 0.3 / rows)
+    fig = panels(70 + 210 * rows, (rows, columns), axes, titles=titles, gaps=gaps, margin=BELOW_TITLES)
     for c in range(len(cameras)):
-        place = {"row": c // columns + 1, "col": c % columns + 1}
         fig.add_heatmap(
-            z=_rounded(ratio[c].T), x=x, y=y, coloraxis="coloraxis", **place,
+            z=_rounded(ratio[c].T), x=x, y=y, coloraxis="coloraxis", **panel(c),
             hovertemplate=f"{NAMES[a]} %{{x:.0f}}, {NAMES[b]} %{{y:.0f}} mm<br>× %{{z:.3g}}<extra></extra>",
         )  # fmt: skip
-        fig.update_xaxes(
-            **axis_style(), title_text=f"{NAMES[a]} (mm)" if c + columns >= len(cameras) else None, **place
-        )
-        fig.update_yaxes(**axis_style(), title_text=f"{NAMES[b]} (mm)" if c % columns == 0 else None, **place)
     high = max(float(np.nanquantile(ratio, 0.98)), LEAST_LOSS)
     bar = {"title": {"text": "times<br>as large"}, "thickness": 14}
     return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": 1.0, "cmax": high, "colorbar": bar})
@@ -175,24 +176,22 @@ def wand_figure(wand: dict[str, Any] | None) -> go.Figure:
     if not wand or not wand["samples"]["place_mm"]:
         return empty("This calibration was made without a wand.")
     place, error = np.array(wand["samples"]["place_mm"]), np.array(wand["samples"]["error_mm"])
-    fig = go.Figure(make_subplots(rows=1, cols=3, shared_yaxes=True, horizontal_spacing=0.04))
-    style = figure(330).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    axes = [
+        (axis_title(f"{NAMES[axis]} of the wand (mm)"), axis_title(None if axis else "length error (mm)"))
+        for axis in range(3)
+    ]
+    fig = panels(330, (1, 3), axes, gaps=(0.04, 0.0), shared="y")
     dot = {"color": HUES[0], "size": 4, "opacity": 0.5}
     for axis in range(3):
         fig.add_scatter(
             x=short(place[:, axis]), y=error.astype(np.float32), mode="markers", marker=dot,
-            hovertemplate="%{y:.2f} mm<extra></extra>", row=1, col=axis + 1,
+            hovertemplate="%{y:.2f} mm<extra></extra>", **panel(axis),
         )  # fmt: skip
         edges = np.quantile(place[:, axis], [0, 1 / 3, 2 / 3, 1])
         for low, high in itertools.pairwise(edges):
             mean = float(error[(place[:, axis] >= low) & (place[:, axis] <= high)].mean())
             line = {"color": HUES[1], "width": 3}
-            fig.add_scatter(
-                x=[low, high], y=[mean, mean], mode="lines", line=line, hoverinfo="skip", row=1, col=axis + 1
-            )
-        fig.update_xaxes(**axis_style(), title_text=f"{NAMES[axis]} of the wand (mm)", row=1, col=axis + 1)
-        fig.update_yaxes(**axis_style(), title_text="length error (mm)" if axis == 0 else None, row=1, col=axis + 1)
+            fig.add_scatter(x=[low, high], y=[mean, mean], mode="lines", line=line, hoverinfo="skip", **panel(axis))
     return fig
 
 

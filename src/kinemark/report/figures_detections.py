@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
-from plotly.subplots import make_subplots
 
 from ..data import Detections, Validity
 from ..data.array_types import GreyLevels
 from ..io.images import png_bytes
 from .formatting import number
-from .theme import axis_style, empty, figure, labels
+from .panels import panel, panels
+from .theme import empty, labels
 
 LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
 DARK = "rgb(28,39,51)"
@@ -76,26 +76,29 @@ def spots_figure(
     shown = fullest_frames(detections)
     names = labels(camera["name"] for camera in cameras)
     titles = [f"{name}, frame {number(f + first_frame)}" for name, f in zip(names, shown, strict=True)]
-    gaps = {"vertical_spacing": 0.24 / rows, "horizontal_spacing": 0.05}
-    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
-    legend = {"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"}
-    style = figure(110 + 290 * rows, margin={"l": 50, "r": 20, "t": 60, "b": 60}, legend=legend, showlegend=True).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")}, plot_bgcolor=DARK)
+    extents = [_extent(camera, detections.uv[detections.camera == c]) for c, camera in enumerate(cameras)]
+    fig = panels(
+        110 + 290 * rows, (rows, columns), [_image_axes(*extent) for extent in extents], titles=titles,
+        gaps=(0.05, 0.24 / rows), plot_bgcolor=DARK, margin={"l": 50, "r": 20, "t": 60, "b": 60}, showlegend=True,
+        legend={"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"},
+    )  # fmt: skip
     kinds = kinds_of(detections)
     legends = _Legend(fig)
-    for c, camera in enumerate(cameras):
-        place = {"row": c // COLUMNS + 1, "col": c % COLUMNS + 1}
+    for c in range(len(cameras)):
+        place = panel(c)
         here = np.arange(*detections.rows(c, shown[c]).indices(len(detections))[:2])
         here = here[:: max(1, -(-len(here) * len(cameras) // MOST_SPOTS))]
-        extent = _extent(camera, detections.uv[detections.camera == c])
         if pictures is not None:
             _picture(fig, pictures[c], place, most=MOST_BYTES // len(cameras))
         _elsewhere(fig, detections, kinds, c, place, most=MOST_FAULTS // len(cameras))
         legends.draw(detections, kinds, here, place)
-        plain = {**axis_style(), "showgrid": False, "zeroline": False}
-        fig.update_xaxes(**plain, range=[-0.5, extent[0] - 0.5], **place)
-        fig.update_yaxes(**plain, range=[extent[1] - 0.5, -0.5], scaleanchor=False, **place)
     return fig
+
+
+def _image_axes(width: float, height: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Of an image: v goes down, and the panel's shape is free."""
+    plain = {"showgrid": False, "zeroline": False}
+    return {**plain, "range": [-0.5, width - 0.5]}, {**plain, "range": [height - 0.5, -0.5], "scaleanchor": False}
 
 
 def kinds_of(detections: Detections) -> NDArray[np.str_]:
@@ -113,7 +116,7 @@ class _Legend:
         self.fig, self.in_legend = fig, set[str]()
 
     def draw(
-        self, detections: Detections, kinds: NDArray[np.str_], rows: NDArray[np.int64], place: dict[str, int]
+        self, detections: Detections, kinds: NDArray[np.str_], rows: NDArray[np.int64], place: dict[str, str]
     ) -> None:
         """The spots of these rows."""
         for kind, (colour, symbol) in KINDS.items():
@@ -131,7 +134,7 @@ class _Legend:
 
 
 def _elsewhere(
-    fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, int], *, most: int
+    fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, str], *, most: int
 ) -> None:
     """Dots where spots of any frame were invalid: what stays in one place is no marker."""
     rows = np.flatnonzero((detections.camera == c) & ~detections.valid)
@@ -151,7 +154,7 @@ def _size_text(detections: Detections, row: int) -> str:
     return f"area {number(area, 1)} px², peak {number(peak, 0)}" if np.isfinite(area) else ""
 
 
-def _picture(fig: go.Figure, picture: GreyLevels, place: dict[str, int], *, most: int) -> None:
+def _picture(fig: go.Figure, picture: GreyLevels, place: dict[str, str], *, most: int) -> None:
     """The image in grey, coarser where it is large, and in few levels, as a compressed picture."""
     k = max(1, -(-picture.shape[1] // WIDEST))
     while len(content := _png(brightest(picture, k))) > most and picture.shape[1] > 2 * k * LEAST_WIDE:

@@ -7,12 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
-from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves, GaitReference
-from ..findings.plain import runs
-from .theme import FAINT, INK, axis_style, empty, figure, label
+from .stride_panels import Part, band, corner, directions, line, stride_figure, upright
+from .theme import INK, empty, label
 
 SIDE_COLOURS = {"left": "#C62828", "right": "#0072B2"}
 """Left red, right blue; conventional in gait reports, and told apart by all."""
@@ -22,8 +20,6 @@ UNITS = {"deg": "°"}
 """As they are written in a title, where it is otherwise."""
 PER_PAGE = 12
 """Panels that fit a printed page; chosen."""
-PERCENT = np.linspace(0, 100, 101)
-"""Of a stride, at its 101 points; conventional."""
 
 
 class Panel(NamedTuple):
@@ -87,37 +83,35 @@ def panels_figure(
     if not known:
         return empty("There is nothing to draw: no stride has these quantities.")
     units = [next((one.unit for one in _of(curves, panel)), "") for panel in panels]
-    fig = panel_grid(
-        [f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)], heads
-    )
+    titles = [f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)]
+    traces, shapes, notes = [], [], []
     for i, panel in enumerate(panels):
-        place = panel_place(i)
         if reference is not None and panel.name in reference.mean:
             mean, sd = (part[panel.name][:, panel.axis] for part in (reference.mean, reference.sd))
-            draw_band(fig, mean - sd, mean + sd, REFERENCE_COLOUR, place)
+            traces += band(mean - sd, mean + sd, REFERENCE_COLOUR, i)
         for one in _of(curves, panel):
-            _draw(fig, one, panel, place)
-        _directions(fig, panel, i)
-        if panel is BLANK:
-            fig.update_xaxes(visible=False, **panel_place(i))
-            fig.update_yaxes(visible=False, **panel_place(i))
-    blank = max((i for i, panel in enumerate(panels) if panel is BLANK), default=None)
-    if blank is not None:
-        _key(fig, blank - 1, with_reference=reference is not None)
-    return fig
+            traces += _curves(one, panel, i)
+            shapes += _foot_off(one, i)
+        notes += directions(panel.up, panel.down, i)
+    blank = [i for i, panel in enumerate(panels) if panel is BLANK]
+    if blank:
+        notes += _key(corner(blank[-1] - 1, len(panels)), with_reference=reference is not None)
+    hidden = dict.fromkeys(blank, ({"visible": False}, {"visible": False}))
+    return stride_figure(titles, traces, shapes, notes, heads=heads, axes=hidden)
 
 
-def _key(fig: go.Figure, i: int, *, with_reference: bool) -> None:
-    """Which line is which, in an empty panel."""
+def _key(place: tuple[float, float], *, with_reference: bool) -> list[Part]:
+    """Which line is which, below this corner of an empty panel."""
     lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items()]
     lines += [("┅┅ measured to ±", INK), ("┊ foot off", INK)]
     lines += [("▒▒ reference", REFERENCE_COLOUR)] if with_reference else []
-    x, y = fig.layout[f"xaxis{i + 1}"].domain[0], fig.layout[f"yaxis{i + 1}"].domain[1]
-    for k, (text, colour) in enumerate(lines):
-        fig.add_annotation(
-            text=text, xref="paper", yref="paper", x=x, y=y, yshift=-16 * k, xanchor="left", yanchor="top",
-            showarrow=False, font={"size": 11, "color": colour},
-        )  # fmt: skip
+    return [
+        {
+            "text": text, "xref": "paper", "yref": "paper", "x": place[0], "y": place[1], "yshift": -16 * k,
+            "xanchor": "left", "yanchor": "top", "showarrow": False, "font": {"size": 11, "color": colour},
+        }
+        for k, (text, colour) in enumerate(lines)
+    ]  # fmt: skip
 
 
 def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
@@ -128,52 +122,13 @@ def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
 
 def _emg_figure(muscles: Sequence[GaitCurves]) -> go.Figure:
     """The mean envelope with its spread, and a bar where the muscle is on in most strides."""
-    fig = panel_grid([label(one.name.rsplit(".", 1)[-1]) for one in muscles])
+    titles = [label(one.name.rsplit(".", 1)[-1]) for one in muscles]
+    traces, shapes = [], []
     for i, one in enumerate(muscles):
-        _draw(fig, one, Panel("", one.name, 0, "", ""), panel_place(i))
-        draw_line(
-            fig, np.where(one.mean[:, 1] >= 50, -6.0, np.nan), SIDE_COLOURS[one.side], "", panel_place(i), width=5
-        )
-        fig.update_yaxes(range=[-12, 105], **panel_place(i))
-    return fig
-
-
-def panel_grid(titles: Sequence[str], heads: Sequence[str] = ()) -> go.Figure:
-    """Panels in rows of three with a stride below each, and what the columns are above them."""
-    rows = -(-len(titles) // 3)
-    fig = make_subplots(
-        rows=rows, cols=3, subplot_titles=titles, vertical_spacing=60 / (140 + 190 * rows), horizontal_spacing=0.07
-    )
-    style = figure(60 + 190 * rows, margin={"l": 44, "r": 24, "t": 78 if heads else 40, "b": 44}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
-    fig.update_annotations(font_size=12)
-    for column, head in enumerate(heads):
-        fig.add_annotation(
-            text=f"<b>{head}</b>", xref=f"x{column + 1 if column else ''} domain", yref="paper", x=0.5, y=1, yshift=26,
-            yanchor="bottom", showarrow=False, font={"size": 12},
-        )  # fmt: skip
-    axis = axis_style() | {"tickfont": {"size": 10}, "title": None}
-    fig.update_yaxes(**axis | {"zerolinecolor": FAINT, "zerolinewidth": 0.8})
-    fig.update_xaxes(**axis | {"range": [0, 100], "dtick": 20})
-    lowest = {i % 3: i for i, title in enumerate(titles) if title}
-    for i in lowest.values():
-        fig.update_xaxes(title={"text": "stride (%)", "font": {"size": 11}, "standoff": 4}, **panel_place(i))
-    return fig.update_layout(showlegend=False)
-
-
-def panel_place(i: int) -> dict[str, int]:
-    """Row and column of a panel."""
-    return {"row": i // 3 + 1, "col": i % 3 + 1}
-
-
-def _directions(fig: go.Figure, panel: Panel, i: int) -> None:
-    """What is up and what is down, small, along the right edge, where no curve is."""
-    number = "" if i == 0 else str(i + 1)
-    for text, y in ((panel.up, 1.0), (panel.down, 0.0)):
-        fig.add_annotation(
-            text=text, x=1.0, y=y, xref=f"x{number} domain", yref=f"y{number} domain", xanchor="left", textangle=-90,
-            yanchor="top" if y else "bottom", showarrow=False, font={"size": 9, "color": FAINT},
-        )  # fmt: skip
+        traces += _curves(one, Panel("", one.name, 0, "", ""), i)
+        traces.append(line(np.where(one.mean[:, 1] >= 50, -6.0, np.nan), SIDE_COLOURS[one.side], "", i, width=5))
+        shapes += _foot_off(one, i)
+    return stride_figure(titles, traces, shapes, axes={i: ({}, {"range": [-12, 105]}) for i in range(len(muscles))})
 
 
 def _of(curves: Sequence[GaitCurves], panel: Panel) -> list[GaitCurves]:
@@ -184,35 +139,16 @@ def _of(curves: Sequence[GaitCurves], panel: Panel) -> list[GaitCurves]:
     ]  # fmt: skip
 
 
-def _draw(fig: go.Figure, one: GaitCurves, panel: Panel, place: dict[str, int]) -> None:
+def _curves(one: GaitCurves, panel: Panel, i: int) -> list[Part]:
+    """The mean, its spread as a band, and the measurement's SD as thin lines."""
     colour = SIDE_COLOURS[one.side]
     mean, spread, sd = (part[:, panel.axis] for part in (one.mean, one.spread, one.measurement_sd))
-    draw_band(fig, mean - spread, mean + spread, colour, place)
-    for edge in (mean - sd, mean + sd):
-        draw_line(fig, edge, colour, "", place, width=0.7, dash="dot")
-    draw_line(fig, mean, colour, f"{one.side}, mean of {len(one.values)}", place)
+    edges = [line(edge, colour, "", i, width=0.7, dash="dot") for edge in (mean - sd, mean + sd)]
+    whole = line(mean, colour, f"{one.side}, mean of {len(one.values)}", i)
+    return [*band(mean - spread, mean + spread, colour, i), *edges, whole]
+
+
+def _foot_off(one: GaitCurves, i: int) -> list[Part]:
+    """Where the foot leaves the floor on average."""
     off = one.foot_off[np.isfinite(one.foot_off)]
-    if len(off):
-        fig.add_vline(x=float(off.mean()), line={"color": colour, "width": 0.8, "dash": "dash"}, **place)
-
-
-def draw_line(
-    fig: go.Figure, y: Floats, colour: str, name: str, place: dict[str, int], *, width: float = 1.8, dash: str = "solid"
-) -> None:
-    """One curve (101) over the stride; without a name it has no label."""
-    fig.add_scatter(
-        x=PERCENT.astype(np.float32), y=y.astype(np.float32), mode="lines", name=name, connectgaps=False,
-        line={"color": colour, "width": width, "dash": dash}, hovertemplate="%{x:.0f} %: %{y:.2f}" if name else None,
-        hoverinfo=None if name else "skip", **place,
-    )  # fmt: skip
-
-
-def draw_band(fig: go.Figure, low: Floats, high: Floats, colour: str, place: dict[str, int]) -> None:
-    """Filled between two curves, run by run, so that what is missing stays empty."""
-    for a, b in runs(np.isfinite(low) & np.isfinite(high)):
-        x, y = np.concatenate([PERCENT[a:b], PERCENT[a:b][::-1]]), np.concatenate([high[a:b], low[a:b][::-1]])
-        fig.add_scatter(
-            x=x.astype(np.float32), y=y.astype(np.float32), mode="lines", fill="toself", line={"width": 0},
-            fillcolor=f"rgba({int(colour[1:3], 16)},{int(colour[3:5], 16)},{int(colour[5:7], 16)},0.18)",
-            hoverinfo="skip", **place,
-        )  # fmt: skip
+    return [upright(float(off.mean()), SIDE_COLOURS[one.side], i)] if len(off) else []

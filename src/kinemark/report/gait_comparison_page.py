@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,20 +12,10 @@ import plotly.graph_objects as go
 
 from ..gait.comparison import Condition, Difference, stretches
 from .drawing_library import drawing_library
-from .figures_gait import (
-    KINEMATICS,
-    KINETICS,
-    REFERENCE_COLOUR,
-    SIDE_COLOURS,
-    UNITS,
-    Panel,
-    draw_band,
-    draw_line,
-    panel_grid,
-    panel_place,
-)
+from .figures_gait import KINEMATICS, KINETICS, REFERENCE_COLOUR, SIDE_COLOURS, UNITS, Panel
 from .formatting import number
 from .gait_page import NAMES, SHOWN
+from .stride_panels import Part, band, line, stride_figure
 from .tables import Table
 from .templating import render, write_text
 
@@ -112,19 +103,21 @@ def side_figure(curves: Sequence[ComparedCurve], side: str) -> go.Figure:
     """Means of both conditions; grey: what the second may be off by its error; bars below: where it is off by more."""
     by_name = {one.name[1:]: one for one in curves}
     panels = [p for p in (*KINEMATICS, *KINETICS) if p.name in by_name]
-    fig = panel_grid([f"{p.title} ({UNITS.get(by_name[p.name].unit, by_name[p.name].unit)})" for p in panels])
-    for i, panel in enumerate(panels):
-        _draw(fig, by_name[panel.name], panel, SIDE_COLOURS[side], panel_place(i))
-    return fig
+    titles = [f"{p.title} ({UNITS.get(by_name[p.name].unit, by_name[p.name].unit)})" for p in panels]
+    parts = [_curves(by_name[p.name], p, SIDE_COLOURS[side], i) for i, p in enumerate(panels)]
+    return stride_figure(titles, list(itertools.chain.from_iterable(parts)))
 
 
-def _draw(fig: go.Figure, one: ComparedCurve, panel: Panel, colour: str, place: dict[str, int]) -> None:
+def _curves(one: ComparedCurve, panel: Panel, colour: str, i: int) -> list[Part]:
+    """Both means, the error about the first, and a bar where the second is off by more."""
     first, second, error = (part[:, panel.axis] for part in (one.first.mean, one.second.mean, one.difference.error))
-    draw_band(fig, first - error, first + error, REFERENCE_COLOUR, place)
-    draw_line(fig, first, REFERENCE_COLOUR, "first", place, dash="dash")
-    draw_line(fig, second, colour, "second", place)
     low = float(np.nanmin([first - error, second])) if np.isfinite(second).any() else 0.0
     bar = np.full(101, np.nan)
     for a, b in stretches(one.difference.exceeds[:, panel.axis]):
         bar[a : b + 1] = low
-    draw_line(fig, bar, colour, "", place, width=5)
+    return [
+        *band(first - error, first + error, REFERENCE_COLOUR, i),
+        line(first, REFERENCE_COLOUR, "first", i, dash="dash"),
+        line(second, colour, "second", i),
+        line(bar, colour, "", i, width=5),
+    ]

@@ -65,18 +65,19 @@ def gait_page(
 ) -> str:
     """The page as text; the drawing library is inside where `library` is None."""
     trials = ", ".join(one["name"] for one in figures["trials"])
+    emg = emg_figures(curves)
     return render(
         "gait.html",
         library=library or inside(),
         heading=f"{figures['subject'] or trials}: gait",
         below=f"{identity_text(figures.get('identity'))} · {trials} · Kinemark {figures['kinemark']}",
-        nav={k: v for k, v in NAV.items() if k != "emg" or emg_figures(curves)},
+        nav={k: v for k, v in NAV.items() if k != "emg" or emg},
         figures=figures,
         time_table=time_distance_table(figures),
         measures=measures_table(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
         kinetics=panels_figure(curves, KINETICS, reference),
-        emg=emg_figures(curves),
+        emg=emg,
         emg_whole=WHOLE.get(whole := figures.get("emg_whole", "trial"), f"its greatest value in {whole}"),
         profile=profile_table(figures),
         causes=uncertainty_table(figures),

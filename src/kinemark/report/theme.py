@@ -102,7 +102,14 @@ def figure(height: int, **layout: Any) -> go.Figure:
         "legend": {"itemsizing": "constant", "font": {"size": 12}},
         "showlegend": False,
     }
-    return go.Figure(layout=base).update_layout(**layout)
+    return go.Figure(layout=_merged(base, layout))
+
+
+def _merged(base: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
+    """Both, what is in a dict of both put together; faster than Plotly's `update_layout` by tens of milliseconds."""
+    dicts = (key for key in base.keys() & more.keys() if isinstance(base[key], dict) and isinstance(more[key], dict))
+    both = {key: _merged(base[key], more[key]) for key in dicts}
+    return {**base, **more, **both}
 
 
 def empty(message: str) -> go.Figure:

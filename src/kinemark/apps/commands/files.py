@@ -90,6 +90,7 @@ def starts(
     flash: bool = False,
     trial: str | None = None,
     most_s: float = 10.0,
+    length_unit: LengthUnit = None,
     rate_hz: Rate = None,
     json: Json = False,
 ) -> None:
@@ -113,7 +114,7 @@ def starts(
         found = starts_by_flash(detections, trial, rate_hz=rate_hz)
     else:
         assert cameras is not None
-        found = starts_of_files(detections, cameras, most_s=most_s, rate_hz=rate_hz)
+        found = starts_of_files(detections, cameras, most_s=most_s, rate_hz=rate_hz, length_unit=length_unit)
     if json:
         print_result(found)
         return

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
+from kinemark.data import MarkerTrajectory
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
 from support.walked import clean, every, nearest, walk, with_xyz
-
-from kinemark.data import MarkerTrajectory
 
 
 def taken_over(p, k, at):

@@ -7,10 +7,10 @@ on which scenes and files, and how well they do on others. What a tracker does w
 somebody looked at, have coefficients of their own. They hold where errors are as many as were seeded: with k times the
 odds of an error, the odds of (1) are k times as many (2).
 
-How many errors a file has nobody knows before, nor how its people move, but its other problems tell. With z the log-odds
-of (1), each file has its own distribution of what tells of errors where there is none, and nearly all that is not SURE
-is none: where z is common in a trial it is motion, where it is rare it is an error, as in empirical Bayes. With S the sum
-of the probabilities of the other problems that are SURE, for where much is wrong more is, and the rate f of the trial,
+How many errors a file has nobody knows before, nor how its people move, but its other problems tell. Of nearly all
+that is not SURE nothing is wrong, so that it tells how evidence is distributed in this trial without errors: what is
+common there is motion, what is rare is an error (empirical Bayes). With z the log-odds of (1), S the sum of the
+probabilities of the other problems that are SURE, as where much is wrong more is, and the rate f of the trial,
 
     logit wrong' = c₀ + c₁ z + c₂ ln(1 + S) + c₃ ln(1 + n(z)) + c₄ ln(f / 60 Hz)                          (3)
     n(z) = max over z' ≥ z of Σ exp(−(z' − z_j)² / 2),  j being the other problems that are not SURE       (4)
@@ -45,7 +45,7 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-6.20, -0.69, -0.11, 1.06, 0.98),
-    "trial": (-0.14, 0.42, 0.84, -1.22, -0.81),
+    "trial": (-1.29, 0.40, 1.52, -1.48, -1.39),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
@@ -56,8 +56,8 @@ without (`cut`) to what the list keeps of them. The others were fitted before ro
 among the faults, to files (spikes in them) or to both: fitted anew to files alone, changes would be told in hands that
 bend fast, and spikes in clean files. Spikes of files then got a factor and a constant by which each recording counts
 the same (`levelled`). Fillings are fitted by studies/filled_samples.py, lost frames and moved worlds by
-studies/whole_trial_faults.py, (3) to the files of 17 laboratories by studies/trial_prior.py. Those of repeated frames are
-chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59
+studies/whole_trial_faults.py, (3) to the files of 16 laboratories by studies/trial_prior.py. Those of repeated frames
+are chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59
 and 140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left."""
 
 

@@ -100,9 +100,9 @@ def simulated(seeds: Sequence[int]) -> Iterator[Known]:
             yield Known(str(made.scene), found, owner, made.xyz, made.detections, made.rig, tuple(decisions))
 
 
-def labelled(part: int) -> Iterator[Known]:
+def labelled(part: int, patterns: Sequence[str] = FILES) -> Iterator[Known]:
     """The markers of every second file of other systems, at its own rate and at lower ones."""
-    files = sorted(file for pattern in FILES for file in (DATA / "mocap3d").glob(pattern)) if DATA.is_dir() else []
+    files = sorted(file for pattern in patterns for file in (DATA / "mocap3d").glob(pattern)) if DATA.is_dir() else []
     for file in files[part::2]:
         whole = put_aside(read_trial(file)).rest
         found = whole.frames(0, min(whole.n_frames, LONGEST)).select(
@@ -123,8 +123,8 @@ def thinned(known: Known, k: int) -> Known:
     return known._replace(trajectories=few, owner=known.owner[:, ::k], truth=known.truth[:, ::k])
 
 
-def with_faults(known: Known, seed: int) -> Known:
-    faulty = seeded(known.trajectories, known.owner, seed)
+def with_faults(known: Known, seed: int, *, counts: dict[str, int] | None = None) -> Known:
+    faulty = seeded(known.trajectories, known.owner, seed, counts=counts)
     owner = np.array(faulty.owner)
     return known._replace(trajectories=faulty.trajectories, owner=owner, faulty=faulty)
 

@@ -11,6 +11,9 @@ from ...data.array_types import Ints
 from ...data.problems import ASK_ABOVE
 from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, Piece, Spike, in_trial
 
+LIKELY = 0.5
+"""Probability from which on a spike, a leap or an exchange stands for what is beside it; chosen."""
+
 
 class Found(NamedTuple):
     """What a trial's paths show: places of the paths, and what may be wrong with them, changes seen once; and what
@@ -34,13 +37,26 @@ def by_trial(found: Found) -> Found:
         return found
     said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
     said += [one.wrong for one in found.leaps] + [one.wrong for one in found.pieces]
-    wrong = iter(in_trial(np.array(said)).tolist())
+    wrong = iter(in_trial(np.array(said), found.paths.rate).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),
         leaps=tuple(one._replace(wrong=next(wrong)) for one in found.leaps),
         pieces=tuple(one._replace(wrong=next(wrong)) for one in found.pieces),
     )
+
+
+def not_exchanged(some: Sequence[Piece], own: Sequence[Change], near: float) -> list[Piece]:
+    """The pieces of files that no likely exchange beside them, within `near` frames, joins otherwise: the path that
+    ends then has another's samples."""
+    likely = [one for one in own if one.wrong >= LIKELY and one.partner.path >= 0]
+
+    def said(piece: Piece, one: Change) -> bool:
+        low, high = sorted((piece.last, piece.first))
+        mine = {piece.before, piece.after} & {one.place.path, one.partner.path}
+        return bool(mine) and low - near <= one.place.middle <= high + near
+
+    return [one for one in some if one.kind == "piece" or not any(said(one, change) for change in likely)]
 
 
 def numbered(found: Found, frame: Ints) -> Found:

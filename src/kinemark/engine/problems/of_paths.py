@@ -32,13 +32,11 @@ from ...edit.probable_errors import (
 )
 from ...report.words.problems import problem_text
 from .context import VERSIONS, Context
-from .found import Found, apart_from, by_trial, numbered
+from .found import LIKELY, Found, apart_from, by_trial, not_exchanged, numbered
 from .of_breaks import of_breaks
 
 TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
-LIKELY = 0.5
-"""Probability from which on a spike or a leap stands for the changes at its edges; chosen."""
 LEAST_OFF_MM = 1.0
 """mm that a sample which nobody measured is off at least; chosen: nothing tells less where it is."""
 GHOST_MM = 20.0
@@ -105,6 +103,7 @@ def _of_each(now: Trajectories, paths: Paths, told: tuple[Told, ...]) -> Found:
     own = _once(_not_in_others(own, off, gone, paths), paths)
     own, off, gone = _without_beside(own, off, gone, paths)
     loose = [one for one in pieces(paths) if not all(is_named(now.names[p]) for p in (one.before, one.after))]
+    loose = not_exchanged(loose, own, TOGETHER_S * paths.rate)
     return by_trial(
         Found(paths, off, gone, tuple(own), tuple(loose), tuple(ghosts(paths, now)), tuple(made), (), as_it_is)
     )

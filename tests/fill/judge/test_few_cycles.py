@@ -22,4 +22,4 @@ def test_the_error_of_the_next_cycle_is_not_that_of_another_movement():
         error = np.linalg.norm(prediction.xyz - motion.xyz[marker, 120:170], axis=1).mean()
         ratios.append(found.expected_mm / error)
         assert max(r.mean for r in answers[0].results if r.test.of == 0) > 8 * error  # another part of the stride
-    assert 0.5 < min(ratios) and max(ratios) < 2
+    assert all(0.5 < ratio < 2 for ratio in ratios)

@@ -12,7 +12,20 @@ move in the gap's surroundings as they do here,
 
 is least. A repeat is the marker's own path at that lag, y(t) = x(t − k), taken over to the gap by the offsets at
 both edges, which go linearly from one to the other, as a walk goes on and drifts (3). Repeats are averaged with weights
-1 / m. Their spread about the mean gives the covariance where there are two or more (4).
+w ∝ 1 / m, Σ w = 1.
+
+How unlike the cycles are is how wrong a repeat is: a velocity that is off by √m all through a gap of L frames takes the
+marker √m L away. With the mean over the same places
+
+    M(k) = mean (v(t) − v(t − k)) (v(t) − v(t − k))ᵀ,      whose trace is m,
+
+the covariance has the shape
+
+    Σ_k w_k M(k) L² 4 s (1 − s),     s from 0 to 1 over the gap                                            (4)
+
+Over hold-out gaps of half a second, ln error over ln √m L has a slope of 1.0 to 1.5 and r = 0.4 to 0.97 (five trials).
+So the hold-out gaps of a trial of a few strides, which find the next cycle hidden by the gap itself and are filled from
+one less like it, do not make the gap look as bad as they are.
 
 Source: common in motion capture systems; the finding of the cycle is an autocorrelation (Box & Jenkins 1970).
 """
@@ -120,29 +133,46 @@ def _repeat(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cycli
         return Prediction.none(span.length, known.never(span))
     if not learnt.period:
         return Prediction.none(span.length, "no two cycles of the trial resemble each other")
-    found = _lags(known, span, learnt, method)
+    around = _surroundings(known, span, learnt, method)
+    found = _lags(known, span, learnt, around, method)
     if not found:
         return Prediction.none(span.length, "no other cycle shows this part of the marker's path")
     found = sorted(found)[: method.most_cycles]
     weight = 1 / np.maximum([m for m, _ in found], 1e-12 + 1e-3 * found[0][0])
-    paths = np.stack([_taken_over(known, span, lag) for _, lag in found])
-    mean = np.einsum("k,kti->ti", weight / weight.sum(), paths)
-    if len(paths) < 2:
-        return Prediction(mean, np.full((span.length, 3, 3), np.nan))
-    off = (paths - mean).reshape(-1, 3)
-    spread = off.T @ off / (span.length * (len(paths) - 1)) * (1 + 1 / len(paths)) * 1.5  # mean of the bow is 2/3
-    return Prediction(mean, span.bow()[:, None, None] * spread)  # (4)
+    weight /= weight.sum()
+    mean = np.einsum("k,kti->ti", weight, [_taken_over(known, span, lag) for _, lag in found])
+    M = np.einsum("k,kij->ij", weight, [_products(learnt.velocity, around, round(lag)) for _, lag in found])
+    return Prediction(mean, span.bow()[:, None, None] * M * span.length**2)  # (4)
 
 
-def _lags(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cyclic) -> list[tuple[float, float]]:
-    """(m, lag in frames) of every repeat that shows the whole gap."""
-    low, high = min(span.edges[0], span.start), max(span.edges[-1], span.stop - 1)
+class _Surroundings(NamedTuple):
+    """What cycles are compared by: markers (W, 1), instants (T), their velocities there (W, T, 3)."""
+
+    who: Ints
+    t: Ints
+    velocity: Floats
+
+
+def _reach(span: Span) -> tuple[int, int]:
+    """First and last frame that a repeat must show: the gap and the known samples beside it."""
+    return min(span.edges[0], span.start), max(span.edges[-1], span.stop - 1)
+
+
+def _surroundings(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cyclic) -> _Surroundings:
+    low, high = _reach(span)
     margin = round(method.margin * known.rate)
     t = np.unique(np.linspace(low - margin, high + margin, INSTANTS).round().astype(np.int64))
     t = t[(t >= 0) & (t < known.n_frames)]
     near = nearest(learnt.distances(span.marker).mean, known.throughout(low, high + 1, but=span.marker), NEIGHBOURS)
     who = np.append(near, span.marker)[:, None]
-    here = learnt.velocity[who, t]
+    return _Surroundings(who, t, learnt.velocity[who, t])
+
+
+def _lags(
+    known: KnownSamples, span: Span, learnt: _LearntCycle, around: _Surroundings, method: Cyclic
+) -> list[tuple[float, float]]:
+    """(m, lag in frames) of every repeat that shows the whole gap."""
+    low, high = _reach(span)
     unseen = np.concatenate([[0], np.cumsum(~known.seen[span.marker])])
     each = []
     for n in [n for k in range(1, method.most_cycles + 1) for n in (-k, k)]:
@@ -154,7 +184,7 @@ def _lags(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cyclic)
         lags = lags[unseen[high + 1 - lags] == unseen[low - lags]]
         if len(lags):
             each.append(lags)
-    return [(m, lag) for m, lag in _refined(learnt.velocity, who, t, here, each) if np.isfinite(m)]
+    return [(m, lag) for m, lag in _refined(learnt.velocity, *around, each) if np.isfinite(m)]
 
 
 def _refined(velocity: Floats, who: Ints, t: Ints, here: Floats, each: list[Ints]) -> list[tuple[float, float]]:
@@ -185,15 +215,27 @@ def _mismatches(velocity: Floats, who: Ints, t: Ints, here: Floats, each: list[I
 
 def _mismatch(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) -> Floats:
     """(2) at lags (K), infinite where nothing can be compared."""
+    off = _differences(velocity, who, t, here, lags)
+    square = np.einsum("wkti,wkti->wkt", off, off)
+    known = ~np.isnan(square)
+    n = known.sum((0, 2))
+    return np.divide(np.where(known, square, 0.0).sum((0, 2)), n, out=np.full(len(lags), np.inf), where=n > 0)
+
+
+def _differences(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) -> Floats:
+    """v(t − k) − v(t) at lags (K): (W, K, T, 3), NaN where one is not known."""
     then = t - lags[:, None]
     inside = (then >= 0) & (then < velocity.shape[1])
     at = who[:, None] * velocity.shape[1] + np.where(inside, then, 0)
-    there = velocity.reshape(-1, 3).take(at, axis=0)  # (W, K, T, 3)
-    off = there - here[:, None]
-    square = np.einsum("wkti,wkti->wkt", off, off)
-    known = ~np.isnan(square) & inside
-    n = known.sum((0, 2))
-    return np.divide(np.where(known, square, 0.0).sum((0, 2)), n, out=np.full(len(lags), np.inf), where=n > 0)
+    there = velocity.reshape(-1, 3).take(at, axis=0)
+    return np.where(inside[..., None], there - here[:, None], np.nan)
+
+
+def _products(velocity: Floats, around: _Surroundings, lag: int) -> Floats:
+    """(3, 3) M of (4) at the frame nearest to a lag."""
+    off = _differences(velocity, *around, np.array([lag])).reshape(-1, 3)
+    off = off[~np.isnan(off[:, 0])]
+    return np.asarray(off.T @ off / max(len(off), 1))
 
 
 def _taken_over(known: KnownSamples, span: Span, lag: float) -> Floats:

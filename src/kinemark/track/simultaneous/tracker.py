@@ -63,9 +63,9 @@ ADJUSTED_VARIANCE_RATIO = 0.7
 
 MOST_TRACKED_RATIO = 1.5
 """Images that tracks of parts of the recording have with the rig as given, as a ratio to those with the adjusted one,
-above which the rig as given is used; chosen: of 50 scenes (seeds 131000 to 131100 and 136000 to 136129 of
-benchmarks/tracking_scenes.py) 46 have 0.8 to 1.2. One of 2.1 had 36 % of its samples, and 99.8 with the rig as given;
-others of 1.3 to 3.1 are sprints, to which either rig leads alike."""
+above which the rig as given is used; chosen: of 51 scenes (seeds 131000 to 131100 and 136000 to 136129 of
+benchmarks/tracking_scenes.py) 47 have 0.8 to 1.2. One of 2.1 had 36 % of its samples, and 99.8 with the rig as given;
+others of 1.3 to 3.1 are sprints, which find the same samples by either rig."""
 
 OF_TRACKS_RATIO = 0.97
 """The same of the rig adjusted to tracks; chosen (95000, 95021 of the same scenes): a variance that is 6 % less makes

@@ -94,20 +94,24 @@ class Learned(NamedTuple):
     method: Simultaneous
 
 
-def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Learned:
-    """The method with more process noise and velocity, where the recording has them, or less where its tracks break."""
+def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen: Associations | None = None) -> Learned:
+    """The method with more process noise and velocity, where the recording has them, or less where its tracks break.
+
+    Args:
+        seen: `in_windows` of these, where it is known.
+    """
     if not method.learn_motion:
         return Learned(images, method)
-    seen = _windows(images, rate, method)
+    seen = in_windows(images, rate, method) if seen is None else seen
     if _share(images, seen) < MOST:
-        running = _windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
-        seen = running if _count(running) > GAIN * _count(seen) else seen  # (4)
+        running = in_windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
+        seen = running if count_images(running) > GAIN * count_images(seen) else seen  # (4)
     for _ in range(ROUNDS):
         faster = _raised(method, *movement(images, seen, rate))
         if faster == method:
             break
         method = faster
-        seen = _windows(images, rate, method)
+        seen = in_windows(images, rate, method)
     if _track_length(seen) < FOLLOWED * _window_length(images, rate):
         return _mended(images, rate, method, seen)
     return Learned(images, method)
@@ -121,14 +125,15 @@ def _mended(images: Images, rate: float, method: Simultaneous, seen: Association
         velocity_sd=min(EVEN_VELOCITY_SD, method.velocity_sd),
         acceleration_sd=min(EVEN_ACCELERATION_SD, method.acceleration_sd),
     )
-    tried = _windows(images, rate, even)
+    tried = in_windows(images, rate, even)
     if _track_length(tried) > LONGER * _track_length(seen):
         method, seen = even, tried
     noisier = images.noisier(np.full(len(images.P), NOISIER**2))
-    return Learned(noisier if _count(_windows(noisier, rate, method)) > GAIN * _count(seen) else images, method)
+    more = count_images(in_windows(noisier, rate, method)) > GAIN * count_images(seen)
+    return Learned(noisier if more else images, method)
 
 
-def _count(seen: Associations) -> int:
+def count_images(seen: Associations) -> int:
     """Images that tracks have."""
     return int((seen.detection >= 0).sum())
 
@@ -154,7 +159,7 @@ def _raised(method: Simultaneous, process_noise: float, velocity_sd: float) -> S
     )
 
 
-def _windows(images: Images, rate: float, method: Simultaneous) -> Associations:
+def in_windows(images: Images, rate: float, method: Simultaneous) -> Associations:
     """Tracks in short windows all over the recording, forwards only."""
     n = images.n_frames
     length = _window_length(images, rate)

@@ -85,11 +85,6 @@ class MarkerSet:
         """The markers that are there while the subject moves."""
         return tuple(name for name in self.names if name not in self.static_only)
 
-    def other_side(self, marker: str) -> str | None:
-        """The marker of the same landmark on the other side; None for one of the middle."""
-        left_right = dict(self.pairs)
-        return left_right.get(marker) or {right: left for left, right in self.pairs}.get(marker)
-
 
 def _freeze(record: MarkerSet, key: str, value: dict[str, T]) -> None:
     object.__setattr__(record, key, MappingProxyType(value))

@@ -18,7 +18,7 @@ from ..data import Detections, Validity
 from ..data.array_types import GreyLevels
 from ..io.images import png_bytes
 from .formatting import number
-from .panels import panel, panels
+from .panels import image_axes, panel, panels
 from .theme import empty, labels
 
 LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
@@ -77,8 +77,9 @@ def spots_figure(
     names = labels(camera["name"] for camera in cameras)
     titles = [f"{name}, frame {number(f + first_frame)}" for name, f in zip(names, shown, strict=True)]
     extents = [_extent(camera, detections.uv[detections.camera == c]) for c, camera in enumerate(cameras)]
+    axes = [image_axes(width - 0.5, height - 0.5, scaleanchor=False) for width, height in extents]
     fig = panels(
-        110 + 290 * rows, (rows, columns), [_image_axes(*extent) for extent in extents], titles=titles,
+        110 + 290 * rows, (rows, columns), axes, titles=titles,
         gaps=(0.05, 0.24 / rows), plot_bgcolor=DARK, margin={"l": 50, "r": 20, "t": 60, "b": 60}, showlegend=True,
         legend={"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"},
     )  # fmt: skip
@@ -93,12 +94,6 @@ def spots_figure(
         _elsewhere(fig, detections, kinds, c, place, most=MOST_FAULTS // len(cameras))
         legends.draw(detections, kinds, here, place)
     return fig
-
-
-def _image_axes(width: float, height: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Of an image: v goes down, and the panel's shape is free."""
-    plain = {"showgrid": False, "zeroline": False}
-    return {**plain, "range": [-0.5, width - 0.5]}, {**plain, "range": [height - 0.5, -0.5], "scaleanchor": False}
 
 
 def kinds_of(detections: Detections) -> NDArray[np.str_]:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from ..calibrate.quality import Evidence
 from ..data.array_types import Floats
-from .theme import FAINT, HUES, axis_style, empty, figure, labels
+from .panels import image_axes, panel, panels
+from .theme import FAINT, HUES, empty, labels
 
 COLUMNS = 3  # pictures side by side; chosen
 MOST_POINTS, OF_ONE = 3000, 400
@@ -27,15 +27,16 @@ def images_figure(cameras: list[dict[str, Any]], evidence: Evidence) -> go.Figur
     scale, enlarged = _enlargement(cameras, evidence)
     titles = labels(camera["name"] for camera in cameras)
     columns = min(COLUMNS, len(cameras))
-    gaps = {"vertical_spacing": 0.28 / rows, "horizontal_spacing": 0.05}
-    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
-    style = figure(85 + 270 * rows, margin={"l": 50, "r": 20, "t": 40, "b": 66}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    sizes = [camera["size_px"] or 2 * np.array(camera["principal_point_px"]) for camera in cameras]
+    fig = panels(
+        85 + 270 * rows, (rows, columns), [image_axes(width - 0.5, height - 0.5) for width, height in sizes],
+        titles=titles, gaps=(0.05, 0.28 / rows), margin={"l": 50, "r": 20, "t": 40, "b": 66},
+    )  # fmt: skip
     for c, camera in enumerate(cameras):
-        place = {"row": c // COLUMNS + 1, "col": c % COLUMNS + 1}
+        place = panel(c)
         _background(fig, camera, place)
         _points(fig, evidence, c, enlarged, place)
-        _frame(fig, camera, place)
+        _hull(fig, camera, place)
     high = max([camera["aim_corner_px"] or 0 for camera in cameras] + [0.01])
     bar = {"title": {"text": "px"}, "thickness": 14}
     fig.update_layout(coloraxis={"colorscale": "Blues", "cmin": 0, "cmax": high, "colorbar": bar})
@@ -58,7 +59,7 @@ def _enlargement(cameras: list[dict[str, Any]], evidence: Evidence) -> tuple[flo
     return factor, factor
 
 
-def _background(fig: go.Figure, camera: dict[str, Any], place: dict[str, int]) -> None:
+def _background(fig: go.Figure, camera: dict[str, Any], place: dict[str, str]) -> None:
     aim = np.array(camera["aim_px"], np.float64)
     if np.isfinite(aim).any():
         fig.add_heatmap(
@@ -67,7 +68,7 @@ def _background(fig: go.Figure, camera: dict[str, Any], place: dict[str, int]) -
         )  # fmt: skip
 
 
-def _points(fig: go.Figure, evidence: Evidence, c: int, enlarged: float, place: dict[str, int]) -> None:
+def _points(fig: go.Figure, evidence: Evidence, c: int, enlarged: float, place: dict[str, str]) -> None:
     seen = np.isfinite(evidence.uv[c]).all(1)
     for used, colour, symbol in ((True, HUES[1], "circle"), (False, "#B3261E", "x")):
         rows = np.flatnonzero(seen & (evidence.kept[c] == used))
@@ -85,17 +86,13 @@ def _points(fig: go.Figure, evidence: Evidence, c: int, enlarged: float, place: 
             fig.add_scatter(x=x, y=y, mode="lines", line=style, hoverinfo="skip", **place)
 
 
-def _frame(fig: go.Figure, camera: dict[str, Any], place: dict[str, int]) -> None:
-    """Hull of the points and edges of the image, v downwards."""
+def _hull(fig: go.Figure, camera: dict[str, Any], place: dict[str, str]) -> None:
+    """What the points lie within."""
     hull = np.array(camera["hull_px"], np.float64).reshape(-1, 2)
     if len(hull):
         x, y = np.concatenate([hull, hull[:1]]).T
         line = {"color": FAINT, "width": 1.2, "dash": "dot"}
         fig.add_scatter(x=x, y=y, mode="lines", line=line, hoverinfo="skip", **place)
-    width, height = camera["size_px"] or 2 * np.array(camera["principal_point_px"])
-    plain = {**axis_style(), "showgrid": False, "zeroline": False}
-    fig.update_xaxes(**plain, range=[-0.5, width - 0.5], **place)
-    fig.update_yaxes(**plain, range=[height - 0.5, -0.5], **place)
 
 
 def _segments(a: Floats, b: Floats) -> Floats:

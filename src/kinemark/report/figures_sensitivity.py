@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from ..data import Rig
 from ..data.array_types import Floats
 from ..sensitivity import Ranking
-from .theme import FAINT, HUES, axis_style, empty, figure, label, labels
+from .panels import axis_title, image_axes, panel, panels
+from .theme import FAINT, HUES, empty, figure, label, labels
 from .thin import MOST_MARKERS
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
@@ -112,24 +112,22 @@ def loss_figure(figures: dict[str, Any]) -> go.Figure:
     if not lost:
         return empty("With two cameras nothing is left when one is lost.")
     rows = sorted(lost, key=lambda row: (len(row["camera"]), row["camera"]))
-    fig = go.Figure(make_subplots(rows=1, cols=2, horizontal_spacing=0.12))
-    style = figure(330, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 60}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
-    x = list(range(len(rows)))
+    x, names = list(range(len(rows))), labels(row["camera"] for row in rows)
+    across = {"tickvals": x, "ticktext": names, "range": [-0.6, len(rows) - 0.4], "ticks": ""}
+    across |= axis_title("camera that is lost")
+    axes = [(across, {"rangemode": "tozero", **axis_title(title)}) for title in ("σ per axis (mm)", "points gone (%)")]
+    margin = {"l": 60, "r": 20, "t": 44, "b": 60}
+    fig = panels(330, (1, 2), axes, gaps=(0.12, 0.0), showlegend=True, legend=ABOVE, margin=margin)
     for name, key, symbol, i in (("without it", "mm", "circle", 1), ("with it", "all_mm", "diamond", 0)):
         fig.add_scatter(
             x=x, y=[row[key] for row in rows], mode="markers", name=name, hovertemplate="%{y:.3g} mm",
-            marker={"size": 10, "color": HUES[i], "symbol": symbol}, row=1, col=1,
+            marker={"size": 10, "color": HUES[i], "symbol": symbol}, **panel(0),
         )  # fmt: skip
     fig.add_scatter(
         x=x, y=[100 * row["gone_share"] for row in rows], mode="markers", name="points gone", showlegend=False,
-        marker={"size": 10, "color": HUES[6]}, hovertemplate="%{y:.1f} %<extra></extra>", row=1, col=2,
+        marker={"size": 10, "color": HUES[6]}, hovertemplate="%{y:.1f} %<extra></extra>", **panel(1),
     )  # fmt: skip
-    names = labels(row["camera"] for row in rows)
-    for col, title in ((1, "σ per axis (mm)"), (2, "points gone (%)")):
-        fig.update_xaxes(**axis_style(), tickvals=x, ticktext=names, range=[-0.6, len(rows) - 0.4], row=1, col=col)
-        fig.update_yaxes(**axis_style(), title_text=title, rangemode="tozero", row=1, col=col)
-    return fig.update_xaxes(title_text="camera that is lost", ticks="")
+    return fig
 
 
 def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
@@ -141,24 +139,20 @@ def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
     columns, rows = min(COLUMNS, len(rig)), -(-len(rig) // COLUMNS)
     scale = _enlargement(float(np.nanquantile(size, 0.95)), float(np.median(edges[:, 1, 0] - edges[:, 0, 0])))
     titles = labels(rig.names)
-    gaps = {"vertical_spacing": 0.28 / rows, "horizontal_spacing": 0.05}
-    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
-    style = figure(90 + 210 * rows, margin={"l": 50, "r": 20, "t": 40, "b": 66}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
-    for c, camera in enumerate(rig):
-        place = {"row": c // COLUMNS + 1, "col": c % COLUMNS + 1}
-        _arrows(fig, cells[c], edges[c], scale, place)
-        width, height = camera.size if (camera.size > 0).all() else edges[c, 1]
-        plain = {**axis_style(), "showgrid": False, "zeroline": False}
-        fig.update_xaxes(**plain, range=[-0.5, float(width)], **place)
-        fig.update_yaxes(**plain, range=[float(height), -0.5], **place)
+    sizes = [camera.size if (camera.size > 0).all() else edges[c, 1] for c, camera in enumerate(rig)]
+    fig = panels(
+        90 + 210 * rows, (rows, columns), [image_axes(float(width), float(height)) for width, height in sizes],
+        titles=titles, gaps=(0.05, 0.28 / rows), margin={"l": 50, "r": 20, "t": 40, "b": 66},
+    )  # fmt: skip
+    for c in range(len(rig)):
+        _arrows(fig, cells[c], edges[c], scale, panel(c))
     return fig.add_annotation(
         text=f"drawn {scale:,.0f} times as long", showarrow=False, x=1, y=0, xref="paper", yref="paper", yshift=-50,
         xanchor="right", font={"color": FAINT, "size": 12},
     )  # fmt: skip
 
 
-def _arrows(fig: go.Figure, cells: Floats, edges: Floats, scale: float, place: dict[str, int]) -> None:
+def _arrows(fig: go.Figure, cells: Floats, edges: Floats, scale: float, place: dict[str, str]) -> None:
     nu, nv = cells.shape[:2]
     step = (edges[1] - edges[0]) / (nu, nv)
     at = edges[0] + (np.stack(np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij"), -1) + 0.5) * step

@@ -66,6 +66,12 @@ def axis_title(text: str | None) -> dict[str, Any]:
     return {"title": axis_style()["title"] | ({} if text is None else {"text": text})}
 
 
+def image_axes(right: float, lower: float, **more: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Axes of a panel that shows an image to these edges, px, v downwards; `more` is the y axis's."""
+    plain = {"showgrid": False, "zeroline": False}
+    return {**plain, "range": [-0.5, right]}, {**plain, "range": [lower, -0.5], **more}
+
+
 def domains(k: int, shape: tuple[int, int], gaps: tuple[float, float]) -> tuple[list[float], list[float]]:
     """From where to where the k-th panel goes, across and upwards, as shares of the whole."""
     row, column = divmod(k, shape[1])

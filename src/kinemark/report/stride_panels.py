@@ -18,6 +18,7 @@ from .panels import domains, panel, panels
 from .theme import FAINT
 
 COLUMNS = 3
+"""Panels side by side: the three planes; conventional."""
 PERCENT = np.linspace(0, 100, 101)
 """Of a stride, at its 101 points; conventional."""
 SMALL = {"size": 12}

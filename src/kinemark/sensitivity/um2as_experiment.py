@@ -26,9 +26,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import KinemarkError, Rig
+from ..data import KinemarkError
 from ..data.array_types import Floats
-from ..geometry import project_all, to_dlt
+from ..geometry import to_dlt
 from ..reconstruct.camera_pairs import agreeing
 from .dlt_samples import check_points, fit_parameters, pair_points
 from .dlt_samples import project as project_dlt
@@ -103,11 +103,6 @@ class LinearisedErrors:
                 f"({len(self.names)}, {len(self.points)}, 2), all known"
             )
         object.__setattr__(self, "L", fit_parameters(self.points, self.uv))
-
-    @classmethod
-    def of_rig(cls, rig: Rig, points: Floats = CONTROL_BALLS) -> LinearisedErrors:
-        """The linear cameras of a rig that sees all points (N, 3) mm, its lenses' distortion taken as if absent."""
-        return cls(rig.names, points, project_all(rig, points))
 
     @classmethod
     def of_parameters(cls, L: Floats, points: Floats = CONTROL_BALLS) -> LinearisedErrors:

@@ -157,6 +157,13 @@ def _precision(figures: Figures) -> Iterator[Finding]:
         yield make_finding("no_uncertainty_stated")
 
 
+def _room(figures: Figures) -> Iterator[Finding]:
+    room, own = figures["room"], figures["precision"]["sd_95_mm"] or 0.0
+    if room and room["sd_95_mm"] > own:
+        severity: Severity = "amber" if room["sd_95_mm"] > SD_AMBER_MM else "info"
+        yield make_finding("room_uncertain", severity=severity, sd_mm=room["sd_95_mm"])
+
+
 def _lens(figures: Figures) -> Iterator[Finding]:
     bare = [c["name"] for c in figures["cameras"] if not c["lens_fitted"] and not any(c["distortion"])]
     if bare:
@@ -179,5 +186,5 @@ def _moved(figures: Figures) -> Iterator[Finding]:
 
 CHECKS = (
     *(_judged, _residual, _unlike_others, _left_out, _points, _views, _loss, _image, *LENGTH_CHECKS),
-    *(_precision, _lens, _moved),
+    *(_precision, _room, _lens, _moved),
 )

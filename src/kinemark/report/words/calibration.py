@@ -107,6 +107,11 @@ CALIBRATION_WORDS = {
         "The standard deviation of a position reaches {sd_mm} per axis within 95\u00a0% of the volume.",
         "Set cameras wider apart or nearer, and use more calibration points.",
     ),
+    "room_uncertain": Words(
+        "Where the room is, is known less well than what is in it: all positions together may be off by {sd_mm} per "
+        "axis. Distances, angles and movements are not affected.",
+        "Record the L-frame longer, in the middle of the volume or with longer arms, where more cameras see it.",
+    ),
     "rays_nearly_parallel": Words(
         "In {volume_share} of the volume all rays meet at less than {limit_deg:0}, so depth is poorly known.",
         "Set the cameras wider apart.",

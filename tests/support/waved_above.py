@@ -13,12 +13,13 @@ ARMS = (600.0, 400.0)  # mm, of the L-frame
 
 
 class Laboratory(NamedTuple):
-    """The true rig in the L-frame's world, what cameras saw of the wand and of the L-frame, and places (N, 3) mm."""
+    """The true rig in the L-frame's world, what cameras saw of the wand and the L-frame, places (N, 3) mm; noise px."""
 
     true: Rig
     wand: Detections
     frame: Detections
     places: np.ndarray
+    noise: float
 
 
 def laboratory(seed, *, lens=(True, True, False), height=None, cameras=None, noise=None, frames=500, kind=None):
@@ -36,7 +37,7 @@ def laboratory(seed, *, lens=(True, True, False), height=None, cameras=None, noi
     still = np.repeat(arms[None], int(rng.integers(20, 100)), 0)
     moved = Rig(tuple(Camera(c.name, c.size, c.K, c.R, c.t + c.R @ corner, c.distortion) for c in rig), "made")
     grid = np.stack(np.meshgrid([-600, 0, 600], [-600, 0, 600], [600, 1200, 1800]), -1).reshape(-1, 3) - corner
-    return Laboratory(moved, _images(rig, wand, noise, rng), _images(rig, still, noise, rng), grid)
+    return Laboratory(moved, _images(rig, wand, noise, rng), _images(rig, still, noise, rng), grid, noise)
 
 
 def _rig(kind, n, lens, rng):

@@ -2,6 +2,7 @@
 
     python benchmarks/room.py 0-29                 a line a laboratory, and the table
     python benchmarks/room.py 0-29 --radial 1      with fewer lens terms than the lenses have
+    python benchmarks/room.py 0-29 --sideways      lenses with p1 and p2, which are not fitted
 
 Laboratories: `tests/support/waved_above.py`, 3 to 10 cameras, noise of 0.1 to 0.5 px, the L-frame on the floor below the
 wand, at the height of a table, or among its poses. Markers that rest at 27 places are reconstructed from the mean of 25
@@ -10,7 +11,7 @@ images a camera.
 **moved**: how far all of them lie from where they are in the room, mm; **σ room**: as `world_pose` states it there;
 **d²**: that motion's six parameters, squared, by their stated covariance: 6 on average where it is true. **apart** and
 **in the room**: how many of the 95 % ellipsoids hold the true place, without and with it (4); **rest**: once that
-motion is taken away.
+motion is taken away; **trend**: cameras whose residuals go with the place in the image (`lens_trend`).
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from kinemark.calibrate.bundle import BundleFit
 from kinemark.calibrate.l_frame import resting_l_frame
 from kinemark.calibrate.quality import WorldPose, predicted_covariance, world_pose
 from kinemark.calibrate.quality.calibration_evidence import residual_deviation
+from kinemark.calibrate.quality.lens_trend import lens_trend
 from kinemark.calibrate.wand import Wand, calibrate_wand
 from kinemark.calibrate.world_frame import fit_moved_to
 from kinemark.data import Detections, KinemarkError, Rig
@@ -54,6 +56,7 @@ class Judged(NamedTuple):
     apart: float
     room: float
     rest: float
+    trend: float
 
 
 def markers(detections: Detections, rig: Rig) -> list[Floats]:
@@ -106,7 +109,14 @@ def judged(seed: int, method: Wand, **made: object) -> Judged:
         inside(off, own),
         inside(off, own + added),
         inside(off - G @ p, own),
+        np.mean([_trend(fit, c) for c in range(len(fit.rig))]),
     )
+
+
+def _trend(fit: BundleFit, c: int) -> bool:
+    """Whether camera c has a trend."""
+    found = lens_trend(fit.rig[c], fit.xyz, np.where(fit.kept[c][:, None], fit.residual[c], np.nan))
+    return found is not None and found.px > 0
 
 
 def inside(off: Floats, cov: Floats) -> float:
@@ -118,12 +128,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("seeds", nargs="*", default=["0-29"], help="such as 3 or 40-49")
     parser.add_argument("--radial", type=int, default=2, help="lens terms that are fitted")
+    parser.add_argument("--sideways", action="store_true", help="lenses have p1 and p2")
     chosen = parser.parse_args()
     found = []
-    print("        cameras  moved  σ room     d²  apart  in the room  rest")
+    print("        cameras  moved  σ room     d²  apart  in the room  rest  trend")
     for seed in numbers(chosen.seeds):
         try:
-            one = judged(seed, Wand(radial=chosen.radial))
+            one = judged(seed, Wand(radial=chosen.radial), lens=(True, True, chosen.sideways))
         except KinemarkError as error:
             print(f"{seed:6d}  refused: {str(error)[:100]}", flush=True)
             continue
@@ -136,7 +147,7 @@ def row(one: Judged) -> str:
     """A line of the table."""
     return (
         f"{one.cameras:8.3g} {one.moved:6.2f} {one.stated:7.2f} {one.d2:6.1f}"
-        f" {one.apart:6.0%} {one.room:12.0%} {one.rest:5.0%}"
+        f" {one.apart:6.0%} {one.room:12.0%} {one.rest:5.0%} {one.trend:6.0%}"
     )
 
 

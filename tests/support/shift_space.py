@@ -247,7 +247,9 @@ def _(by):
     alone = kinemark.predicted_covariance(cameras, xyz, centroid_sd=0.1, without=(1,))
     world = quality.world_pose(cameras, joint, xyz, centroid_sd=0.1)
     common = (world.cov, world.spread, world.at(xyz))
-    return Answer(world.centre, rest=(spread, alone, common, said.information, said.noise, quality.visible(cameras, xyz)))
+    return Answer(
+        world.centre, rest=(spread, alone, common, said.information, said.noise, quality.visible(cameras, xyz))
+    )
 
 
 @law(quality.compare, quality.image_coverage, mm=1e-6, share=OPEN)

@@ -52,7 +52,9 @@ def _camera(name, place, target, lens, rng):
     R = looking(place, target)
     terms = np.array([rng.uniform(-0.15, -0.04), rng.uniform(0.02, 0.08), *rng.choice([-1, 1], 2) * 1.5e-3, 0.0])
     terms *= np.array([lens[0], lens[1], lens[2], lens[2], 0.0])
-    return Camera(name, size, np.array([[focal, 0, middle[0]], [0, focal, middle[1]], [0, 0, 1.0]]), R, -R @ place, terms)
+    return Camera(
+        name, size, np.array([[focal, 0, middle[0]], [0, focal, middle[1]], [0, 0, 1.0]]), R, -R @ place, terms
+    )
 
 
 def _sticks(frames, along, rng):

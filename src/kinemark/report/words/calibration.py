@@ -28,6 +28,13 @@ def _indispensable(found: Finding) -> str:
     return fill(f"Much rests on {{cameras}}: without it the error is {{ratio}} times as large{lost}.", found)
 
 
+def _lens_advice(found: Finding) -> str:
+    radial = "more radial terms (radial = 2 or 3)" if found.values["radial"] else ""
+    sideways = "tangential = true, or principal_point = true" if found.values["sideways"] else ""
+    wanted = " and ".join(filter(None, (radial, sideways)))
+    return f"Fit {wanted} in [calibrate], or linearise the lenses anew."
+
+
 def _one_place(found: Finding) -> str:
     return f"Cameras {' and '.join(found.cameras)} stand at the same place."
 
@@ -123,6 +130,11 @@ CALIBRATION_WORDS = {
     "no_lens_correction": Words(
         "{Cameras} {cameras:has|have} no lens correction.",
         "With eleven points or more, or a linearisation grid, the lens is measured too.",
+    ),
+    "lens_term_missing": Words(
+        "In {cameras} the residuals go with the place in the image, by {max_px:2} RMS, {noise_share} of their noise: the "
+        "lenses have terms that were not fitted. Positions are off by more than their standard deviation says.",
+        _lens_advice,
     ),
     "grid_rows_bent": Words(
         "Rows of the linearisation grid stay bent in {cameras}.",

@@ -6,7 +6,7 @@ import numpy as np
 
 from kinemark.data import Camera, Detections, Rig
 
-from .scenes.placements import places, looking, seen
+from .scenes.placements import looking, places, seen
 
 GAPS = (180.0, 320.0)  # mm, of the wand
 ARMS = (600.0, 400.0)  # mm, of the L-frame

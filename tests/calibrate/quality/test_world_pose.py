@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from room import judged
 
 from kinemark.calibrate.quality import block_diagonal, world_pose
 from kinemark.calibrate.resection import moved
@@ -11,7 +12,6 @@ from kinemark.calibrate.wand import Wand
 from kinemark.data import Rig
 from kinemark.geometry import project_all, refine, triangulate, undistort
 from kinemark.synth import ring
-from room import judged
 
 ARMS = np.array([[300.0, 200, 0], [900, 200, 0], [300, 600, 0]])
 COV = np.diag([0.0] * 9 + [4e-8] * 3 + [0.16] * 3)  # turns known to 0.2 mrad, places to 0.4 mm

@@ -48,7 +48,7 @@ def test_an_l_frame_puts_the_room_as_far_off_as_is_stated(frames, free):
 
 def test_it_grows_away_from_the_l_frame_and_is_the_same_for_neighbours():
     world = world_pose(RIG, block_diagonal(RIG), ARMS, centroid_sd=NOISE)
-    near, far = world.at(np.array([world.centre, world.centre + [0, 0, 1800.0]]))
+    near, far = world.at(np.array([world.centre, world.centre + np.array([0, 0, 1800.0])]))
     assert np.trace(far) > 4 * np.trace(near)
     assert np.linalg.eigvalsh(near).min() > 0
 
@@ -56,7 +56,7 @@ def test_it_grows_away_from_the_l_frame_and_is_the_same_for_neighbours():
 def test_points_that_do_not_fix_a_room_say_nothing():
     row = ARMS[0] + np.outer([0.0, 300, 600], [1.0, 0, 0])
     assert world_pose(RIG, block_diagonal(RIG), row, centroid_sd=NOISE) is None
-    assert world_pose(RIG, block_diagonal(RIG), ARMS + [0, 0, 9000.0], centroid_sd=NOISE) is None
+    assert world_pose(RIG, block_diagonal(RIG), ARMS + np.array([0, 0, 9000.0]), centroid_sd=NOISE) is None
 
 
 def test_positions_in_a_room_that_is_off_are_within_what_is_stated():

@@ -2,7 +2,8 @@
 
 `predicted_covariance` predicts the covariance of a marker's position, `volume` maps it over the control volume, with
 all cameras and without each; `image_coverage` says where in its image a camera was calibrated; `wand` judges by poses
-that took no part; `world_pose` says how well the room is known; `change` compares with a former calibration. `calibration_evidence` holds all that a verdict needs.
+that took no part; `world_pose` says how well the room is known; `change` compares with a former calibration.
+`calibration_evidence` holds all that a verdict needs.
 """
 
 from .calibration_evidence import Check, Evidence, centroid_deviation

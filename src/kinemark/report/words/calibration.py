@@ -132,8 +132,8 @@ CALIBRATION_WORDS = {
         "With eleven points or more, or a linearisation grid, the lens is measured too.",
     ),
     "lens_term_missing": Words(
-        "In {cameras} the residuals go with the place in the image, by {max_px:2} RMS, {noise_share} of their noise: the "
-        "lenses have terms that were not fitted. Positions are off by more than their standard deviation says.",
+        "In {cameras} the residuals go with the place in the image, by {max_px:2} RMS, {noise_share} of their noise: "
+        "the lenses have terms that were not fitted. Positions are off by more than their standard deviation says.",
         _lens_advice,
     ),
     "grid_rows_bent": Words(

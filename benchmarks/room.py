@@ -5,8 +5,8 @@
     python benchmarks/room.py 0-29 --sideways      lenses with p1 and p2, which are not fitted
 
 Laboratories: `tests/support/waved_above.py`, 3 to 10 cameras, noise of 0.1 to 0.5 px, the L-frame on the floor below
-the wand, at the height of a table, or among its poses. Markers that rest at 27 places are reconstructed from the mean of 25
-images a camera.
+the wand, at the height of a table, or among its poses. Markers that rest at 27 places are reconstructed from the mean
+of 25 images a camera.
 
 **moved**: how far all of them lie from where they are in the room, mm; **σ room**: as `world_pose` states it there;
 **d²**: that motion's six parameters, squared, by their stated covariance: 6 on average where it is true. **apart** and
@@ -109,7 +109,7 @@ def judged(seed: int, method: Wand, **made: object) -> Judged:
         inside(off, own),
         inside(off, own + added),
         inside(off - G @ p, own),
-        np.mean([_trend(fit, c) for c in range(len(fit.rig))]),
+        float(np.mean([_trend(fit, c) for c in range(len(fit.rig))])),
     )
 
 

@@ -87,8 +87,8 @@ CALIBRATION_KINDS = (
          "is not known."),
     Kind("no_lens_correction", "calibrate", "info", "These cameras have no lens correction."),
     Kind("lens_term_missing", "calibrate", "amber", "Residuals of these cameras go with the place in the image, RMS "
-         "and as a share of their noise: lens terms that were not fitted, radial ones, or sideways ones (tangential, or "
-         "the principal point). Info where it does no harm.",
+         "and as a share of their noise: lens terms that were not fitted, radial ones, or sideways ones (tangential, "
+         "or the principal point). Info where it does no harm.",
          {"max_px": "px", "noise_share": "share", "radial": "flag", "sideways": "flag"}),
     Kind("grid_rows_bent", "calibrate", "amber", "Rows of the linearisation grid stay bent in these cameras."),
     Kind("cameras_moved_since", "calibrate", "info", "These cameras moved against the others since the former "

@@ -1,8 +1,8 @@
 """Whether a lens term is missing: residuals that go with the place in the image.
 
 The residuals r of a camera's n images, px, are at right angles to what was fitted: to the columns A of dr / d
-parameters that were free. A term that was held, though the lens has it, leaves what the free ones cannot imitate. With B the
-columns of held terms, without what A explains of them, the terms that explain most are those of the least squares
+parameters that were free. A term that was held, though the lens has it, leaves what the free ones cannot imitate.
+With B the columns of held terms, without what A explains of them, the terms that explain most are those of the least squares
 
     c = B⁺ r,    trend = B c,    gain = |trend|² / s²,    s² = |r − trend|² / 2 n        (1)
 
@@ -57,7 +57,7 @@ def lens_trend(camera: Camera, xyz: Floats, residual: Floats) -> LensTrend | Non
     both = _trend(T, free, groups, r)
     noise = float(((r - both) ** 2).mean())
     size = float((both**2).mean())
-    if scipy.stats.chi2.sf(size * len(r) / noise, int(sum(groups).sum())) > CHANCE:
+    if scipy.stats.chi2.sf(size * len(r) / noise, int(np.sum(groups))) > CHANCE:
         return NONE
     alone = [float((_trend(T, free, [group], r) ** 2).mean()) if group.any() else 0.0 for group in groups]
     named = zip(("radial", "sideways"), alone, alone[::-1], strict=True)

@@ -2,7 +2,8 @@
 
 The residuals r of a camera's n images, px, are at right angles to what was fitted: to the columns A of dr / d
 parameters that were free. A term that was held, though the lens has it, leaves what the free ones cannot imitate.
-With B the columns of held terms, without what A explains of them, the terms that explain most are those of the least squares
+With B the columns of held terms, without what A explains of them, the terms that explain most are those of
+the least squares
 
     c = B⁺ r,    trend = B c,    gain = |trend|² / s²,    s² = |r − trend|² / 2 n        (1)
 

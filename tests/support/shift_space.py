@@ -235,6 +235,7 @@ def _(by):
     quality.visible,
     quality.views,
     quality.covariance_from,
+    quality.world_pose,
     share=OPEN,
 )
 def _(by):
@@ -244,7 +245,11 @@ def _(by):
     apart = quality.apart_from_frame(cameras, joint, xyz, centroid_sd=0.1)
     spread = [quality.covariance_from(said, each) for each in (joint, apart)]
     alone = kinemark.predicted_covariance(cameras, xyz, centroid_sd=0.1, without=(1,))
-    return Answer(rest=(spread, alone, said.information, said.noise, quality.visible(cameras, xyz)))
+    world = quality.world_pose(cameras, joint, xyz, centroid_sd=0.1)
+    common = (world.cov, world.spread, world.at(xyz))
+    return Answer(
+        world.centre, rest=(spread, alone, common, said.information, said.noise, quality.visible(cameras, xyz))
+    )
 
 
 @law(quality.compare, quality.image_coverage, mm=1e-6, share=OPEN)

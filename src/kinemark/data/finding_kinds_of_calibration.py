@@ -78,11 +78,18 @@ CALIBRATION_KINDS = (
          "frames, which were left out.", {"frame_count": "count", "read_frames": "count", "off_mm": "mm"}),
     Kind("precision_low", "calibrate", "amber", "Standard deviation of a position per axis in 95 % of the volume; red "
          "above 10 mm.", {"sd_mm": "mm"}),
+    Kind("room_uncertain", "calibrate", "info", "All positions together may lie elsewhere in the room by more than "
+         "they are uncertain by themselves: standard deviation per axis in 95 % of the volume. Amber above 2 mm.",
+         {"sd_mm": "mm"}),
     Kind("rays_nearly_parallel", "calibrate", "amber", "In that share of the volume all rays meet at a small angle.",
          {"volume_share": "share", "limit_deg": "deg"}),
     Kind("no_uncertainty_stated", "calibrate", "amber", "The calibration states no uncertainty: what error it leaves "
          "is not known."),
     Kind("no_lens_correction", "calibrate", "info", "These cameras have no lens correction."),
+    Kind("lens_term_missing", "calibrate", "amber", "Residuals of these cameras go with the place in the image, RMS "
+         "and as a share of their noise: lens terms that were not fitted, radial ones, or sideways ones (tangential, "
+         "or the principal point). Info where it does no harm.",
+         {"max_px": "px", "noise_share": "share", "radial": "flag", "sideways": "flag"}),
     Kind("grid_rows_bent", "calibrate", "amber", "Rows of the linearisation grid stay bent in these cameras."),
     Kind("cameras_moved_since", "calibrate", "info", "These cameras moved against the others since the former "
          "calibration."),
@@ -109,6 +116,9 @@ CALIBRATION_KINDS = (
     Kind("predicted_deviation", "calibrate", "info", "Standard deviation of a position in 95 % of the volume, along an "
          "axis and along its largest axis, for centroids of that noise.",
          {"centroid_sd_px": "px", "calibration_known": "flag", "sd_mm": "mm", "largest_axis_mm": "mm"}),
+    Kind("room_deviation", "calibrate", "info", "Standard deviation per axis in 95 % of the volume by which all "
+         "positions together may lie elsewhere in the room, and of the turn and the shift where it was given.",
+         {"sd_mm": "mm", "turn_deg": "deg", "origin_mm": "mm"}),
     Kind("volume_seen", "calibrate", "info", "Shares of the volume that two and three cameras see, and how many times "
          "as large the error is without the camera that matters most.",
          {"two_share": "share", "three_share": "share", "ratio": "ratio"}),

@@ -139,4 +139,6 @@ TRIAL_KINDS = (
          {"residual_px": "px", "at_subject_mm": "mm"}),
     Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis, and how much "
          "of it is noise from frame to frame.", {"sd_mm": "mm", "noise_mm": "mm"}),
+    Kind("room_deviation_of_trial", "calibrate", "info", "Standard deviation per axis by which all positions of the "
+         "trial together may lie elsewhere in the room; it is in none of their own.", {"sd_mm": "mm"}),
 )  # fmt: skip

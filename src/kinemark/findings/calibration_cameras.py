@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..calibrate.quality import Evidence, VolumeMap, image_coverage, points_of
+from ..calibrate.quality.lens_trend import lens_trend
 from ..data import Camera, Rig
 from ..data.array_types import Floats
 from ..geometry.camera import pixels
@@ -36,6 +37,7 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
         "aim_volume_max_px": quantile(cover.aim_volume, 1.0),
         "bend": _bend(camera),
         "without": _without(grid, c),
+        "lens_trend": _trend(camera, c, evidence),
     }
 
 
@@ -50,6 +52,15 @@ def _camera_fit(camera: Camera, c: int, evidence: Evidence) -> dict[str, Any]:
         "points_left_out": int((seen & ~kept).sum()),
         "left_out_rms_px": rms(evidence.left_out[c][kept]) if evidence.left_out.size else None,
     }
+
+
+def _trend(camera: Camera, c: int, evidence: Evidence) -> dict[str, Any] | None:
+    """How residuals go with the place in the image; None where too few tell."""
+    if not len(evidence.uv):
+        return None
+    kept = np.where(evidence.kept[c][:, None], evidence.residual[c], np.nan)
+    found = lens_trend(camera, evidence.xyz, kept)
+    return None if found is None else {"rms_px": found.px, "of_noise": found.ratio, "terms": found.terms}
 
 
 def _without(grid: VolumeMap, c: int) -> dict[str, Any]:

@@ -43,6 +43,9 @@ POINT_RATIO = 4.0
 Chosen."""
 MOVED_MM, MOVED_PX = 2.0, 1.0
 """A camera that has moved by so much since the former calibration is named; chosen."""
+TREND_RATIO, TREND_PX = 0.1, 0.02
+"""Residuals that go with the place in the image by so much of their noise, and by so many px, make errors of positions
+that are not in their deviation; chosen (see benchmarks/room.py): from .13 on, ellipsoids of means of 25 images fail."""
 FLAT_DEG = 20
 """Rays that meet at less leave the depth poorly known; chosen (see studies/calibration_quality.py)."""
 
@@ -157,6 +160,13 @@ def _precision(figures: Figures) -> Iterator[Finding]:
         yield make_finding("no_uncertainty_stated")
 
 
+def _room(figures: Figures) -> Iterator[Finding]:
+    room, own = figures["room"], figures["precision"]["sd_95_mm"] or 0.0
+    if room and room["sd_95_mm"] > own:
+        severity: Severity = "amber" if room["sd_95_mm"] > SD_AMBER_MM else "info"
+        yield make_finding("room_uncertain", severity=severity, sd_mm=room["sd_95_mm"])
+
+
 def _lens(figures: Figures) -> Iterator[Finding]:
     bare = [c["name"] for c in figures["cameras"] if not c["lens_fitted"] and not any(c["distortion"])]
     if bare:
@@ -166,6 +176,21 @@ def _lens(figures: Figures) -> Iterator[Finding]:
     bent = [s["name"] for s in figures["straightness"] if (s["after_px"] or 0) > CALIBRATION_AMBER_PX]
     if bent:
         yield make_finding("grid_rows_bent", cameras=bent)
+
+
+def _lens_trend(figures: Figures) -> Iterator[Finding]:
+    """Lens terms that were held though the images have them, the worst camera's figures."""
+    trends = {c["name"]: c["lens_trend"] for c in figures["cameras"] if c["lens_trend"] and c["lens_trend"]["rms_px"]}
+    named = {name: trend["rms_px"] for name, trend in trends.items()}
+    if named:
+        worst = max(trends.values(), key=lambda trend: float(trend["of_noise"]))
+        harm = worst["of_noise"] > TREND_RATIO and max(named.values()) > TREND_PX
+        severity: Severity = "amber" if harm else "info"
+        terms = {term for trend in trends.values() for term in trend["terms"].split(", ")}
+        yield make_finding(
+            "lens_term_missing", severity=severity, cameras=named, max_px=max(named.values()),
+            noise_share=worst["of_noise"], radial="radial" in terms, sideways="sideways" in terms,
+        )  # fmt: skip
 
 
 def _moved(figures: Figures) -> Iterator[Finding]:
@@ -179,5 +204,5 @@ def _moved(figures: Figures) -> Iterator[Finding]:
 
 CHECKS = (
     *(_judged, _residual, _unlike_others, _left_out, _points, _views, _loss, _image, *LENGTH_CHECKS),
-    *(_precision, _lens, _moved),
+    *(_precision, _room, _lens, _lens_trend, _moved),
 )

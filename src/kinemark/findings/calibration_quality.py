@@ -26,6 +26,7 @@ from .calibration_points import control_point_figures, wand_figures
 from .calibration_verdict import calibration_verdict
 from .cameras import upwards
 from .plain import SCHEMA_VERSION, over_volume, plain, quantile, rms, share
+from .room import room_figures
 
 MANY = 20
 """Points from which the box around them is a volume; chosen (see studies/calibration_quality.py)."""
@@ -59,6 +60,7 @@ def calibration_figures(
             "surveyed": evidence.surveyed,
             "volume": {"corners_mm": volume, "given": given},
             "precision": _precision(grid, sd, rig, evidence),
+            "room": room_figures(evidence.world, volume),
             "fit": _fit(rig, evidence),
             "cameras": [calibrated_camera(rig, c, evidence, grid) for c in range(len(rig))],
             "points": control_point_figures(rig, evidence) if evidence.surveyed else [],
@@ -102,7 +104,7 @@ def judged_volume(rig: Rig, evidence: Evidence) -> Floats:
 
 def headline_figures(figures: Mapping[str, Any]) -> dict[str, Any]:
     """The few figures that go into the `[metadata]` of rig.toml, where other programs may read them."""
-    fit, precision = figures["fit"], figures["precision"]
+    fit, precision, room = figures["fit"], figures["precision"], figures["room"]
     few = {
         "verdict": figures["verdict"]["grade"],
         "residual_rms_px": fit["residual_rms_px"],
@@ -110,6 +112,7 @@ def headline_figures(figures: Mapping[str, Any]) -> dict[str, Any]:
         "centroid_sd_px": precision["centroid_sd_px"],
         "sd_per_axis_median_mm": precision["sd_median_mm"],
         "sd_per_axis_95_mm": precision["sd_95_mm"],
+        "room_sd_per_axis_95_mm": room and room["sd_95_mm"],
     }
     return {key: value for key, value in few.items() if value is not None}
 

@@ -56,6 +56,9 @@ def _statements(figures: Figures) -> Iterator[Finding]:
             sd_mm=precision["sd_95_mm"],
             largest_axis_mm=precision["largest_axis_95_mm"],
         )
+    if figures["room"]:
+        keys = {"sd_mm": "sd_95_mm", "turn_deg": "turn_sd_deg", "origin_mm": "centre_sd_mm"}
+        yield make_finding("room_deviation", **{name: figures["room"][key] for name, key in keys.items()})
     yield _coverage(figures)
 
 

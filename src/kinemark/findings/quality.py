@@ -18,6 +18,7 @@ from ..version import __version__
 from .cameras import camera_figures, residuals
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
+from .room import room_at
 from .trial_findings import trial_findings, trial_verdict
 
 
@@ -75,6 +76,7 @@ def quality(
                 "method": rig.method,
                 "cameras_not_used": [n for n in rig.names if n not in rig_used.names],
                 **({key: judged[key] for key in ("verdict", "findings", "precision")} if judged else {}),
+                "room": room_at(judged.get("room") if judged else None, positions(trajectories).reshape(-1, 3)),
             },
             "volume": _volume(rig, trajectories),
             "cameras": cameras,

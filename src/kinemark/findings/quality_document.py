@@ -75,6 +75,27 @@ class RecordingData(TypedDict):
 
 
 @documented
+class RoomData(TypedDict):
+    """How well the room is known that an L-frame gave: an error that all positions have in common.
+
+    It is in no covariance of a position, and changes no distance and no angle between markers.
+    """
+
+    sd_median_mm: Number
+    """Per axis, as all deviations here; over the calibration's volume."""
+    sd_95_mm: Number
+    sd_at_subject_mm: Number
+    """Over the positions of this trial."""
+    turn_sd_deg: Number
+    centre_sd_mm: Number
+    centre_mm: Point
+    """Where the points lie that gave the room."""
+    spread_mm: float
+    covariance: list[list[float]]
+    """Of a turn, rad, a shift, mm, and a growth, mm over `spread_mm`, all about `centre_mm`."""
+
+
+@documented
 class CalibrationData(TypedDict):
     """The calibration, and how it was judged where it was."""
 
@@ -83,6 +104,7 @@ class CalibrationData(TypedDict):
     verdict: NotRequired[VerdictData]
     findings: NotRequired[list[FindingData]]
     precision: NotRequired[dict[str, float | bool | None]]
+    room: NotRequired[RoomData | None]
 
 
 @documented

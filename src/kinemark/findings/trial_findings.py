@@ -112,6 +112,8 @@ def _statements(figures: Figures) -> Findings:
     if markers["sd_per_axis_mean_mm"] is not None:
         noise = markers["jitter_median_mm"]
         yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"], noise_mm=noise)
+        if room := figures["calibration"].get("room"):
+            yield make_finding("room_deviation_of_trial", sd_mm=room["sd_at_subject_mm"])
 
 
 def _complete(figures: Figures) -> Finding:

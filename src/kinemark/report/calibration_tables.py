@@ -20,6 +20,15 @@ def calibration_tiles(figures: dict[str, Any]) -> list[Tile]:
         Tile(percent(1 - precision["fewer_than_3_cameras_share"]), "seen by three cameras or more",
          f"by two {percent(1 - precision['fewer_than_2_cameras_share'])}"),
     ]  # fmt: skip
+    if figures["room"]:
+        room = figures["room"]
+        cells.append(
+            Tile(
+                millimetres(room["sd_95_mm"]),
+                "σ of the room per axis, common to all positions",
+                f"half of the volume {millimetres(room['sd_median_mm'])}",
+            )
+        )
     if wand:
         error = millimetres(wand["error_abs_mean_mm"])
         cells[2] = Tile(error, "wand's length, mean error", f"{count(wand['poses'], 'pose')} left out")

@@ -72,6 +72,11 @@ def test_a_wand_and_an_l_frame_calibrate_a_session(waved):
     assert figures["checks"][0]["known_mm"] == 800
     assert abs(figures["checks"][0]["found_mm"] - 800) < 1
     assert figures["verdict"]["grade"] != "red"
+    room = figures["room"]
+    assert 0 < room["centre_sd_mm"] < room["sd_median_mm"] < room["sd_95_mm"] < 1.0
+    assert result.quality["calibration"]["room"]["covariance"] == room["covariance"]
+    assert 0 < result.quality["calibration"]["room"]["sd_at_subject_mm"] < 1.0
+    assert "room_deviation_of_trial" in [one["kind"] for one in result.quality["verdict"]["statements"]]
     assert figures["fit"]["left_out_rms_px"] == pytest.approx(0.05 * np.sqrt(2), rel=0.3)
 
 

@@ -2,7 +2,8 @@
 
 `predicted_covariance` predicts the covariance of a marker's position, `volume` maps it over the control volume, with
 all cameras and without each; `image_coverage` says where in its image a camera was calibrated; `wand` judges by poses
-that took no part; `change` compares with a former calibration. `calibration_evidence` holds all that a verdict needs.
+that took no part; `world_pose` says how well the room is known; `change` compares with a former calibration.
+`calibration_evidence` holds all that a verdict needs.
 """
 
 from .calibration_evidence import Check, Evidence, centroid_deviation
@@ -18,6 +19,7 @@ from .predicted_covariance import (
 )
 from .volume import VolumeMap, map_volume, points_of, view_volume, volume_grid
 from .wand import judge_poses
+from .world_pose import WorldPose, world_pose
 
 __all__ = [
     "Change",
@@ -25,6 +27,7 @@ __all__ = [
     "Evidence",
     "ImageCoverage",
     "VolumeMap",
+    "WorldPose",
     "apart_from_frame",
     "block_diagonal",
     "centroid_deviation",
@@ -39,4 +42,5 @@ __all__ = [
     "views",
     "visible",
     "volume_grid",
+    "world_pose",
 ]

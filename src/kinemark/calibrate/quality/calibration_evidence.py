@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...data import Finding, Rig
 from ...data.array_types import Floats
 from ..control_points.judgement import Judgement
+from .world_pose import WorldPose
 
 FALLBACK_SD = 0.2
 """px; a centroid's, where a calibration says nothing of its residuals; chosen (see studies/calibration_quality.py)."""
@@ -46,6 +47,7 @@ class Evidence:
         known: (L) lengths on the wand, mm; lengths: (F, L) as poses that took no part give them, mm; place: (F, 3) mm.
         checks: lengths that took no part.
         joint: (15 C, 15 C) covariance of all cameras together, or None where each was calibrated by itself.
+        world: the error of the room, where points at known places gave it afterwards; it is not in `joint`.
         freedom: equations more than parameters, over all cameras; 0 where unknown.
         straight: name, and px RMS by which rows of the linearisation grid are bent before and after, of each camera.
         judged: whether it is good and why not, where the way has a judgement of its own.
@@ -66,6 +68,7 @@ class Evidence:
     place: Floats = field(default_factory=lambda: _none(0, 3))
     checks: tuple[Check, ...] = ()
     joint: Floats | None = None
+    world: WorldPose | None = None
     freedom: int = 0
     straight: tuple[tuple[str, float, float], ...] = ()
     judged: Judgement | None = None
@@ -80,9 +83,14 @@ def centroid_deviation(rig: Rig, evidence: Evidence) -> float:
     s² = Σ r² / ν. Without residuals the rig's own count, and without those a usual value stands.
     """
     used = evidence.residual[evidence.kept]
-    n, free = 2 * len(used), evidence.freedom
-    if n:
-        return max(float(np.sqrt((used**2).sum() / (free if 0 < free <= n else n))), LEAST_SD)
+    if len(used):
+        return residual_deviation(used, evidence.freedom)
     stated = np.array([camera.residual for camera in rig])
     stated = stated[np.isfinite(stated)]
     return max(float(np.sqrt((stated**2).mean() / 2)), LEAST_SD) if len(stated) else FALLBACK_SD
+
+
+def residual_deviation(used: Floats, freedom: int) -> float:
+    """s of residuals (n, 2) px that took part in a fit with ν degrees of freedom, px, at least `LEAST_SD`."""
+    n = used.size
+    return max(float(np.sqrt((used**2).sum() / (freedom if 0 < freedom <= n else n))), LEAST_SD)

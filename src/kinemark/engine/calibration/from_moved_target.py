@@ -132,6 +132,7 @@ def _placed(task: Task, fitted: FittedRig, way: str) -> RigWithEvidence:
         place=fit.xyz.reshape(-1, k, 3).mean(1),
         checks=placed.checks,
         joint=fit.joint,
+        world=placed.world,
         freedom=fit.freedom,
         straight=fitted.lenses.straight,
         findings=(*fitted.lenses.findings, *placed.findings),

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...calibrate.bundle import BundleFit
 from ...calibrate.l_frame import RestingLFrame, resting_l_frame
-from ...calibrate.quality import Check
+from ...calibrate.quality import Check, WorldPose, world_pose
+from ...calibrate.quality.calibration_evidence import residual_deviation
 from ...calibrate.world_frame import fit_moved_to, fit_scaled
 from ...data import Detections, Finding, KinemarkError, Rig, make_finding
 from ...data.array_types import Floats
@@ -25,11 +26,12 @@ Chosen."""
 
 
 class PlacedRig(NamedTuple):
-    """A fit in the world that was wanted; checks of lengths that took no part; and findings."""
+    """A fit in the world that was wanted; checks of lengths that took no part; findings; how well the room is known."""
 
     fit: BundleFit
     checks: tuple[Check, ...] = ()
     findings: tuple[Finding, ...] = ()
+    world: WorldPose | None = None
 
 
 def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
@@ -43,10 +45,11 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
     distance = calibration.single_marker.distance if calibration.single_marker else None
     if distance is not None:
         fit, unscaled = fit_scaled(fit, distance.mm / _apart(task, fit.rig, distance)), False
+    frames = 1
     if calibration.l_frame:
         frame = _l_frame(task, fit.rig, calibration.l_frame, unscaled)
         what, seen, known = "The long arm of the L-frame", frame.seen, frame.known
-        findings = _moved(frame)
+        findings, frames = _moved(frame), frame.frames - frame.moved
     elif calibration.world_points:
         what, seen, known = _world_points(task, fit.rig)
     elif task.settings.volume_mm is not None:
@@ -57,7 +60,10 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
     else:
         return PlacedRig(fit, findings=(make_finding("world_of_first_camera"),))
     checks = () if unscaled else _checks(what, seen, known)
-    return PlacedRig(fit_moved_to(fit, seen, known, scale=unscaled), checks, findings)
+    fit = fit_moved_to(fit, seen, known, scale=unscaled)
+    sd = residual_deviation(fit.residual[fit.kept], fit.freedom)
+    world = world_pose(fit.rig, fit.joint, known, centroid_sd=sd, frames=frames, grows=unscaled)
+    return PlacedRig(fit, checks, findings, world)
 
 
 def _moved(frame: RestingLFrame) -> tuple[Finding, ...]:

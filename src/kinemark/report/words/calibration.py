@@ -28,6 +28,13 @@ def _indispensable(found: Finding) -> str:
     return fill(f"Much rests on {{cameras}}: without it the error is {{ratio}} times as large{lost}.", found)
 
 
+def _lens_advice(found: Finding) -> str:
+    radial = "more radial terms (radial = 2 or 3)" if found.values["radial"] else ""
+    sideways = "tangential = true, or principal_point = true" if found.values["sideways"] else ""
+    wanted = " and ".join(filter(None, (radial, sideways)))
+    return f"Fit {wanted} in [calibrate], or linearise the lenses anew."
+
+
 def _one_place(found: Finding) -> str:
     return f"Cameras {' and '.join(found.cameras)} stand at the same place."
 
@@ -107,6 +114,11 @@ CALIBRATION_WORDS = {
         "The standard deviation of a position reaches {sd_mm} per axis within 95\u00a0% of the volume.",
         "Set cameras wider apart or nearer, and use more calibration points.",
     ),
+    "room_uncertain": Words(
+        "Where the room is, is known less well than what is in it: all positions together may be off by {sd_mm} per "
+        "axis. Distances, angles and movements are not affected.",
+        "Record the L-frame longer, in the middle of the volume or with longer arms, where more cameras see it.",
+    ),
     "rays_nearly_parallel": Words(
         "In {volume_share} of the volume all rays meet at less than {limit_deg:0}, so depth is poorly known.",
         "Set the cameras wider apart.",
@@ -118,6 +130,11 @@ CALIBRATION_WORDS = {
     "no_lens_correction": Words(
         "{Cameras} {cameras:has|have} no lens correction.",
         "With eleven points or more, or a linearisation grid, the lens is measured too.",
+    ),
+    "lens_term_missing": Words(
+        "In {cameras} the residuals go with the place in the image, by {max_px:2} RMS, {noise_share} of their noise: "
+        "the lenses have terms that were not fitted. Positions are off by more than their standard deviation says.",
+        _lens_advice,
     ),
     "grid_rows_bent": Words(
         "Rows of the linearisation grid stay bent in {cameras}.",

@@ -215,6 +215,15 @@ VERDICT_WORDS = {
     "wand_lengths": Words(_wand_lengths),
     "length_check": Words("{length}, which took no part: {known_mm:2} as measured, {found_mm:2} by the cameras."),
     "predicted_deviation": Words(_predicted),
+    "room_deviation": Words(
+        "These are errors of positions relative to each other. In the room all of them together may besides be off by "
+        "{sd_mm} per axis in 95\u00a0% of the volume, the same in every frame: what says where the room is turns them "
+        "by {turn_deg:3} and shifts them by {origin_mm:2} (standard deviations per axis)."
+    ),
+    "room_deviation_of_trial": Words(
+        "In the room all positions together may besides be off by {sd_mm:2} per axis (standard deviation), the same in "
+        "every frame. It changes no distance and no angle."
+    ),
     "volume_seen": Words(_volume_seen),
     "gaps_filled": Words(_gaps_filled),
     "nothing_to_fill": Words("There was nothing to fill"),

@@ -6,10 +6,12 @@ import { get, set, useStore, watched } from "../src/state/store";
 import { alternative, HEADER, path, problem, PROBLEMS, set as paths } from "./support";
 
 const answer: { paths: PathsPart | null; header?: TrialHeader; outcomes?: object[] } = vi.hoisted(() => ({ paths: null }));
+const shown: { paths: PathsPart | null } = vi.hoisted(() => ({ paths: null }));
 const said: Act[] = [], answers: ((problems: Problems) => void)[] = [];
 vi.mock("../src/api/client", async (real) => ({
   ...(await real<object>()),
   act: (_id: string, _head: string, what: Act) => (said.push(what), Promise.resolve({ entry: 1, outcomes: [], head: "", changed: [], removed: [], header: HEADER, ...answer })),
+  preview: () => Promise.resolve(shown.paths && { outcomes: [], changed: ["LKNE"], removed: [], paths: shown.paths, join: null }),
   problems: () => new Promise<Problems>((done) => answers.push(done)),
 }));
 vi.stubGlobal("requestAnimationFrame", (draw: () => void) => (queueMicrotask(draw), 1));
@@ -18,6 +20,7 @@ vi.stubGlobal("location", { search: "?still", hash: "" });
 /** ms after which the page was drawn, and what was asked for then is under way. */
 const DRAWN_MS = 20;
 const soon = (): Promise<unknown> => new Promise((done) => setTimeout(done, DRAWN_MS));
+const base64Of = (of: ArrayBufferView): string => btoa(String.fromCharCode(...new Uint8Array(of.buffer)));
 const show = (): void => {
   said.length = answers.length = 0;
   set({ ...useStore.getInitialState(), screen: "tracks", id: "t", header: HEADER, paths: paths([]), problems: PROBLEMS, problem: "p1" });
@@ -42,9 +45,9 @@ it("looks once for the problems after acts that are said faster than the page is
 
 it("takes the paths that an act brings, and nothing of the others", async () => {
   show();
-  const [a, b] = [path("A", [1, 1]), path("B", [1, 1])], xyz = new Float32Array([1, 2, 3, NaN, NaN, NaN]), base64 = (of: ArrayBufferView): string => btoa(String.fromCharCode(...new Uint8Array(of.buffer)));
+  const [a, b] = [path("A", [1, 1]), path("B", [1, 1])], xyz = new Float32Array([1, 2, 3, NaN, NaN, NaN]);
   set({ paths: { ...paths([a, b]), frames: 2 } });
-  answer.paths = { names: ["A"], first_frame: 11, n_frames: 2, xyz: base64(xyz), sd: base64(new Float32Array([0.5, NaN])), origin: base64(new Uint8Array([3, 0])) };
+  answer.paths = { names: ["A"], first_frame: 11, n_frames: 2, xyz: base64Of(xyz), sd: base64Of(new Float32Array([0.5, NaN])), origin: base64Of(new Uint8Array([3, 0])) };
   await act({ kind: "finish" });
   const now = get().paths!.byName;
   expect(now.get("B")).toBe(b);
@@ -142,4 +145,15 @@ it("selects nothing on a problem of all markers, shows them, and draws nothing w
   expect(get().note!.words).toBe("Noted; the trial stays as it is.");
   answers.at(-1)!({ ...PROBLEMS, problems: [], worth_looking: 0 });
   await taken;
+});
+
+it("draws a spike's erasing straight across the samples that are lost", async () => {
+  show();
+  const spike = problem("s", { kind: "spike", tracks: ["LKNE"], frame: 13, alternatives: [alternative("erase"), alternative("keep")] }), none = new Float32Array([NaN, NaN, NaN]);
+  shown.paths = { names: ["LKNE"], first_frame: 13, n_frames: 1, xyz: base64Of(none), sd: base64Of(none.subarray(0, 1).slice()), origin: base64Of(new Uint8Array(1)) };
+  set({ problems: { ...PROBLEMS, problems: [spike], worth_looking: 1 }, paths: paths([path("LKNE", [1, 1, 1, 1, 1, 1])]) });
+  lookAt(spike);
+  await soon();
+  expect([[...get().instead!.paths[0]!.origin], get().instead!.straight]).toEqual([[0, 2, 2, 2, 0, 0], true]);
+  shown.paths = null;
 });

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { decodeDetections, detectedIn } from "../src/model/detections";
-import { decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed } from "../src/model/paths";
+import { decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed, straightAcross, whole } from "../src/model/paths";
 import { path, set } from "./support";
 import type { GapRow } from "../src/api/types";
 
@@ -73,5 +73,28 @@ describe("gaps that a file would have", () => {
   it("are none where somebody chose how to fill them, though the fill is not there yet", () => {
     const row = (marker: string, choice: string | null): GapRow => ({ marker, choice }) as GapRow;
     expect(leftOpen([row("A", "quintic"), row("A", null), row("A", "open"), row("B", "best")])).toEqual({ gaps: 2, markers: 1 });
+  });
+});
+
+describe("a path without some of its samples", () => {
+  const own = path("A", [1, 1, 1, 1, 1, 1]), lost = (n: number): ReturnType<typeof path> => path("A", Array<number>(n).fill(0));
+  const off = { ...own, xyz: own.xyz.map((v, i) => (i === 7 ? v + 500 : v)) }; // a spike in the third frame
+
+  it("goes straight from the sample before to the one behind", () => {
+    const would = whole([lost(2)], 13, set([off]))[0]!, drawn = straightAcross(off, would, 2, 4);
+    expect([...drawn.origin]).toEqual([0, 2, 2, 2, 2, 0]);
+    expect([...drawn.xyz.subarray(3, 15)]).toEqual([1, 10, 0, 2, 20, 0, 3, 30, 0, 4, 40, 0]);
+  });
+
+  it("has no line where nothing is kept on one side, where nothing is lost, or where nothing is known of it", () => {
+    const end = whole([lost(2)], 15, set([own]))[0]!, same = path("A", [0, 1, 1, 0, 0, 0]);
+    expect(straightAcross(own, end, 4, 6)).toBe(end);
+    expect(straightAcross(own, same, 1, 3)).toBe(same);
+    expect(straightAcross(undefined, same, 1, 3)).toBe(same);
+  });
+
+  it("goes across a gap that was beside them", () => {
+    const gappy = path("A", [1, 1, 0, 1, 1, 1]), would = whole([lost(1)], 12, set([gappy]))[0]!;
+    expect([...straightAcross(gappy, would, 1, 2).origin]).toEqual([2, 2, 2, 2, 0, 0]);
   });
 });

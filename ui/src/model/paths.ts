@@ -159,3 +159,41 @@ export function exchanged(a: Path, b: Path, start: number, end: number): [Path, 
   };
   return [swapped(a, b), swapped(b, a)];
 }
+
+/** Pieces of paths as paths of all frames of the trial, so that the frame means the same everywhere. */
+export function whole(pieces: readonly Path[], at: number, paths: PathSet | null): Path[] {
+  return pieces.map((piece) => {
+    const n = paths?.frames ?? 0, from = at - (paths?.firstFrame ?? 0);
+    if (piece.origin.length === n && from === 0) return piece;
+    const xyz = new Float32Array(3 * n).fill(NaN), sd = new Float32Array(n).fill(NaN), origin = new Uint8Array(n);
+    xyz.set(piece.xyz.subarray(0, 3 * (n - from)), 3 * from), sd.set(piece.sd.subarray(0, n - from), from), origin.set(piece.origin.subarray(0, n - from), from);
+    return { name: piece.name, xyz, sd, origin };
+  });
+}
+
+/** A path as it would be in [start, end), as elsewhere it stays; straight across the samples that it would lose, of which nothing
+ * would be drawn else. The same path where it loses none between two that it keeps. */
+export function straightAcross(own: Path | undefined, would: Path, start: number, end: number): Path {
+  if (!own) return would;
+  const n = own.origin.length, at = (i: number): Path => (i >= start && i < end ? would : own);
+  const next = (i: number, by: 1 | -1): number => {
+    while (i >= 0 && i < n && !at(i).origin[i]) i += by;
+    return i;
+  };
+  let drawn: Path | null = null;
+  for (let i = start; i < end; i++) {
+    if (would.origin[i] || !own.origin[i]) continue;
+    const a = next(i, -1), b = next(i, 1);
+    if (a >= 0 && b < n) line((drawn ??= { name: would.name, xyz: would.xyz.slice(), sd: would.sd.slice(), origin: would.origin.slice() }), a, at(a), b, at(b));
+    i = b;
+  }
+  return drawn ?? would;
+}
+
+/** Draw a line into a path, from sample a of one to sample b of another. */
+function line(to: Path, a: number, from: Path, b: number, until: Path): void {
+  for (let i = a; i <= b; i++) {
+    for (let k = 0; k < 3; k++) to.xyz[3 * i + k] = from.xyz[3 * a + k]! + ((until.xyz[3 * b + k]! - from.xyz[3 * a + k]!) * (i - a)) / (b - a);
+    to.origin[i] = FILLED;
+  }
+}

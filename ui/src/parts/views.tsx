@@ -6,7 +6,7 @@ import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
-import { hasSd, type Path, type PathSet } from "../model/paths";
+import { hasSd, whole, type Path, type PathSet } from "../model/paths";
 import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, watched, type State } from "../state/store";
 import { wantDetections } from "../state/load";
 import { Computed } from "./Computed";
@@ -22,7 +22,7 @@ function pick(name: string | null, more: boolean): void {
 
 /** What is drawn beside what is: a proposal, or the way to fill that is shown. */
 function insteadOf(s: State): readonly Path[] {
-  if (s.screen === "tracks") return s.instead && s.instead.problem === s.problem ? whole(s.instead.paths, s.instead.at, s.paths) : [];
+  if (s.screen === "tracks") return s.instead && s.instead.problem === s.problem ? s.instead.paths : [];
   if (s.screen !== "gaps") return [];
   const one = s.candidates?.candidates.find((c) => c.method === s.method);
   return one && s.candidates ? whole([candidatePath(s.candidates.marker, one.xyz, one.sd)], s.candidates.first, s.paths) : [];
@@ -33,17 +33,6 @@ export function candidatePath(name: string, xyz: readonly (readonly number[])[],
   const n = xyz.length, cov = new Float32Array(6 * n).fill(NaN);
   for (const [i, s] of (sd ?? []).entries()) (cov[6 * i] = s[0]! ** 2), (cov[6 * i + 3] = s[1]! ** 2), (cov[6 * i + 5] = s[2]! ** 2);
   return { name, xyz: Float32Array.from(xyz.flat()), sd: sd ? Float32Array.from(sd.map((s) => Math.max(...s))) : new Float32Array(n).fill(NaN), origin: new Uint8Array(n).fill(2), cov };
-}
-
-/** Pieces as paths of all frames of the trial, so that the frame means the same everywhere. */
-function whole(pieces: readonly Path[], at: number, paths: PathSet | null): Path[] {
-  return pieces.map((piece) => {
-    const n = paths?.frames ?? 0, from = at - (paths?.firstFrame ?? 0);
-    if (piece.origin.length === n && from === 0) return piece;
-    const xyz = new Float32Array(3 * n).fill(NaN), sd = new Float32Array(n).fill(NaN), origin = new Uint8Array(n);
-    xyz.set(piece.xyz.subarray(0, 3 * (n - from)), 3 * from), sd.set(piece.sd.subarray(0, n - from), from), origin.set(piece.origin.subarray(0, n - from), from);
-    return { name: piece.name, xyz, sd, origin };
-  });
 }
 
 export function SceneView(): React.JSX.Element {
@@ -154,7 +143,7 @@ function CurveLegend({ names }: { names: readonly string[] }): React.JSX.Element
   const shaded = Boolean(way?.sd) || names.some((name) => paths?.byName.has(name) && hasSd(paths.byName.get(name)!));
   return (
     <p className={styles.legend}>
-      <b>{names.slice(0, 4).join(", ")}{names.length > 4 && ` and ${names.length - 4} more`}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
+      <b>{names.slice(0, 4).join(", ")}{names.length > 4 && ` and ${names.length - 4} more`}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}{instead.straight && ", drawn straight across them"}</> : null}
       {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && shaded && " · shaded 95 %"}
     </p>
   );

@@ -2,7 +2,7 @@
 import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
-import { decodePart } from "../model/paths";
+import { decodePart, straightAcross, whole } from "../model/paths";
 import { actOf, changes, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
 import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
@@ -91,8 +91,9 @@ async function drawInstead(problem: Problem): Promise<void> {
   try {
     const shown = await api.preview(id, other.act);
     if (!shown) return;
-    const { paths } = shown, set_ = decodePart(paths);
-    if (get().problem === problem.id) set({ instead: { problem: problem.id, key: other.key, paths: [...set_.byName.values()], at: paths.first_frame, words: other.words } });
+    const part = decodePart(shown.paths), now = get().paths, start = part.firstFrame - (now?.firstFrame ?? 0);
+    const would = whole([...part.byName.values()], part.firstFrame, now), drawn = would.map((path) => straightAcross(now?.byName.get(path.name), path, start, start + part.frames));
+    if (get().problem === problem.id) set({ instead: { problem: problem.id, key: other.key, paths: drawn, words: other.words, straight: drawn.some((path, i) => path !== would[i]) } });
   } catch {
     // what cannot be shown beforehand is still said in words
   }

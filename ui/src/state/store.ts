@@ -22,7 +22,7 @@ export type Theme = "auto" | "light" | "dark";
 export type Layout = 1 | 2 | 3 | 4;
 
 /** What a proposal would give, drawn beside what is. */
-export interface Instead { problem: string; key: string; paths: readonly Path[]; at: number; words: string }
+export interface Instead { problem: string; key: string; paths: readonly Path[]; words: string; straight: boolean }
 export interface Note { kind: "done" | "refused" | "news"; words: string; at: number }
 
 export interface State {

@@ -27,10 +27,10 @@ import numpy as np
 import scipy
 
 from kinemark.data.array_types import Floats
+from kinemark.data.laboratory_axes import level_axes
 from kinemark.data.subject_measures import LETTER, SIDES, LegMeasures, SubjectMeasures
 from kinemark.gait import Contact, Physical, Reaction, with_static_offsets
 from kinemark.gait.gait_trial import Inputs, gait_of
-from kinemark.gait.segments import level_axes
 from kinemark.gait.uncertainty import APART
 from kinemark.io.trial import read_trial
 from kinemark.kinematics import body_pose, knee_motion, rotation_covariance

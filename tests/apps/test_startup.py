@@ -35,8 +35,8 @@ def test_files_are_described_and_converted_without_video_hdf5_and_toml(tmp_path,
     trial = made_trial()
     write_trial(Trial("a", trial.trajectories), tmp_path / f"a{ending}")
     assert loaded("info", tmp_path / f"a{ending}") == []
-    other = ".c3d" if ending == ".c3d" else ".trc"  # a C3D says which axis goes up, which the gait model tells
-    assert loaded("convert", tmp_path / f"a{ending}", tmp_path / f"b{other}") == []
+    for other in (".c3d", ".trc", ".csv"):
+        assert loaded("convert", tmp_path / f"a{ending}", tmp_path / f"b{other}") == []
 
 
 def test_help_brings_no_numbers():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.data.landmarks import landmarks
-from kinemark.gait.marker_names import model_names
+from kinemark.data.model_markers import model_names
 from kinemark.label import sides_by_name
 from kinemark.label.anatomy import Anatomy
 from kinemark.synth import walking

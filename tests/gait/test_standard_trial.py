@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, Origin, Trial
+from kinemark.data.laboratory_axes import level_axes
+from kinemark.data.model_markers import model_names
 from kinemark.gait import analyse_gait, marker_points, standard_trial, with_heels
-from kinemark.gait.marker_names import model_names
-from kinemark.gait.segments import level_axes
 from kinemark.synth import walking
 from support.shift_gait import MEASURES, stepping
 

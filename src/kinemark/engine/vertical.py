@@ -14,11 +14,10 @@ import numpy as np
 
 from ..data import KinemarkError, Trajectories, Trial
 from ..data.array_types import Floats
+from ..data.laboratory_axes import axis_of, level_axes, turned, up_shown
+from ..data.marker_sides import without_subject
+from ..data.model_markers import model_names, with_model_names
 from ..data.trial import UP
-from ..gait.gait_trial import marker_points
-from ..gait.marker_names import model_names, with_model_names
-from ..gait.segments import level_axes
-from ..gait.standard_trial import axis_of, turned, up_shown
 from ..io.notes import FileNote
 
 PELVIS_AND_ANKLES = {"LASI", "RASI", "LANK", "RANK"}
@@ -64,7 +63,7 @@ def vertical(trial: Trial) -> tuple[Floats, str]:
     """
     named = with_model_names(trial.trajectories, model_names(trial.trajectories.names))
     if set(named.names) >= PELVIS_AND_ANKLES:
-        return up_shown(marker_points(replace(trial, trajectories=named))), "from the ankles to the pelvis"
+        return up_shown({without_subject(path.name): path.xyz for path in named}), "from the ankles to the pelvis"
     if UP in trial.about:
         return axis_of(trial.about[UP]), "by the file"
     if (longest := _up_by_length(trial.trajectories)) is not None:

@@ -20,12 +20,12 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..data.model_markers import INSIDE
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics import body_pose
 from ..kinematics.pose import ClusterTemplate, cluster_template
 from .lower_limb import LowerLimbs, lower_limbs
 from .segments import Segment
-from .static_axes import INSIDE
 
 Clusters = Mapping[str, Sequence[str]]
 """Names of markers by the segment that carries them, one of `SEGMENTS`."""

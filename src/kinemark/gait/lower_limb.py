@@ -23,17 +23,12 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..data.model_markers import LEG_MARKERS
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side, SubjectMeasures
 from ..kinematics import turned
 from .hip_centre import davis, hara, harrington
 from .segments import Segment, joint_centre, mean_length, perpendicular, unit, upright
 
-LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
-"""Of each leg, after L or R; conventional."""
-MODEL_MARKERS = (
-    "LASI", "RASI", "SACR", "LPSI", "RPSI", *(letter + name for letter in LETTER.values() for name in LEG_MARKERS)
-)  # fmt: skip
-"""All that the model looks at; conventional."""
 FOOT_SEQUENCE = "yxz"
 """Of (4) and of all angles of the model; conventional."""
 

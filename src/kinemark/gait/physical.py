@@ -9,6 +9,7 @@ from typing import Literal
 from ..data import Trajectories, Trial
 from ..data.array_types import Floats
 from ..data.method import Method, parameter
+from ..data.model_markers import MODEL_MARKERS
 from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
 from ..kinematics.smooth import residual_cutoff, smooth_butterworth
@@ -16,7 +17,6 @@ from ..signal.filters import HIGHEST
 from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point
-from .lower_limb import MODEL_MARKERS
 from .segment_inertia import INERTIAS
 from .stage import GAIT
 from .upper_body import UPPER_BODY_MARKERS

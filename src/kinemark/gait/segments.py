@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data.array_types import Floats
+from ..data.laboratory_axes import unit as unit
 
 Z_UP: Floats = np.array([0.0, 0.0, 1.0])
 """Where up is, unless a file says otherwise; conventional."""
@@ -36,13 +37,6 @@ class Segment:
         return Segment(self.R @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), self.origin)
 
 
-def unit(v: Floats) -> Floats:
-    """(…, 3) with length 1; NaN where it has none."""
-    length = np.linalg.norm(v, axis=-1, keepdims=True)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(length > 0, v / length, np.nan)
-
-
 def perpendicular(v: Floats, u: Floats) -> Floats:
     """(…, 3) the direction of v without its part along u, of length 1."""
     return unit(v - (v * u).sum(-1, keepdims=True) * u)
@@ -53,13 +47,6 @@ def upright(origin: Floats, up: Floats, left: Floats) -> Segment:
     z = unit(up)
     y = perpendicular(left, z)
     return Segment(np.stack([np.cross(y, z), y, z], -1), origin)
-
-
-def level_axes(up: Floats) -> Floats:
-    """(3, 3) that brings vectors (…, 3) to axes whose third is `up`, as `v @ level_axes(up)`."""
-    other = np.eye(3)[np.abs(up).argmin()]
-    x = unit(other - (other @ up) * up)
-    return np.stack([x, np.cross(up, x), up], -1)
 
 
 def joint_centre(

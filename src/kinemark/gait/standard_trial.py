@@ -14,18 +14,16 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..data import KinemarkError, MarkerTrajectory, Origin, Trial
+from ..data import MarkerTrajectory, Origin, Trial
 from ..data.array_types import Floats
+from ..data.laboratory_axes import axis_of, level_axes, turned, up_shown
+from ..data.model_markers import model_names, with_model_names
 from ..data.subject_measures import LETTER
 from .clusters import Clusters, carried_landmarks, check_clusters, with_wands
 from .gait_trial import marker_points
-from .marker_names import model_names, with_model_names
-from .segments import level_axes, unit, upright
+from .segments import upright
 
 Up = Literal["auto", "x", "y", "z", "-x", "-y", "-z"]
-STEEP = 0.8
-"""Least part of the way from ankles to pelvis along an axis, as a share, for the axis to be up; chosen: walkers lean
-by less than 0.05, a laboratory that stands askew by 45° is 0.71."""
 
 
 class StandardTrial(NamedTuple):
@@ -64,32 +62,6 @@ def standard_trial(
     if np.array_equal(turn, np.eye(3)):
         return StandardTrial(named, turn, known)
     return StandardTrial(turned(named, turn), turn, known)
-
-
-def up_shown(points: Mapping[str, Floats]) -> Floats:
-    """(3) the axis from the ankles to the pelvis; z where markers are missing, which is said elsewhere.
-
-    Args:
-        points: (F, 3) mm by the model's names.
-
-    Raises:
-        KinemarkError: it is along no axis.
-    """
-    wanted = ("LASI", "RASI", "LANK", "RANK")
-    if not set(wanted) <= set(points):
-        return axis_of("z")
-    seen = [points[name][np.isfinite(points[name]).all(1)] for name in wanted]
-    if not all(len(xyz) for xyz in seen):
-        return axis_of("z")
-    left, right, *ankles = (np.median(xyz, axis=0) for xyz in seen)
-    way = unit((left + right) / 2 - (ankles[0] + ankles[1]) / 2)
-    k = int(np.abs(way).argmax())
-    if abs(way[k]) < STEEP:
-        raise KinemarkError(
-            f"From the ankles to the pelvis it goes by {', '.join(f'{x:.2f}' for x in way)} along x, y and z, so that "
-            "no axis is up. Turn the laboratory's axes so that one is, or say which is meant: --up z."
-        )
-    return np.asarray(np.sign(way[k]) * np.eye(3)[k])
 
 
 def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTrial:
@@ -146,16 +118,3 @@ def in_laboratory(values: Floats, turn: Floats) -> Floats:
 def _foot_axes(ankle: Floats, toe: Floats, knee: Floats) -> Floats:
     """(F, 3, 3) of (1)."""
     return upright(ankle, toe - ankle, knee - ankle).R
-
-
-def axis_of(up: str) -> Floats:
-    """(3) an axis by its name, as "y", "+Y" or "-x"."""
-    up = up.lower()
-    return np.asarray((-1.0 if up[0] == "-" else 1.0) * np.eye(3)["xyz".index(up[-1])])
-
-
-def turned(trial: Trial, turn: Floats) -> Trial:
-    """Markers and plates in other axes; vectors (…, 3) times `turn`."""
-    paths = tuple(replace(p, xyz=p.xyz @ turn, cov=turn.T @ p.cov @ turn) for p in trial.trajectories)
-    plates = tuple(replace(plate, corners=plate.corners @ turn) for plate in trial.plates)
-    return replace(trial, trajectories=replace(trial.trajectories, paths=paths), plates=plates)

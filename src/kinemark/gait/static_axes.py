@@ -26,16 +26,11 @@ from typing import Literal
 import numpy as np
 
 from ..data.array_types import Floats
+from ..data.model_markers import DEVICE, INSIDE
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
 from .lower_limb import hips_of
 from .segments import joint_centre, perpendicular, unit
 
-DEVICE = ("KAX", "KD1", "KD2")
-"""Of a knee alignment device, after L or R; conventional (Plug-in Gait)."""
-INSIDE = ("KNM", "MED")
-"""Inside of knee and ankle, after L or R; conventional (CGM2)."""
-STATIC_MARKERS = (*DEVICE, *INSIDE)
-"""That only the standing trial needs; conventional."""
 AxesShown = Literal["", "devices", "markers"]
 ROUNDS = 8
 """Of (5), where the ankle hangs on its own axis; chosen, the sixth changes nothing at double precision."""

@@ -12,10 +12,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..data.array_types import Floats
+from ..data.model_markers import DEVICE
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from .estimated_measures import ACROSS
 from .segments import mean_length, unit
-from .static_axes import DEVICE, device_worn
+from .static_axes import device_worn
 
 Contradiction = Literal["knee_width", "ankle_width", "device", "axes", "turn"]
 WIDTH_MM = 20.0

@@ -21,11 +21,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..data.array_types import Floats
+from ..data.model_markers import STATIC_MARKERS
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
 from ..gait.hip_centre import davis
 from ..gait.lower_limb import FOOT_SEQUENCE, Leg, LowerLimbs
 from ..gait.segments import Segment, relative, upright
-from ..gait.static_axes import STATIC_MARKERS
 from ..kinematics import principal, turned
 from .gait import ANKLE, GRID, HIP, KNEE, TILT, Stride, curve, pelvis_path, stride_of_soles
 

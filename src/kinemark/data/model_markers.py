@@ -9,14 +9,25 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ..data import KinemarkError, Trajectories
-from ..data.landmarks import OF_A_SIDE, OF_THE_MIDDLE, landmarks
-from ..data.marker_sides import without_subject
-from ..data.nearest_word import some_names
-from ..data.subject_measures import LETTER, SIDES, Side
-from .lower_limb import MODEL_MARKERS
-from .static_axes import STATIC_MARKERS
+from .errors import KinemarkError
+from .landmarks import OF_A_SIDE, OF_THE_MIDDLE, landmarks
+from .marker_sides import without_subject
+from .nearest_word import some_names
+from .subject_measures import LETTER, SIDES, Side
+from .trajectories import Trajectories
 
+LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
+"""Of each leg, after L or R; conventional."""
+MODEL_MARKERS = (
+    "LASI", "RASI", "SACR", "LPSI", "RPSI", *(letter + name for letter in LETTER.values() for name in LEG_MARKERS)
+)  # fmt: skip
+"""All that the model looks at; conventional."""
+DEVICE = ("KAX", "KD1", "KD2")
+"""Of a knee alignment device, after L or R; conventional (Plug-in Gait)."""
+INSIDE = ("KNM", "MED")
+"""Inside of knee and ankle, after L or R; conventional (CGM2)."""
+STATIC_MARKERS = (*DEVICE, *INSIDE)
+"""That only the standing trial needs; conventional."""
 KNOWN_MARKERS = (*MODEL_MARKERS, *(letter + name for letter in LETTER.values() for name in STATIC_MARKERS))
 """All that a trial may have, standing ones with those that show axes; conventional."""
 

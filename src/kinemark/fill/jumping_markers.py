@@ -55,8 +55,12 @@ class JumpingMarkers:
         others = self.ranks.of(marker)
         known = ~np.isnan(x[others, gap.start : gap.stop, 0]).any(1)
         near = [k for k in others[known] if k != gap.marker][:NEAR]
-        odd = [_odd(x[marker] - x[k], gap) for k in near]
-        return len(odd) > 1 and sum(odd) > len(odd) / 2
+        odd, wanted = 0, len(near) // 2 + 1
+        for at, k in enumerate(near):
+            if odd + len(near) - at < wanted:  # the others cannot make it most
+                return False
+            odd += _odd(x[marker] - x[k], gap)
+        return len(near) > 1 and odd >= wanted
 
 
 def _odd(apart: Floats, gap: Gap) -> bool:

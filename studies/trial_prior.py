@@ -1,11 +1,10 @@
 """Do the other problems of a file tell how likely one is?
 
 Each file of other systems is looked at as it is and with faults, at its own rate and at lower ones, as in
-`probable_errors`, every second with one or two faults only. Of each problem that paths show (exchanges, leaps, spikes,
-pieces) it is known what it is said to be by itself, how much else of its trial is surely wrong, how common what tells
-of it is there, and the rate; from these (3) of `edit/probable_errors/probability.py` says anew how likely it is. Its
-coefficients are fitted to all laboratories, each counting by the root of its trials; what is told of each is by those
-fitted to the others, with those of all beside it.
+`probable_errors`. Of each problem that paths show (exchanges, leaps, spikes, pieces) it is known what it is said to be
+by itself, how much else of its trial is surely wrong, and how much may be; from these (3) of
+`edit/probable_errors/probability.py` says anew how likely it is. Its coefficients are fitted to all laboratories; what
+is told of each is by those fitted to the others, with those of all beside it.
 
 Run: python studies/trial_prior.py
 """
@@ -13,97 +12,67 @@ Run: python studies/trial_prior.py
 from __future__ import annotations
 
 import sys
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
 import scipy
-from probable_errors import FILES, Known, labelled, listed, truth_of, with_faults
-from probable_errors_faults import KINDS as FAULTS
+from probable_errors import both, labelled, listed, truth_of
 from probable_errors_tables import Judged, classes, table
 
 from kinemark.data.array_types import Floats
-from kinemark.edit.probable_errors.probability import LEAST, SURE, USUAL_HZ, as_common
+from kinemark.edit.probable_errors.probability import LEAST, SURE, UNLIKELY
 
 OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
 KINDS = ("swap", "join", "spike")
 
 
-OTHERS = (
-    "arm_box_lift_gaps/*.c3d", "qualisys_gait/*.c3d", "ulema_hand_to_head/*.c3d", "wheelchair_racing_gaps/*.c3d",
-    "force_plate_types/*.c3d", "c3d_malformed/Dance.c3d", "c3d_six_formats/pc_real.c3d",
-)  # fmt: skip
-LABORATORIES = {
-    "HC0": "children", "PiG": "PiG", "Gait - CGM2": "qualisys_gait", "Static - CGM2": "qualisys_gait",
-    "qualisys_cgm2": "qualisys_gait", "GHr": "ulema", "HTH1": "ulema", "calMARKERS": "ulema",
-    "kinematics_racing": "wheelchair",
-}  # fmt: skip
-
-
 class Told(NamedTuple):
-    """A problem: its file, kind, what is said of it by itself, what tells of its trial (3), whether it is one, and
-    which trial it is of."""
+    """A problem: its file, kind, what is said of it by itself, what tells of its trial (3), and whether it is one."""
 
     file: str
     kind: str
     wrong: float
-    evidence: tuple[float, float, float, float]
+    evidence: tuple[float, float, float]
     true: bool
-    trial: int
 
     @property
     def laboratory(self) -> str:
         """The children's recordings are of one, and those of one trial that was processed in several ways."""
-        return next((name for start, name in LABORATORIES.items() if self.file.startswith(start)), self.file)
-
-
-def trials() -> Iterator[Known]:
-    """Each as it is, and with faults: up to two of each kind, and of every second trial one or two in all."""
-    some = (known for patterns in (FILES, OTHERS) for part in (0, 1) for known in labelled(part, patterns))
-    for k, known in enumerate(some):
-        yield known
-        rng = np.random.default_rng([k, 5])
-        few = dict(Counter(rng.choice(list(FAULTS), size=int(rng.integers(1, 3))).tolist()))
-        yield with_faults(known, k, counts=few if k % 2 else None)
+        return {"HC0": "children", "PiG": "PiG"}.get(self.file[:3], self.file)
 
 
 def told() -> list[Told]:
     rows = []
     with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
-        for k, known in enumerate(trials()):
+        for known in (known for part in (0, 1) for known in both(labelled(part))):
             some = [one for one in listed(known).items if one.kind in KINDS and "nats_a_frame" not in one.values]
             wrong = np.array([one.wrong for one in some])
-            for one, evidence in zip(some, of_trial(wrong, known.trajectories.rate), strict=True):
+            for one, evidence in zip(some, of_trial(wrong), strict=True):
                 true = truth_of(known, one)
                 if true is not None:
-                    rows.append(Told(known.name, one.kind, one.wrong, tuple(evidence.tolist()), true, k))
+                    rows.append(Told(known.name, one.kind, one.wrong, tuple(evidence.tolist()), true))
     return rows
 
 
-def of_trial(wrong: Floats, rate: float) -> Floats:
-    """(N, 4) of the problems of a trial."""
-    sure, logit = wrong >= SURE, scipy.special.logit(np.clip(wrong, LEAST, 1 - LEAST))
-    among = np.where(sure, wrong, 0.0).sum() - np.where(sure, wrong, 0.0)
-    rates = np.full(len(wrong), np.log(rate / USUAL_HZ))
-    return np.column_stack([logit, np.log1p(among), np.log1p(as_common(logit, sure)), rates])
+def of_trial(wrong: Floats) -> Floats:
+    """(N, 3) of the problems of a trial."""
+    sure, unsure = wrong >= SURE, (wrong >= UNLIKELY) & (wrong < SURE)
+    others = np.where(sure, wrong, 0.0).sum() - np.where(sure, wrong, 0.0), unsure.sum() - unsure
+    return np.column_stack([scipy.special.logit(np.clip(wrong, LEAST, 1 - LEAST)), *np.log1p(others)])
 
 
 def fit(rows: Sequence[Told]) -> Floats:
-    """Coefficients of (3), slightly drawn to nothing."""
+    """Coefficients of (3), drawn to a hundredth of nothing."""
     x, y = np.array([(1.0, *row.evidence) for row in rows]), np.array([float(row.true) for row in rows])
-    of = {place: {row.trial for row in rows if row.laboratory == place} for place in {row.laboratory for row in rows}}
-    weight = np.array([len(of[row.laboratory]) ** -0.5 for row in rows])
-    weight *= len(weight) / weight.sum()
 
-    def cost(c: Floats) -> tuple[float, Floats]:
+    def cost(c: Floats) -> float:
         z = x @ c
-        slope = x.T @ (weight * (scipy.special.expit(z) - y)) + 0.1 * np.append(0.0, c[1:])
-        return float((weight * (np.logaddexp(0, z) - y * z)).sum() + 0.05 * (c[1:] ** 2).sum()), slope
+        return float((np.logaddexp(0, z) - y * z).sum() + 0.05 * (c[1:] ** 2).sum())
 
-    return np.asarray(scipy.optimize.minimize(cost, np.zeros(5), jac=True, method="L-BFGS-B").x)
+    return np.asarray(scipy.optimize.minimize(cost, np.zeros(4)).x)
 
 
 def judged(rows: Sequence[Told], c: Floats | None) -> list[Judged]:

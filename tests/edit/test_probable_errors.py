@@ -261,33 +261,15 @@ def test_a_place_tells_whether_tracking_saw_another_come_near(near, inside):
 
 
 def test_the_other_problems_of_a_trial_tell_how_likely_one_is():
-    """Where much is surely wrong more is; what tells of errors everywhere in a trial is motion."""
-    alone = in_trial(np.array([0.1]), 100.0)[0]
-    among_errors = in_trial(np.array([0.1, *[0.98] * 8]), 100.0)[0]
-    restless = in_trial(np.array([0.1, *[0.1] * 30]), 100.0)[0]
+    """Where much is surely wrong more is, and where much may be and nothing surely is, somebody moves so."""
+    alone = in_trial(np.array([0.1]))[0]
+    among_errors = in_trial(np.array([0.1, *[0.98] * 8]))[0]
+    restless = in_trial(np.array([0.1, *[0.1] * 30]))[0]
     assert restless < alone / 5 and among_errors > 2 * alone
-    np.testing.assert_array_equal(in_trial(np.zeros(0), 100.0), np.zeros(0))
+    np.testing.assert_array_equal(in_trial(np.zeros(0)), np.zeros(0))
 
 
-def test_what_is_rare_in_a_restless_trial_is_an_error_all_the_same():
-    """A file's own bulk says what means nothing in it: it takes away what is as common, not what stands out."""
-    bulk = [0.1] * 40
-    common, rare = in_trial(np.array([0.1, *bulk]), 100.0)[0], in_trial(np.array([0.75, *bulk]), 100.0)[0]
-    without = in_trial(np.array([0.75]), 100.0)[0]
-    assert common < 0.03 and 0.5 * without < rare <= without
-
-
-def test_the_same_evidence_tells_more_in_fewer_frames():
-    said = [in_trial(np.array([0.1, 0.3]), rate) for rate in (25.0, 100.0, 250.0)]
-    assert (np.diff(said, axis=0) < 0).all()
-
-
-@pytest.mark.parametrize("wrong", [1.0, 0.5, 0.1])
+@pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])
 def test_no_problem_is_evidence_of_itself(wrong):
-    one, other = in_trial(np.array([wrong]), 100.0)[0], in_trial(np.array([wrong, 1e-4]), 100.0)[0]
-    assert one == pytest.approx(other, rel=1e-3) and 0 <= one <= 1
-
-
-def test_what_tells_less_than_what_is_common_is_not_likelier():
-    wrong = np.array([0.9, 0.5, *[0.1] * 20, 0.02, 0.001])
-    assert (np.diff(in_trial(wrong, 100.0)[1:]) <= 0).all()
+    one, unlikely = in_trial(np.array([wrong]))[0], in_trial(np.array([wrong, 0.001, 0.0]))[0]
+    assert one == unlikely and 0 <= one <= 1

@@ -7,15 +7,11 @@ on which scenes and files, and how well they do on others. What a tracker does w
 somebody looked at, have coefficients of their own. They hold where errors are as many as were seeded: with k times the
 odds of an error, the odds of (1) are k times as many (2).
 
-How many errors a file has nobody knows before, nor how its people move, but its other problems tell. Of nearly all
-that is not SURE nothing is wrong, so that it tells how evidence is distributed in this trial without errors: what is
-common there is motion, what is rare is an error (empirical Bayes). With z the log-odds of (1), S the sum of the
-probabilities of the other problems that are SURE, as where much is wrong more is, and the rate f of the trial,
+How many errors a file has nobody knows before, but its other problems tell: where much is surely wrong, more is; where
+much may be wrong and nothing surely is, a person moves as few do. With S the sum of the probabilities (1) of the other
+problems of a trial that are SURE, and N how many others are neither sure nor unlikely,
 
-    logit wrong' = c₀ + c₁ z + c₂ ln(1 + S) + c₃ ln(1 + n(z)) + c₄ ln(f / 60 Hz)                          (3)
-    n(z) = max over z' ≥ z of Σ exp(−(z' − z_j)² / 2),  j being the other problems that are not SURE       (4)
-
-the largest from z on, so that what tells less than what is common is not likelier.
+    logit wrong' = c₀ + c₁ logit wrong + c₂ ln(1 + S) + c₃ ln(1 + N)                                      (3)
 """
 
 from __future__ import annotations
@@ -24,10 +20,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Floats
 
-SURE, USUAL_HZ = 0.8, 60.0
-"""Probability of (3), chosen: what is surer is true in nearly all files; and its rate, by definition."""
+SURE, UNLIKELY = 0.8, 0.02
+"""Probabilities of (3); chosen: what is surer is true in nearly all files, and what is less likely any trial has."""
 LEAST = 1e-6
 """Probability that counts as none; chosen."""
 
@@ -45,7 +41,7 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-6.20, -0.69, -0.11, 1.06, 0.98),
-    "trial": (-1.29, 0.40, 1.52, -1.48, -1.39),
+    "trial": (-0.42, 0.92, 1.27, -0.76),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
@@ -56,8 +52,8 @@ without (`cut`) to what the list keeps of them. The others were fitted before ro
 among the faults, to files (spikes in them) or to both: fitted anew to files alone, changes would be told in hands that
 bend fast, and spikes in clean files. Spikes of files then got a factor and a constant by which each recording counts
 the same (`levelled`). Fillings are fitted by studies/filled_samples.py, lost frames and moved worlds by
-studies/whole_trial_faults.py, (3) to the files of 16 laboratories by studies/trial_prior.py. Those of repeated frames
-are chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59
+studies/whole_trial_faults.py, (3) to both halves of the files by studies/trial_prior.py. Those of repeated frames are
+chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59
 and 140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left."""
 
 
@@ -74,23 +70,14 @@ def probability(kind: str, evidence: Sequence[float]) -> float:
     return float(1 / (1 + np.exp(-np.clip(z, -50, 50))))
 
 
-def in_trial(wrong: Floats, rate: float) -> Floats:
-    """(3) of the problems (N) of a trial at so many Hz."""
-    sure = wrong >= SURE
-    logit = np.log(np.clip(wrong, LEAST, 1 - LEAST)) - np.log1p(-np.clip(wrong, LEAST, 1 - LEAST))
-    among = np.log1p(np.where(sure, wrong, 0.0).sum() - np.where(sure, wrong, 0.0))
+def in_trial(wrong: Floats) -> Floats:
+    """(3) of the problems (N) of a trial."""
+    sure, unsure = wrong >= SURE, (wrong >= UNLIKELY) & (wrong < SURE)
+    others = np.where(sure, wrong, 0.0).sum() - np.where(sure, wrong, 0.0), unsure.sum() - unsure
     c = COEFFICIENTS["trial"]
-    z = c[0] + c[1] * logit + c[2] * among + c[3] * np.log1p(as_common(logit, sure)) + c[4] * np.log(rate / USUAL_HZ)
+    logit = np.log(np.clip(wrong, LEAST, 1 - LEAST)) - np.log1p(-np.clip(wrong, LEAST, 1 - LEAST))
+    z = c[0] + c[1] * logit + c[2] * np.log1p(others[0]) + c[3] * np.log1p(others[1])
     return np.asarray(1 / (1 + np.exp(-z)))
-
-
-def as_common(logit: Floats, sure: Bools) -> Floats:
-    """(4) of the problems (N) of a trial."""
-    unsure, order = logit[~sure], np.argsort(-logit, kind="stable")
-    count = np.array([np.exp(-((unsure - z) ** 2) / 2).sum() for z in logit[order]], np.float64) - ~sure[order]
-    out = np.zeros(len(logit))
-    out[order] = np.maximum.accumulate(count)
-    return out
 
 
 def name_probability(kind: str, nats: float, seconds: float) -> float:

@@ -37,7 +37,7 @@ def by_trial(found: Found) -> Found:
         return found
     said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
     said += [one.wrong for one in found.leaps] + [one.wrong for one in found.pieces]
-    wrong = iter(in_trial(np.array(said), found.paths.rate).tolist())
+    wrong = iter(in_trial(np.array(said)).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),

@@ -163,23 +163,43 @@ BESIDES = 5
 """Markers of a row that are taken off, one after the other."""
 
 
+class Beside(NamedTuple):
+    """Of one trial: whether the marker worn beside has a name, a sure one, and is told to be beside by mm (NaN where
+    not); how many others are told."""
+
+    has_name: bool
+    sure: bool
+    mm: float
+    others: int
+
+
+def worn_beside(row: Row, name: str, mm: float, seed: int) -> Beside:
+    """A marker of the row is taken off, and another worn so many mm beside."""
+    parts = shredded(with_one_beside(row.trial, name, mm, seed), 1, 2.0, seed)
+    found = label(parts.tracks, row.template)
+    own = [k for k, one in enumerate(parts.truth) if one == "+1" and found.names[k] is not None]
+    called, told = {found.names[k] for k in own}, dict(found.displaced)
+    by = [told[one] for one in called if one in told]
+    return Beside(bool(own), any(found.state[k] == "sure" for k in own), *by[:1] or [np.nan], len(told) - len(by))
+
+
 def beside_table(chosen: Sequence[Row], every_mm: Sequence[float], seeds: Sequence[int]) -> None:
-    """A line each: in how many trials the marker worn beside has a sure name, and what of the others is sure."""
+    """A line each: in how many trials the marker worn beside has a name, is told, and by how many mm."""
     for row in chosen:
         for mm in every_mm:
-            took, right, wrong, of = 0, 0, 0, 0
+            found = []
             for seed in seeds:
                 names = sorted(set(row.template.names) & set(row.trial.names))
-                for name in np.random.default_rng(seed).choice(names, BESIDES, replace=False).tolist():
-                    parts = shredded(with_one_beside(row.trial, name, mm, seed), 1, 2.0, seed)
-                    found = label(parts.tracks, row.template)
-                    sure = [k for k, one in enumerate(found.state) if one == "sure"]
-                    took += sum(parts.truth[k] == "+1" for k in sure)
-                    right += sum(parts.truth[k] == found.names[k] for k in sure)
-                    wrong += sum(parts.truth[k] not in ("+1", found.names[k]) for k in sure)
-                    of += 1
-            others = f"{right} right, {wrong} wrong"
-            print(f"{row.name:46s}{mm:5g} mm  surely named {took:3d} of {of:3d}; others: {others}", flush=True)
+                some = np.random.default_rng(seed).choice(names, BESIDES, replace=False).tolist()
+                found += [worn_beside(row, name, mm, seed) for name in some]
+            by = [one.mm for one in found if np.isfinite(one.mm)]
+            span = f"{min(by):.0f} to {max(by):.0f} mm" if by else "–"
+            print(
+                f"{row.name:46s}{mm:5g} mm  named {sum(one.has_name for one in found):3d} of {len(found):3d}, "
+                f"surely {sum(one.sure for one in found):3d}; told {len(by):3d} ({span}), of the sure ones "
+                f"{sum(one.sure and np.isfinite(one.mm) for one in found):3d}; others told {sum(f.others for f in found)}",
+                flush=True,
+            )
 
 
 CUT_SHARES = ("right", "wrong", "best_right", "best_wrong")

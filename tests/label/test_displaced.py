@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import label, learn_template
-from kinemark.label.displaced import nats_beside_place, place_odds
+from kinemark.label import label, label_subjects, learn_template
+from kinemark.label.displaced import TOLD, beside_places, markers_beside
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
 
@@ -42,47 +42,58 @@ def put_elsewhere(trial, mm, only=None):
 
 
 def beside(trial, by):
-    """Nats of each label, by its right names."""
+    """Of each label, by its right names."""
     label_of = np.array([by.names.index(name) for name in trial.names])
-    return nats_beside_place(stretches_of(trial, by.size), label_of, by)
+    return beside_places(stretches_of(trial, by.size), label_of, by)
 
 
-@pytest.mark.parametrize("name", ["LASI", "RHEE", "LTIB"])
-def test_a_marker_that_sits_beside_its_place_is_not_sure_and_the_others_are(name):
-    trial = put_elsewhere(walk(2), 30.0, name)
-    nats = beside(trial, template())
-    assert nats.argmax() == template().names.index(name) and (np.sort(nats)[:-1] < 2).all()
-    found = label(trial, template())
-    states = dict(zip(trial.names, found.state, strict=True))
-    assert states.pop(name) == "unsure" and set(states.values()) == {"sure"}
-    at = trial.names.index(name)
-    assert found.names[at] == name and found.probability[at] > 0.4
+@cache
+def labels_of_one_beside():
+    """Of a trial with LTIB 15 mm beside its place."""
+    return label(put_elsewhere(walk(2), 15.0, "LTIB"), template())
 
 
-def test_markers_that_are_where_they_were_or_were_all_put_on_anew_are_sure():
+def test_a_marker_that_sits_beside_its_place_is_told_with_mm_and_its_name_stays_sure():
+    found = labels_of_one_beside()
+    [(told, mm)] = found.displaced
+    assert told == "LTIB" and mm == pytest.approx(15.0, abs=2.0)
+    assert found.names == walk(2).names and set(found.state) == {"sure"}
+
+
+@pytest.mark.parametrize("mm", [15.0, 20.0, 30.0])
+@pytest.mark.parametrize("name", ["LASI", "RHEE", "LTIB", "LKNE", "RTHI"])
+def test_the_displacement_is_right_and_the_neighbours_are_not_told(name, mm):
+    found, a = beside(put_elsewhere(walk(2), mm, name), template()), template().names.index(name)
+    assert np.flatnonzero(found.nats > TOLD).tolist() == [a]
+    assert found.mm[a] == pytest.approx(mm, abs=2.5)
+
+
+def test_of_markers_that_are_where_they_were_or_were_all_put_on_anew_nothing_is_told():
     for trial in (walk(2), put_elsewhere(walk(2), 10.0)):
-        assert (beside(trial, template()) < 2).all()
-        assert set(label(trial, template()).state) == {"sure"}
+        assert (beside(trial, template()).nats < TOLD).all()
+    assert label(walk(2), template()).displaced == ()
 
 
 def test_a_marker_that_a_person_named_is_where_it_is():
-    trial = put_elsewhere(walk(2), 30.0, "LTIB")
-    assert set(label(trial, template(), stated={"LTIB": "LTIB"}).state) == {"sure"}
+    trial, found = put_elsewhere(walk(2), 15.0, "LTIB"), labels_of_one_beside()
+    assert markers_beside(trial, found, template(), {"LTIB"}) == ()
+    assert markers_beside(trial, found, template(), {"RTIB"}) == found.displaced
 
 
-def test_another_subjects_template_tells_no_displacement():
-    trial = put_elsewhere(walk(2), 30.0, "LTIB")
-    assert (beside(trial, template().of_another(1.0)) == 0).all()
+def test_of_several_subjects_the_marker_is_told_by_its_whole_name():
+    found = label_subjects(put_elsewhere(walk(2), 15.0, "LTIB"), {"A": template()}).labels
+    assert [name for name, _ in found.displaced] == ["A:LTIB"]
+
+
+def test_by_another_subjects_template_nothing_is_told():
+    trial, found = put_elsewhere(walk(2), 15.0, "LTIB"), labels_of_one_beside()
+    assert (beside(trial, template().of_another(1.0)).nats == 0).all()
+    assert markers_beside(trial, replace(found, another=1.1), template()) == ()
 
 
 def test_nothing_is_told_of_labels_without_a_marker_nor_where_too_few_are_seen():
     trial, by = walk(2), template()
     few = Trajectories(trial.paths[:3], trial.rate)
-    assert (beside(few, by) == 0).all()
+    assert (beside(few, by).nats == 0).all()
     nobody = np.full(len(trial), -1)
-    assert (nats_beside_place(stretches_of(trial, by.size), nobody, by) == 0).all()
-
-
-def test_the_same_marker_put_on_anew_is_as_likely_as_another_at_the_least():
-    odds = place_odds(np.array([-5.0, 0.0, 2.0, 50.0]))
-    assert (np.diff(odds) <= 0).all() and odds[1] > 0.99 > odds[2] - 0.001 and odds[3] == pytest.approx(0.5)
+    assert (beside_places(stretches_of(trial, by.size), nobody, by).nats == 0).all()

@@ -21,19 +21,23 @@ nats, where δ is not small and the three stiffest distances are off by themselv
 As a marker that is off spoils its neighbours' distances too, those by which (3) is above 3, and more than by the label
 itself, are left out as its neighbours, and all is done once more.
 
-By another subject's template nothing is told: its markers sit elsewhere by as much.
+Names are as sure as without it: nothing in a trial tells another marker from the same one that was put on anew. What
+is told is where to look. By another subject's template nothing is: its markers sit elsewhere by as much.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
 
+from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import Single, distances
+from .labels import Labels
 from .shape import Shapes
-from .stretches import Stretches
+from .stretches import Stretches, stretches_of
 from .sweeps import places
 from .template import Template
 
@@ -54,12 +58,9 @@ SQUARES = 8.0
 """Of the three stiffest r over σ, below which nothing is said; by definition: 95 % of three normal ones have less."""
 CLEARLY_OFF = 3.0
 """Nats (3) from which on a label tells nothing of its neighbours; chosen."""
-UNLIKELY = 5.9
-"""Nats that speak against a marker's being beside its place before anything is seen of it; chosen so that from (3) of 2
-nats on no name is sure: of 1 567 right names of 36 rows three have more, and two of these were put on anew."""
-AGAIN = 0.5
-"""Probability that what is beside its place is the same marker, put on anew; by definition: nothing in a trial tells it
-from another one that is worn there."""
+TOLD = 2.0
+"""Nats (3) from which on a marker is told; chosen: of 1 567 right names of 36 rows three have more, and two of these
+were put on anew."""
 
 
 class _Off(NamedTuple):
@@ -81,33 +82,56 @@ class _Off(NamedTuple):
         return np.asarray(np.einsum("lij,lj->li", np.linalg.inv(self.A + np.eye(3) / tau**2), self.g))
 
 
-def nats_beside_place(stretches: Stretches, label: Ints, template: Template) -> Floats:
-    """(L) nats (3) by which labels sit beside their places; 0 where nothing is told.
+class Beside(NamedTuple):
+    """(L) nats (3) by which labels sit beside their places, and by how many mm; 0 where nothing is told."""
+
+    nats: Floats
+    mm: Floats
+
+
+def markers_beside(
+    tracks: Trajectories, labels: Labels, template: Template, stated: Collection[str] = ()
+) -> tuple[tuple[str, float], ...]:
+    """Markers that sit beside the places where the template has them, and by how many mm, the farthest first.
+
+    Args:
+        tracks: of a trial. labels: of them, by the template.
+        template: of the subject. stated: tracks whose names a person stated; these are where they are.
+    """
+    if labels.another is not None or labels.undecided is not None:
+        return ()
+    number = {name: a for a, name in enumerate(template.names)}
+    label = np.array([number.get(str(name), -1) for name in labels.names], np.int64)
+    beside = beside_places(stretches_of(tracks, template.size), label, template)
+    known = {labels.names[t] for t, name in enumerate(tracks.names) if name in stated}
+    found = [(name, float(beside.mm[a])) for name, a in number.items() if beside.nats[a] > TOLD and name not in known]
+    return tuple(sorted(found, key=lambda one: -one[1]))
+
+
+def beside_places(stretches: Stretches, label: Ints, template: Template) -> Beside:
+    """Of each label by (3), from its track or tracks.
 
     Args:
         label: (T) of tracks, −1 for none.
     """
     L = len(template)
-    shapes = Shapes.of(template, by_body=True)
+    beside = Beside(np.zeros(L), np.zeros(L))
     if np.any(template.doubt) or not (label >= 0).any():
-        return np.zeros(L)
+        return beside
+    shapes = Shapes.of(template, by_body=True)
     r, spread = _off_by(places(stretches, label, L), template)
-    beside = np.zeros(L)
     for _ in range(2):
-        off = _told_of(r, spread, shapes, template, (beside < CLEARLY_OFF) | (beside < beside[:, None]))
+        tells = (beside.nats < CLEARLY_OFF) | (beside.nats < beside.nats[:, None])
+        off = _told_of(r, spread, shapes, template, tells)
         if not off.told.any():
-            return np.zeros(L)
+            return Beside(np.zeros(L), np.zeros(L))
         usual = max(USUAL, key=lambda tau: float(np.median(off.nats(tau)[off.told])))
         other = float(np.hypot(usual, BESIDE))
-        far = (np.linalg.norm(off.delta(other), axis=1) >= FAR) & (off.stiffest >= SQUARES) & off.told
-        beside = np.where(far, off.nats(other) - off.nats(usual), 0.0)
+        by = np.linalg.norm(off.delta(other), axis=1)
+        far = (by >= FAR) & (off.stiffest >= SQUARES) & off.told
+        nats = np.where(far, off.nats(other) - off.nats(usual), 0.0)
+        beside = Beside(nats, np.where(far, template.size * by, 0.0))
     return beside
-
-
-def place_odds(beside: Floats) -> Floats:
-    """(…) the probability that a label's marker is no other that is worn beside its place, from nats (3)."""
-    at_place = 1 / (1 + np.exp(np.clip(beside - UNLIKELY, -30.0, 30.0)))
-    return np.asarray(at_place + AGAIN * (1 - at_place))
 
 
 def _off_by(y: Single, template: Template) -> tuple[Floats, Floats]:

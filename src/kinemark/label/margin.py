@@ -29,14 +29,13 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(k x) q
+    p_label = logistic(k x)
         · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W, s > 0, s > 1)) (4)
 
-with y the loss by `rivals` (1), q the probability that no other marker is worn beside the place of a (`displaced`), W
-the independent frames in which a is seen, and h how well the four stiffest distances hold (`held`); the β of another
-subject's template are others. An extra marker that took the name of an absent one fits fairly, but worse than the
-trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of their medians over all
-labels, and f_n' what f_n lacks of one half. r is 1 where the template knows a distance of the
+with y the loss by `rivals` (1), W the independent frames in which a is seen, and h how well the four stiffest distances
+hold (`held`); the β of another subject's template are others. An extra marker that took the name of an absent one fits
+fairly, but worse than the trial's others do, and its stiffest distances are off: f' and h' are what f_a and h lack of
+their medians over all labels, and f_n' what f_n lacks of one half. r is 1 where the template knows a distance of the
 label that keeps, as to a marker of the same segment, and 0 where all its distances change, as of a static trial without
 segments. Names that moved up one place end at a label that is absent and begin at a marker without name: s is 2 where
 the trial has neither (`left_over`), 1 where it has but one of the two, 0 where it has both.
@@ -56,7 +55,6 @@ from numpy.typing import NDArray
 from ..data.array_types import Floats, Ints
 from .anatomy import Anatomy
 from .claims import left_over, lost_to_claims
-from .displaced import nats_beside_place, place_odds
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .held import stiffness_kept
@@ -108,7 +106,7 @@ class Margins(NamedTuple):
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
         rival: y. stiff: h. poses: W.
         fit_beside, stiff_beside: f_a and h less their medians of all labels that are there. rigid: r.
-        shut: s. displaced: nats by which the label is beside its place.
+        shut: s.
     """
 
     track: Floats
@@ -128,7 +126,6 @@ class Margins(NamedTuple):
     stiff_beside: Floats
     rigid: Floats
     shut: Floats
-    displaced: Floats
 
 
 def margins(
@@ -142,7 +139,7 @@ def margins(
 ) -> Margins:
     """Of each track with a label, by the template's `pairs` and by what is known `after` the trial, where it is given.
 
-    x, y and `displaced`, which (3) does not need, are 0 without exchanges.
+    x and y, which (3) does not need, are 0 without exchanges.
     """
     y, L = places(stretches, label, len(template)), len(template)
     t = np.flatnonzero(label >= 0)
@@ -166,7 +163,6 @@ def margins(
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
         _rigid(template)[a], np.full(len(t), _shut(stretches, label, L) if exchanges else 0.0),
-        (nats_beside_place(stretches, label, template) if exchanges else np.zeros(L))[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
@@ -311,8 +307,8 @@ def label_features(found: Margins) -> Floats:
 
 
 def exchange_odds(found: Margins, gained: float = GAINED) -> Floats:
-    """(T) first two factors of (4), with k = gained where an exchange gains."""
-    return logistic(np.where(found.exchange > 0, LOST, gained) * found.exchange) * place_odds(found.displaced)
+    """(T) first factor of (4), with k = gained where an exchange gains."""
+    return logistic(np.where(found.exchange > 0, LOST, gained) * found.exchange)
 
 
 def _log(nats: Floats) -> Floats:

@@ -31,11 +31,9 @@ def fixed_labels(tracks: Trajectories, template: Template, stated: Mapping[str, 
 
 
 def anchored(found: Margins, label: Ints, fixed: Ints) -> Margins:
-    """Labels that were stated of a track are exchanged with no other, and are where they are."""
+    """Labels that were stated of a track are exchanged with no other."""
     known = np.isin(label, fixed[fixed >= 0])
-    return found._replace(
-        exchange=np.where(known, np.inf, found.exchange), displaced=np.where(known, 0.0, found.displaced)
-    )
+    return found._replace(exchange=np.where(known, np.inf, found.exchange))
 
 
 def with_stated(labels: Labels, tracks: Trajectories, stated: Mapping[str, str | None]) -> Labels:

@@ -197,7 +197,7 @@ def beside_table(chosen: Sequence[Row], every_mm: Sequence[float], seeds: Sequen
             print(
                 f"{row.name:46s}{mm:5g} mm  named {sum(one.has_name for one in found):3d} of {len(found):3d}, "
                 f"surely {sum(one.sure for one in found):3d}; told {len(by):3d} ({span}), of the sure ones "
-                f"{sum(one.sure and np.isfinite(one.mm) for one in found):3d}; others told {sum(f.others for f in found)}",
+                f"{sum(one.sure and np.isfinite(one.mm) for one in found):3d}; others {sum(f.others for f in found)}",
                 flush=True,
             )
 

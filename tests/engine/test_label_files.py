@@ -247,4 +247,4 @@ def test_a_marker_beside_its_place_in_the_template_is_named_and_told_with_what_t
     some = [{"name": f"M{k}", "off_mm": 20.0 + k} for k in range(14)]
     many = label_text(done._replace(figures=done.figures | {"displaced": some}))
     assert "M0 by 20\u00a0mm, M1 by 21\u00a0mm" in many and "M11 by 31\u00a0mm and 2 more." in many
-    assert "beside" not in label_text(done._replace(figures=done.figures | {"displaced": []}))
+    assert "beside:" not in label_text(done._replace(figures=done.figures | {"displaced": []}))

@@ -180,7 +180,7 @@ def worn_beside(row: Row, name: str, mm: float, seed: int) -> Beside:
     own = [k for k, one in enumerate(parts.truth) if one == "+1" and found.names[k] is not None]
     called, told = {found.names[k] for k in own}, dict(found.displaced)
     by = [told[one] for one in called if one in told]
-    return Beside(bool(own), any(found.state[k] == "sure" for k in own), *by[:1] or [np.nan], len(told) - len(by))
+    return Beside(bool(own), any(found.state[k] == "sure" for k in own), by[0] if by else np.nan, len(told) - len(by))
 
 
 def beside_table(chosen: Sequence[Row], every_mm: Sequence[float], seeds: Sequence[int]) -> None:

@@ -4,6 +4,7 @@
     python benchmarks/labelling.py --exchanges    tracks that go over from one marker to another: found, cut and named
     python benchmarks/labelling.py --exchanges --hidden 0.1    the same, both hidden for so many seconds about it
     python benchmarks/labelling.py --varied [--seeds 1 2]    all rows, shredded in many ways
+    python benchmarks/labelling.py --beside 10 20 30    a marker taken off, another worn so many mm beside its place
 
 How probabilities were measured, and how true they are of random shreds, is `labelling_shreds.py`.
 
@@ -26,7 +27,7 @@ from typing import Any, NamedTuple
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
-from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers
+from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers, with_one_beside
 from labelling_parts import rows_of_parts
 from metrics import Metric
 
@@ -158,6 +159,49 @@ def cut_table(chosen: Sequence[Row], pieces: Sequence[int], seeds: Sequence[int]
     print(f"{'':46s}{'':>4s}" + "".join(f"{k:9d}" for k in total))
 
 
+BESIDES = 5
+"""Markers of a row that are taken off, one after the other."""
+
+
+class Beside(NamedTuple):
+    """Of one trial: whether the marker worn beside has a name, a sure one, and is told to be beside by mm (NaN where
+    not); how many others are told."""
+
+    has_name: bool
+    sure: bool
+    mm: float
+    others: int
+
+
+def worn_beside(row: Row, name: str, mm: float, seed: int) -> Beside:
+    """A marker of the row is taken off, and another worn so many mm beside."""
+    parts = shredded(with_one_beside(row.trial, name, mm, seed), 1, 2.0, seed)
+    found = label(parts.tracks, row.template)
+    own = [k for k, one in enumerate(parts.truth) if one == "+1" and found.names[k] is not None]
+    called, told = {found.names[k] for k in own}, dict(found.displaced)
+    by = [told[one] for one in called if one in told]
+    return Beside(bool(own), any(found.state[k] == "sure" for k in own), by[0] if by else np.nan, len(told) - len(by))
+
+
+def beside_table(chosen: Sequence[Row], every_mm: Sequence[float], seeds: Sequence[int]) -> None:
+    """A line each: in how many trials the marker worn beside has a name, is told, and by how many mm."""
+    for row in chosen:
+        for mm in every_mm:
+            found = []
+            for seed in seeds:
+                names = sorted(set(row.template.names) & set(row.trial.names))
+                some = np.random.default_rng(seed).choice(names, BESIDES, replace=False).tolist()
+                found += [worn_beside(row, name, mm, seed) for name in some]
+            by = [one.mm for one in found if np.isfinite(one.mm)]
+            span = f"{min(by):.0f} to {max(by):.0f} mm" if by else "–"
+            print(
+                f"{row.name:46s}{mm:5g} mm  named {sum(one.has_name for one in found):3d} of {len(found):3d}, "
+                f"surely {sum(one.sure for one in found):3d}; told {len(by):3d} ({span}), of the sure ones "
+                f"{sum(one.sure and np.isfinite(one.mm) for one in found):3d}; others {sum(f.others for f in found)}",
+                flush=True,
+            )
+
+
 CUT_SHARES = ("right", "wrong", "best_right", "best_wrong")
 HEAD = ("right", "wrong", "unsure", "ghosts", "best r.", "best w.", "frames")
 
@@ -189,11 +233,14 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="*", default=[1])
     parser.add_argument("--varied", action="store_true")
     parser.add_argument("--exchanges", action="store_true")
+    parser.add_argument("--beside", type=float, nargs="*", default=[], help="mm")
     parser.add_argument("--hidden", type=float, default=0.0, help="s, about exchanges")
     asked = parser.parse_args()
     every = [*rows(), *rows_of_parts(), *(more_rows() if asked.varied else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
-    if asked.exchanges:
+    if asked.beside:
+        beside_table([row for row in chosen if row.fits], asked.beside, asked.seeds)
+    elif asked.exchanges:
         cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds, asked.hidden)
     elif asked.varied:
         table([(row, VARIED[(k + 3) % len(VARIED)]) for k, row in enumerate(chosen)], asked.seeds)

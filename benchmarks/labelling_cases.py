@@ -147,6 +147,25 @@ def child(name: str, trial: int) -> Trajectories:
     return only(read(f"{folder}/{name}{trials[trial]}.c3d"), CHILD)
 
 
+def with_one_beside(trial: Trajectories, name: str, mm: float, seed: int) -> Trajectories:
+    """The marker taken off, and another, `+1`, worn so far beside its place.
+
+    It is fixed to the three markers that keep their distance to that place best.
+    """
+    i, xyz = trial.names.index(name), trial.xyz
+    d = np.linalg.norm(xyz - xyz[i], axis=2)
+    d[i] = np.nan
+    spread = np.array([one[np.isfinite(one)].std() if np.isfinite(one).any() else np.inf for one in d])
+    p = xyz[np.argsort(spread)[:3]]
+    x = p[1] - p[0]
+    z = np.cross(x, p[2] - p[0])
+    axes = np.stack([one / np.linalg.norm(one, axis=1, keepdims=True) for one in (x, np.cross(z, x), z)])
+    u = np.random.default_rng([seed, i]).normal(size=3)
+    off = np.einsum("i,ifj->fj", mm * u / np.linalg.norm(u), axes)
+    other = MarkerTrajectory.measured("+1", xyz[i] + off)
+    return replace(trial, paths=tuple(other if path.name == name else path for path in trial))
+
+
 def height(trial: Trajectories) -> float:
     """Head to heel, mm: what one would measure of a subject."""
     ends = [(a, b) for a in ("LFHD", "RFHD") for b in ("LHEE", "RHEE")]

@@ -231,3 +231,20 @@ def test_what_is_undecided_of_sides_is_said_in_words(files):
     for kind, words in (("world_mirrored", "mirror image of the template"), ("sides_undecided", "cannot be told")):
         told = done._replace(labels=replace(done.labels, undecided=make_finding(kind, markers=["LKNE"])))
         assert words in label_text(told) and words not in label_text(done)
+
+
+def test_a_marker_beside_its_place_in_the_template_is_named_and_told_with_what_to_do(files):
+    trial = walk(7)
+    up = trial["LASI"].xyz - trial["LKNE"].xyz
+    moved = MarkerTrajectory.measured("LTHI", trial["LTHI"].xyz + 25 * up / np.linalg.norm(up, axis=1, keepdims=True))
+    paths = (moved if path.name == "LTHI" else path for path in trial)
+    write_trial(Trial("new", replace(trial, paths=tuple(paths))), files / "moved.c3d")
+    done = label_file(files / "moved.c3d", files / "labelled.c3d", template_of([files / "known.c3d"]))
+    [one] = done.figures["displaced"]
+    assert one["name"] == "LTHI" and 20 < one["off_mm"] < 30 and done.figures["missing"] == []
+    assert "sits beside its place in the template: LTHI by 2" in label_text(done)
+    assert "state its name by hand" in label_text(done)
+    some = [{"name": f"M{k}", "off_mm": 20.0 + k} for k in range(14)]
+    many = label_text(done._replace(figures=done.figures | {"displaced": some}))
+    assert "M0 by 20\u00a0mm, M1 by 21\u00a0mm" in many and "M11 by 31\u00a0mm and 2 more." in many
+    assert "beside:" not in label_text(done._replace(figures=done.figures | {"displaced": []}))

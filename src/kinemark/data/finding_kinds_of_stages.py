@@ -17,6 +17,8 @@ LABELLING = (
     Kind("labels_unsure", "label", "amber", "Stretches of tracks whose name is not sure, so that they have none.",
          {"stretches": "count"}),
     Kind("markers_not_found", "label", "amber", "Markers of the template that no track is, not even probably."),
+    Kind("markers_displaced", "label", "amber", "Named markers that sit beside their places in the template, by "
+         "so many mm each: they were put on anew, or are other markers. Their names stay.", {"off_mm_list": "mm"}),
     Kind("ghosts_removed", "label", "info", "Tracks that were taken for no markers, as most of their images are those "
          "of named ones.", {"tracks": "count"}),
     Kind("tracks_switched", "label", "info", "Tracks that went over from one marker to another, and were cut there.",

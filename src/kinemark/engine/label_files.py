@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, Trajectories
+from ..findings.labels import displaced_finding
 from ..io.formats import endings
 from ..io.notes import FileNote, read_notes
 from ..io.track_names import TrackName
@@ -181,6 +182,7 @@ def _figures(
         "undecided": None if labels.undecided is None else labels.undecided.kind,
         "another_subject": None if labels.another is None else round(labels.another, 3),
         "missing": [name for name in names if name not in sure],
+        "displaced": [{"name": name, "off_mm": round(mm, 1)} for name, mm in labels.displaced],
         "tracks": each,
         "switches": [
             {"frame": one.frame + tracks.first_frame, "before": one.before, "after": one.after} for one in switches
@@ -221,6 +223,7 @@ def label_text(found: LabelledFile) -> str:
             for one in of["unsure"]
         ),
         f"unknown:  {len(of['unknown'])} tracks",
+        *_displaced_lines(found.figures["displaced"]),
         *(
             f"cut:      a track that is {one['before']}, and {one['after']} from frame {one['frame']} on"
             for one in found.figures["switches"]
@@ -234,3 +237,11 @@ def label_text(found: LabelledFile) -> str:
     if found.figures["missing"]:
         lines.append(f"missing:  {', '.join(found.figures['missing'])}")
     return "\n".join([*lines, f"results:  {found.written}"])
+
+
+def _displaced_lines(displaced: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Of markers beside their places; none where there are none."""
+    if not displaced:
+        return []
+    told = displaced_finding(displaced)
+    return [f"beside:   {text_of(told)} {advice_of(told)}"]

@@ -42,6 +42,7 @@ def label_figures(
             "refused": bool(labels and labels.refused),
             "markers": markers,
             "unsure": unsure,
+            "displaced": [{"name": a, "off_mm": mm} for a, mm in (labels.displaced if labels else ()) if a in names],
         }
     )
 
@@ -89,7 +90,7 @@ def _unsure(tracks: Trajectories, labels: Labels, k: int, n: Any) -> dict[str, A
 
 
 def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool) -> tuple[Finding, ...]:
-    """What needs attention: no template, one that does not fit, unsure stretches, markers that were not found."""
+    """What needs attention: no template, one that does not fit, unsure stretches, markers not found or displaced."""
     if not template:
         return () if figures["stated"] else (make_finding("labels_without_template"),)
     if labels.refused is not None:
@@ -109,6 +110,8 @@ def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool
         one["name"] for one in figures["markers"] if one["state"] == "missing" and one["name"] not in probably
     ]:
         found.append(make_finding("markers_not_found", markers=missing))
+    if displaced := figures["displaced"]:
+        found.append(displaced_finding(displaced))
     if switches := figures["switches"]:
         names = sorted({one[key] for one in switches for key in ("before", "after")})
         frames = sorted({(one["frame"] - 1, one["frame"]) for one in switches})
@@ -116,3 +119,12 @@ def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool
     if figures["ghosts_removed"]:
         found.append(make_finding("ghosts_removed", tracks=figures["ghosts_removed"]))
     return tuple(found)
+
+
+def displaced_finding(displaced: Sequence[Mapping[str, Any]]) -> Finding:
+    """Markers beside their places: each with its `name` and `off_mm`."""
+    return make_finding(
+        "markers_displaced",
+        markers=[one["name"] for one in displaced],
+        off_mm_list=[one["off_mm"] for one in displaced],
+    )

@@ -36,6 +36,14 @@ class UnsureData(TypedDict):
 
 
 @documented
+class DisplacedData(TypedDict):
+    """A named marker that sits beside its place in the template: put on anew, or another one."""
+
+    name: str
+    off_mm: Number
+
+
+@documented
 class SwitchData(TypedDict):
     """A track that went over from one marker to another; the first frame of the second, from 0."""
 
@@ -57,6 +65,7 @@ class LabelsData(TypedDict):
     refused: bool
     markers: list[NamedMarkerData]
     unsure: list[UnsureData]
+    displaced: NotRequired[list[DisplacedData]]
     ghosts_removed: NotRequired[Count]
     second_pass: NotRequired[dict[str, Count]]
     """Points that the named body found, renamed, joined and put_aside, and ghosts, tracks that it dropped."""

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Bools
+from .displaced import markers_beside
 from .label import label
 from .labels import Labels, State
 from .template import Template
@@ -62,7 +63,7 @@ def among_bystanders(
     kept = sure | agreed & (labels.probability >= found.probability)
     state: tuple[State, ...] = tuple("unknown" if no else word for no, word in zip(none, found.state, strict=True))
     runner_up = [name if name in template.names else None for name in found.runner_up]
-    return replace(
+    merged = replace(
         labels,
         names=_where(kept, labels.names, new),
         probability=np.where(kept, labels.probability, np.where(none, 0.0, found.probability)),
@@ -71,6 +72,7 @@ def among_bystanders(
         margin=np.where(kept, labels.margin, np.where(none, np.nan, found.margin)),
         against=_where(kept, labels.against, found.against),
     )
+    return replace(merged, displaced=markers_beside(tracks, merged, template, stated))
 
 
 def _where(kept: Bools, old: Sequence[T], new: Sequence[T]) -> tuple[T, ...]:

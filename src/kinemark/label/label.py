@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +13,7 @@ from ..data import KinemarkError, Tracks, Trajectories, make_finding
 from ..data.finding import Finding
 from ..data.track_trajectories import trajectories_of
 from ..numerics.blas_threads import one_blas_thread
+from .displaced import markers_beside
 from .held import LEAST
 from .labels import Labels, State
 from .stage import LABEL
@@ -44,7 +46,8 @@ def label(
         raise KinemarkError("There are no tracks with samples to be labelled. Track the recording first.")
     method = LABEL.make() if method is None else method
     found = LABEL.function(method)(trajectories, template, method=method, stated=stated)
-    return with_stated(found, trajectories, stated)
+    found = with_stated(found, trajectories, stated)
+    return replace(found, displaced=markers_beside(trajectories, found, template, stated))
 
 
 def refusal(fit: float, placed: float, holds: float, *, least_fit: float, least_placed: float) -> Finding | None:

@@ -34,6 +34,8 @@ class Labels:
         undecided: that left and right of the whole subject cannot be told; None where they can.
         another: times as tall this subject is as the template's, where that was given as this one's and is not; else
             None. No name is sure then.
+        displaced: markers that sit beside their places in the template, and by how many mm: put on anew, or others.
+            Their names are as sure as without it.
     """
 
     names: tuple[str | None, ...]
@@ -47,6 +49,7 @@ class Labels:
     against: tuple[tuple[tuple[str, float], ...], ...] = ()
     undecided: Finding | None = None
     another: float | None = None
+    displaced: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.names)

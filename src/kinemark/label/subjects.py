@@ -192,6 +192,7 @@ def _together(of: Mapping[str, Labels], n: int) -> Labels:
         refused=_refused(of),
         against=tuple(of[s].against[t] for t, s in enumerate(best)),
         undecided=next((one.undecided for one in of.values() if one.undecided is not None), None),
+        displaced=tuple((f"{s}:{name}", mm) for s, one in of.items() for name, mm in one.displaced),
     )
 
 

@@ -3,7 +3,21 @@
 from __future__ import annotations
 
 from ...data import Finding
-from .template import Words, fill
+from .template import Words, fill, listed, shown
+
+MOST_DISPLACED = 12
+"""Markers beside their places that are named, the others counted; chosen, as in errors."""
+
+
+def _displaced(found: Finding) -> str:
+    by = found.values["off_mm_list"]
+    assert isinstance(by, tuple)
+    each = [f"{name} by {shown(mm, 'mm')}" for name, mm in zip(found.markers, by, strict=False)]
+    return fill(
+        "{markers:A named marker sits|Named markers sit} beside {markers:its place|their places} in the template: ",
+        found,
+    ) + (f"{listed(each, MOST_DISPLACED) or '–'}.")
+
 
 LABELLING_WORDS = {
     "labels_refused": Words(
@@ -35,6 +49,11 @@ LABELLING_WORDS = {
     "markers_not_found": Words(
         "{Markers} of the template {markers:is|are} not found in this trial.",
         "Check that {markers:it was|they were} worn and seen.",
+    ),
+    "markers_displaced": Words(
+        _displaced,
+        "Was it put on anew, or is it another marker? Look at it in a picture. If it is another, state its name by "
+        "hand; if it was put on anew, take a newer template.",
     ),
     "ghosts_removed": Words(
         "{tracks} {tracks:track was|tracks were} taken for ghosts and left out: most of {tracks:its|their} images are "

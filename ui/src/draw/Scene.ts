@@ -87,7 +87,9 @@ export class Scene {
   private drawAhead(): void {
     const frame = this.last + this.paths!.firstFrame;
     this.show(frame);
-    this.renderer.getContext().flush();
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    gl.deleteSync(gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0)); // else they are kept back until the picture is asked for
+    gl.flush();
     this.ahead = frame;
   }
 

@@ -24,6 +24,9 @@ export interface CurveView {
 
 /** Standard deviations of a band that holds 95 % on one axis. */
 const BAND = 1.96;
+/** px: widths of a curve and of a dashed one; and of one with more frames than the plot has px, as then most of a wide line is
+ * joins of pieces below a pixel: 2760 points took 5.9 ms to draw at 1.4 px, 0.2 ms at 1 px. Chosen. */
+const WIDE = 1.4, DASHED = 1.6, DENSE = 1;
 /** Frames between two marks of the axis. */
 const STEPS = [1, 10, 100, 1000, 10_000, 100_000].flatMap((n) => [n, 2 * n, 5 * n]);
 const TITLES = ["X mm", "Y mm", "Z mm"] as const;
@@ -104,14 +107,14 @@ export class Curves {
   }
 
   private add(view: CurveView, p: Palette, frames: number[], k: number, width: number, height: number): void {
-    const series: uPlot.Series[] = [{}], bands: uPlot.Band[] = [];
+    const series: uPlot.Series[] = [{}], bands: uPlot.Band[] = [], wide = frames.length > width ? DENSE : WIDE;
     for (const curve of view.curves) {
       if (banded(curve, view, k)) {
         const i = series.length;
         series.push({ stroke: "transparent", width: 0, points: { show: false } }, { stroke: "transparent", width: 0, points: { show: false } });
         bands.push({ series: [i + 1, i], fill: `${curve.colour}30` });
       }
-      series.push({ stroke: curve.colour, width: curve.dashed ? 1.6 : 1.4, dash: curve.dashed ? [5, 4] : undefined, points: { show: false }, spanGaps: false, pxAlign: 0 });
+      series.push({ stroke: curve.colour, width: curve.dashed ? DASHED : wide, dash: curve.dashed ? [5, 4] : undefined, points: { show: false }, spanGaps: false, pxAlign: 0 });
     }
     const title = k < 3 ? TITLES[k]! : view.fourth === "speed" ? "speed m/s" : "residual mm";
     const axis = { stroke: p.faint, grid: { stroke: p.line, width: 1 }, ticks: { show: false }, font: "10px sans-serif" };

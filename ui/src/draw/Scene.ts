@@ -9,6 +9,7 @@ import { Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
 import { clear, room } from "./room";
+import { soon } from "./soon";
 import { Trails, type Trail } from "./trails";
 
 /** What is shown besides the markers. */
@@ -52,18 +53,20 @@ export class Scene {
   private colours: Palette = palette();
   private framed = "";
   private made = "";
+  /** The frame that was drawn before its picture of the screen, null where anything changed since. */
+  private ahead: number | null = null;
   private readonly matrix = new Matrix4();
   private readonly spot = new Vector3();
   private readonly hue = new Color();
 
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly over: HTMLCanvasElement, private readonly redraw: () => void) {
+  constructor(private readonly canvas: HTMLCanvasElement, private readonly over: HTMLCanvasElement, private readonly ask: () => void) {
     const smooth = new URLSearchParams(location.search).get("aa") !== "0";
     this.renderer = new WebGLRenderer({ canvas, antialias: smooth, powerPreference: "high-performance", preserveDrawingBuffer: !smooth });
     this.cloud = new Mesh(new SphereGeometry(1, 20, 14), new MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.55 }));
     this.cloud.matrixAutoUpdate = false;
     this.bones.frustumCulled = false;
     this.graph.add(this.trails.lines, this.bones, this.cloud);
-    this.orbit = new Orbit(this.camera, over, redraw, (x, y, more) => this.onPick(this.pick(x, y), more));
+    this.orbit = new Orbit(this.camera, over, this.redraw, (x, y, more) => this.onPick(this.pick(x, y), more));
   }
 
   /** Another trial, or the same with other paths. */
@@ -77,7 +80,23 @@ export class Scene {
     (this.bones.material as LineBasicMaterial).color.set(this.colours.faint);
     this.bones.geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(6 * Math.max(1, this.links.length)), 3));
     this.redraw();
+    if (this.last >= 0) soon(this, () => this.drawAhead());
   }
+
+  /** Draw at once what an edit gave: the graphics process then draws while curves and lanes are drawn here. */
+  private drawAhead(): void {
+    const frame = this.last + this.paths!.firstFrame;
+    this.show(frame);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    gl.deleteSync(gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0)); // else they are kept back until the picture is asked for
+    gl.flush();
+    this.ahead = frame;
+  }
+
+  private readonly redraw = (): void => {
+    this.ahead = null;
+    this.ask();
+  };
 
   /** The room of a trial: made for its paths as they are first seen, and anew in other colours; an edit leaves it as it stands. */
   private furnish(header: TrialHeader, paths: PathSet): void {
@@ -116,8 +135,9 @@ export class Scene {
   }
 
   show(frame: number): void {
-    const { paths, header } = this;
-    if (!paths || !header) return;
+    const { paths, header, ahead } = this;
+    this.ahead = null;
+    if (!paths || !header || frame === ahead) return;
     this.size();
     const index = frame - paths.firstFrame, { selected, alone, instead } = this.shown, some = new Set(selected);
     const drawn = [...paths.byName.values()].filter((path) => !alone || !some.size || some.has(path.name));
@@ -157,7 +177,8 @@ export class Scene {
     this.renderer.dispose();
   }
 
-  private last = 0;
+  /** Index of the frame that was drawn last, −1 before the first. */
+  private last = -1;
 
   private size(): void {
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;

@@ -23,10 +23,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from .associate import associate, information, predict_images
-from .body_poses import GATE, InPlace, body_poses, in_place, member_places
+from .body_poses import GATE, InPlace, body_poses, by_tracks, in_place, member_places
 from .candidate_points import find_candidate_points, fundamentals, intersect
 from .companions import LONG
 from .detection_index import Images
@@ -78,6 +79,8 @@ def _pass_over(points: TrackPoints, detection: Ints, images: Images, T: float, m
     rows, F, left = rows_of(points), fundamentals(images.P), np.ones(len(became), bool)
     bodies = learned_bodies(points, rows) if len(points.id) else []
     for body in joined_bodies(bodies, rows >= 0):
+        if not _may_break(body, points, rows, left | (body.member >= 0)):
+            continue
         poses = body_poses(body, points, rows, lambda f: _of_images(images, F, f, method.gate))
         placed = in_place(body, poses, points)
         of_body = _tracks_of(placed, points, len(became))
@@ -107,6 +110,18 @@ def _tracks_of(placed: InPlace, points: TrackPoints, n: int) -> Bools:
     """(n) the tracks that are a body's (1)."""
     inside = np.bincount(points.id[placed.member >= 0], minlength=n)
     return (inside > 0) & (inside >= OF_BODY * (inside + np.bincount(points.id[placed.off], minlength=n)))
+
+
+def _may_break(body: RigidBody, points: TrackPoints, rows: NDArray[np.int32], of: Bools) -> bool:
+    """Whether K members could have many tracks (0) of those `of`, if all points where tracks show no pose were inside.
+
+    Poses among the other points, which are looked for then, take most of the pass, and nearly all bodies hold.
+    """
+    poses = by_tracks(body, points, rows)
+    placed = in_place(body, poses, points)
+    open_or_inside = np.where(poses.fit[points.frame] > 0, placed.member >= 0, True)
+    most, off = (np.bincount(points.id[which], minlength=len(of)) for which in (open_or_inside, placed.off))
+    return bool((of & (most > 0) & (most >= OF_BODY * (most + off))).sum() >= BREAKS * len(body.shape))
 
 
 def _breaks(placed: InPlace, of_body: Bools, points: TrackPoints, K: int) -> bool:

@@ -26,6 +26,6 @@ PACKAGES = sorted(module.name for module in pkgutil.iter_modules(kinemark.__path
 def test_each_module_can_be_imported_first(package):
     folder = [f"{path}/{package}" for path in kinemark.__path__]
     found = pkgutil.walk_packages(folder, f"kinemark.{package}.")
-    names = [f"kinemark.{package}", *(module.name for module in found)]
+    names = [f"kinemark.{package}", *(module.name for module in found if not module.name.endswith("._native"))]  # C
     done = subprocess.run([sys.executable, "-c", FIRST, *names], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, ""), done.stderr

@@ -1,16 +1,21 @@
 """The command `kinemark`, and `python -m kinemark`; Ctrl-C ends it at any moment, also while it is imported."""
 
+import _thread
 import os
 import signal
 import sys
+import threading
 
 STOPPED = "stopped; what was finished is kept, nothing is half-written, and the same command goes on from there"
 STATUS = 130
 """Exit status after Ctrl-C: 128 + SIGINT, by convention."""
+AGAIN_S = 0.01
+"""s after which a Ctrl-C that was dropped comes again; chosen, as what dropped it has long ended then."""
 
 
 def main() -> None:
     """The command."""
+    sys.unraisablehook = _not_dropped
     try:
         from .apps.cli import main as command
 
@@ -23,6 +28,14 @@ def main() -> None:
         sys.stderr.write(f"\nkinemark: {STOPPED}\n")
         sys.stderr.flush()
         os._exit(STATUS)  # threads that still decode an image are not waited for
+
+
+def _not_dropped(dropped: "sys.UnraisableHookArgs") -> None:
+    """Python drops what is raised where nobody can catch it, as while a module or an object is let go."""
+    if dropped.exc_type is KeyboardInterrupt:
+        threading.Timer(AGAIN_S, _thread.interrupt_main).start()
+    else:
+        sys.__unraisablehook__(dropped)
 
 
 if __name__ == "__main__":

@@ -62,6 +62,29 @@ def interrupted(arguments, folder, after):
     return process.communicate(timeout=60)[1], process.returncode
 
 
+DROPPED = """
+import time, types, sys
+
+class Gone:
+    def __del__(self):
+        raise KeyboardInterrupt
+
+def command():
+    Gone()
+    time.sleep(30)
+
+sys.modules["kinemark.apps.cli"] = types.SimpleNamespace(main=command)
+from kinemark.__main__ import main
+main()
+"""
+
+
+def test_ctrl_c_that_comes_while_an_object_is_let_go_counts_too():
+    """Python drops it there, and goes on."""
+    done = subprocess.run([sys.executable, "-c", DROPPED], capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stderr.count("\n"), "Traceback" in done.stderr) == (130, 2, False)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise")
 @pytest.mark.parametrize("name", COMMANDS)
 def test_ctrl_c_ends_a_command_with_one_line(name, folder):

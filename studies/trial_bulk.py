@@ -17,24 +17,18 @@ Run: python studies/trial_bulk.py
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
 import scipy
 from probable_errors import FILES, Known, labelled, listed, truth_of, with_faults
 from probable_errors_faults import KINDS as FAULTS
-from probable_errors_tables import Judged, classes, table
+from trial_prior import KINDS, OF_PATHS, Told, report
 
 from kinemark.data.array_types import Bools, Floats
 from kinemark.edit.probable_errors.probability import LEAST, SURE
-
-OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
-KINDS = ("swap", "join", "spike")
-
 
 OTHERS = (
     "arm_box_lift_gaps/*.c3d", "qualisys_gait/*.c3d", "ulema_hand_to_head/*.c3d", "wheelchair_racing_gaps/*.c3d",
@@ -47,21 +41,9 @@ LABORATORIES = {
 }  # fmt: skip
 
 
-class Told(NamedTuple):
-    """A problem: its file, kind, what is said of it by itself, what tells of its trial (1), whether it is one, and
-    which trial it is of."""
-
-    file: str
-    kind: str
-    wrong: float
-    evidence: tuple[float, float, float, float]
-    true: bool
-    trial: int
-
-    @property
-    def laboratory(self) -> str:
-        """The children's recordings are of one, and those of one trial that was processed in several ways."""
-        return next((name for start, name in LABORATORIES.items() if self.file.startswith(start)), self.file)
+def laboratory(file: str) -> str:
+    """The children's recordings are of one, and those of one trial that was processed in several ways."""
+    return next((name for start, name in LABORATORIES.items() if file.startswith(start)), file)
 
 
 def trials() -> Iterator[Known]:
@@ -84,7 +66,7 @@ def told() -> list[Told]:
             for one, evidence in zip(some, of_trial(wrong, known.trajectories.rate), strict=True):
                 true = truth_of(known, one)
                 if true is not None:
-                    rows.append(Told(known.name, one.kind, one.wrong, tuple(evidence.tolist()), true, k))
+                    rows.append(Told(laboratory(known.name), one.kind, one.wrong, tuple(evidence.tolist()), true, k))
     return rows
 
 
@@ -120,44 +102,8 @@ def fit(rows: Sequence[Told]) -> Floats:
     return np.asarray(scipy.optimize.minimize(cost, np.zeros(5), jac=True, method="L-BFGS-B").x)
 
 
-def judged(rows: Sequence[Told], c: Floats | None) -> list[Judged]:
-    """By these coefficients, or as they are by themselves."""
-    out = []
-    for row in rows:
-        wrong = row.wrong if c is None else float(scipy.special.expit(c[0] + np.dot(c[1:], row.evidence)))
-        out.append(Judged(row.laboratory, row.kind, wrong, row.true, wrong >= 0.05))
-    return out
-
-
-def say(title: str, some: Sequence[Judged]) -> None:
-    print(title)
-    table("all", list(some))
-    classes(some)
-    left = [row for row in some if not row.asked]
-    print(f"  below the stop rule: expected {sum(row.wrong for row in left):.1f}, true {sum(row.true for row in left)}")
-
-
-def unsure(some: Sequence[Judged]) -> str:
-    """How many are neither sure nor unlikely, and how many of them are expected and true."""
-    rows = [one for one in some if 0.05 <= one.wrong < 0.5]
-    return f"{len(rows)}, {sum(one.wrong for one in rows):.1f} expected, {sum(one.true for one in rows)} true"
-
-
 def main() -> None:
-    rows = told()
-    places = sorted({row.laboratory for row in rows})
-    by_others = {
-        place: judged([row for row in rows if row.laboratory == place], fit([r for r in rows if r.laboratory != place]))
-        for place in places
-    }
-    say("Each by itself", judged(rows, None))
-    say("By its trial, each laboratory by the others", [one for place in places for one in by_others[place]])
-    for place in places:
-        mine = [row for row in rows if row.laboratory == place]
-        print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(by_others[place])}; by themselves "
-              f"{unsure(judged(mine, None))}")  # fmt: skip
-    say("By its trial, by the coefficients of all", judged(rows, c := fit(rows)))
-    print(f"  coefficients: {', '.join(f'{k:.2f}' for k in c)}")
+    report(told(), fit)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ Run: python studies/trial_prior.py
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 from unittest import mock
 
@@ -29,31 +29,33 @@ KINDS = ("swap", "join", "spike")
 
 
 class Told(NamedTuple):
-    """A problem: its file, kind, what is said of it by itself, what tells of its trial (3), and whether it is one."""
+    """A problem: its laboratory, kind, what is said of it by itself, what tells of its trial (3), whether it is one,
+    and which trial it is of."""
 
-    file: str
+    laboratory: str
     kind: str
     wrong: float
-    evidence: tuple[float, float, float]
+    evidence: tuple[float, ...]
     true: bool
+    trial: int
 
-    @property
-    def laboratory(self) -> str:
-        """The children's recordings are of one, and those of one trial that was processed in several ways."""
-        return {"HC0": "children", "PiG": "PiG"}.get(self.file[:3], self.file)
+
+def laboratory(file: str) -> str:
+    """The children's recordings are of one, and those of one trial that was processed in several ways."""
+    return {"HC0": "children", "PiG": "PiG"}.get(file[:3], file)
 
 
 def told() -> list[Told]:
     rows = []
     with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
-        for known in (known for part in (0, 1) for known in both(labelled(part))):
+        for k, known in enumerate(known for part in (0, 1) for known in both(labelled(part))):
             some = [one for one in listed(known).items if one.kind in KINDS and "nats_a_frame" not in one.values]
             wrong = np.array([one.wrong for one in some])
             for one, evidence in zip(some, of_trial(wrong), strict=True):
                 true = truth_of(known, one)
                 if true is not None:
-                    rows.append(Told(known.name, one.kind, one.wrong, tuple(evidence.tolist()), true))
+                    rows.append(Told(laboratory(known.name), one.kind, one.wrong, tuple(evidence.tolist()), true, k))
     return rows
 
 
@@ -98,8 +100,8 @@ def unsure(some: Sequence[Judged]) -> str:
     return f"{len(rows)}, {sum(one.wrong for one in rows):.1f} expected, {sum(one.true for one in rows)} true"
 
 
-def main() -> None:
-    rows = told()
+def report(rows: Sequence[Told], fit: Callable[[Sequence[Told]], Floats]) -> None:
+    """What is told of each laboratory by the others, and by all."""
     places = sorted({row.laboratory for row in rows})
     by_others = {
         place: judged([row for row in rows if row.laboratory == place], fit([r for r in rows if r.laboratory != place]))
@@ -113,6 +115,10 @@ def main() -> None:
               f"{unsure(judged(mine, None))}")  # fmt: skip
     say("By its trial, by the coefficients of all", judged(rows, c := fit(rows)))
     print(f"  coefficients: {', '.join(f'{k:.2f}' for k in c)}")
+
+
+def main() -> None:
+    report(told(), fit)
 
 
 if __name__ == "__main__":

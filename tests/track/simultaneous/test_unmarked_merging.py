@@ -26,31 +26,31 @@ from support.scenes import make, scene, tally
 T, METHOD, FRAMES, RUN = 0.01, Simultaneous(), 60, slice(20, 40)
 
 
-def two_markers(*, merged):
-    """Images of two markers 12 mm apart, their points, and those of the first in camera 0 in frames RUN.
+def two_markers(*, merged, frames=FRAMES, run=RUN):
+    """Images of two markers 12 mm apart, their points, and those of the first in camera 0 in frames of a run.
 
     There the second has no image: it is in that of the first, or hidden. The first has images in two cameras only.
     """
     rig = ring(4)
-    first = dance(n=1, frames=FRAMES, seed=2)
+    first = dance(n=1, frames=frames, seed=2)
     both = np.concatenate([first, first + np.array([3.0, 4.0, 11.0])])
     detections, marker = observe(rig, both, noise=0.05, seed=3)
     images = read_images(detections, rig)
-    detection = np.full((4, 2, FRAMES), -1)
+    detection = np.full((4, 2, frames), -1)
     detection[images.camera, marker, images.frame] = np.arange(len(marker))
-    uv, own, other = images.uv.copy(), detection[0, 0, RUN], detection[0, 1, RUN].copy()
+    uv, own, other = images.uv.copy(), detection[0, 0, run], detection[0, 1, run].copy()
     apart = np.hypot(*(uv[own] - uv[other]).T).max()
     if merged:
         uv[own] = (uv[own] + uv[other]) / 2
     usable = images.usable.copy()
     usable[other] = False
     images = images._replace(uv=uv, usable=usable, by_cell=images.by_cell.keep(usable))
-    detection[0, 1, RUN] = -1
+    detection[0, 1, run] = -1
     detection[2:, 0] = -1
     held = detection.reshape(4, -1)
     point = intersect(images, held)
     points = TrackPoints(
-        np.tile(np.arange(FRAMES), 2), np.repeat([0, 1], FRAMES), point.xyz.T, point.cov.transpose(2, 0, 1)
+        np.tile(np.arange(frames), 2), np.repeat([0, 1], frames), point.xyz.T, point.cov.transpose(2, 0, 1)
     )
     return images, points, held, own, apart
 
@@ -64,6 +64,17 @@ def test_an_image_of_both_is_told_from_a_marker_that_is_hidden(merged):
     assert set(held[0, claims.row[first]]) == set(own)
     assert (said[first] > LEAST).all() == merged
     assert (said[first] < LEAST).all() == (not merged)
+
+
+@pytest.mark.parametrize("merged", [True, False])
+def test_the_longer_a_run_the_less_its_begin_says_of_its_end(merged):
+    """What is left out between both is predicted: where nothing is known of the place there, more noise is the same."""
+    images, points, held, own, apart = two_markers(merged=merged, frames=300, run=slice(20, 280))
+    claims = possible_claims(points, held, images, 1.6 * apart)
+    said = [scores(claims, points, held, images, 1.0, Simultaneous(process_noise=q)) for q in (1e8, 1e10)]
+    first = claims.row < 300
+    assert len(own) == 260 and (said[0][first] > LEAST).all() == merged
+    np.testing.assert_allclose(said[0], said[1], rtol=1e-6)
 
 
 def test_two_tracks_that_no_camera_shows_apart_have_no_image_in_common():

@@ -85,6 +85,9 @@ TRUST = 0.85
 """Of (4), a probability; chosen: of images of the highest scores so many are nearer to the middle of both markers than
 to the one that has them (seeds 0 to 60 of benchmarks/tracking_scenes.py; 0.81 to 0.85 for (3) above 2)."""
 
+NOWHERE = 100_000.0
+"""mm of standard deviation, of a place of which nothing is known; chosen: no laboratory is so wide, and an update of
+what is known a thousand times worse has no correct digit left."""
 
 AT_ONCE = 50_000
 """Points and images that are looked at in one go; more would take memory and no less time; chosen."""
@@ -364,7 +367,10 @@ def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
 
 
 def _path(reading: _Reading, table: Ints, points: TrackPoints, T: float, method: Simultaneous, frame: Ints) -> Floats:
-    """(R) what the innovations along the path of each run add to (3)."""
+    """(R) what the innovations along the path of each run add to (3).
+
+    Long runs leave out what is between their ends; where the place is then not known to NOWHERE, the path begins anew.
+    """
     R = table.shape[1]
     total, begun, last = np.zeros(R), np.zeros(R, bool), np.zeros(R, np.int64)
     motion = KalmanStates(np.zeros((9, R)), np.broadcast_to(np.eye(9)[..., None], (9, 9, R)).copy())
@@ -377,6 +383,7 @@ def _path(reading: _Reading, table: Ints, points: TrackPoints, T: float, method:
         at, z = np.where(inside, frame[k], points.frame[s]), np.where(there, z, 0.0)
         C = np.where(there, C, np.eye(3)[..., None])
         ahead = predict(motion, np.where(there & begun, (at - last) * T, 0.0), method.process_noise)
+        begun = begun & (np.trace(ahead.cov) < NOWHERE**2)
         S, delta = ahead.cov + C, z - ahead.position
         squared = np.einsum("it,ijt,jt->t", delta, inverse(S), delta)
         said = student_log_likelihood(squared, DEGREES_OF_FREEDOM, np.full(R, 3.0))

@@ -147,7 +147,7 @@ def index_images(rng):
 
     def function(*arrays, n_cells):
         index = native.index_images(*arrays, n_cells=n_cells)
-        return index.uv, index.order, index.key, index.first
+        return index.uv, index.order, index.first
 
     return Call(function, {"uv": uv, "cell": cell, "usable": usable}, {"n_cells": n_cells})
 
@@ -157,10 +157,10 @@ def image_index(rng):
     index = native.index_images(uv, cell, usable, n_cells=n_cells)
 
     def function(*arrays):
-        made = native.ImageIndex(*arrays, index.low, index.width)
+        made = native.ImageIndex(*arrays)
         return made.near(np.arange(n_cells), np.full(n_cells, 25.0), np.full(n_cells, 9.0))
 
-    return Call(function, {name: getattr(index, name) for name in ("uv", "order", "key", "first")}, {})
+    return Call(function, {name: getattr(index, name) for name in ("uv", "order", "first")}, {})
 
 
 def near(rng):

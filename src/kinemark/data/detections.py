@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,9 +28,28 @@ NOT_ROWS = ("cameras", "rate", "start", "ground_subtracted")
 """Fields of `Detections` that are not one value a row."""
 
 
+def alike_in_all(values: NDArray[np.float64]) -> bool:
+    """Whether a column of `Detections` is one value that stands for all rows."""
+    return len(values) > 1 and values.strides[0] == 0
+
+
+def _lean(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The column, or one value in place of as many that are alike: files often state nothing but places."""
+    if len(values) < 2 or alike_in_all(values) or not _equal(values[-1], values[0]) or not _equal(values, values[0]):
+        return values
+    return np.broadcast_to(values[0].copy(), values.shape)
+
+
+def _equal(values: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether values are another, NaN being NaN."""
+    return bool(((values == other) | (np.isnan(values) & np.isnan(other))).all())
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Detections:
     """Marker images of C cameras over F frames, D in all, sorted by camera, then frame.
+
+    A column of which all rows are alike is in memory once.
 
     Attributes:
         cameras: (C) names.
@@ -65,11 +85,11 @@ class Detections:
             ground_subtracted=tuple(self.ground_subtracted),
             start=column("start", self.start, np.int64, len(self.cameras), None),
             uv=column("uv", self.uv, np.float64, n, 2),
-            cov=column("cov", self.cov, np.float64, n, 2, 2),
-            area=column("area", self.area, np.float64, n),
-            width=column("width", self.width, np.float64, n),
-            height=column("height", self.height, np.float64, n),
-            peak=column("peak", self.peak, np.float64, n),
+            cov=_lean(column("cov", self.cov, np.float64, n, 2, 2)),
+            area=_lean(column("area", self.area, np.float64, n)),
+            width=_lean(column("width", self.width, np.float64, n)),
+            height=_lean(column("height", self.height, np.float64, n)),
+            peak=_lean(column("peak", self.peak, np.float64, n)),
             validity=column("validity", self.validity, np.uint8, n),
             merged=column("merged", self.merged, np.bool_, n),
         )
@@ -88,7 +108,7 @@ class Detections:
         """From counts (C, F) and rows in order of camera, then frame; not given: NaN, valid, not merged."""
         counts = np.asarray(counts, np.int64)
         uv = np.asarray(uv, np.float64).reshape(-1, 2)
-        unknown = np.full(len(uv), np.nan)
+        unknown = np.broadcast_to(np.nan, len(uv))
         ends = np.cumsum(counts.reshape(-1)).reshape(counts.shape)
         return cls(
             cameras=cameras,
@@ -97,7 +117,7 @@ class Detections:
             if counts.shape[1]
             else np.zeros((len(counts), 1), np.int64),
             uv=uv,
-            cov=np.full((len(uv), 2, 2), np.nan) if cov is None else np.asarray(cov, np.float64),
+            cov=np.broadcast_to(np.nan, (len(uv), 2, 2)) if cov is None else np.asarray(cov, np.float64),
             area=np.asarray(shape.get("area", unknown), np.float64),
             width=np.asarray(shape.get("width", unknown), np.float64),
             height=np.asarray(shape.get("height", unknown), np.float64),
@@ -105,6 +125,12 @@ class Detections:
             validity=np.asarray(shape.get("validity", np.zeros(len(uv))), np.uint8),
             merged=np.asarray(shape.get("merged", np.zeros(len(uv))), np.bool_),
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        columns = {f.name: getattr(self, f.name) for f in fields(self)}
+        once = {name for name, one in columns.items() if name not in NOT_ROWS and alike_in_all(one)}
+        columns |= {name: columns[name][:1].copy() for name in once}
+        return _restored, (columns, once)
 
     def __len__(self) -> int:
         return len(self.uv)
@@ -168,3 +194,11 @@ class Detections:
         frame = self.frame
         part = self.keep((frame >= first) & (frame < stop))
         return replace(part, start=part.start[:, first : max(first, stop) + 1])
+
+
+def _restored(columns: dict[str, Any], once: set[str]) -> Detections:
+    """The record that `pickle` kept, with the columns in which all rows are alike once."""
+    n = len(columns["uv"])
+    return Detections(
+        **columns | {name: np.broadcast_to(columns[name], (n, *columns[name].shape[1:])) for name in once}
+    )

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-VERSION = 4
+VERSION = 5
 """Of the functions' meaning, as in library.c: a library left over from another version is not used; by definition."""
 
 PLAIN = "KINEMARK_PLAIN"
@@ -49,6 +49,7 @@ class Pointer:
 
 _SIZE, _REAL = ctypes.c_int64, ctypes.c_double
 _FLOATS, _INTS, _BOOLS, _GREY8, _GREY16 = map(Pointer, (np.float64, np.int64, np.bool_, np.uint8, np.uint16))
+_ROWS = Pointer(np.int32)
 _DEPTHS = (8, _GREY8), (16, _GREY16)  # bits of a pixel, as in library.c
 
 FUNCTIONS: dict[str, tuple[Any, ...]] = {
@@ -66,7 +67,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "project": (*2 * [_SIZE], *6 * [_FLOATS]),
     "information": (*3 * [_SIZE], *2 * [_FLOATS], _INTS, *4 * [_FLOATS]),
     "candidates": (
-        *3 * [_SIZE], _INTS, _FLOATS, _INTS, *2 * [_REAL], *2 * [_FLOATS], _BOOLS,
+        *3 * [_SIZE], _ROWS, _INTS, *2 * [_FLOATS], _BOOLS,
         _SIZE, _INTS, *3 * [_FLOATS], _REAL, _SIZE, *2 * [_INTS], *2 * [_FLOATS],
     ),
     "cluster_pixels": (*4 * [_SIZE], *2 * [_FLOATS], _BOOLS, *3 * [_FLOATS]),

@@ -1,33 +1,32 @@
 """The images of a recording in the order in which they are looked up, and those near a place.
 
-A cell is a camera in a frame. The usable images are in one long list by cell and u, with
-
-    key = cell + (u − low) / width                                       (1)
-
-where low and width bound the u of all, so that the images of a cell near a place are consecutive, found by bisection,
-and looking costs the same whether a camera sees ten markers or a thousand. Among them those count whose squared
-distance from the place u, with the covariance S of the difference,
+A cell is a camera in a frame. The usable images are in one long list by cell and u, so that the images of a cell near a
+place are consecutive, found by bisection (1), and looking costs the same whether a camera sees ten markers or a
+thousand. Among them those count whose squared distance from the place u, with the covariance S of the difference,
 
     d² = (image − u)ᵀ S⁻¹ (image − u)                                    (2)
 
-is within the gate.
+is within the gate. A long recording has many images, so the list has four bytes for each.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Floats, Ints
 from ..data.arrays import set_columns
-from .array_checks import BOOL, FLOAT, INT, Arrays, check_indices, index
+from .array_checks import BOOL, FLOAT, INT, Arrays, Kind, check_indices
 from .compiled_library import library
 
-_INDEX = Arrays(uv=(FLOAT, "D", 2), order=(index("D"), "N"), key=(FLOAT, "N"), first=(INT, "K"))
-_IMAGES = Arrays(uv=(FLOAT, "D", 2), cell=(INT, "D"), usable=(BOOL, "D"))
+_ROW = Kind((np.dtype(np.int32),), below="D")
+_INDEX = Arrays(uv=(FLOAT, "D", 2), order=(_ROW, "N"), first=(INT, "K"))
+_CELL = Kind((np.dtype(np.int64), np.dtype(np.int32)))
+_IMAGES = Arrays(uv=(FLOAT, "D", 2), cell=(_CELL, "D"), usable=(BOOL, "D"))
 _NEAR = Arrays(cell=(INT, "n"), u=(FLOAT, "n"), reach=(FLOAT, "n"))
 _CANDIDATES = Arrays(
     variance=(FLOAT, "D"),
@@ -39,6 +38,10 @@ _CANDIDATES = Arrays(
 )
 
 
+AT_ONCE = 500_000
+"""Images that are sorted or checked in one go: more would take memory and no less time; chosen."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ImageIndex:
     """The N usable ones of D images by cell and u; `index_images` makes it.
@@ -46,38 +49,30 @@ class ImageIndex:
     Attributes:
         uv: (D, 2) px of all images.
         order: (N) rows of the usable ones, by cell and u.
-        key: (N) of (1).
         first: (cells + 1) of these, the first of each cell.
-        low, width: px, of (1).
 
     Raises:
         ValueError: an array has another shape or dtype, or the images are not in this order.
     """
 
     uv: Floats
-    order: Ints
-    key: Floats
+    order: NDArray[np.int32]
     first: Ints
-    low: float
-    width: float
 
     def __post_init__(self) -> None:
-        arrays = uv, order, key, first = _INDEX(self.uv, self.order, self.key, self.first)
+        arrays = uv, order, first = _INDEX(self.uv, self.order, self.first)
         _INDEX.check_indices(arrays)
         rises = len(first) > 0 and first[0] == 0 and first[-1] == len(order) and bool((first[1:] >= first[:-1]).all())
         if not rises:
             raise ValueError(f"first must rise from 0 to the number of usable images, {len(order)}")
-        u, cell = uv[order, 0], np.repeat(np.arange(len(first) - 1), np.diff(first))
-        same = cell[1:] == cell[:-1]
-        if not (0 < self.width < math.inf and math.isfinite(self.low)) or not np.array_equal(
-            key, _keys(cell, u, self.low, self.width)
-        ):
-            raise ValueError("key is not that of the cells and places of the images")
-        if (u[1:] < u[:-1])[same].any() or (key < cell).any() or (key >= cell + 1).any():
-            raise ValueError("order is not by cell and u")
-        for array in (
-            columns := {"uv": uv.view(), "order": order.view(), "key": key.view(), "first": first.view()}
-        ).values():
+        begins = np.zeros(len(order) + 1, np.bool_)
+        begins[first] = True
+        for at in range(0, len(order), AT_ONCE):
+            u = uv[order[at : at + AT_ONCE + 1], 0]
+            if not np.isfinite(u).all() or ((u[1:] < u[:-1]) & ~begins[at + 1 : at + len(u)]).any():
+                raise ValueError("order is not by cell and u")
+        columns = {"uv": uv.view(), "order": order.view(), "first": first.view()}
+        for array in columns.values():
             array.flags.writeable = False
         set_columns(self, **columns)
 
@@ -89,8 +84,8 @@ class ImageIndex:
     def keep(self, mask: Bools) -> ImageIndex:
         """The same with only those images that `mask` (D) names."""
         kept = mask[self.order]
-        first = np.concatenate([[0], np.cumsum(kept)])[self.first]
-        return ImageIndex(self.uv, self.order[kept], self.key[kept], first, self.low, self.width)
+        before = np.append(np.zeros(1, np.int32), np.cumsum(kept, dtype=np.int32))
+        return ImageIndex(self.uv, self.order[kept], before[self.first].astype(np.int64))
 
     def near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
         """Images whose u is within reach (n) px of u (n), in cells (n): (places among n, rows).
@@ -104,11 +99,18 @@ class ImageIndex:
 
     @np.errstate(all="ignore")
     def _near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
-        least, most = (u - reach - self.low) / self.width, (u + reach - self.low) / self.width
-        first = np.searchsorted(self.key, cell + np.maximum(least, 0.0))
-        count = np.searchsorted(self.key, cell + np.minimum(most, 1.0)) - first
-        np.maximum(count, 0, out=count)
-        return np.repeat(np.arange(len(cell)), count), self.order[ranges(first, count)]
+        first = self._place(cell, u - reach)
+        count = np.maximum(self._place(cell, u + reach) - first, 0)
+        return np.repeat(np.arange(len(cell)), count), self.order[ranges(first, count)].astype(np.int64)
+
+    def _place(self, cell: Ints, wanted: Floats) -> Ints:
+        """(n) by (1): of each cell the first place at which u is not less than `wanted` (n) px."""
+        low, stop = self.first[cell], self.first[cell + 1]
+        for _ in range(int((stop - low).max(initial=0)).bit_length()):
+            middle = (low + stop) // 2
+            less = (low < stop) & (self.uv[self.order[np.minimum(middle, len(self.order) - 1)], 0] < wanted)
+            low, stop = np.where(less, middle + 1, low), np.where(less, stop, middle)
+        return low
 
 
 def index_images(uv: Floats, cell: Ints, usable: Bools, *, n_cells: int) -> ImageIndex:
@@ -118,19 +120,22 @@ def index_images(uv: Floats, cell: Ints, usable: Bools, *, n_cells: int) -> Imag
         ValueError: an array has another shape or dtype, there is no such cell, or a usable image has no place.
     """
     uv, cell, usable = _IMAGES(uv, cell, usable)
-    rows = np.flatnonzero(usable)
-    u, cell = uv[rows, 0], cell[rows]
-    check_indices("cell", cell, n_cells)
-    low = float(u.min(initial=0.0)) - 1
-    width = (float(u.max(initial=0.0)) + 1 - low) * (1 + 1e-6)  # so that (1) stays below cell + 1
-    if not math.isfinite(width):
-        raise ValueError("uv is not finite for a usable image")
-    key = _keys(cell, u, low, width)
-    order = np.lexsort((u, cell))
-    first = np.searchsorted(cell[order], np.arange(n_cells + 1))
-    rows, key = rows[order], key[order]
-    del u, cell, order  # of long recordings each is much memory
-    return ImageIndex(uv, rows, key, first, low, width)
+    if len(uv) > np.iinfo(np.int32).max:
+        raise ValueError(f"there are {len(uv)} images, wanted {np.iinfo(np.int32).max} at most")
+    count = np.zeros(n_cells, np.int64)
+    for at in range(0, len(cell), AT_ONCE):
+        part, own = usable[at : at + AT_ONCE], cell[at : at + AT_ONCE]
+        check_indices("cell", own[part], n_cells)
+        if not np.isfinite(uv[at : at + AT_ONCE, 0][part]).all():
+            raise ValueError("uv is not finite for a usable image")
+        count += np.bincount(own[part], minlength=n_cells)
+    first = np.append(0, np.cumsum(count))
+    order = np.empty(first[-1], np.int32)
+    cuts = np.unique(np.append(np.searchsorted(first, np.arange(0, first[-1], AT_ONCE)), n_cells))
+    for begin, end in pairwise(cuts.tolist()):
+        rows = np.flatnonzero((cell >= begin) & (cell < end) & usable).astype(np.int32)
+        order[first[begin] : first[end]] = rows[np.lexsort((uv[rows, 0], cell[rows]))]
+    return ImageIndex(uv, order, first)
 
 
 def candidates(
@@ -169,8 +174,8 @@ def _compiled_candidates(
     compiled: Any, images: ImageIndex, variance: Floats, free: Bools, cell: Ints, uv: Floats, S: Floats, reach: Floats,
     gate: float,
 ) -> tuple[Ints, Ints, Floats, Floats] | None:  # fmt: skip
-    known = len(images.order), len(variance), images.n_cells, images.order, images.key, images.first
-    asked = images.low, images.width, images.uv, variance, free, len(cell), cell, uv, S, reach, gate
+    known = len(images.order), len(variance), images.n_cells, images.order, images.first
+    asked = images.uv, variance, free, len(cell), cell, uv, S, reach, gate
     room = 4 * len(cell) + 64  # mostly enough
     while True:
         pair, said = np.empty((2, room), np.int64), np.empty((2, room))
@@ -199,8 +204,3 @@ def _numpy_candidates(
 def ranges(first: Ints, count: Ints) -> Ints:
     """first, first + 1, … of each, `count` of them, one after the other."""
     return np.arange(int(count.sum())) + np.repeat(first - np.cumsum(count) + count, count)
-
-
-def _keys(cell: Ints, u: Floats, low: float, width: float) -> Floats:
-    """(1)."""
-    return cell + (u - low) / width

@@ -71,12 +71,14 @@ API int64_t information(int64_t C, int64_t n, int64_t d, const double *uv, const
 
 /* ---- Images near a place ---- */
 
-/* The first of the places first … stop − 1 of rising keys at which one is not less than `wanted`; stop if none is. */
-static int64_t place_of(const double *key, int64_t first, int64_t stop, double wanted)
+/* The first of the places first … stop − 1 of `order`, by u, at which u is not less than `wanted`; stop if none is.
+   What is no row of the D images counts as less. */
+static int64_t place_of(const int32_t *order, const double *images, int64_t D, int64_t first, int64_t stop,
+                        double wanted)
 {
     while (first < stop) {
-        int64_t middle = first + (stop - first) / 2;
-        if (key[middle] < wanted)
+        int64_t middle = first + (stop - first) / 2, r = order[middle];
+        if (r < 0 || r >= D || images[2 * r] < wanted)
             first = middle + 1;
         else
             stop = middle;
@@ -87,15 +89,14 @@ static int64_t place_of(const double *key, int64_t first, int64_t stop, double w
 /* The images near places, n places in cells at uv (2, n), S (3, n), within reach (n) in u: those that are free and of
    which the squared distance (2) is less than `gate`.
 
-   order, key (N), first (cells + 1), low, width: the index of the usable images.
+   order (N), first (cells + 1): the index of the usable images.
    images (D, 2), variance (D), is_free (D): of all images.
    own, detection, squared (2), det |S|: of the first `room` that are found. Returns the number of all, or −1 where
       there is no such cell. */
-API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int64_t *order, const double *key,
-                       const int64_t *first, double low, double width, const double *images, const double *variance,
-                       const uint8_t *is_free, int64_t n, const int64_t *cell, const double *uv, const double *S,
-                       const double *reach, double gate, int64_t room, int64_t *own, int64_t *detection,
-                       double *squared, double *det)
+API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int32_t *order, const int64_t *first,
+                       const double *images, const double *variance, const uint8_t *is_free, int64_t n,
+                       const int64_t *cell, const double *uv, const double *S, const double *reach, double gate,
+                       int64_t room, int64_t *own, int64_t *detection, double *squared, double *det)
 {
     int64_t found = 0;
     for (int64_t i = 0; i < n; i++) {
@@ -107,8 +108,7 @@ API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int64_t *order
         int64_t from = first[cell[i]], stop = first[cell[i] + 1];
         if (from < 0 || stop > N)
             continue;
-        double wanted = (double)cell[i] + (u - far - low) / width;
-        for (int64_t k = place_of(key, from, stop, wanted); k < stop; k++) {
+        for (int64_t k = place_of(order, images, D, from, stop, u - far); k < stop; k++) {
             int64_t r = order[k];
             if (r < 0 || r >= D)
                 continue;

@@ -18,7 +18,14 @@ from kinemark.track.simultaneous.associate import associate, predict_images
 from kinemark.track.simultaneous.candidate_points import batches, fundamentals, intersect, near_lines
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.kalman_states import KalmanStates, back, initial_states, predict, reversed_time, update
-from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed
+from kinemark.track.simultaneous.neighbouring_points import (
+    LOOK,
+    RowsByTrack,
+    TrackPoints,
+    motion_from,
+    rows_near,
+    smoothed,
+)
 from support.laboratory import observe, ring
 from support.motions import dance
 
@@ -208,7 +215,7 @@ def test_a_smoothed_place_is_that_of_both_sides_and_its_own_images():
     points = TrackPoints(frame, np.zeros_like(frame), xyz, root @ root.swapaxes(1, 2))
     middle = frame == LOOK + 1
     found, cov = smoothed(points, middle, ~middle, T, method)
-    rows = rows_of(points)
+    rows = RowsByTrack.of(points.frame, points.id)
     near = [rows_near(rows, np.zeros(1, int), frame[middle], way) for way in (-1, 1)]
     for one in near:
         one[0] = -1  # not the point itself

@@ -158,7 +158,7 @@ def share(images: Images, frame: Ints, expected: PredictedImages, association: A
     detection = association.detection[c, holder]
     far = np.hypot(images.uv[detection, 0] - expected.uv[c, 0, t], images.uv[detection, 1] - expected.uv[c, 1, t])
     sd = gate * np.sqrt(np.maximum(expected.S[c, 0, t], expected.S[c, 2, t]))
-    beyond = far / (IN_ROW * images.radius[detection] + sd)
+    beyond = far / (IN_ROW * images.radius(detection) + sd)
     near = np.flatnonzero(beyond < 1)
     near = near[np.argsort(-beyond[near], kind="stable")]  # of several, the nearest is written last
     return _shared(images, association, c[near], t[near], holder[near], detection[near])
@@ -171,7 +171,7 @@ def _shared(images: Images, association: Association, c: Ints, t: Ints, holder: 
     rows, variance, shared = association.detection.copy(), association.variance.copy(), association.shared.copy()
     rows[c, t] = detection
     for track in (t, holder):
-        variance[c, track] = np.maximum(images.variance[detection], images.radius[detection] ** 2 / 2)  # (4)
+        variance[c, track] = np.maximum(images.variance[detection], images.radius(detection) ** 2 / 2)  # (4)
         shared[c, track] = True
     return Association(rows, variance, association.score, shared)
 

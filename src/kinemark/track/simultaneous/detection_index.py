@@ -11,17 +11,21 @@ has its image beside its place by a part of its radius r. For the association (H
 solved by a method with heavy tails, which knows of that itself.
 
 The images stand in one long list by frame, camera and u. Those near a place are a piece of it, found by bisection, so
-that looking costs the same whether a camera sees ten markers or a thousand.
+that looking costs the same whether a camera sees ten markers or a thousand. Long recordings have many images: what
+follows from the detections' own columns is worked out where it is needed, and numbers of rows have four bytes.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data import Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
+from ...data.detections import alike_in_all
 from ...geometry import parameter_jacobian, undistort
 from ...geometry.common_view import common_view_centre
 from ...native import ImageIndex, index_images
@@ -43,17 +47,23 @@ HIDDEN = 0.1
 USUAL_AREA = 20.0
 """px², of images of which nobody knows the size; chosen (see benchmarks/tracking.py)."""
 
+Rows = slice | Ints | Bools
+"""Some rows of a column."""
+
+EVERY = slice(None)
+"""All of them."""
+
 
 class Images(NamedTuple):
     """All D detections of a recording of C cameras and F frames.
 
     Attributes:
         P: (C, 3, 4) projections, scaled so that the third row gives the depth in mm.
-        uv: (D, 2) ideal pixels; variance: (D) px² of each axis; radius: (D) px.
+        uv: (D, 2) ideal pixels; variance: (D) px² of each axis.
+        cov, area: (D, 2, 2) px² and (D) px², as `Detections` has them.
         camera, frame: (D); usable: (D) whether it is valid; merged: (D) whether it may be more markers than one.
         prior: (C) 2 ln(p / ((1 − p) 2π b)) of `associate`, b images per frame and px².
         calibration: (C) px², the second term of (1), which is in `variance`.
-        margin: (D) px² that `variance` has for the association alone.
         timing: (D, 2) px along the motion of each image, the standard deviation that the time at which it was taken
         makes, whose square is in `variance`; None where all were taken in time.
         widest: (F C) px², the greatest variance in each frame and camera.
@@ -66,14 +76,14 @@ class Images(NamedTuple):
     P: Floats
     uv: Floats
     variance: Floats
-    radius: Floats
-    camera: Ints
-    frame: Ints
+    cov: Floats
+    area: Floats
+    camera: NDArray[np.int32]
+    frame: NDArray[np.int32]
     usable: Bools
     merged: Bools
     prior: Floats
     calibration: Floats
-    margin: Floats
     timing: Floats | None
     widest: Floats
     stated: bool
@@ -86,9 +96,19 @@ class Images(NamedTuple):
         """Images whose u lies within reach (N) px of u (N), in cells frame C + camera (N): (places in N, rows)."""
         return self.by_cell.near(cell, u, reach)
 
+    def radius(self, rows: Rows = EVERY) -> Floats:
+        """px of some images."""
+        return _radius(self.area[rows])
+
+    def margin(self, rows: Rows = EVERY) -> Floats:
+        """px² that `variance` of some images has for the association alone."""
+        return _margin(_centroid_variance(self.cov[rows], self.usual), self.area[rows])
+
     def noisier(self, added: Floats) -> Images:
         """The same with more variance (C) px² in the images of each camera."""
-        variance = np.maximum(self.variance + added[self.camera], LEAST_SD**2)
+        variance = np.empty_like(self.variance)
+        for own, more in zip(self.of_cameras, added, strict=True):
+            variance[own] = np.maximum(self.variance[own] + more, LEAST_SD**2)
         return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
 
     def without(self, cameras: Ints) -> Images:
@@ -98,14 +118,21 @@ class Images(NamedTuple):
         usable = self.usable & ~np.isin(self.camera, cameras)
         return self._replace(usable=usable, by_cell=self.by_cell.keep(usable))
 
-    def unindexed(self) -> Images:
-        """The same while nothing is looked up in it; `indexed` gives it back."""
+    def laid_aside(self) -> Images:
+        """The same without places and their index, which `taken_up` gives back."""
         nothing = index_images(np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0, bool), n_cells=self.by_cell.n_cells)
-        return self._replace(by_cell=nothing)
+        return self._replace(uv=np.broadcast_to(np.nan, self.uv.shape), by_cell=nothing)
 
-    def indexed(self) -> Images:
-        """The same with the index of all usable images."""
-        return self._replace(by_cell=_index(self.uv, self.frame, self.camera, self.usable, self.n_frames, len(self.P)))
+    def taken_up(self, detections: Detections, rig: Rig) -> Images:
+        """The same with the places of all images of a rig, and the index of the usable ones."""
+        uv = _ideal(detections, rig)
+        index = _index(uv, self.frame, self.camera, self.usable, self.n_frames, len(self.P))
+        return self._replace(uv=uv, by_cell=index)
+
+    @property
+    def of_cameras(self) -> list[slice]:
+        """The rows of each camera."""
+        return [slice(*pair) for pair in pairwise(np.searchsorted(self.camera, np.arange(len(self.P) + 1)).tolist())]
 
     def in_frames(self, frames: list[int]) -> list[Ints]:
         """Usable rows of each frame, camera by camera."""
@@ -120,21 +147,15 @@ def read_images(
 
     With those of an `other` rig they share the columns that are of no rig: a long recording has many images.
     """
-    of_camera, frame = (detections.camera, detections.frame) if other is None else (other.camera, other.frame)
-    uv = np.full((len(detections), 2), np.nan)
-    for c, camera in enumerate(rig):
-        own = _of_camera(detections, c)
-        uv[own] = undistort(camera, detections.uv[own])
+    of_camera, frame = _places(detections) if other is None else (other.camera, other.frame)
+    uv = _ideal(detections, rig)
     usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
     size = np.array([extent(camera, uv[_of_camera(detections, c)]) for c, camera in enumerate(rig)])
     clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
     middle = common_view_centre(rig)
     calibration = np.array([_open(camera, middle) for camera in rig])
-    noise, stated, usual = _noise(detections)
-    radius, margin = _sizes(detections, noise) if other is None else (other.radius, other.margin)
-    variance = noise + margin + calibration[of_camera]  # (1)
-    del noise
-    variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
+    stated, usual = _usual_noise(detections)
+    variance = _variance(detections, usual, calibration)
     variance = variance if timing is None else variance + (timing**2).sum(1)
     return_memory()
     index = _index(uv, frame, of_camera, usable, detections.n_frames, len(rig))
@@ -143,14 +164,14 @@ def read_images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
         uv=uv,
         variance=variance,
-        radius=radius,
+        cov=detections.cov,
+        area=detections.area,
         camera=of_camera,
         frame=frame,
         usable=usable,
         merged=detections.merged,
         prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
         calibration=calibration,
-        margin=margin,
         timing=timing,
         widest=_widest(variance, index),
         stated=stated,
@@ -161,24 +182,61 @@ def read_images(
     )
 
 
+def _ideal(detections: Detections, rig: Rig) -> Floats:
+    """`Images.uv` of the cameras of a rig."""
+    uv = np.empty((len(detections), 2))
+    for c, camera in enumerate(rig):
+        own = _of_camera(detections, c)
+        uv[own] = undistort(camera, detections.uv[own])
+    return uv
+
+
 def _of_camera(detections: Detections, c: int) -> slice:
     """The rows of camera c."""
     return slice(int(detections.start[c, 0]), int(detections.start[c, -1]))
 
 
-def _noise(detections: Detections) -> tuple[Floats, bool, float]:
-    """(D) px² of the centroids, whether any states it, and the usual, which those have that do not."""
-    centroid = np.trace(detections.cov, axis1=1, axis2=2) / 2
-    known = np.isfinite(centroid)
-    usual = float(np.median(centroid[known])) if known.any() else USUAL_SD**2
-    return np.where(known, centroid, usual), bool(known.any()), usual
+def _places(detections: Detections) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Camera and frame (D) of each row, in half of the memory."""
+    counts, C, F = detections.counts, len(detections.cameras), detections.n_frames
+    camera = np.repeat(np.arange(C, dtype=np.int32), counts.sum(1))
+    return camera, np.repeat(np.tile(np.arange(F, dtype=np.int32), C), counts.reshape(-1))
 
 
-def _sizes(detections: Detections, noise: Floats) -> tuple[Floats, Floats]:
-    """`Images.radius` and `Images.margin` of images of noise (D) px²."""
-    known = np.isfinite(detections.area)
-    radius = np.sqrt(np.where(known, detections.area, USUAL_AREA) / np.pi)
-    return radius, np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(known, (HIDDEN * radius) ** 2, 0.0)
+def _usual_noise(detections: Detections) -> tuple[bool, float]:
+    """Whether any centroid states its noise, and the usual, px², which those have that do not."""
+    cov = detections.cov[:1] if alike_in_all(detections.cov) else detections.cov
+    centroid = np.trace(cov, axis1=1, axis2=2) / 2
+    centroid = centroid[np.isfinite(centroid)]
+    return bool(len(centroid)), float(np.median(centroid)) if len(centroid) else USUAL_SD**2
+
+
+def _variance(detections: Detections, usual: float, calibration: Floats) -> Floats:
+    """`Images.variance` (D) but for the times of the images, camera by camera."""
+    out = np.empty(len(detections))
+    for c, left_open in enumerate(calibration):
+        own = _of_camera(detections, c)
+        noise, area = _centroid_variance(detections.cov[own], usual), detections.area[own]
+        variance = noise + _margin(noise, area) + left_open  # (1)
+        out[own] = variance + np.where(detections.merged[own], _radius(area) ** 2 / 4, 0.0)  # (2)
+    return out
+
+
+def _centroid_variance(cov: Floats, usual: float) -> Floats:
+    """(n) px² of centroids of covariances (n, 2, 2) px², `usual` px² of those that do not state it."""
+    centroid = np.trace(cov, axis1=1, axis2=2) / 2
+    return np.where(np.isfinite(centroid), centroid, usual)
+
+
+def _radius(area: Floats) -> Floats:
+    """(n) px of images of areas (n) px²."""
+    return np.asarray(np.sqrt(np.where(np.isfinite(area), area, USUAL_AREA) / np.pi))
+
+
+def _margin(noise: Floats, area: Floats) -> Floats:
+    """`Images.margin` of images of noise (n) px² and areas (n) px²."""
+    hidden = np.where(np.isfinite(area), (HIDDEN * _radius(area)) ** 2, 0.0)
+    return np.asarray(np.maximum(LEAST_SD**2 - noise, 0.0) + hidden)
 
 
 def _index(uv: Floats, frame: Ints, camera: Ints, usable: Bools, n_frames: int, C: int) -> ImageIndex:
@@ -188,9 +246,9 @@ def _index(uv: Floats, frame: Ints, camera: Ints, usable: Bools, n_frames: int, 
 
 def _widest(variance: Floats, index: ImageIndex) -> Floats:
     """`Images.widest`."""
-    widest = np.zeros(index.n_cells)
-    cell = np.repeat(np.arange(index.n_cells), np.diff(index.first))
-    np.maximum.at(widest, cell, variance[index.order])
+    widest, some = np.zeros(index.n_cells), np.flatnonzero(np.diff(index.first))
+    if len(some):
+        widest[some] = np.maximum(np.maximum.reduceat(variance[index.order], index.first[some]), 0.0)
     return widest
 
 

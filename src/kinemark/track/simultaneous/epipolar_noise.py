@@ -131,7 +131,7 @@ def peaked(fit: Mixture) -> Bools:
 def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     """(1) of all pairs of images that lie within WINDOW of each other's lines."""
     rows = [own[~images.merged[own]] for own in images.in_frames(frames)]
-    wide = images._replace(variance=np.full(len(images.uv), WINDOW**2 / 2))
+    wide = images._replace(variance=np.broadcast_to(WINDOW**2 / 2, len(images.uv)))
     i, j = np.concatenate([near_lines(wide, part, F, 1.0) for part in batches(rows)], -1)
     r, s = images.camera[i], images.camera[j]
     x, other = (np.column_stack([images.uv[detection], np.ones(len(detection))]) for detection in (i, j))

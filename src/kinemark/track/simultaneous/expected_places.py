@@ -24,7 +24,7 @@ from .detection_index import Images
 from .facts import tracked_images
 from .kalman_states import KalmanStates, initial_states, predict, reversed_time, update
 from .learned_delays import VOLUME_MARGIN
-from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
+from .neighbouring_points import RowsByTrack, TrackPoints, between, motion_from, rows_near
 from .passes import without_outliers
 from .simultaneous_method import DEFAULT, Simultaneous
 from .solved_points import Working, precise_enough, solved, solver_for
@@ -153,7 +153,7 @@ def _from(known: TrackPoints, frame: Ints, point: Ints, way: int, T: float, meth
     if not len(known.id):
         n = len(frame)
         return initial_states(np.zeros((3, n)), np.tile(np.eye(3)[..., None], n), speed=1.0, acceleration=1.0)
-    near = rows_near(rows_of(known), known.id[ends], known.frame[ends], way)
+    near = rows_near(RowsByTrack.of(known.frame, known.id), known.id[ends], known.frame[ends], way)
     motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
     return predict(motion, np.where(point >= 0, np.abs(frame - known.frame[point]), 0) * T, method.process_noise)
 

@@ -107,7 +107,7 @@ def _white(images: Images, noise: CameraNoise) -> Floats:
     total = np.nan_to_num(noise.variance, nan=np.nan_to_num(_median(noise.variance[np.isfinite(noise.variance)])))
     if not images.stated:
         return total
-    missing = _missing_of(noise, _usual(images, images.variance - images.margin - images.calibration[images.camera]))
+    missing = _missing_of(noise, _usual(images, margin=False))
     return np.where(np.maximum(missing, _median(missing[np.isfinite(missing)])) > 0, total, 0.0)  # (3)
 
 
@@ -120,7 +120,7 @@ def _lasting(images: Images, field: CalibrationField, noise: CameraNoise) -> Flo
 
 def _missing(images: Images, noise: CameraNoise) -> Floats:
     """(C) px² by (1) to (3), NaN where nothing is known."""
-    stated = _usual(images, images.variance)
+    stated = _usual(images, margin=True)
     a = _missing_of(noise, stated) if images.stated else np.maximum(noise.variance - stated, 0.0)
     return np.where(np.isfinite(noise.variance), np.maximum(a, _median(a[np.isfinite(a)])), np.nan)
 
@@ -131,10 +131,15 @@ def _missing_of(noise: CameraNoise, stated: Floats) -> Floats:
     return np.where((a < MIN_MISSING_SHARE * stated) | (a < 3 * noise.error), 0.0, a)
 
 
-def _usual(images: Images, variance: Floats) -> Floats:
-    """(C) px², the median of variances (D) of the images of each camera that are one marker's."""
-    own = images.usable & ~images.merged
-    return np.array([_median(variance[own & (images.camera == c)]) for c in range(len(images.P))])
+def _usual(images: Images, *, margin: bool) -> Floats:
+    """(C) px², the median variance of the images of each camera that are one marker's; with the margin, and what the
+    calibration leaves open, or without."""
+    out = np.empty(len(images.P))
+    for c, own in enumerate(images.of_cameras):
+        variance = images.variance[own]
+        variance = variance if margin else variance - images.margin(own) - images.calibration[c]
+        out[c] = _median(variance[images.usable[own] & ~images.merged[own]])
+    return out
 
 
 def _found_share(images: Images, groups: CandidatePoints, c: int) -> float:

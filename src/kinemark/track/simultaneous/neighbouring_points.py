@@ -64,22 +64,43 @@ def parts_of_frames(frame: Ints, at_once: int) -> list[Ints]:
 
 
 def rows_of(points: TrackPoints) -> NDArray[np.int32]:
-    """(N, F) the row of each track in each frame, −1 for none."""
-    return row_table(points.frame, points.id)
-
-
-def row_table(frame: Ints, id: Ints) -> NDArray[np.int32]:
-    """(N, F) the same of points in frames (P) of tracks id (P)."""
-    rows = np.full((int(id.max(initial=-1)) + 1, int(frame.max(initial=-1)) + 1), -1, np.int32)  # half the memory
-    rows[id, frame] = np.arange(len(id))
+    """(N, F) the row of each track in each frame, −1 for none; of many tracks of many frames it is large."""
+    rows = np.full((int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1), -1, np.int32)
+    rows[points.id, points.frame] = np.arange(len(points.id))
     return rows
 
 
-def rows_near(rows: NDArray[np.int32], id: Ints, frame: Ints, way: int) -> Ints:
+class RowsByTrack(NamedTuple):
+    """Where the points of tracks are: their rows (P) by track and frame, and id F + frame (P) of each of these.
+
+    `rows_of` says the same, but grows with the tracks times the frames.
+    """
+
+    row: NDArray[np.int32]
+    place: Ints
+    F: int
+
+    @classmethod
+    def of(cls, frame: Ints, id: Ints) -> RowsByTrack:
+        """Those of points in frames (P) of tracks id (P)."""
+        F = int(frame.max(initial=-1)) + 1
+        place = id * F + frame
+        order = np.argsort(place, kind="stable").astype(np.int32)
+        return cls(order, place[order], F)
+
+    def at(self, id: Ints, frame: Ints) -> Ints:
+        """The row of each of tracks in frames of the same shape, the last of several, −1 for none."""
+        if not len(self.row):
+            return np.full(np.broadcast_shapes(id.shape, frame.shape), -1)
+        wanted = id * self.F + frame
+        k = np.searchsorted(self.place, wanted, "right") - 1
+        there = (frame >= 0) & (frame < self.F) & (k >= 0) & (self.place[k] == wanted)
+        return np.where(there, self.row[k], np.int64(-1))
+
+
+def rows_near(rows: RowsByTrack, id: Ints, frame: Ints, way: int) -> Ints:
     """(LOOK, n) the rows of tracks id (n) in frame (n) and those that lie before (way −1) or after (1) it."""
-    frames = frame + way * np.arange(LOOK)[:, None]
-    inside = (frames >= 0) & (frames < rows.shape[1])
-    return np.where(inside, rows[id, np.where(inside, frames, 0)], np.int64(-1))
+    return rows.at(id, frame + way * np.arange(LOOK)[:, None])
 
 
 def motion_from(
@@ -94,8 +115,10 @@ def motion_from(
     motion = initial_states(around, wide, speed=method.velocity_sd, acceleration=method.acceleration_sd)
     for k in range(LOOK - 1, -1, -1):
         motion = motion if k == LOOK - 1 else predict(motion, T, method.process_noise)
-        N = inverse(points.cov[near[k]].transpose(1, 2, 0) * share) * (near[k] >= 0)
-        motion = update(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
+        there = near[k] >= 0  # of the others nothing is known
+        N = np.where(there, inverse(points.cov[near[k]].transpose(1, 2, 0) * share), 0.0)
+        off = np.where(there, points.xyz[near[k]].T - motion.position, 0.0)
+        motion = update(motion, N, np.einsum("ijt,jt->it", N, off))
     return motion
 
 
@@ -106,7 +129,7 @@ def smoothed(
 
     Only a `share` of the points' covariances is noise.
     """
-    rows, row = rows_of(points), np.flatnonzero(which)
+    rows, row = RowsByTrack.of(points.frame, points.id), np.flatnonzero(which)
     parts = [row[first : first + AT_ONCE] for first in range(0, max(len(row), 1), AT_ONCE)]
     found = [_smoothed(points, rows, part, sound, T, method, share) for part in parts]
     return np.concatenate([xyz for xyz, _ in found]), np.concatenate([cov for _, cov in found])
@@ -114,14 +137,14 @@ def smoothed(
 
 def _smoothed(
     points: TrackPoints,
-    rows: NDArray[np.int32],
+    rows: RowsByTrack,
     row: Ints,
     sound: Bools,
     T: float,
     method: Simultaneous,
     share: float,
 ) -> tuple[Floats, Floats]:
-    """The same of some rows (n), with those of each track in each frame (N, F)."""
+    """The same of some rows (n), with those of all tracks."""
     around = points.xyz[row].T
     both = _beside(points, rows, row, sound, T, method, share)
     N = inverse(points.cov[row].transpose(1, 2, 0) * share)
@@ -133,7 +156,7 @@ def off_the_motion(points: TrackPoints, which: Bools, T: float, method: Simultan
     """(n) squared distances of the points `which` (P) from where the other points of their tracks lead, in standard
     deviations; of one track there may be several in a frame."""
     row = np.flatnonzero(which)
-    motion = _beside(points, rows_of(points), row, ~which, T, method)
+    motion = _beside(points, RowsByTrack.of(points.frame, points.id), row, ~which, T, method)
     off = points.xyz[row] - motion.position.T
     S = motion.cov.transpose(2, 0, 1) + points.cov[row]
     return np.asarray((off * np.linalg.solve(S, off[..., None])[..., 0]).sum(1))
@@ -141,7 +164,7 @@ def off_the_motion(points: TrackPoints, which: Bools, T: float, method: Simultan
 
 def _beside(
     points: TrackPoints,
-    rows: NDArray[np.int32],
+    rows: RowsByTrack,
     row: Ints,
     sound: Bools,
     T: float,

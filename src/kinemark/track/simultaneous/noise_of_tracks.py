@@ -67,6 +67,6 @@ def excess(detection: Ints, images: Images) -> Floats:
         left = np.maximum(1 - (place[c, 0, which] + place[c, 2, which]) / (2 * v), LEAST_LEFT)
         p = np.array([0.5, TAIL])
         seen = float((np.quantile(point.squared[c, which] * v / left, p) / (-2 * np.log(1 - p))).max())  # (1)
-        learned = float(np.median(v - images.margin[own]))
+        learned = float(np.median(v - images.margin(own)))
         out[c] = learned - MARGIN * seen if FACTOR * MARGIN * seen < learned else 0.0
     return out

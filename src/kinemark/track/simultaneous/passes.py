@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
 from ...native import inverse
+from ...numerics.returned_memory import return_memory
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
@@ -62,7 +63,7 @@ class Associations(NamedTuple):
 
     Attributes:
         frame, id: (S).
-        detection: (C, S) index in `Images`, −1 for none, int32 where kept to the end.
+        detection: (C, S) index in `Images`, −1 for none, in four bytes: long recordings have many.
         shared: (C, S) whether another track has the image too.
         squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
         before: (S) the standard deviation of its prediction, of all three axes together, mm.
@@ -71,7 +72,7 @@ class Associations(NamedTuple):
 
     frame: Ints
     id: Ints
-    detection: Ints
+    detection: NDArray[np.int32]
     shared: Bools
     squared: Floats
     before: Floats
@@ -144,8 +145,11 @@ class Run:
         if not self.seen:
             return _nothing(len(self.images.P))
         columns = [list(column) for column in zip(*self.seen, strict=True)]
-        self.seen = []
-        return Associations(*(np.concatenate(columns.pop(0), -1) for _ in Associations._fields))
+        self.seen, whole = [], []
+        while columns:
+            whole.append(np.concatenate(columns.pop(0), -1))
+            return_memory()  # of its parts, before those of the next column are in memory twice
+        return Associations(*whole)
 
     def stretches(self) -> Ints:
         """First frames of the stretches that are tracked side by side, and the number of frames."""
@@ -166,10 +170,10 @@ class Run:
             self.n += len(initiated)
             for group in initiated.groups:
                 self.free[group.detection[group.detection >= 0]] = False
-                none = np.zeros(group.detection.shape, bool)
+                none, detection = np.zeros(group.detection.shape, bool), group.detection.astype(np.int32)
                 wide = np.sqrt(np.trace(group.cov))
                 self.seen.append(
-                    Associations(group.frame, ids, group.detection, none, group.squared, wide, group.xyz, group.cov)
+                    Associations(group.frame, ids, detection, none, group.squared, wide, group.xyz, group.cov)
                 )
             self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
             active = active.plus(self.started(ids, initiated.groups))
@@ -203,8 +207,9 @@ class Run:
         own, count = (has & ~association.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
         xyz, cov = after.position.copy(), after.cov.copy()  # views would keep the whole states in memory
+        detection = association.detection.astype(np.int32)
         self.seen.append(
-            Associations(active.frame, active.id, association.detection, association.shared, squared, before, xyz, cov)
+            Associations(active.frame, active.id, detection, association.shared, squared, before, xyz, cov)
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
         lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.uncertain_sd
@@ -258,7 +263,7 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
 def _nothing(C: int) -> Associations:
     """No images."""
     zero, none = np.zeros(0, np.int64), np.zeros(0)
-    detection = np.zeros((C, 0), np.int64)
+    detection = np.zeros((C, 0), np.int32)
     return Associations(zero, zero, detection, detection > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
 
 

@@ -20,7 +20,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Ints
 from ...data.progress import tell
@@ -30,7 +29,7 @@ from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, predict, reversed_time, update
-from .neighbouring_points import TrackPoints, between, motion_from, parts_of_frames, row_table, rows_near, rows_of
+from .neighbouring_points import RowsByTrack, TrackPoints, between, motion_from, parts_of_frames, rows_near
 from .passes import without_outliers
 from .simultaneous_method import Simultaneous
 
@@ -52,21 +51,21 @@ class SecondPass(NamedTuple):
 
 
 class KnownPoints(NamedTuple):
-    """N points: `row` (n) of some of `points`, then all of those that were `found`; frame and id (N) of each, and rows
-    (tracks, F), the place of each track in each frame. Copies of all that is known would take much memory."""
+    """N points: `row` (n) of some of `points`, then all of those that were `found`; frame and id (N) of each, and
+    `rows`, the place of each track in each frame. Copies of all that is known would take much memory."""
 
     points: TrackPoints
     row: Ints
     found: TrackPoints
     frame: Ints
     id: Ints
-    rows: NDArray[np.int32]
+    rows: RowsByTrack
 
     @classmethod
     def of(cls, points: TrackPoints, kept: Bools, found: TrackPoints) -> KnownPoints:
         """Of the points those that are kept (P), and others."""
         frame, id = (np.concatenate([a[kept], b]) for a, b in ((points.frame, found.frame), (points.id, found.id)))
-        return cls(points, np.flatnonzero(kept), found, frame, id, row_table(frame, id))
+        return cls(points, np.flatnonzero(kept), found, frame, id, RowsByTrack.of(frame, id))
 
     def take(self, place: Ints) -> TrackPoints:
         """Those at some places (k), which rise."""
@@ -142,7 +141,7 @@ def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T
     known = KnownPoints.of(points, sound, points.take(np.zeros(0, np.int64)))
     wrong = np.zeros(len(sound), bool)
     in_question = _in_question(known, images.n_frames, T, method)
-    at = rows_near(rows_of(points), in_question.id, in_question.frame, 1)[0]
+    at = RowsByTrack.of(points.frame, points.id).at(in_question.id, in_question.frame)
     in_question, at = in_question.take(at >= 0), at[at >= 0]
     return_memory()
     held = np.ones(len(sound), bool)

@@ -65,10 +65,11 @@ class Working(NamedTuple):
 def solver_for(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
     """The solver for images (D) of which tracks share some."""
     variance = _variance(shared, working.images, working.noise)
-    share = working.noise.lasting[working.images.camera] / variance
-    return Solver(
-        detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0, working.images.timing
-    )
+    share = np.empty_like(variance)
+    for own, lasting in zip(working.images.of_cameras, working.noise.lasting, strict=True):
+        share[own] = lasting / variance[own]
+    usual = float(np.median(share, overwrite_input=True)) if len(share) else 0.0
+    return Solver(detections, working.rig, variance, errors, usual, working.images.timing)
 
 
 def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
@@ -152,8 +153,7 @@ def with_smoothed(
     if not vague.any():
         return cloud
     points = TrackPoints(filtered.frame, filtered.id, cloud.xyz, cloud.cov)
-    points = points if known.all() else points.take(known)
-    smooth = smoothed(points, vague[known], sound[known], T, method, 1 - lasting)
+    smooth = smoothed(points, vague, sound & known, T, method, 1 - lasting)
     better = _sd(smooth[1]) < _sd(filtered.cov[vague])
     moved = np.where(better[:, None], smooth[0], filtered.xyz[vague])
     open_ = np.where(better[:, None, None], smooth[1], filtered.cov[vague]) + _shared_cov(
@@ -184,6 +184,9 @@ def _shared_cov(sd: Floats, lasting: float) -> Floats:
 
 def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
     """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
-    variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
-    variance = np.maximum(variance, np.maximum(noise.white[images.camera], LEAST)) + noise.lasting[images.camera]
-    return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
+    variance = np.empty(len(images.variance))
+    for c, own in enumerate(images.of_cameras):
+        alone = images.variance[own] - images.margin(own) - images.calibration[c]  # `weighted_points` adds them
+        variance[own] = np.maximum(alone, max(noise.white[c], LEAST)) + noise.lasting[c]
+    variance[shared] = np.maximum(variance[shared], images.radius(shared) ** 2 / 2)
+    return variance

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.rigid_pairs import distances_from
 from .kalman_states import KalmanStates, predict, reversed_time
-from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
+from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, motion_from, rows_near, rows_of
 from .simultaneous_method import Simultaneous
 
 CLEAR_MARGIN = 2 * np.log(100.0)
@@ -177,7 +177,7 @@ def ends_of(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
     first, last = np.full(n, NEVER), np.full(n, -NEVER)
     np.minimum.at(first, points.id, points.frame)
     np.maximum.at(last, points.id, points.frame)
-    rows, there = rows_of(points), np.flatnonzero(last >= 0)
+    rows, there = RowsByTrack.of(points.frame, points.id), np.flatnonzero(last >= 0)
     motion = []
     for frame, way in ((first, 1), (last, -1)):
         near = np.full((LOOK, n), -1)
@@ -227,11 +227,12 @@ def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats)
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     most = NEIGHBOURS * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
     some = np.flatnonzero(by_motion + most > 0)
-    place = rows_of(points)
-    known = {i: _distances(points, place, i) for i in np.unique([a[some], b[some]]).tolist()}
+    name, number = np.unique(points.id, return_inverse=True)  # most have no points; tables have a row for each
+    place, tracks = rows_of(points._replace(id=number)), int(name[-1]) + 1
+    known = {i: _distances(points, place, name, i) for i in np.unique([a[some], b[some]]).tolist()}
     score = np.zeros(len(a))
     for pair in some.tolist():
-        (r, sd), (r2, sd2) = (known[int(end[pair])].of_all(len(place)) for end in (a, b))
+        (r, sd), (r2, sd2) = (known[int(end[pair])].of_all(tracks) for end in (a, b))
         sigma = np.hypot(sd, sd2)
         mates = np.argsort(sigma)[:NEIGHBOURS]
         mates = mates[np.isfinite(sigma[mates])]
@@ -257,17 +258,18 @@ class _Distances(NamedTuple):
         return mean, sd
 
 
-def _distances(points: TrackPoints, place: NDArray[np.int32], i: int) -> _Distances:
-    """Mean distances of track i from others, and their standard deviations."""
-    own = np.flatnonzero(place[i] >= 0)
+def _distances(points: TrackPoints, place: NDArray[np.int32], name: Ints, i: int) -> _Distances:
+    """Mean distances of track i from others, and their standard deviations; places (n, F) are of tracks `name` (n)."""
+    number = int(np.searchsorted(name, i))
+    own = np.flatnonzero(place[number] >= 0)
     step = max(PLACES // max(len(own), 1), 1)
     parts = (place[first : first + step] for first in range(0, len(place), step))
     beside = np.concatenate([(part[:, own] >= 0).sum(1) for part in parts])
-    beside[i] = 0
+    beside[number] = 0
     some = np.flatnonzero(beside >= LOOK)
-    found = [_from_track(points, place, i, own, some[first : first + step]) for first in range(0, len(some), step)]
+    found = [_from_track(points, place, number, own, some[k : k + step]) for k in range(0, len(some), step)]
     mean, sd = np.concatenate([np.zeros((2, 0)), *found], axis=1)
-    return _Distances(some, mean, np.maximum(sd, LEAST))
+    return _Distances(name[some], mean, np.maximum(sd, LEAST))
 
 
 def _from_track(points: TrackPoints, place: NDArray[np.int32], i: int, own: Ints, some: Ints) -> Floats:

@@ -27,7 +27,7 @@ the rig as given.
 
 from __future__ import annotations
 
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -155,7 +155,7 @@ def track_once(
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
         del given
         return_memory()
-        images = images.indexed()
+        images = images.taken_up(detections, rig)
     return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
@@ -200,8 +200,8 @@ def _joined_pieces(
 
 
 def _waiting(images: Images, working: Working, rig: Rig) -> Images:
-    """The images by the rig as given, without their index where another rig is worked with until the end."""
-    images = images if working.rig is rig else images.unindexed()
+    """The images by the rig as given, without their places where another rig is worked with until the end."""
+    images = images if working.rig is rig else images.laid_aside()
     return_memory()
     return images
 
@@ -225,7 +225,7 @@ def _first_pass(
     every, seen, speaks = _followed(detections.rate, images, working, method)
     return_memory()
     own = _unshared(seen, images)
-    shared = np.zeros(len(images.uv), bool)
+    shared = np.zeros(len(images.usable), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
     solver = solver_for(detections, shared, working, errors)
     cloud, number = solved(seen.frame, seen.detection, seen.xyz, solver), own.sum(0)
@@ -254,7 +254,9 @@ def _followed(
     del every
     every = Associations.of(columns, evident)
     return_memory()
-    sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
+    bare = every._replace(before=np.zeros(0), xyz=np.zeros((3, 0)), cov=np.zeros((3, 3, 0)))
+    sure = _evidence(_kept_associations(bare, least), images, working, method) > SURE
+    del bare
     return_memory()
     columns = list(every)
     del every
@@ -262,7 +264,6 @@ def _followed(
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
-    every = every._replace(detection=cast(Ints, every.detection.astype(np.int32)))  # kept to the end: half the memory
     rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest

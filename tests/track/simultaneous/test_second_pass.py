@@ -96,7 +96,7 @@ def test_what_a_lost_track_finds_must_be_evidence():
 def test_points_of_merged_images_must_be_known_better(own, sd, given):
     cov = np.eye(3)[None] * sd**2 / 3
     cloud = Cloud(RATE, np.array([0, 1]), np.zeros((1, 3)), cov, np.zeros(1), np.zeros((1, 2), int))
-    assert precise_enough(cloud, np.array([own]), METHOD).tolist() == [given]
+    assert precise_enough(cloud.cov, np.array([own]), METHOD).tolist() == [given]
 
 
 def test_two_images_that_agree_half_are_no_marker():

@@ -18,10 +18,9 @@ follows from the detections' own columns is worked out where it is needed, and n
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
@@ -78,8 +77,8 @@ class Images(NamedTuple):
     variance: Floats
     cov: Floats
     area: Floats
-    camera: NDArray[np.int32]
-    frame: NDArray[np.int32]
+    camera: Ints
+    frame: Ints
     usable: Bools
     merged: Bools
     prior: Floats
@@ -119,15 +118,10 @@ class Images(NamedTuple):
         return self._replace(usable=usable, by_cell=self.by_cell.keep(usable))
 
     def laid_aside(self) -> Images:
-        """The same without places and their index, which `taken_up` gives back."""
+        """The same without what is of its rig: places, variances and the index, while another rig's are looked at."""
         nothing = index_images(np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0, bool), n_cells=self.by_cell.n_cells)
-        return self._replace(uv=np.broadcast_to(np.nan, self.uv.shape), by_cell=nothing)
-
-    def taken_up(self, detections: Detections, rig: Rig) -> Images:
-        """The same with the places of all images of a rig, and the index of the usable ones."""
-        uv = _ideal(detections, rig)
-        index = _index(uv, self.frame, self.camera, self.usable, self.n_frames, len(self.P))
-        return self._replace(uv=uv, by_cell=index)
+        uv, variance = (np.broadcast_to(np.nan, one.shape) for one in (self.uv, self.variance))
+        return self._replace(uv=uv, variance=variance, by_cell=nothing)
 
     @property
     def of_cameras(self) -> list[slice]:
@@ -136,7 +130,7 @@ class Images(NamedTuple):
 
     def in_frames(self, frames: list[int]) -> list[Ints]:
         """Usable rows of each frame, camera by camera."""
-        order, first, C = self.by_cell.order, self.by_cell.first, len(self.P)
+        order, first, C = cast(Ints, self.by_cell.order), self.by_cell.first, len(self.P)
         return [order[first[f * C] : first[(f + 1) * C]] for f in frames]
 
 
@@ -196,11 +190,12 @@ def _of_camera(detections: Detections, c: int) -> slice:
     return slice(int(detections.start[c, 0]), int(detections.start[c, -1]))
 
 
-def _places(detections: Detections) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def _places(detections: Detections) -> tuple[Ints, Ints]:
     """Camera and frame (D) of each row, in half of the memory."""
     counts, C, F = detections.counts, len(detections.cameras), detections.n_frames
     camera = np.repeat(np.arange(C, dtype=np.int32), counts.sum(1))
-    return camera, np.repeat(np.tile(np.arange(F, dtype=np.int32), C), counts.reshape(-1))
+    frame = np.repeat(np.tile(np.arange(F, dtype=np.int32), C), counts.reshape(-1))
+    return cast(Ints, camera), cast(Ints, frame)
 
 
 def _usual_noise(detections: Detections) -> tuple[bool, float]:

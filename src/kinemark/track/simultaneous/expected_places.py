@@ -103,7 +103,7 @@ def _solved(at: Searched, of: TrackPoints, detection: Ints, errors: ImageErrors,
     solver = solver_for(at.detections, np.zeros(len(at.free), bool), at.working, errors)
     cloud = solved(of.frame, detection, of.xyz.T, solver)
     own = ((detection >= 0) & ~images.merged[detection]).sum(0)
-    good = usable_points(cloud, at.working.rig, margin=volume_margin) & precise_enough(cloud, own, at.method)
+    good = usable_points(cloud, at.working.rig, margin=volume_margin) & precise_enough(cloud.cov, own, at.method)
     good &= np.trace(cloud.cov, axis1=1, axis2=2) < at.method.uncertain_sd**2  # (2)
     return Looked(cloud.keep(good), of.id[good])
 

@@ -268,7 +268,7 @@ def _good(
     solver = solver_for(detections, np.zeros(len(free), bool), working, errors)
     new = solved(points.frame[order], detection, points.xyz[order].T, solver)
     own = ((detection >= 0) & ~working.images.merged[detection]).sum(0)
-    good = usable_points(new, working.rig, margin=volume_margin) & precise_enough(new, own, method)
+    good = usable_points(new, working.rig, margin=volume_margin) & precise_enough(new.cov, own, method)
     good &= touched[ids] | (free[detection] & (detection >= 0)).any(0)
     return new.keep(good), ids[good]
 

@@ -34,7 +34,7 @@ def with_found(
     detection = detection[:, order]
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)
     own = ((detection >= 0) & ~images.merged[detection]).sum(0)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, own, method)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, own, method)
     return with_points(cloud, ids, new, found.id[order], kept=kept, good=good)
 
 
@@ -53,7 +53,7 @@ def with_given_back(
     if not len(rows):
         return cloud, ids
     new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new, (new.detection >= 0).sum(1), method)
+    good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, (new.detection >= 0).sum(1), method)
     return with_points(cloud, ids, new, every.id[rows], good=good)
 
 

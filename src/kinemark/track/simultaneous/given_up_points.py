@@ -57,7 +57,7 @@ def without_merged(
     sure[merging.image[merging.clear]] = True
     clear = own + (has & sure[cloud.detection]).sum(1) == number
     clear &= (own == 1) & (np.trace(cov, axis1=1, axis2=2) < method.uncertain_sd**2)
-    good = ~which | usable_points(moved, rig, margin=None) & (clear | precise_enough(moved, own, method))
+    good = ~which | usable_points(moved, rig, margin=None) & (clear | precise_enough(moved.cov, own, method))
     columns = [xyz, cov, residual, cloud.detection]
     del moved, xyz, cov, residual
     return _kept(cloud, good, columns), ids[good]
@@ -88,7 +88,7 @@ def without_drifting(
     rows, own = np.flatnonzero(less), detection[less]
     again = solved(cloud.frame[rows], own.T, cloud.xyz[rows].T, solver)
     own = ((own >= 0) & ~images.merged[own]).sum(1)
-    good = usable_points(again, solver.rig, margin=None) & precise_enough(again, own, method)
+    good = usable_points(again, solver.rig, margin=None) & precise_enough(again.cov, own, method)
     sound[rows[~good]] = False
     columns, detection = [column[sound] for column in (cloud.xyz, cloud.cov, cloud.residual)], detection[sound]
     place = (np.cumsum(sound) - 1)[rows[good]]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +72,7 @@ class Associations(NamedTuple):
 
     frame: Ints
     id: Ints
-    detection: NDArray[np.int32]
+    detection: Ints
     shared: Bools
     squared: Floats
     before: Floats
@@ -170,7 +170,7 @@ class Run:
             self.n += len(initiated)
             for group in initiated.groups:
                 self.free[group.detection[group.detection >= 0]] = False
-                none, detection = np.zeros(group.detection.shape, bool), group.detection.astype(np.int32)
+                none, detection = np.zeros(group.detection.shape, bool), _short(group.detection)
                 wide = np.sqrt(np.trace(group.cov))
                 self.seen.append(
                     Associations(group.frame, ids, detection, none, group.squared, wide, group.xyz, group.cov)
@@ -207,7 +207,7 @@ class Run:
         own, count = (has & ~association.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
         xyz, cov = after.position.copy(), after.cov.copy()  # views would keep the whole states in memory
-        detection = association.detection.astype(np.int32)
+        detection = _short(association.detection)
         self.seen.append(
             Associations(active.frame, active.id, detection, association.shared, squared, before, xyz, cov)
         )
@@ -260,10 +260,15 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
     return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
 
 
+def _short(detection: Ints) -> Ints:
+    """The same in four bytes."""
+    return cast(Ints, detection.astype(np.int32))
+
+
 def _nothing(C: int) -> Associations:
     """No images."""
     zero, none = np.zeros(0, np.int64), np.zeros(0)
-    detection = np.zeros((C, 0), np.int32)
+    detection = _short(np.zeros((C, 0), np.int64))
     return Associations(zero, zero, detection, detection > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
 
 

@@ -249,7 +249,7 @@ def _cuts(every: Associations, gone: list[Ints], number: int) -> Ints:
 def _as_associations(rival: Rivals, every: Associations, images: Images, id: int) -> Associations:
     """A rival as a track."""
     n = len(rival.row)
-    detection = np.full((len(every.detection), n), -1, np.int32)
+    detection = np.full((len(every.detection), n), -1, every.detection.dtype)
     for each in (rival.kept, rival.free):
         detection[images.camera[each], np.arange(n)] = each
     sd = np.sqrt(np.trace(rival.cov))

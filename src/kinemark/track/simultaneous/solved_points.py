@@ -74,6 +74,13 @@ def solver_for(detections: Detections, shared: Bools, working: Working, errors: 
 
 def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
     """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
+    xyz, cov, residual = solved_columns(frame, detection, guess, solver)
+    start = np.searchsorted(frame, np.arange(solver.detections.n_frames + 1))
+    return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
+
+
+def solved_columns(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> list[Floats]:
+    """xyz (P, 3) mm, cov (P, 3, 3) mm² and residual (P) px of the same points."""
     n, n_frames = len(frame), solver.detections.n_frames
     xyz, cov, residual = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n)
     for first in range(0, n, AT_ONCE):
@@ -91,8 +98,7 @@ def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud
         xyz[part], cov[part], residual[part] = points.xyz, points.cov, points.residual
         if first % (5 * AT_ONCE) == 0:  # not each time, as it takes some milliseconds
             return_memory()
-    start = np.searchsorted(frame, np.arange(n_frames + 1))
-    return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
+    return [xyz, cov, residual]
 
 
 def with_points(
@@ -142,28 +148,31 @@ def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
     return replace(cloud, xyz=xyz, cov=cov, residual=residual)
 
 
-def with_smoothed(
-    cloud: Cloud, filtered: TrackPoints, sound: Bools, T: float, method: Simultaneous, lasting: float
-) -> Cloud:
-    """The cloud, with uncertain points replaced by their smoothed positions (1), or by the filtered ones where these
+class Moved(NamedTuple):
+    """Of n points: their rows (n), and what is known better of them, xyz (n, 3) mm and cov (n, 3, 3) mm²."""
+
+    row: Ints
+    xyz: Floats
+    cov: Floats
+
+
+def by_motion(
+    points: TrackPoints, filtered: TrackPoints, sound: Bools, T: float, method: Simultaneous, lasting: float
+) -> Moved:
+    """The uncertain points that are known better by their smoothed positions (1), or by the filtered ones where these
     are better known; a share `lasting` is no noise (2)."""
-    sd = _sd(cloud.cov)
-    known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
+    sd = _sd(points.cov)
+    known = np.isfinite(points.xyz).all(1) & np.isfinite(sd)
     vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
     if not vague.any():
-        return cloud
-    points = TrackPoints(filtered.frame, filtered.id, cloud.xyz, cloud.cov)
+        return Moved(np.arange(0), points.xyz[:0], points.cov[:0])
     smooth = smoothed(points, vague, sound & known, T, method, 1 - lasting)
     better = _sd(smooth[1]) < _sd(filtered.cov[vague])
-    moved = np.where(better[:, None], smooth[0], filtered.xyz[vague])
-    open_ = np.where(better[:, None, None], smooth[1], filtered.cov[vague]) + _shared_cov(
-        sd[known & ~vague], lasting
-    )  # (2)
-    gains = _sd(open_) < sd[vague]
-    rows = np.flatnonzero(vague)[gains]
-    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
-    xyz[rows], cov[rows] = moved[gains], open_[gains]
-    return replace(cloud, xyz=xyz, cov=cov)
+    xyz = np.where(better[:, None], smooth[0], filtered.xyz[vague])
+    cov = np.where(better[:, None, None], smooth[1], filtered.cov[vague])
+    cov = cov + _shared_cov(sd[known & ~vague], lasting)  # (2)
+    gains = _sd(cov) < sd[vague]
+    return Moved(np.flatnonzero(vague)[gains], xyz[gains], cov[gains])
 
 
 def _sd(cov: Floats) -> Floats:
@@ -171,9 +180,9 @@ def _sd(cov: Floats) -> Floats:
     return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
 
 
-def precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
-    """Whether points are precise enough to be given."""
-    sd = _sd(cloud.cov)
+def precise_enough(cov: Floats, own: Ints, method: Simultaneous) -> Bools:
+    """Whether points of covariances (P, 3, 3) mm², of so many own images (P), are precise enough to be given."""
+    sd = _sd(cov)
     return ((own >= 2) | (sd < method.uncertain_sd / 5)) & (sd < method.max_sd)
 
 

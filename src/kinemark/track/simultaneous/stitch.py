@@ -50,7 +50,7 @@ Chosen (see benchmarks/tracking.py)."""
 NEIGHBOURS = 3
 """Other tracks of which (2) counts; chosen (see benchmarks/tracking.py)."""
 
-PLACES = 1_000_000
+PLACES = 250_000
 """Frames of tracks that are looked at in one go beside another; chosen for memory."""
 
 AT_ONCE = 20_000

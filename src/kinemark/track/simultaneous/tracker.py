@@ -53,7 +53,7 @@ from .passes import Associations, run
 from .rig_of_tracks import rig_of_tracks
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
-from .solved_points import Working, on_given_rig, precise_enough, solved, solver_for, with_smoothed
+from .solved_points import Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
 from .stitch import Stitch, Stitched, stitched
 from .unmarked_merging import inferred_merging
 
@@ -94,7 +94,7 @@ class TrackingResult(NamedTuple):
     Attributes:
         tracks: the tracks.
         seen: the associations of all tracks, also of those that were dropped, but for what lost tracks found without
-            evidence and for the second pass, without their `cov`; its rows are of `images`.
+            evidence and for the second pass, without `cov` and `squared`; its rows are of `images`.
         id: (N) the track that each of `seen` became, −1 for none.
         evidence: (N) for each of `seen`.
         stitches: those that were made or considered, of tracks of `seen`.
@@ -133,7 +133,7 @@ def track_once(
     ids = whole.id[ids]
     return_memory()
     merging = inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, working.images, T, method)
-    images, working = merging.marked(images), working._replace(images=merging.marked(working.images))
+    working = working._replace(images=merging.marked(working.images))
     return_memory()
     solver = solver_for(detections, shared, working, errors)
     cloud, ids = without_between(cloud, ids, merging, working.images)
@@ -150,12 +150,12 @@ def track_once(
     adjusted = working.rig is not rig
     del working, solver, usual
     return_memory()
+    images = _with_noise(read_images(detections, rig, timing, other=images), method)[0] if adjusted else images
+    images = merging.marked(images)
     if adjusted:
         given = Working(rig, images, noise)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
         del given
-        return_memory()
-        images = images.taken_up(detections, rig)
     return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
@@ -171,11 +171,12 @@ def _learned(
 ) -> tuple[Images, Noise, Working, Simultaneous, FirstPass]:
     """The images by the rig as given and their noise; the rig, noise and motion that images and tracks tell, by which
     the first pass was done, and its tracks."""
-    images, noise = learn_noise(images := read_images(detections, rig, timing), fundamentals(images.P), method.gate)
+    images, noise = _with_noise(read_images(detections, rig, timing), method)
     working, seen = _working(detections, rig, images, noise, method)
     images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method, seen)
     del seen
+    return_memory()
     broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
     working, method = working._replace(images=moving.images), moving.method
     first = _first_pass(detections, rig, images, working, method, errors)
@@ -186,6 +187,11 @@ def _learned(
             return_memory()
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
     return _waiting(images, working, rig), noise, working, method, first
+
+
+def _with_noise(images: Images, method: Simultaneous) -> tuple[Images, Noise]:
+    """The images with the noise that is learned of them."""
+    return learn_noise(images, fundamentals(images.P), method.gate)
 
 
 def _joined_pieces(
@@ -200,7 +206,7 @@ def _joined_pieces(
 
 
 def _waiting(images: Images, working: Working, rig: Rig) -> Images:
-    """The images by the rig as given, without their places where another rig is worked with until the end."""
+    """The images by the rig as given, laid aside where another rig is worked with until the end."""
     images = images if working.rig is rig else images.laid_aside()
     return_memory()
     return images
@@ -227,23 +233,29 @@ def _first_pass(
     own = _unshared(seen, images)
     shared = np.zeros(len(images.usable), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
-    solver = solver_for(detections, shared, working, errors)
-    cloud, number = solved(seen.frame, seen.detection, seen.xyz, solver), own.sum(0)
-    filtered = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1))
-    del seen, own  # what no longer counts, before the cloud is in memory twice
+    solver, number = solver_for(detections, shared, working, errors), own.sum(0)
+    filtered, detection = TrackPoints(seen.frame, seen.id, seen.xyz.T, seen.cov.transpose(2, 0, 1)), seen.detection
+    del seen, own  # what no longer counts, before the points are in memory twice
     return_memory()
-    cloud, ids = with_smoothed(cloud, filtered, number >= 2, T, method, solver.lasting), filtered.id
-    del filtered
+    columns = solved_columns(filtered.frame, detection, filtered.xyz.T, solver)
+    points = TrackPoints(filtered.frame, filtered.id, *columns[:2])
+    moved = by_motion(points, filtered, number >= 2, T, method, solver.lasting)
+    columns[0][moved.row], columns[1][moved.row] = moved.xyz, moved.cov
+    good = np.isfinite(points.xyz).all(1) & precise_enough(points.cov, number, method)
+    good &= (speaks > SURE)[points.id]
+    frame, ids = points.frame[good], points.id[good]
+    del filtered, points, solver, moved
     return_memory()
-    good = usable_points(cloud, rig, margin=None) & precise_enough(cloud, number, method)
-    good &= (speaks > SURE)[ids]
-    return FirstPass(every, speaks, shared, cloud.keep(good), ids[good])
+    start = np.searchsorted(frame, np.arange(images.n_frames + 1))
+    xyz, cov, residual = (columns.pop(0)[good] for _ in range(3))  # none is in memory twice for long
+    cloud = Cloud(detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection[:, good].T))
+    return FirstPass(every, speaks, shared, cloud, ids)
 
 
 def _followed(
     rate: float, images: Images, working: Working, method: Simultaneous
 ) -> tuple[Associations, Associations, Floats]:
-    """The associations of all tracks, without their `cov`; those of tracks that have enough; the evidence (N) of each.
+    """The associations of all tracks, without `cov` and `squared`; those of tracks that have enough; the evidence (N).
 
     What this needs in between takes much memory, and ends with it.
     """
@@ -263,7 +275,7 @@ def _followed(
     rivalled = without_rivalled(columns, working.images, fundamentals(working.images.P), T, method)
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
-    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
+    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)), squared=np.zeros(0))  # only those of `seen` count
     rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
     speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
@@ -286,7 +298,7 @@ def _working(
         return given, None  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted, images.timing, other=images)
-    moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
+    moved, left = _with_noise(moved, method)
     if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given, None
     working = Working(adjusted, moved.without(left.inconsistent), left)
@@ -310,9 +322,7 @@ def _of_tracks(detections: Detections, images: Images, working: Working, cloud: 
     rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)
     if rig is working.rig:
         return working
-    now = read_images(detections, rig, images.timing, other=images)
-    moved, noise = learn_noise(now, fundamentals(now.P), method.gate)
-    del now
+    moved, noise = _with_noise(read_images(detections, rig, images.timing, other=images), method)
     moved = moved.noisier(-excess(cloud.detection.T, moved))
     if np.median(moved.variance) > OF_TRACKS_RATIO * np.median(working.images.variance):
         return working

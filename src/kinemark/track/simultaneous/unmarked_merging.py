@@ -92,6 +92,9 @@ what is known a thousand times worse has no correct digit left."""
 AT_ONCE = 50_000
 """Points and images that are looked at in one go; more would take memory and no less time; chosen."""
 
+RUNS_AT_ONCE = 2_000
+"""Runs of which the paths are gone along in one go; likewise."""
+
 
 class Claims(NamedTuple):
     """K claims that images of a point are of another track too: rows of the points of either (K), which cameras (C, K),
@@ -191,12 +194,12 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
 def resolution(images: Images) -> float:
     """r of (1) in px, 0 where images are as near to each other as it comes."""
     order = images.by_cell.order
-    cell = images.frame[order] * len(images.P) + images.camera[order]
     r = np.arange(1.0, LARGEST / 2 + 0.5, 0.5)
     m, n = np.zeros(len(r), np.int64), 0
     for begin in range(0, len(order), AT_ONCE):
         some = order[begin : begin + AT_ONCE]
-        near, second = images.near(cell[begin : begin + AT_ONCE], images.uv[some, 0], np.full(len(some), LARGEST))
+        cell = images.frame[some] * len(images.P) + images.camera[some]
+        near, second = images.near(cell, images.uv[some, 0], np.full(len(some), LARGEST))
         first = some[near]
         apart = np.hypot(*(images.uv[first] - images.uv[second]).T)
         apart = np.sort(apart[(first < second) & (apart < LARGEST)])
@@ -315,7 +318,9 @@ def scores(
     score = np.where(inside, claims.camera.sum(0)[k] * np.log(4.0), 0.0).sum(0)
     for sign, moved in ((1.0, True), (-1.0, False)):
         reading = _read(claims, detection, images, moved=moved)
-        score += sign * _path(reading, table, points, T, method, frame)
+        for first in range(0, len(score), RUNS_AT_ONCE):
+            some = slice(first, first + RUNS_AT_ONCE)
+            score[some] += sign * _path(reading, table[:, some], points, T, method, frame)
         score += sign * np.where(inside, reading.said[k], 0.0).sum(0)
     out = np.empty(len(order))
     out[order] = score[run]
@@ -325,19 +330,17 @@ def scores(
 def _read(claims: Claims, detection: Ints, images: Images, *, moved: bool) -> _Reading:
     """The points of claims with their images as they are, or by (2)."""
     own = detection[:, claims.row]
+    has, uv, variance = own >= 0, images.uv[own], images.variance[own]
     if moved:
-        c, k = np.nonzero(claims.camera)
-        own[c, k] = len(images.uv) + np.arange(len(c))
-        images = images._replace(
-            uv=np.concatenate([images.uv, claims.uv[c, k]]),
-            variance=np.concatenate([images.variance, claims.variance[c, k]]),
-        )
-    point, has = intersect(images, own), own >= 0
+        has, uv[claims.camera] = has | claims.camera, claims.uv[claims.camera]
+        variance[claims.camera] = claims.variance[claims.camera]
+    these = images._replace(uv=uv.reshape(-1, 2), variance=variance.reshape(-1))
+    point = intersect(these, np.where(has, np.arange(own.size).reshape(own.shape), -1))
     squared = np.nan_to_num(np.where(has, point.squared, 0.0).sum(0), nan=np.inf, posinf=1e6)
     said = student_log_likelihood(squared, DEGREES_OF_FREEDOM, 2.0 * has.sum(0) - 3)
     known = np.isfinite(point.cov).all((0, 1))
     room = np.linalg.slogdet(np.where(known, point.cov, np.eye(3)[..., None]).transpose(2, 0, 1))[1] / 2
-    return _Reading(point.xyz, point.cov, said + room - np.where(has, np.log(images.variance[own]), 0.0).sum(0))
+    return _Reading(point.xyz, point.cov, said + room - np.where(has, np.log(variance), 0.0).sum(0))
 
 
 def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:

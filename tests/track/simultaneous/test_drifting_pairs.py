@@ -121,13 +121,23 @@ def test_sound_points_with_images_of_other_markers_do_not_keep_it_from_judging()
     assert set(found) <= set(PART)
 
 
-def test_where_many_sound_points_drift_nothing_is_judged():
+def test_where_many_sound_points_drift_a_little_nothing_is_judged():
     """As where markers touch in the images: what runs together drifts as well, and is not to be given up."""
     recording = Recording()
     rows = np.flatnonzero(np.isin(recording.id, [1, 2]) & (recording.frame < 100))
-    recording.off(rows, 0.02 * recording.frame[rows] + 0.8).off(PART, 1.0 * TIME)
+    recording.off(rows, 0.008 * recording.frame[rows] + 0.3).off(PART, 1.0 * TIME)
     assert not len(recording.found())
     assert (recording.without_strangers() == recording.detection).all()
+
+
+def test_where_many_sound_points_have_images_of_other_markers_drift_is_judged():
+    """Theirs are anywhere within the gate of 2.5 px, as those of chance meetings, which crowded scenes have many of."""
+    recording = Recording()
+    rows = np.flatnonzero(np.isin(recording.id, [1, 2]) & (recording.frame < 100))
+    recording.off(rows, 0.02 * recording.frame[rows] + 0.8)
+    found = recording.off(PART, 1.0 * TIME).found()
+    assert len(found) >= 0.8 * len(PART)
+    assert set(found) <= set(PART)
 
 
 def test_merged_images_say_nothing():

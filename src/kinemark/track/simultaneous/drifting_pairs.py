@@ -19,18 +19,24 @@ markers pass the gate of g standard deviations of e, as the tracker takes it, s,
 is the log-likelihood ratio of two markers to one. Where chance meetings are many, sound points have images of other
 markers too: f and the share of such blocks are those of the likeliest mixture of both, by expectation and maximisation.
 Where f is large in most pairs of cameras, the residual does something else, as that of cameras that are not
-synchronous, and nothing is judged; nor where the share is large in the whole, as images that run together drift too;
-nor is a pair of which it is large.
+synchronous, and nothing is judged. Images that run together, or that a limb hides a part of, drift too, but by a small
+part of the gate. So nothing is judged either where the share is large in the whole, unless the blocks that drift are
+likelier to be anywhere within the gate than within a part of it, of NARROW of the variance that it adds to V:
+
+    Σ ln N(a; 0, W) − ln N(a; 0, V + NARROW (W − V)) > 0                                  (3)
+
+of their means and trends, with each block by its probability of being two markers'. Nor is a pair judged of which the
+share is large.
 
 Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
 parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
 edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
-tracks have the median d there, d² is added to L_0 (3). Where there are but two cameras, all points are sound, as most
+tracks have the median d there, d² is added to L_0 (4). Where there are but two cameras, all points are sound, as most
 are one marker's. Cameras that hardly see the same markers have too few; there nothing is judged.
 
 Points of SOUND to MOST_IMAGES images have another marker's image too. They are judged by all pairs of their images:
 where a block of one has more than CERTAIN, the image of which all pairs have the greatest sum of scores is given up
-(4), one after the other, and what is left is judged as other points of so many images.
+(5), one after the other, and what is left is judged as other points of so many images.
 """
 
 from __future__ import annotations
@@ -81,8 +87,15 @@ simulated scenes (seeds 90000 to 90059) none has more than 0.11, and what is as 
 
 MAX_STRANGE = 0.06
 """Of the sound blocks of a recording, the share that are two markers', less one of each pair of cameras, above which
-nothing is judged; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, and a child's foot of which markers
-touch in the images (`studies/child_foot.py`, five seeds) has 0.07 to 0.09: images that run together drift as well."""
+nothing is judged where (3) does not hold; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, crowded ones
+up to 0.2, and a child's foot of which markers touch in the images (`studies/child_foot.py`, five seeds) 0.07 to 0.17."""
+
+NARROW = 0.05
+"""Of (3), a ratio of variances; chosen: of the foot, from far and near, (3) is −1.1 to −1.8 a block, of crowded scenes
+(seeds 131024, 137010, 137085 of benchmarks/tracking_scenes.py) 2.4 to 6.5."""
+
+TREND = 2
+"""Of the polynomials of (3), a number: mean and trend, by definition; those above are small for either."""
 
 MAX_FACTOR = 1.3
 """The median of f of (1), a ratio of variances, from which sound points do not follow (1), and nothing is judged;
@@ -104,7 +117,7 @@ markers for 297."""
 
 class Usual(NamedTuple):
     """What the residual of two cameras is for one marker: m px, v px², L (DEGREES) px² and f of (1); and the share of
-    so many sound blocks that are two markers', of one at least."""
+    so many sound blocks that are two markers', of one at least, and the sum `wide` of (3) over them."""
 
     median: float
     white: float
@@ -112,13 +125,14 @@ class Usual(NamedTuple):
     factor: float
     share: float
     blocks: int
+    wide: float
 
     def variance(self, n: int) -> Floats:
         """V of (1), px², for as many degrees as n frames have."""
         return np.asarray(self.factor * (self.white + n * self.lasting[: min(n, DEGREES)]))
 
     def shifted(self, d: float) -> Usual:
-        """The same where the calibration leaves d px more, by (3)."""
+        """The same where the calibration leaves d px more, by (4)."""
         return self._replace(lasting=self.lasting + d**2 * (np.arange(DEGREES) == 0))
 
 
@@ -148,7 +162,8 @@ def _regular(known: list[Usual]) -> bool:
         return False
     blocks = sum(usual.blocks for usual in known)
     strange = sum(usual.share * usual.blocks - 1 for usual in known) / blocks
-    return bool(np.median([usual.factor for usual in known]) <= MAX_FACTOR and strange <= MAX_STRANGE)
+    few = strange <= MAX_STRANGE or sum(usual.wide for usual in known) > 0  # (3)
+    return bool(np.median([usual.factor for usual in known]) <= MAX_FACTOR and few)
 
 
 def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bools:
@@ -162,7 +177,7 @@ def without_strangers(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float
 ) -> Ints:
     """The detections (C, P) of tracks id (P), those of SOUND to MOST_IMAGES without the image that drifts past the
-    others (4)."""
+    others (5)."""
     detection, number = detection.copy(), (detection >= 0).sum(0)
     which = (number >= SOUND) & (number <= MOST_IMAGES)
     while which.any():
@@ -269,19 +284,27 @@ def _usual(
     whole = (SD_PER_MEDIAN * np.median(np.abs(size), axis=0)) ** 2
     lasting = np.maximum(whole - white, 0.0) / np.median(length)
     reach = np.concatenate([squared[block].mean(1) for block in long]) * gate**2
-    factor, share = _mixture(size, white + length[:, None] * lasting, _added(length, reach, DEGREES))
-    return Usual(median, white, lasting, max(factor, 1.0), share, len(size))
+    factor, share, wide = _mixture(size, white + length[:, None] * lasting, _added(length, reach, DEGREES))
+    return Usual(median, white, lasting, max(factor, 1.0), share, len(size), wide)
 
 
-def _mixture(a: Floats, V: Floats, added: Floats) -> tuple[float, float]:
-    """f of (1) and the share of two markers, likeliest for coefficients (B, k) of variance f V, or f V + `added`."""
+def _mixture(a: Floats, V: Floats, added: Floats) -> tuple[float, float, float]:
+    """f of (1) and the share of two markers, likeliest for coefficients (B, k) of variance f V, or f V + `added`; and
+    the sum of (3)."""
     f, share = 1.0, MIXING
     for _ in range(ROUNDS):
-        one, two = (np.log(W).sum(1) + (a**2 / W).sum(1) for W in (f * V, f * V + added))
+        one, two = (_unlikelihood(a, W) for W in (f * V, f * V + added))
         of_two = scipy.special.expit((one - two) / 2 + scipy.special.logit(share))
         share = float(np.clip(of_two.mean(), 1 / len(a), 1 - 1 / len(a)))
         f = float(((1 - of_two) @ (a**2 / V).mean(1)) / np.maximum((1 - of_two).sum(), np.finfo(float).tiny))
-    return f, share
+    a, V, added = a[:, :TREND], f * V[:, :TREND], added[:, :TREND]
+    wider = _unlikelihood(a, V + NARROW * added) - _unlikelihood(a, V + added)
+    return f, share, float(of_two @ wider) / 2  # (3)
+
+
+def _unlikelihood(a: Floats, W: Floats) -> Floats:
+    """(B) −2 ln N(a; 0, W) of coefficients (B, k), up to a constant."""
+    return np.asarray(np.log(W).sum(1) + (a**2 / W).sum(1))
 
 
 def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:

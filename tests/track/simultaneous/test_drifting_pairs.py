@@ -8,7 +8,7 @@ from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drifting_pairs import (
     MAX_FACTOR,
-    _blocks,
+    blocks,
     _polynomials,
     drifting,
     usual_residuals,
@@ -187,7 +187,7 @@ def test_few_sound_points_say_nothing():
 def test_blocks_hold_each_row_once_and_break_where_tracks_and_frames_do():
     frame = np.concatenate([np.arange(70), np.arange(80, 90), np.arange(5)])
     id = np.repeat([0, 0, 1], [70, 10, 5])
-    blocks = _blocks(frame, id)
+    blocks = blocks(frame, id)
     assert sorted(np.concatenate([block.ravel() for block in blocks])) == list(range(len(frame)))
     for block in blocks:
         assert (np.diff(frame[block], axis=1) == 1).all()

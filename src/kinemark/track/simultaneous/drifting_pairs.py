@@ -150,8 +150,13 @@ def usual_residuals(frame: Ints, id: Ints, detection: Ints, images: Images, gate
     some = (own & (number <= MOST_IMAGES)).astype(np.float32)
     sound = own[:, order] & (number >= min(SOUND, len(detection)))[order]
     pairs = np.argwhere(np.triu(some @ some.T, 1)).tolist()
-    every = [_usual(frame, id, detection, images, F, order[sound[a] & sound[b]], (a, b), gate) for a, b in pairs]
-    known = {(a, b): usual for (a, b), usual in zip(pairs, every, strict=True) if usual is not None}
+    known: dict[tuple[int, int], Usual] = {}
+    for a, b in pairs:
+        for rows in (order[sound[a] & sound[b]], order[(own[a] & own[b])[order]]):  # TRY
+            usual = _usual(frame, id, detection, images, F, rows, (a, b), gate)
+            if usual is not None:
+                known[a, b] = usual
+                break
     regular = _regular([*known.values()])
     return UsualResiduals({pair: one for pair, one in known.items() if regular and one.share < MAX_SHARE}, F)
 
@@ -170,7 +175,7 @@ def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: Usua
     """(P) the points of two images of tracks id (P) that are given up, of detections (C, P)."""
     number = (detection >= 0).sum(0)
     out = _judged(frame, id, detection, number == 2, images, usual, gate).of_two
-    return _with_rest(out, id, number)
+    return with_rest(out, id, number)
 
 
 def without_strangers(
@@ -227,11 +232,11 @@ def _scored(
     own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
-        e, squared = _residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
-        there = one.shifted(_shift(e - one.median, id[rows]))
-        for block in _blocks(frame[rows], id[rows]):
+        e, squared = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
+        there = one.shifted(shared_shift(e - one.median, id[rows]))
+        for block in blocks(frame[rows], id[rows]):
             off, reach = e[block] - one.median, squared[block].mean(1) * gate**2
-            yield (a, b), rows[block], _Scored(_scores(off, reach, there), off, reach, there)
+            yield (a, b), rows[block], _Scored(scores(off, reach, there), off, reach, there)
 
 
 def of_one_marker(
@@ -249,13 +254,13 @@ def of_one_marker(
     return np.isfinite(worst) & (worst < 0) & (total < -SURE)[id]
 
 
-def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
+def with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
     """(P) those given up, and the rest of tracks of which MOST is and no point has SOUND images, number (P)."""
     many, never = np.bincount(id), np.bincount(id, number >= SOUND) == 0
     return given_up | (never & (np.bincount(id, given_up) >= MOST * many))[id]
 
 
-def _shift(e: Floats, id: Ints) -> float:
+def shared_shift(e: Floats, id: Ints) -> float:
     """The median, px, of the medians of the residuals (n) less m of SEVERAL tracks and more; otherwise 0."""
     order = np.lexsort([e, id])
     cuts = equal_runs(id[order])
@@ -271,9 +276,9 @@ def _usual(
     if len(rows) < MIN_SOUND:
         return None
     a, b = pair
-    e, squared = _residual(images, F[a, b], detection[a, rows], detection[b, rows])
+    e, squared = residual(images, F[a, b], detection[a, rows], detection[b, rows])
     median = float(np.median(e))
-    every = [block[:: -(-len(block) // MAX_BLOCKS)] for block in _blocks(frame[rows], id[rows])]
+    every = [block[:: -(-len(block) // MAX_BLOCKS)] for block in blocks(frame[rows], id[rows])]
     bend = np.concatenate([np.diff(e[block], 2).ravel() for block in every])
     long = [block for block in every if 2 * block.shape[1] >= BLOCK]
     if len(bend) < MIN_SOUND or sum(len(block) for block in long) < MIN_BLOCKS:
@@ -307,7 +312,7 @@ def _unlikelihood(a: Floats, W: Floats) -> Floats:
     return np.asarray(np.log(W).sum(1) + (a**2 / W).sum(1))
 
 
-def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
+def residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
     """e (n) px by (1) of `epipolar_noise` of images of two cameras, and s² (n) px² by (2) of it."""
     return_memory()  # of the pair before: there are many, of long recordings
     x, y = (np.column_stack([images.uv[each], np.ones(len(each))]) for each in (one, other))
@@ -318,7 +323,7 @@ def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats
     return (line * y).sum(1) / np.sqrt(both), squared
 
 
-def _blocks(frame: Ints, id: Ints) -> list[Ints]:
+def blocks(frame: Ints, id: Ints) -> list[Ints]:
     """Places of blocks (n, length) of rows by track and frame: frames that follow each other, in parts of BLOCK."""
     new = begins(id, frame - np.arange(len(frame)))
     run = np.cumsum(new) - 1
@@ -342,7 +347,7 @@ def _coefficients(e: Floats) -> Floats:
     return np.asarray(e @ _polynomials(e.shape[1]))
 
 
-def _scores(e: Floats, reach: Floats, usual: Usual) -> Floats:
+def scores(e: Floats, reach: Floats, usual: Usual) -> Floats:
     """(2) of residuals (B, n) less m, with g² s² (B)."""
     n, a = e.shape[1], _coefficients(e)
     V = usual.variance(n)
@@ -372,7 +377,7 @@ def _worst(e: Floats, reach: float, usual: Usual) -> tuple[float, int, int]:
     best = (-np.inf, 0, 0)
     for n in range(len(e), 0, -1):
         windows = np.lib.stride_tricks.sliding_window_view(e, n)
-        score = _scores(windows, np.full(len(windows), reach), usual)
+        score = scores(windows, np.full(len(windows), reach), usual)
         k = int(score.argmax())
         best = max(best, (float(score[k]), k, k + n))
     return best

@@ -8,8 +8,8 @@ from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drifting_pairs import (
     MAX_FACTOR,
-    blocks,
     _polynomials,
+    blocks,
     drifting,
     usual_residuals,
     without_strangers,
@@ -187,12 +187,12 @@ def test_few_sound_points_say_nothing():
 def test_blocks_hold_each_row_once_and_break_where_tracks_and_frames_do():
     frame = np.concatenate([np.arange(70), np.arange(80, 90), np.arange(5)])
     id = np.repeat([0, 0, 1], [70, 10, 5])
-    blocks = blocks(frame, id)
-    assert sorted(np.concatenate([block.ravel() for block in blocks])) == list(range(len(frame)))
-    for block in blocks:
+    found = blocks(frame, id)
+    assert sorted(np.concatenate([block.ravel() for block in found])) == list(range(len(frame)))
+    for block in found:
         assert (np.diff(frame[block], axis=1) == 1).all()
         assert (id[block] == id[block[:, :1]]).all()
-    assert sorted(block.shape[1] for block in blocks for _ in block) == [5, 10, 23, 23, 24]
+    assert sorted(block.shape[1] for block in found for _ in block) == [5, 10, 23, 23, 24]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 9, 24])

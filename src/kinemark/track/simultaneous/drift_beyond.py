@@ -6,13 +6,15 @@ the frames of the track are those in which they drift least, and a short one doe
 as the track would have gone on with them otherwise.
 
 The residuals of a stretch of points of two images of the same cameras, together with those of up to MOST_BEYOND frames
-before and after it in which both images go on, are judged by (2) of `drifting_pairs`, in the same blocks. Where their
-sum is above CERTAIN, all points of the stretch are given up, if there are fewer than LONG and no point of their track
-has SOUND images: those of others are a marker's that has lost one of its images more often.
+before and after it in which both images go on, without a jump of more than the gate, are judged by (2) of
+`drifting_pairs`, in the same blocks. Where their sum is above CERTAIN, all points of the stretch are given up, if there
+are fewer than LONG and no point of their track has SOUND images: those of others are a marker's that has lost one of
+its images more often.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -46,24 +48,30 @@ the least of these, in those of its images; chosen: wider ones find other marker
 
 
 class _Stretches(NamedTuple):
-    """N stretches of R rows of points: the stretch (R) of each row, and the first row and the last (N) of each."""
+    """N stretches of R points of images of two cameras, by track and frame.
 
+    Attributes:
+        frame: (R); detection: (2, R); images: of all cameras; F: (3, 3) of the two.
+        of: (R) the stretch of each; first, last: (N) rows.
+    """
+
+    frame: Ints
+    detection: Ints
+    images: Images
+    F: Floats
     of: Ints
     first: Ints
     last: Ints
 
-    @classmethod
-    def of_rows(cls, frame: Ints, id: Ints) -> _Stretches:
-        """Of rows by track and frame."""
-        new = begins(id) | (np.diff(frame, prepend=frame[:1]) > HOLE)
-        first = np.flatnonzero(new)
-        return cls(np.cumsum(new) - 1, first, np.append(first[1:], len(frame)) - 1)
+    def residual(self, detection: Ints) -> tuple[Floats, Floats]:
+        """e (n) px and s² (n) px² of detections (2, n)."""
+        return residual(self.images, self.F, detection[0], detection[1])
 
 
 def drifting_beyond(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, r: float, gate: float
 ) -> Bools:
-    """(P) the points of two images of tracks id (P), of detections (C, P), that are given up; r px of `image_chains`."""
+    """(P) the points of two images of tracks id (P), of detections (C, P), given up; r px is that of `image_chains`."""
     out, number = np.zeros(len(frame), bool), (detection >= 0).sum(0)
     never = np.bincount(id, number >= SOUND) == 0
     order = np.flatnonzero(number == 2)
@@ -75,73 +83,78 @@ def drifting_beyond(
         there = one.shifted(shared_shift(e - one.median, id[rows]))
         rows = rows[never[id[rows]]]
         if len(rows):
-            stretches = _Stretches.of_rows(frame[rows], id[rows])
-            pair = detection[[a, b]][:, rows]
-            total = _totals(frame[rows], pair, stretches, images, usual.F[a, b], there, r, gate)
-            out[rows] = (total > CERTAIN)[stretches.of]
+            stretches = _stretches(frame[rows], id[rows], detection[[a, b]][:, rows], images, usual.F[a, b])
+            out[rows] = (_totals(stretches, there, r, gate) > CERTAIN)[stretches.of]
     return out
 
 
-def _totals(
-    frame: Ints, pair: Ints, stretches: _Stretches, images: Images, F: Floats, usual: Usual, r: float, gate: float
-) -> Floats:
-    """(N) the sum of the scores of each stretch of detections (2, R) whose images go on, 0 of the others."""
-    radius, near = [_radius(frame, images, one, stretches) for one in pair], _near_others(images, pair, stretches, r)
-    of, when, both = [stretches.of], [frame], [pair]
-    for step, end in ((1, stretches.last), (-1, stretches.first)):
-        some = np.flatnonzero(_has_three(frame, stretches, end, step) & ~near[end])
-        three = end[some][:, None] - step * np.arange(2, -1, -1)
-        beyond = np.array(
-            [
-                images_beyond(images, one[three], step, reach[some], r, MOST_BEYOND)
-                for one, reach in zip(pair, radius, strict=True)
-            ]
-        )
-        which, k = np.nonzero(np.logical_and.accumulate((beyond >= 0).all(0), axis=1))
-        of.append(some[which])
-        when.append(frame[end[some[which]]] + step * (k + 1))
-        both.append(beyond[:, which, k])
-    judged = np.isin(np.arange(len(stretches.first)), np.concatenate(of[1:]))
-    judged &= stretches.last - stretches.first + 1 < LONG
-    stretch, when, detection = np.concatenate(of), np.concatenate(when), np.concatenate(both, 1)
-    order = np.lexsort([when, stretch])
-    stretch, when, detection = stretch[order], when[order], detection[:, order]
-    e, squared = residual(images, F, detection[0], detection[1])
-    total = np.zeros(len(stretches.first))
-    for block in blocks(when, stretch):
+def _stretches(frame: Ints, id: Ints, detection: Ints, images: Images, F: Floats) -> _Stretches:
+    new = begins(id) | (np.diff(frame, prepend=frame[:1]) > HOLE)
+    first = np.flatnonzero(new)
+    return _Stretches(frame, detection, images, F, np.cumsum(new) - 1, first, np.append(first[1:], len(frame)) - 1)
+
+
+def _totals(one: _Stretches, usual: Usual, r: float, gate: float) -> Floats:
+    """(N) the sum of the scores of each of the stretches that are judged, 0 of the others."""
+    parts = [(one.of, one.frame, one.detection), *_beyond(one, r, gate)]
+    goes_on = np.isin(np.arange(len(one.first)), np.concatenate([stretch for stretch, _, _ in parts[1:]]))
+    stretch, frame = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
+    order = np.lexsort([frame, stretch])
+    stretch, frame = stretch[order], frame[order]
+    e, squared = one.residual(np.concatenate([detection for _, _, detection in parts], 1)[:, order])
+    total = np.zeros(len(one.first))
+    for block in blocks(frame, stretch):
         score = scores(e[block] - usual.median, squared[block].mean(1) * gate**2, usual)
         np.add.at(total, stretch[block[:, 0]], score)
-    return np.where(judged, total, 0.0)
+    return np.where(goes_on & (one.last - one.first + 1 < LONG), total, 0.0)
 
 
-def _has_three(frame: Ints, stretches: _Stretches, end: Ints, step: int) -> Bools:
+def _beyond(one: _Stretches, r: float, gate: float) -> Iterator[tuple[Ints, Ints, Ints]]:
+    """Stretch (K), frame (K) and detections (2, K) in which both images of a stretch go on, after it and before it."""
+    reach, near = [_reach(one, detection) for detection in one.detection], _near_others(one, r)
+    for step, end in ((1, one.last), (-1, one.first)):
+        some = np.flatnonzero(_has_three(one, end, step) & ~near[end])
+        three = end[some][:, None] - step * np.arange(2, -1, -1)
+        each = zip(one.detection, reach, strict=True)
+        both = np.array([images_beyond(one.images, d[three], step, px[some], r, MOST_BEYOND) for d, px in each])
+        on = (both >= 0).all(0) & ~_jumps(one, np.concatenate([one.detection[:, end[some], None], both], 2), gate)
+        which, k = np.nonzero(np.logical_and.accumulate(on, axis=1))
+        yield some[which], one.frame[end[some[which]]] + step * (k + 1), both[:, which, k]
+
+
+def _jumps(one: _Stretches, detection: Ints, gate: float) -> Bools:
+    """(n, m − 1) whether e changes by more than the gate from one of the detections (2, n, m) to the next."""
+    e, squared = (x.reshape(detection.shape[1:]) for x in one.residual(detection.reshape(2, -1)))
+    return np.abs(np.diff(e, axis=1)) > gate * np.sqrt(squared[:, :1])
+
+
+def _has_three(one: _Stretches, end: Ints, step: int) -> Bools:
     """(N) whether the three points at the end of each stretch are of frames that follow each other."""
     third = end - 2 * step
-    inside = (third >= stretches.first) & (third <= stretches.last)
-    return inside & (np.abs(frame[np.where(inside, third, end)] - frame[end]) == 2)
+    inside = (third >= one.first) & (third <= one.last)
+    return inside & (np.abs(one.frame[np.where(inside, third, end)] - one.frame[end]) == 2)
 
 
-def _near_others(images: Images, pair: Ints, stretches: _Stretches, r: float) -> Bools:
+def _near_others(one: _Stretches, r: float) -> Bools:
     """(R) whether one of the LOOK points of a stretch up to each, or from it on, comes or goes beside another image."""
-    i = np.arange(1, pair.shape[1])
-    i = i[stretches.of[i] == stretches.of[i - 1]]
-    beside = np.zeros(pair.shape[1], bool)
-    for one in pair if r else ():
-        beside[i] |= ~alone(images, one[i], one[i - 1], r) | ~alone(images, one[i - 1], one[i], r)
-    before = np.concatenate([[0], np.cumsum(beside)])
-    k = np.arange(len(beside))
-    low, high = np.maximum(k - LOOK, stretches.first[stretches.of]), np.minimum(k + LOOK, stretches.last[stretches.of])
+    i = np.arange(1, len(one.frame))
+    i = i[one.of[i] == one.of[i - 1]]
+    beside = np.zeros(len(one.frame), bool)
+    for d in one.detection if r else ():
+        beside[i] |= ~alone(one.images, d[i], d[i - 1], r) | ~alone(one.images, d[i - 1], d[i], r)
+    before, k = np.concatenate([[0], np.cumsum(beside)]), np.arange(len(beside))
+    low, high = np.maximum(k - LOOK, one.first[one.of]), np.minimum(k + LOOK, one.last[one.of])
     return before[high + 1] > before[low]
 
 
-def _radius(frame: Ints, images: Images, detection: Ints, stretches: _Stretches) -> Floats:
+def _reach(one: _Stretches, detection: Ints) -> Floats:
     """(N) px within which the images (R) of each stretch go on."""
-    N, uv = len(stretches.first), images.uv[detection]
-    mean = np.bincount(stretches.of, images.variance[detection], N) / np.bincount(stretches.of, minlength=N)
-    i = np.arange(3, len(frame))
-    i = i[(stretches.of[i] == stretches.of[i - 3]) & (frame[i] - frame[i - 3] == 3)]
+    N, uv = len(one.first), one.images.uv[detection]
+    mean = np.bincount(one.of, one.images.variance[detection], N) / np.bincount(one.of, minlength=N)
+    i = np.arange(3, len(one.frame))
+    i = i[(one.of[i] == one.of[i - 3]) & (one.frame[i] - one.frame[i - 3] == 3)]
     squared = ((uv[i] - expected(uv[i - 3], uv[i - 2], uv[i - 1])) ** 2).sum(1)
-    number = np.bincount(stretches.of[i], minlength=N)
+    number = np.bincount(one.of[i], minlength=N)
     usual = 20 / 3 * mean  # of (1), in both axes
-    known = np.bincount(stretches.of[i], squared, N) / np.maximum(number, 1)
+    known = np.bincount(one.of[i], squared, N) / np.maximum(number, 1)
     return REACH * np.sqrt(np.maximum(np.where(number > 2, known, usual), LEAST_REACH**2 * mean))

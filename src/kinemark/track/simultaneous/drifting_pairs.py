@@ -31,8 +31,9 @@ share is large.
 Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
 parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
 edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
-tracks have the median d there, d² is added to L_0 (4). Where there are but two cameras, all points are sound, as most
-are one marker's. Cameras that hardly see the same markers have too few; there nothing is judged.
+tracks have the median d there, d² is added to L_0 (4). Where there are but two cameras, or two that have too few sound
+points, all of their points are taken for sound, as most are one marker's. Cameras that hardly see the same markers have
+too few; there nothing is judged.
 
 Points of SOUND to MOST_IMAGES images have another marker's image too. They are judged by all pairs of their images:
 where a block of one has more than CERTAIN, the image of which all pairs have the greatest sum of scores is given up
@@ -87,8 +88,9 @@ simulated scenes (seeds 90000 to 90059) none has more than 0.11, and what is as 
 
 MAX_STRANGE = 0.06
 """Of the sound blocks of a recording, the share that are two markers', less one of each pair of cameras, above which
-nothing is judged where (3) does not hold; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, crowded ones
-up to 0.2, and a child's foot of which markers touch in the images (`studies/child_foot.py`, five seeds) 0.07 to 0.17."""
+nothing is judged where (3) does not hold; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, crowded
+ones up to 0.2, a child's foot of which markers touch in the images (`studies/child_foot.py`, five seeds) 0.07 to 0.17.
+"""
 
 NARROW = 0.05
 """Of (3), a ratio of variances; chosen: of the foot, from far and near, (3) is −1.1 to −1.8 a block, of crowded scenes
@@ -152,11 +154,9 @@ def usual_residuals(frame: Ints, id: Ints, detection: Ints, images: Images, gate
     pairs = np.argwhere(np.triu(some @ some.T, 1)).tolist()
     known: dict[tuple[int, int], Usual] = {}
     for a, b in pairs:
-        for rows in (order[sound[a] & sound[b]], order[(own[a] & own[b])[order]]):  # TRY
-            usual = _usual(frame, id, detection, images, F, rows, (a, b), gate)
-            if usual is not None:
-                known[a, b] = usual
-                break
+        for some in (sound[a] & sound[b], (own[a] & own[b])[order]):  # without sound ones by all
+            one = None if (a, b) in known else _usual(frame, id, detection, images, F, order[some], (a, b), gate)
+            known |= {} if one is None else {(a, b): one}
     regular = _regular([*known.values()])
     return UsualResiduals({pair: one for pair, one in known.items() if regular and one.share < MAX_SHARE}, F)
 

@@ -72,7 +72,13 @@ def _kept(cloud: Cloud, kept: Bools, columns: list[NDArray[Any]]) -> Cloud:
 
 
 def without_drifting(
-    cloud: Cloud, ids: Ints, merging: Merging, images: Images, usual: UsualResiduals, solver: Solver, method: Simultaneous
+    cloud: Cloud,
+    ids: Ints,
+    merging: Merging,
+    images: Images,
+    usual: UsualResiduals,
+    solver: Solver,
+    method: Simultaneous,
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks, without images of other markers, and without those of two images of two markers."""
     if not usual.of:

@@ -48,7 +48,7 @@ def expected(first: Floats, second: Floats, third: Floats) -> Floats:
 
 
 def _only(images: Images, cell: Ints, place: Floats, radius: Floats) -> Ints:
-    """(n) the only image in each cell within the radius (n) px of a place (n, 2) px; −1 where there is none, or more."""
+    """(n) the only image in each cell within the radius (n) px of a place (n, 2) px; −1 where there is none or more."""
     query, row = images.near(cell, place[:, 0], radius)
     close = np.hypot(*(images.uv[row] - place[query]).T) < radius[query]
     query, row = query[close], row[close]
@@ -59,7 +59,7 @@ def _only(images: Images, cell: Ints, place: Floats, radius: Floats) -> Ints:
 
 
 def alone(images: Images, found: Ints, before: Ints, r: float) -> Bools:
-    """(n) whether of all images in the frame and camera of `before` (n) that one alone is near to `found` (n), by (2)."""
+    """(n) whether of all images in the frame and camera of `before` (n) that one alone is near `found` (n), by (2)."""
     reach = np.maximum(np.hypot(*(images.uv[found] - images.uv[before]).T), r)
     cell = images.frame[before] * len(images.P) + images.camera[before]
     query, row = images.near(cell, images.uv[found, 0], reach)

@@ -154,6 +154,15 @@ def test_two_cameras_are_judged_by_all_their_points():
     assert set(found) <= set(PART)
 
 
+def test_two_cameras_with_which_no_third_looks_are_judged_by_all_their_points():
+    """As those of four that look past each other, two to the left and two to the right."""
+    recording = Recording()
+    recording.detection[2:] = -1
+    found = recording.off(PART, 1.0 * TIME).found()
+    assert len(found) >= 0.8 * len(PART)
+    assert set(found) <= set(PART)
+
+
 @pytest.mark.parametrize("images", [3, 4])
 def test_of_several_images_the_one_that_drifts_past_the_others_is_given_up(images):
     """Of three or four that fit one another within the gate; the others stay, and so do those of all other points."""

@@ -17,9 +17,11 @@ AFTER = np.arange(FRAMES) - SHORT.mean()
 
 
 class Meeting:
-    """Points of all markers but 0 in four cameras; of that one in frames SHORT those of the cameras PAIR alone, of
-    which the second has its images `px` (FRAMES) across the lines of the first, and shaken along them. They are taken for
-    five times as noisy as they are, so that all of SHORT pass the gate."""
+    """Points of all markers but 0 in four cameras; of that one in frames SHORT those of the cameras PAIR alone.
+
+    The second of these has its images `px` (FRAMES) across the lines of the first, and shaken along them. They are
+    taken for five times as noisy as they are, so that all of SHORT pass the gate.
+    """
 
     def __init__(self, px, *, frames=SHORT, hidden=(), shaken=0.0):
         rig = ring(4)

@@ -14,7 +14,7 @@ PATH = np.stack([300 + 3.0 * TIME, 200 + 2.0 * TIME], 1)
 
 
 def images_of(*paths, merged=()):
-    """The images of paths (F, 2) px in the first of two cameras, and the row (n, F) of each; NaN where there is none."""
+    """The images of paths (F, 2) px in the first of two cameras, and their rows (n, F); NaN where there is none."""
     uv = np.stack(paths, 1)
     seen, marks = np.isfinite(uv[..., 0]), np.zeros((FRAMES, len(paths)), bool)
     for frame, path in merged:
@@ -61,8 +61,8 @@ def test_they_end_where_another_marker_takes_the_place_of_one_that_is_hidden():
 
 def test_they_end_where_two_merge_in_a_file_that_does_not_say_so():
     """The other one comes by, and both have their image in the middle from then on."""
-    path, other = PATH.copy(), PATH + [0.0, 8.0]
-    path[9:], other[9:] = path[9:] + [0.0, 1.5], np.nan
+    path, other = PATH.copy(), PATH + np.array([0.0, 8.0])
+    path[9:], other[9:] = path[9:] + np.array([0.0, 1.5]), np.nan
     images, (row, _) = images_of(path, other)
     assert beyond(images, row[5:8], r=0.0)[1] == row[9]
     assert beyond(images, row[5:8], r=6.0)[1] == -1
@@ -74,7 +74,7 @@ def test_they_end_where_a_file_says_that_two_merge():
 
 
 def test_an_image_is_alone_where_no_other_of_the_frame_before_is_nearer_or_within_the_resolution():
-    images, (row, other) = images_of(PATH, PATH + [0.0, 9.0])
+    images, (row, other) = images_of(PATH, PATH + np.array([0.0, 9.0]))
     found, before = row[[5]], row[[4]]
     assert alone(images, found, before, 0.0).all()
     assert alone(images, found, before, 7.0).all()

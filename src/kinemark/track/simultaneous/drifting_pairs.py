@@ -19,18 +19,25 @@ markers pass the gate of g standard deviations of e, as the tracker takes it, s,
 is the log-likelihood ratio of two markers to one. Where chance meetings are many, sound points have images of other
 markers too: f and the share of such blocks are those of the likeliest mixture of both, by expectation and maximisation.
 Where f is large in most pairs of cameras, the residual does something else, as that of cameras that are not
-synchronous, and nothing is judged; nor where the share is large in the whole, as images that run together drift too;
-nor is a pair of which it is large.
+synchronous, and nothing is judged. Images that run together, or that a limb hides a part of, drift too, but by a small
+part of the gate. So nothing is judged either where the share is large in the whole, unless the blocks that drift are
+likelier to be anywhere within the gate than within a part of it, of NARROW of the variance that it adds to V:
+
+    Σ ln N(a; 0, W) − ln N(a; 0, V + NARROW (W − V)) > 0                                  (3)
+
+of their means and trends, with each block by its probability of being two markers'. Nor is a pair judged of which the
+share is large.
 
 Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
 parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
 edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
-tracks have the median d there, d² is added to L_0 (3). Where there are but two cameras, all points are sound, as most
-are one marker's. Cameras that hardly see the same markers have too few; there nothing is judged.
+tracks have the median d there, d² is added to L_0 (4). Where there are but two cameras, or two that have too few sound
+points, all of their points are taken for sound, as most are one marker's. Cameras that hardly see the same markers have
+too few; there nothing is judged.
 
 Points of SOUND to MOST_IMAGES images have another marker's image too. They are judged by all pairs of their images:
 where a block of one has more than CERTAIN, the image of which all pairs have the greatest sum of scores is given up
-(4), one after the other, and what is left is judged as other points of so many images.
+(5), one after the other, and what is left is judged as other points of so many images.
 """
 
 from __future__ import annotations
@@ -81,8 +88,16 @@ simulated scenes (seeds 90000 to 90059) none has more than 0.11, and what is as 
 
 MAX_STRANGE = 0.06
 """Of the sound blocks of a recording, the share that are two markers', less one of each pair of cameras, above which
-nothing is judged; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, and a child's foot of which markers
-touch in the images (`studies/child_foot.py`, five seeds) has 0.07 to 0.09: images that run together drift as well."""
+nothing is judged where (3) does not hold; chosen: simulated scenes (seeds 122068 to 122149) have 0 to 0.04, crowded
+ones up to 0.2, a child's foot of which markers touch in the images (`studies/child_foot.py`, five seeds) 0.07 to 0.17.
+"""
+
+NARROW = 0.05
+"""Of (3), a ratio of variances; chosen: of the foot, from far and near, (3) is −1.1 to −1.8 a block, of crowded scenes
+(seeds 131024, 137010, 137085 of benchmarks/tracking_scenes.py) 2.4 to 6.5."""
+
+TREND = 2
+"""Of the polynomials of (3), a number: mean and trend, by definition; those above are small for either."""
 
 MAX_FACTOR = 1.3
 """The median of f of (1), a ratio of variances, from which sound points do not follow (1), and nothing is judged;
@@ -104,7 +119,7 @@ markers for 297."""
 
 class Usual(NamedTuple):
     """What the residual of two cameras is for one marker: m px, v px², L (DEGREES) px² and f of (1); and the share of
-    so many sound blocks that are two markers', of one at least."""
+    so many sound blocks that are two markers', of one at least, and the sum `wide` of (3) over them."""
 
     median: float
     white: float
@@ -112,13 +127,14 @@ class Usual(NamedTuple):
     factor: float
     share: float
     blocks: int
+    wide: float
 
     def variance(self, n: int) -> Floats:
         """V of (1), px², for as many degrees as n frames have."""
         return np.asarray(self.factor * (self.white + n * self.lasting[: min(n, DEGREES)]))
 
     def shifted(self, d: float) -> Usual:
-        """The same where the calibration leaves d px more, by (3)."""
+        """The same where the calibration leaves d px more, by (4)."""
         return self._replace(lasting=self.lasting + d**2 * (np.arange(DEGREES) == 0))
 
 
@@ -136,8 +152,11 @@ def usual_residuals(frame: Ints, id: Ints, detection: Ints, images: Images, gate
     some = (own & (number <= MOST_IMAGES)).astype(np.float32)
     sound = own[:, order] & (number >= min(SOUND, len(detection)))[order]
     pairs = np.argwhere(np.triu(some @ some.T, 1)).tolist()
-    every = [_usual(frame, id, detection, images, F, order[sound[a] & sound[b]], (a, b), gate) for a, b in pairs]
-    known = {(a, b): usual for (a, b), usual in zip(pairs, every, strict=True) if usual is not None}
+    known: dict[tuple[int, int], Usual] = {}
+    for a, b in pairs:
+        for some in (sound[a] & sound[b], (own[a] & own[b])[order]):  # without sound ones by all
+            one = None if (a, b) in known else _usual(frame, id, detection, images, F, order[some], (a, b), gate)
+            known |= {} if one is None else {(a, b): one}
     regular = _regular([*known.values()])
     return UsualResiduals({pair: one for pair, one in known.items() if regular and one.share < MAX_SHARE}, F)
 
@@ -148,21 +167,22 @@ def _regular(known: list[Usual]) -> bool:
         return False
     blocks = sum(usual.blocks for usual in known)
     strange = sum(usual.share * usual.blocks - 1 for usual in known) / blocks
-    return bool(np.median([usual.factor for usual in known]) <= MAX_FACTOR and strange <= MAX_STRANGE)
+    few = strange <= MAX_STRANGE or sum(usual.wide for usual in known) > 0  # (3)
+    return bool(np.median([usual.factor for usual in known]) <= MAX_FACTOR and few)
 
 
 def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bools:
     """(P) the points of two images of tracks id (P) that are given up, of detections (C, P)."""
     number = (detection >= 0).sum(0)
     out = _judged(frame, id, detection, number == 2, images, usual, gate).of_two
-    return _with_rest(out, id, number)
+    return with_rest(out, id, number)
 
 
 def without_strangers(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float
 ) -> Ints:
     """The detections (C, P) of tracks id (P), those of SOUND to MOST_IMAGES without the image that drifts past the
-    others (4)."""
+    others (5)."""
     detection, number = detection.copy(), (detection >= 0).sum(0)
     which = (number >= SOUND) & (number <= MOST_IMAGES)
     while which.any():
@@ -212,11 +232,11 @@ def _scored(
     own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
-        e, squared = _residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
-        there = one.shifted(_shift(e - one.median, id[rows]))
-        for block in _blocks(frame[rows], id[rows]):
+        e, squared = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
+        there = one.shifted(shared_shift(e - one.median, id[rows]))
+        for block in blocks(frame[rows], id[rows]):
             off, reach = e[block] - one.median, squared[block].mean(1) * gate**2
-            yield (a, b), rows[block], _Scored(_scores(off, reach, there), off, reach, there)
+            yield (a, b), rows[block], _Scored(scores(off, reach, there), off, reach, there)
 
 
 def of_one_marker(
@@ -234,13 +254,13 @@ def of_one_marker(
     return np.isfinite(worst) & (worst < 0) & (total < -SURE)[id]
 
 
-def _with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
+def with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
     """(P) those given up, and the rest of tracks of which MOST is and no point has SOUND images, number (P)."""
     many, never = np.bincount(id), np.bincount(id, number >= SOUND) == 0
     return given_up | (never & (np.bincount(id, given_up) >= MOST * many))[id]
 
 
-def _shift(e: Floats, id: Ints) -> float:
+def shared_shift(e: Floats, id: Ints) -> float:
     """The median, px, of the medians of the residuals (n) less m of SEVERAL tracks and more; otherwise 0."""
     order = np.lexsort([e, id])
     cuts = equal_runs(id[order])
@@ -256,9 +276,9 @@ def _usual(
     if len(rows) < MIN_SOUND:
         return None
     a, b = pair
-    e, squared = _residual(images, F[a, b], detection[a, rows], detection[b, rows])
+    e, squared = residual(images, F[a, b], detection[a, rows], detection[b, rows])
     median = float(np.median(e))
-    every = [block[:: -(-len(block) // MAX_BLOCKS)] for block in _blocks(frame[rows], id[rows])]
+    every = [block[:: -(-len(block) // MAX_BLOCKS)] for block in blocks(frame[rows], id[rows])]
     bend = np.concatenate([np.diff(e[block], 2).ravel() for block in every])
     long = [block for block in every if 2 * block.shape[1] >= BLOCK]
     if len(bend) < MIN_SOUND or sum(len(block) for block in long) < MIN_BLOCKS:
@@ -269,22 +289,30 @@ def _usual(
     whole = (SD_PER_MEDIAN * np.median(np.abs(size), axis=0)) ** 2
     lasting = np.maximum(whole - white, 0.0) / np.median(length)
     reach = np.concatenate([squared[block].mean(1) for block in long]) * gate**2
-    factor, share = _mixture(size, white + length[:, None] * lasting, _added(length, reach, DEGREES))
-    return Usual(median, white, lasting, max(factor, 1.0), share, len(size))
+    factor, share, wide = _mixture(size, white + length[:, None] * lasting, _added(length, reach, DEGREES))
+    return Usual(median, white, lasting, max(factor, 1.0), share, len(size), wide)
 
 
-def _mixture(a: Floats, V: Floats, added: Floats) -> tuple[float, float]:
-    """f of (1) and the share of two markers, likeliest for coefficients (B, k) of variance f V, or f V + `added`."""
+def _mixture(a: Floats, V: Floats, added: Floats) -> tuple[float, float, float]:
+    """f of (1) and the share of two markers, likeliest for coefficients (B, k) of variance f V, or f V + `added`; and
+    the sum of (3)."""
     f, share = 1.0, MIXING
     for _ in range(ROUNDS):
-        one, two = (np.log(W).sum(1) + (a**2 / W).sum(1) for W in (f * V, f * V + added))
+        one, two = (_unlikelihood(a, W) for W in (f * V, f * V + added))
         of_two = scipy.special.expit((one - two) / 2 + scipy.special.logit(share))
         share = float(np.clip(of_two.mean(), 1 / len(a), 1 - 1 / len(a)))
         f = float(((1 - of_two) @ (a**2 / V).mean(1)) / np.maximum((1 - of_two).sum(), np.finfo(float).tiny))
-    return f, share
+    a, V, added = a[:, :TREND], f * V[:, :TREND], added[:, :TREND]
+    wider = _unlikelihood(a, V + NARROW * added) - _unlikelihood(a, V + added)
+    return f, share, float(of_two @ wider) / 2  # (3)
 
 
-def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
+def _unlikelihood(a: Floats, W: Floats) -> Floats:
+    """(B) −2 ln N(a; 0, W) of coefficients (B, k), up to a constant."""
+    return np.asarray(np.log(W).sum(1) + (a**2 / W).sum(1))
+
+
+def residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
     """e (n) px by (1) of `epipolar_noise` of images of two cameras, and s² (n) px² by (2) of it."""
     return_memory()  # of the pair before: there are many, of long recordings
     x, y = (np.column_stack([images.uv[each], np.ones(len(each))]) for each in (one, other))
@@ -295,7 +323,7 @@ def _residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats
     return (line * y).sum(1) / np.sqrt(both), squared
 
 
-def _blocks(frame: Ints, id: Ints) -> list[Ints]:
+def blocks(frame: Ints, id: Ints) -> list[Ints]:
     """Places of blocks (n, length) of rows by track and frame: frames that follow each other, in parts of BLOCK."""
     new = begins(id, frame - np.arange(len(frame)))
     run = np.cumsum(new) - 1
@@ -319,7 +347,7 @@ def _coefficients(e: Floats) -> Floats:
     return np.asarray(e @ _polynomials(e.shape[1]))
 
 
-def _scores(e: Floats, reach: Floats, usual: Usual) -> Floats:
+def scores(e: Floats, reach: Floats, usual: Usual) -> Floats:
     """(2) of residuals (B, n) less m, with g² s² (B)."""
     n, a = e.shape[1], _coefficients(e)
     V = usual.variance(n)
@@ -349,7 +377,7 @@ def _worst(e: Floats, reach: float, usual: Usual) -> tuple[float, int, int]:
     best = (-np.inf, 0, 0)
     for n in range(len(e), 0, -1):
         windows = np.lib.stride_tricks.sliding_window_view(e, n)
-        score = _scores(windows, np.full(len(windows), reach), usual)
+        score = scores(windows, np.full(len(windows), reach), usual)
         k = int(score.argmax())
         best = max(best, (float(score[k]), k, k + n))
     return best

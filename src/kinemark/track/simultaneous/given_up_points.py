@@ -17,7 +17,8 @@ from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import usable_points
 from ...numerics.returned_memory import return_memory
 from .detection_index import Images
-from .drifting_pairs import UsualResiduals, drifting, without_strangers
+from .drift_beyond import drifting_beyond
+from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
 from .neighbouring_points import TrackPoints, smoothed
 from .points_between import between_markers
 from .simultaneous_method import Simultaneous
@@ -71,7 +72,13 @@ def _kept(cloud: Cloud, kept: Bools, columns: list[NDArray[Any]]) -> Cloud:
 
 
 def without_drifting(
-    cloud: Cloud, ids: Ints, images: Images, usual: UsualResiduals, solver: Solver, method: Simultaneous
+    cloud: Cloud,
+    ids: Ints,
+    merging: Merging,
+    images: Images,
+    usual: UsualResiduals,
+    solver: Solver,
+    method: Simultaneous,
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks, without images of other markers, and without those of two images of two markers."""
     if not usual.of:
@@ -80,6 +87,10 @@ def without_drifting(
     detection = without_strangers(cloud.frame, ids, cloud.detection.T, images, usual, method.gate)
     return_memory()
     sound = ~drifting(cloud.frame, ids, detection, images, usual, method.gate)
+    rest = np.flatnonzero(sound)
+    two = cloud.frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, method.gate
+    sound[rest] = ~drifting_beyond(*two)
+    sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
     return_memory()
     less = (cloud.detection != detection.T).any(1)
     if not less.any():

@@ -140,11 +140,11 @@ def track_once(
     cloud, ids = without_merged(cloud, ids, merging, solver, working.images, method)
     return_memory()
     usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
-    cloud, ids = without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids = without_drifting(cloud, ids, merging, working.images, usual, solver, method)
     cloud, ids = with_given_back(every, confirmed, cloud, ids, working.images, usual, solver, method)
     cloud, ids = with_second_pass(cloud, ids, working.images, solver, method)
     cloud, ids = without_between(cloud, ids, merging, working.images)
-    cloud, ids = without_drifting(cloud, ids, working.images, usual, solver, method)
+    cloud, ids = without_drifting(cloud, ids, merging, working.images, usual, solver, method)
     cloud, ids, became = with_rigid_pass(cloud, ids, working.images, solver, method)
     whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
     adjusted = working.rig is not rig

@@ -148,6 +148,12 @@ export function jump(path: Path, index: number): number {
   return index < 1 ? NaN : Math.hypot(x[b]! - x[a]!, x[b + 1]! - x[a + 1]!, x[b + 2]! - x[a + 2]!);
 }
 
+/** The frame, counted from 0, in which a path is there and that is nearest to one; null where it is never there. */
+export function nearestSample({ origin }: Path, index: number): number | null {
+  for (let off = 0; off < origin.length + Math.abs(index); off++) for (const i of [index - off, index + off]) if (origin[i]) return i;
+  return null;
+}
+
 /** Two paths with their samples exchanged in [start, end): what an exchange of names would give. */
 export function exchanged(a: Path, b: Path, start: number, end: number): [Path, Path] {
   const swapped = (own: Path, other: Path): Path => {

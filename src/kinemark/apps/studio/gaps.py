@@ -63,7 +63,11 @@ class GapWork:
         return known[1]
 
     def known(self, gap: Gap, method: str) -> GapFill | None:
-        """An answer that is there."""
+        """An answer that is there; the best fill answers for its own method."""
+        best = self._done(gap, BEST)
+        return best if method == BEST or (best is not None and best.method == method) else self._done(gap, method)
+
+    def _done(self, gap: Gap, method: str) -> GapFill | None:
         found = self.answers.get((gap.key, method))
         if found is None or found[0] is not gap.path or not found[1].done() or found[1].exception() is not None:
             return None
@@ -170,12 +174,13 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     final = work.known(gap, BEST)
     if final is not None:
         found[final.method] = final
-    order = sorted(found.values(), key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm))
+    expected = {name: _expected(one, final) for name, one in found.items()}
+    order = sorted(found.values(), key=lambda one: (not np.isfinite(expected[one.method]), expected[one.method]))
     return GapCandidates(
         marker=marker,
         first=first,
         last=gap.stop - 1 + start,
-        candidates=[_candidate(one) for one in order if np.isfinite(one.xyz).all()],
+        candidates=[_candidate(one, expected[one.method]) for one in order if np.isfinite(one.xyz).all()],
         best=final.method if final else None,
         pending=not best.done(),
         head=document.head,
@@ -197,8 +202,9 @@ def chosen_fills(document: OpenDocument, names: Collection[str] | None = None) -
         if choice == OPEN:
             paths[gap.path.name] = _with(paths[gap.path.name], gap, gap.path.xyz[gap.start : gap.stop], None)
             continue
-        work.ask(document, gap, choice)
         fill = work.known(gap, choice)
+        if fill is None:
+            work.ask(document, gap, choice)
         pending |= fill is None
         if fill is not None:
             paths[gap.path.name] = _with(paths[gap.path.name], gap, fill.xyz, fill.cov)
@@ -280,11 +286,18 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
     return [detections.cameras[c] for c in seen.tolist()]
 
 
-def _candidate(fill: GapFill) -> Candidate:
+def _expected(fill: GapFill, final: GapFill | None) -> float:
+    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure."""
+    if final is None or fill is final:
+        return fill.expected_mm
+    return final.gap.candidates.get(fill.method, fill.expected_mm)
+
+
+def _candidate(fill: GapFill, expected_mm: float) -> Candidate:
     known = bool(np.isfinite(fill.sd).all())
     return Candidate(
         method=fill.method,
-        expected_mm=finite(fill.expected_mm),
+        expected_mm=finite(expected_mm),
         xyz=fill.xyz.tolist(),
         sd=fill.sd.tolist() if known else None,
     )

@@ -69,6 +69,7 @@ def _of_file(document: OpenDocument, *, ask: bool) -> Labels:
         words=NONE_FITS.format(document.place.path.name) if found is not None and not each else "",
         can_ask=not all(map(is_named, now.names)),
         by=found.source if found is not None else "",
+        known=list(found.known) if found is not None else [],
         head=document.head,
     )
 

@@ -30,6 +30,29 @@ def test_candidates_come_in_the_order_of_their_expected_errors_which_the_true_on
     assert prepared.candidates(whole.names[5], 180)[0].gap is not None, "any frame of the gap names it"
 
 
+def test_gaps_of_most_markers_in_the_same_frames_are_judged_once(monkeypatch):
+    """One by one they took a hundred times as long, and nothing tells them apart."""
+    from kinemark.fill import prepared as module
+
+    whole, asked = clean().frames(0, 250), []
+    hidden = whole
+    for k in range(len(whole)):
+        hidden = without(hidden, k, 150, 155)
+    real = module.evaluate_candidates
+
+    def evaluate(motion, gaps, *rest, **kinds):
+        asked.append(len(gaps))
+        return real(motion, gaps, *rest, **kinds)
+
+    monkeypatch.setattr(module, "evaluate_candidates", evaluate)
+    methods = Auto(candidates=("linear", "cubic"))
+    one, filled = prepare(hidden, method=methods), fill(hidden, method=methods)
+    for name in whole.names:
+        best = one.best(name, 152)
+        assert np.array_equal(best.xyz, filled.trajectories[name].xyz[150:155]) and best.gap.marker == name
+    assert asked == [len(whole)]
+
+
 def test_other_gaps_do_not_change_an_answer_and_unknown_ones_are_refused():
     motion = trial(moving())
     one = without(motion, 0, 40, 60)

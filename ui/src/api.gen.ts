@@ -2573,10 +2573,7 @@ export interface components {
             can_ask: boolean;
             /** Head */
             head: string;
-            /**
-             * Known
-             * @default []
-             */
+            /** Known */
             known: string[];
             /** Links */
             links: components["schemas"]["LinkFound"][];

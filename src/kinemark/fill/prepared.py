@@ -31,6 +31,9 @@ from .methods.rigid_body import RigidBody
 
 QUICK = (Linear(), Cubic(), RigidBody(), PCA())
 """Methods of the first answer; chosen: of each kind one that takes hundredths of a second."""
+MOST = 0.5
+"""Share of the markers whose gaps of the same frames are judged together; by definition most: few are left then that
+could tell one from another."""
 EARLY = 6
 """Hold-out gaps of the first answer; chosen: half of those that count."""
 
@@ -102,29 +105,33 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        found = [self._chosen(gap, [answer]) for answer in self._evaluated(gap, tuple(methods), EARLY)]
+        found = [self._chosen(gap, [answer], (gap,)) for answer in self._evaluated((gap,), tuple(methods), EARLY)]
         return tuple(sorted(found, key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm)))
 
     def best(self, marker: str, frame: int) -> GapFill:
         """The gap as it is filled in the end: by what does best in hold-out gaps, of all that `method` tries.
 
+        Gaps of most markers in the same frames are judged by the same hold-out gaps, once for all of them.
+
         Raises:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        return self._chosen(gap, self._evaluated(gap, self.method.methods, None))
+        alike = tuple(one for one in self.gaps if (one.start, one.stop) == (gap.start, gap.stop))
+        gaps = alike if len(alike) > MOST * len(self.motion.names) else (gap,)
+        return self._chosen(gap, self._evaluated(gaps, self.method.methods, None), gaps)
 
-    def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
-        key = gap, methods, tests
+    def _evaluated(self, gaps: tuple[Gap, ...], methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
+        key = gaps, methods, tests
         if key not in self._answered:
             with one_blas_thread():
-                found = evaluate_candidates(self.motion, [gap], methods, seed=self.seed, per_gap=tests)
+                found = evaluate_candidates(self.motion, list(gaps), methods, seed=self.seed, per_gap=tests)
             self._answered[key] = found
         answered: list[CandidateFill] = self._answered[key]
         return answered
 
-    def _chosen(self, gap: Gap, answers: list[CandidateFill]) -> GapFill:
-        found, prediction, cov = choose_candidate(self.motion, [gap], 0, answers)
+    def _chosen(self, gap: Gap, answers: list[CandidateFill], among: tuple[Gap, ...]) -> GapFill:
+        found, prediction, cov = choose_candidate(self.motion, list(among), among.index(gap), answers)
         name = found.method or answers[0].name
         return GapFill(found, name, gap.start + self.trajectories.first_frame, prediction.xyz, cov)
 

@@ -65,7 +65,7 @@ def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(
     after = studio.page.get(f"{studio.trial}/labels?ask=true").json()
     (one,) = after["proposals"]
     assert (one["track"], one["name"], one["state"], after["by"]) == ("*4", "LTOE", "sure", "walk0.c3d")
-    assert (before["known"], after["known"]) == ([], ["LTOE", "RTOE"]), "names that may be given, though no track has them"
+    assert (before["known"], after["known"]) == ([], ["LTOE", "RTOE"]), "though no track has them"
     assert studio.page.get(f"{studio.trial}/labels").json() == after and len(asked) == 1 and asked[0][0] == "walk.c3d"
     studio.act(kind="claim", track="*4", name=one["name"])
     named = studio.page.get(f"{studio.trial}/labels").json()

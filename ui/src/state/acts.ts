@@ -2,9 +2,9 @@
 import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
-import { decodePart, straightAcross, whole } from "../model/paths";
-import { actOf, changes, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
+import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
+import { askedUntilThere, drawInstead } from "./instead";
 import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
@@ -88,21 +88,6 @@ export function windowOf({ first, last, frame }: Problem, rate: number): [number
   const from = Math.min(first, frame), to = last - from <= WHOLE_S * rate ? last : frame + 4 * BESIDE_S * rate;
   const beside = Math.round(Math.max(BESIDE_S * rate, (to - from) / 2));
   return [Math.max(playhead.first, from - beside), Math.min(playhead.last, Math.round(Math.min(last, to)) + beside)];
-}
-
-/** Ask what the first other way would give, and draw it beside what is. */
-async function drawInstead(problem: Problem): Promise<void> {
-  const other = problem.alternatives.find(changes), id = get().id;
-  if (!other?.act || !id) return;
-  try {
-    const shown = await api.preview(id, other.act);
-    if (!shown) return;
-    const part = decodePart(shown.paths), now = get().paths, start = part.firstFrame - (now?.firstFrame ?? 0);
-    const would = whole([...part.byName.values()], part.firstFrame, now), drawn = would.map((path) => straightAcross(now?.byName.get(path.name), path, start, start + part.frames));
-    if (get().problem === problem.id) set({ instead: { problem: problem.id, key: other.key, paths: drawn, words: other.words, straight: drawn.some((path, i) => path !== would[i]) } });
-  } catch {
-    // what cannot be shown beforehand is still said in words
-  }
 }
 
 /** The problems that are gone through: those worth a look, and all others where they are shown. */
@@ -285,13 +270,8 @@ export async function lookAtGap(gap: GapRow): Promise<void> {
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));
-  for (let tries = 0; id && tries < 40; tries++) {
-    const candidates = await api.gap(id, gap.marker, gap.first).catch(() => null);
-    if (!candidates || get().gap?.marker !== gap.marker || get().gap?.first !== gap.first) return;
-    set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null }));
-    if (!candidates.pending) return;
-    await new Promise((done) => setTimeout(done, 250));
-  }
+  const still = (): boolean => get().gap?.marker === gap.marker && get().gap?.first === gap.first;
+  if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null })));
 }
 
 export function nextMethod(by = 1): void {

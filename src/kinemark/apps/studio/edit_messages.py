@@ -241,7 +241,7 @@ class Labels(Message):
     words: str = ""
     can_ask: bool = False
     by: str = ""
-    known: list[str] = []
+    known: list[str]
     head: str
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...data import Camera, MarkerSet, Rig
 from ...data.edits import Signed, counting, is_named, live
-from ...engine.journal import last_undo
 from ...data.marker_sides import sides_by_name
+from ...engine.journal import last_undo
 from ...fill.methods.stage import FILL
 from ...io.edits_jsonl import JournalText
 from ...version import __version__

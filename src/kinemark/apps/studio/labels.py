@@ -41,6 +41,7 @@ def labels(document: OpenDocument, *, ask: bool = False) -> Labels:
         links=_links(document.marker_set, document.now.trajectories),
         sides=" ".join(sides),
         words=" ".join(words) if not proposals else "",
+        known=[],
         head=document.head,
     )
 

@@ -132,7 +132,7 @@ def _problem(document: OpenDocument, one: core.Problem) -> Problem:
 
 def _assumed(one: core.Problem) -> bool:
     """Whether how far off it is was not measured, but is the same for all such problems."""
-    return one.kind == "ghost" or (one.kind == "join" and len(one.tracks) > 1)
+    return "assumed_mm" in one.values or one.kind == "ghost" or (one.kind == "join" and len(one.tracks) > 1)
 
 
 def _alternative(of: core.Problem, way: core.Alternative) -> Alternative:

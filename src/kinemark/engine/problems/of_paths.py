@@ -264,6 +264,7 @@ def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple
         )
     words = problem_text(kind, tracks, first, last, change.keep_mm) if told else untold_text(kind, tracks, first, last)
     values = {name: float(value) for name, value in zip(change.evidence._fields, change.evidence, strict=True)}
+    values |= {} if told else {"assumed_mm": off}
     return Problem(
         context.id(kind, p, change.place.middle), kind, tracks, first, last, frame, wrong, n, wrong * n * mm, words,
         _by_cost(keep, other), values,

@@ -5,8 +5,8 @@ import { changes } from "../model/problems";
 import { candidatePath, decodePart, joined, straightAcross, whole, type Path } from "../model/paths";
 import { get, set } from "./store";
 
-/** Times that a gap is asked about, and ms between, until its fills are there; chosen: 10 s. */
-const TRIES = 40, AGAIN_MS = 250;
+/** Times that a gap is asked about, and ms between, until its fills are there; chosen: a minute, as a whole trial may be judged before. */
+const TRIES = 240, AGAIN_MS = 250;
 /** Markers whose fills are drawn, at most; chosen: as many as curves are shown of. */
 const DRAWN = 4;
 /** What was pointed at last: an answer that comes later is not drawn over it. */

@@ -36,7 +36,7 @@ export function ProblemList(): React.JSX.Element {
           </button>
         )}
       </div>
-      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when these are settled</> : ". Looking on is not worth it."}</p>}
+      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when {worth === 1 ? "it is" : "these are"} settled</> : ". Looking on is not worth it."}</p>}
     </section>
   );
 }

@@ -117,7 +117,7 @@ export async function choose(problem: Problem, key: string): Promise<void> {
   if (!taken) return;
   if (taken.action === "wait") return putOff(); // nothing is said: it stays in the list
   const before = walked(get());
-  const done = await act(actOf(problem, taken), taken.action === "note" ? "Noted; the trial stays as it is" : taken.words);
+  const done = await act(actOf(problem, taken), taken.action === "note" ? "Noted; the trial stays as it is" : `Taken: ${taken.words}`);
   if (!done || get().problem !== problem.id) return;
   set((s) => ({ problems: s.problems && without(s.problems, problem) })); // no key is for it now
   await looking;

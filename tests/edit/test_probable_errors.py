@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import Trajectories
+from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
@@ -168,6 +168,18 @@ def test_partners_are_the_paths_whose_halves_come_nearest_by_how_far_a_marker_ma
                 )
         nearest_four = sorted((q for q in shares if shares[q] < 1), key=shares.get)[:PARTNERS]
         assert {one.path for one in place.partners} >= {-1, *nearest_four}
+
+
+def test_two_pieces_are_one_marker_in_the_order_of_time_alone():
+    """Single images of a path, a few frames apart, were asked about forwards and backwards."""
+    whole = clean()
+    xyz = np.full((2, *whole.paths[4].xyz.shape), np.nan)
+    xyz[0, 100], xyz[1, 102] = whole.paths[4].xyz[[100, 102]]
+    loose = tuple(MarkerTrajectory.measured(f"*{k}", one) for k, one in enumerate(xyz))
+    for some in (loose, loose[::-1]):
+        found = pieces(Paths.of(replace(whole, paths=(*whole.paths[:4], *whole.paths[5:], *some))))
+        names = (*whole.names[:4], *whole.names[5:], *(one.name for one in some))
+        assert [(names[one.before], names[one.after]) for one in found] == [("*0", "*1")]
 
 
 def test_two_pieces_of_one_marker_are_likelier_one_than_two_of_two():

@@ -18,6 +18,7 @@ from kinemark.engine.edit_files import open_editing
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
+from kinemark.fill import Linear, fill
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.trial import read_trial
 from kinemark.label import computed_points
@@ -154,6 +155,38 @@ def test_gaps_are_problems_with_ways_to_fill_until_somebody_chose(tmp_path):
     assert (one.first, one.last, one.at_stake) == (151, 171, 21) and one.alternatives[0].action == "fill"
     editing.say(*one.alternatives[0].edits)
     assert not [p for p in problems(editing, gaps=filled_gaps(editing)).items if p.kind == "gap"]
+
+
+def test_gaps_of_most_markers_in_the_same_frames_are_one_problem(tmp_path):
+    """As after samples of all were erased; those of a few markers stay problems of their own."""
+    whole = clean().frames(0, 250)
+    few, all_of_them = whole, whole
+    for k in range(len(whole)):
+        all_of_them = without(all_of_them, k, 150, 155)
+        few = without(few, k, 150, 155) if k < 3 else few
+    editing = editing_of(without(all_of_them, 5, 60, 70), tmp_path)
+    gaps = fill(editing.trajectories, method=Linear()).gaps
+    found = [p for p in problems(editing, gaps=gaps).items if p.kind == "gap"]
+    assert sorted((p.first, p.last, len(p.tracks)) for p in found) == [(61, 70, 1), (151, 155, len(whole))]
+    one = next(p for p in found if len(p.tracks) > 1)
+    assert one.words.startswith(f"{len(whole)} markers have a gap, frames 151–155") and one.at_stake == 5 * len(whole)
+    assert [way.action for way in one.alternatives] == ["fill", "leave_open"]
+    editing.say(*one.alternatives[0].edits)
+    assert [p.first for p in problems(editing, gaps=gaps).items if p.kind == "gap"] == [61]
+    (tmp_path / "few").mkdir()
+    editing = editing_of(few, tmp_path / "few")
+    assert sum(p.kind == "gap" for p in problems(editing, gaps=fill(few, method=Linear()).gaps).items) == 3
+
+
+def test_what_lies_in_a_gap_that_is_too_long_for_motion_to_tell_has_no_distance(tmp_path):
+    """A motion that is carried on for seconds leads anywhere: 6923 mm in a recording of a wheelchair."""
+    editing = editing_of(without(clean(), 5, 60, 350), tmp_path)
+    (one,) = (p for p in problems(editing).items if p.first == 60 and p.last == 351)
+    assert one.words.endswith("frames 60–351; the gap is too long for motion to tell"), one.words
+    assert [way.words for way in one.alternatives if way.action == "keep"] == ["right as it is"]
+    (tmp_path / "short").mkdir()
+    editing = editing_of(without(clean(), 5, 120, 130), tmp_path / "short")
+    assert not any("too long" in p.words for p in problems(editing).items)
 
 
 def test_edits_that_find_no_place_come_first(tmp_path):

@@ -37,7 +37,7 @@ def right(found, truth):
 def test_names_are_those_of_the_subject_beside_the_file(tmp_path, kind):
     tracks, truth = nameless(clean().frames(250, 400))
     file = written(tmp_path, "unknown.c3d", tracks)
-    assert propose_names(file, tracks) == ("", {}), "nothing is beside it"
+    assert propose_names(file, tracks) == ("", {}, ()), "nothing is beside it"
     shown = written(tmp_path, "labelled.trc", clean().frames(0, 250))
     if kind == "template":
         save_template(tmp_path / "subject.template.h5", subject_template([shown], Known()))
@@ -65,5 +65,5 @@ def test_what_cannot_be_read_or_is_another_thing_proposes_nothing(tmp_path):
     (tmp_path / "broken.c3d").write_bytes(b"no file")
     (tmp_path / "bad.template.h5").write_bytes(b"none either")
     (tmp_path / "notes.txt").write_text("a walk", "utf-8")
-    assert propose_names(file, tracks) == ("", {})
-    assert propose_names(file, clean()) == ("", {}), "all have names"
+    assert propose_names(file, tracks) == ("", {}, ())
+    assert propose_names(file, clean()) == ("", {}, ()), "all have names"

@@ -30,6 +30,23 @@ def test_candidates_come_in_the_order_of_their_expected_errors_which_the_true_on
     assert prepared.candidates(whole.names[5], 180)[0].gap is not None, "any frame of the gap names it"
 
 
+def test_all_gaps_are_filled_together_as_fill_does():
+    """One by one the gaps of a recording took a hundred times as long."""
+    hidden = clean().frames(0, 250)
+    for k, (first, stop) in enumerate([(60, 70), (60, 70), (100, 130), (200, 203)]):
+        hidden = without(hidden, k, first, stop)
+    methods = Auto(candidates=("linear", "cubic", "rigid_body"))
+    found, filled = prepare(hidden, method=methods).all_best(), fill(hidden, method=methods, limit_mm=np.inf)
+    assert [(one.gap.marker, one.first, len(one.xyz)) for one in found] == [
+        (hidden.names[k], first + 1, n) for k, (first, n) in enumerate([(60, 10), (60, 10), (100, 30), (200, 3)])
+    ]
+    for one, gap in zip(found, filled.gaps, strict=True):
+        assert (one.method, one.expected_mm) == (gap.method, gap.expected_mm)
+        assert np.array_equal(one.xyz, filled.trajectories[gap.marker].xyz[gap.start : gap.stop])
+    away = prepare(hidden, method=methods).all_best([hidden.names[2]])
+    assert [one.gap.marker for one in away] == [hidden.names[k] for k in (0, 1, 3)]
+
+
 def test_other_gaps_do_not_change_an_answer_and_unknown_ones_are_refused():
     motion = trial(moving())
     one = without(motion, 0, 40, 60)

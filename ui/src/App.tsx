@@ -24,7 +24,7 @@ function Busy(): null {
 
 export function App(): React.JSX.Element {
   const screen = useStore((s) => s.screen), header = useStore((s) => s.header), connected = useStore((s) => s.connected), stranger = useStore((s) => s.stranger);
-  const editor = header !== null && (screen === "tracks" || screen === "gaps" || screen === "angles");
+  const editor = header !== null && (screen === "tracks" || screen === "gaps" || screen === "labels" || screen === "angles");
   const name = header && screen !== "home" ? `${header.name} – ` : "";
   useEffect(() => void (document.title = `${name}Kinemark studio`), [name]);
   useEffect(() => playhead.on((frame) => (document.getElementById("main")!.dataset.frame = String(frame))), []);

@@ -2557,7 +2557,8 @@ export interface components {
          * Labels
          * @description Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
          *
-         *     `can_ask` says that names are proposed when they are asked for; `by` is the file by which they then are.
+         *     `can_ask` says that names are proposed when they are asked for; `by` is the file by which they then are, and `known`
+         *     are all markers of that file.
          */
         Labels: {
             /**
@@ -2572,6 +2573,8 @@ export interface components {
             can_ask: boolean;
             /** Head */
             head: string;
+            /** Known */
+            known: string[];
             /** Links */
             links: components["schemas"]["LinkFound"][];
             /** Proposals */
@@ -2702,11 +2705,6 @@ export interface components {
             name: string;
             /** Names */
             names: string[];
-            /** Pairs */
-            pairs: [
-                string,
-                string
-            ][];
             /** Places */
             places: {
                 [key: string]: [
@@ -3712,7 +3710,7 @@ export interface components {
          * @description All of a trial but its samples.
          *
          *     `trim` and `named_only` say what is left in the end; `undo` and `redo` the entries that these would take back;
-         *     `why_asked` that every act wants a reason; `session` and its id are null for a file.
+         *     `pairs` are left and right markers that are there; `session` and its id are null for a file.
          */
         TrialHeader: {
             /** By */
@@ -3744,6 +3742,11 @@ export interface components {
             name: string;
             /** Named Only */
             named_only: boolean;
+            /** Pairs */
+            pairs: [
+                string,
+                string
+            ][];
             /** Rate */
             rate: number;
             /** Redo */

@@ -19,8 +19,15 @@ test("names of markers that are selected stand beside each other, others give wa
   for (const [i, one] of written.entries()) for (const other of written.slice(i + 1)) expect(over(one, other)).toBe(false);
 });
 
+test("names of many markers that lie in one another do not stand over each other", () => {
+  const { names, written } = drawn();
+  for (let k = 0; k < 8; k++) names.write(`${k < 4 ? "A" : "B"} M${k % 4}`, [100 + k, 100], "", true);
+  expect(written.length).toBe(8);
+  for (const [i, one] of written.entries()) for (const other of written.slice(i + 1)) expect(over(one, other)).toBe(false);
+});
+
 test("where no place is left, what must be read is written still", () => {
   const { names, written } = drawn();
-  for (let k = 0; k < 6; k++) names.write(`A M${k}`, [100, 100], "", true);
-  expect(written.length).toBe(6);
+  for (let k = 0; k < 40; k++) names.write(`A M${k}`, [100, 100], "", true);
+  expect(written.length).toBe(40);
 });

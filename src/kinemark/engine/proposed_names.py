@@ -35,10 +35,12 @@ class ProposedName(NamedTuple):
 
 
 class ProposedNames(NamedTuple):
-    """Names by track, of those without one, and the file by which they are proposed; empty where none fits."""
+    """Names by track, of those without one, the file by which they are proposed, and all markers that it knows; empty
+    where none fits."""
 
     source: str
     names: dict[str, ProposedName]
+    known: tuple[str, ...] = ()
 
 
 def propose_names(path: Path, tracks: Trajectories) -> ProposedNames:
@@ -53,7 +55,7 @@ def propose_names(path: Path, tracks: Trajectories) -> ProposedNames:
     if all(map(is_named, there)):
         return best
     for source, template in _known(path, some):
-        found = ProposedNames(source, _proposed(some, template))
+        found = ProposedNames(source, _proposed(some, template), template.names)
         if _worth(found) > _worth(best):
             best = found
     return best

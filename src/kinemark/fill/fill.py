@@ -173,8 +173,7 @@ def _fills(
     motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], chosen: dict[Gap, str], seed: int
 ) -> list[_Fill]:
     """The best fill of each gap, and that of those for which somebody chose a method, by marker and frame."""
-    evaluate = evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates
-    answers = evaluate(motion, gaps, candidates, seed=seed)
+    answers = judged_together(motion, gaps, candidates, seed=seed)
     todo = [(gap, gaps, index, answers) for index, gap in enumerate(gaps) if gap not in chosen]
     for some, methods in groups(chosen, candidates):
         own = evaluate_candidates(motion, some, methods, seed=seed)
@@ -227,6 +226,14 @@ def evaluate_candidates(
         per_gap: hold-out gaps of each; as many as `fill` makes where None.
     """
     return _evaluated(motion, gaps, candidates, seed, lambda _: True, per_gap)
+
+
+def judged_together(
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0
+) -> list[CandidateFill]:
+    """Each method's results in one set of hold-out gaps of all gaps, with the predictions needed to choose and fill."""
+    evaluate = evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates
+    return evaluate(motion, gaps, candidates, seed=seed)
 
 
 def evaluate_leading(

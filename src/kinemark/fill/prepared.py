@@ -3,6 +3,7 @@
     prepared = prepare(trajectories)
     prepared.candidates("LKNE", 751)   # the gap that frame 751 lies in, as each quick method fills it
     prepared.best("LKNE", 751)         # as `fill` with `auto` would fill it, were it the only one
+    prepared.all_best()                # all of them, as `fill` does: each is judged by the tests of the others too
 
 A gap is judged by hold-out gaps of its own, drawn as `fill` draws them: EARLY of them for the first answer, which takes
 a few tenths of a second, and all of them for the one that counts. What was answered is kept, so that asking again takes
@@ -11,7 +12,7 @@ no time; a trial that was edited is prepared anew.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +21,7 @@ import numpy as np
 from ..data import Trajectories
 from ..data.array_types import Floats
 from ..numerics.blas_threads import one_blas_thread
-from .fill import evaluate_candidates, without_outliers
+from .fill import affordable, evaluate_candidates, judged_together, of_markers, without_outliers
 from .filled_gap import FilledGap
 from .judge.auto import Auto
 from .judge.choice import CandidateFill, choose_candidate
@@ -102,7 +103,7 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        found = [self._chosen(gap, [answer]) for answer in self._evaluated(gap, tuple(methods), EARLY)]
+        found = [self._chosen(gap, [answer], (gap,)) for answer in self._evaluated(gap, tuple(methods), EARLY)]
         return tuple(sorted(found, key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm)))
 
     def best(self, marker: str, frame: int) -> GapFill:
@@ -112,7 +113,21 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        return self._chosen(gap, self._evaluated(gap, self.method.methods, None))
+        return self._chosen(gap, self._evaluated(gap, self.method.methods, None), (gap,))
+
+    def all_best(self, away: Collection[str] = ()) -> tuple[GapFill, ...]:
+        """Every gap as `best` fills it, all judged together: a tenth of the time and less of one by one.
+
+        Args:
+            away: names of points whose gaps are not filled, as those that are no markers.
+        """
+        gaps = tuple(
+            g for g in of_markers(list(self.gaps), self.motion.names) if self.motion.names[g.marker] not in away
+        )
+        with one_blas_thread():
+            methods = affordable(self.method.methods, len(gaps), self.trajectories.n_frames)
+            answers = judged_together(self.motion, list(gaps), methods, seed=self.seed)
+        return tuple(self._chosen(gap, answers, gaps) for gap in gaps)
 
     def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
         key = gap, methods, tests
@@ -123,8 +138,8 @@ class PreparedFill:
         answered: list[CandidateFill] = self._answered[key]
         return answered
 
-    def _chosen(self, gap: Gap, answers: list[CandidateFill]) -> GapFill:
-        found, prediction, cov = choose_candidate(self.motion, [gap], 0, answers)
+    def _chosen(self, gap: Gap, answers: list[CandidateFill], among: tuple[Gap, ...]) -> GapFill:
+        found, prediction, cov = choose_candidate(self.motion, list(among), among.index(gap), answers)
         name = found.method or answers[0].name
         return GapFill(found, name, gap.start + self.trajectories.first_frame, prediction.xyz, cov)
 

@@ -163,7 +163,6 @@ def _until(ask, tries=100):
         {"kind": "erase", "marker": "LKNE", "first": 9, "last": 2},
         {"kind": "gap", "marker": "LKNE", "first": 1, "last": 2, "method": "magic"},
         {"kind": "put", "marker": "LKNE", "frame": 1, "clicks": [{"camera": "c0", "u": 1, "v": 2}]},
-        {"kind": "sides"},
         {"kind": "undo"},
         {"kind": "undo", "of": 99},
         {"kind": "redo"},

@@ -1,5 +1,6 @@
 """Names that are not sure are proposed for the tracks that they are of."""
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -55,7 +56,7 @@ def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(
 
     def found(path, tracks):
         asked.append((path.name, tracks.names))
-        return ProposedNames("walk0.c3d", {"*4": ProposedName("LTOE", 0.995, "RTOE", True)})
+        return ProposedNames("walk0.c3d", {"*4": ProposedName("LTOE", 0.995, "RTOE", True)}, ("LTOE", "RTOE"))
 
     monkeypatch.setattr(module, "propose_names", found)
     studio = Studio(file_in(tmp_path))
@@ -64,6 +65,7 @@ def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(
     after = studio.page.get(f"{studio.trial}/labels?ask=true").json()
     (one,) = after["proposals"]
     assert (one["track"], one["name"], one["state"], after["by"]) == ("*4", "LTOE", "sure", "walk0.c3d")
+    assert (before["known"], after["known"]) == ([], ["LTOE", "RTOE"]), "though no track has them"
     assert studio.page.get(f"{studio.trial}/labels").json() == after and len(asked) == 1 and asked[0][0] == "walk.c3d"
     studio.act(kind="claim", track="*4", name=one["name"])
     named = studio.page.get(f"{studio.trial}/labels").json()
@@ -71,6 +73,26 @@ def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(
     monkeypatch.setattr(module, "propose_names", lambda *_: ProposedNames("", {}))
     none = studio.page.get(f"{studio.trial}/labels?ask=true").json()
     assert none["by"] == "" and "none of the templates" in none["words"]
+
+
+def test_left_and_right_of_a_file_are_exchanged_by_how_its_markers_are_called(tmp_path):
+    """It has no marker set that says so."""
+    studio = Studio(file_in(tmp_path))
+    before = paths_of(studio)
+    assert studio.page.get(studio.trial).json()["pairs"] == [["LKNE", "RKNE"]]
+    assert studio.act(kind="sides").status == 200
+    after = paths_of(studio)
+    assert np.array_equal(after["LKNE"], before["RKNE"]) and np.array_equal(after["RKNE"], before["LKNE"])
+    studio.act(kind="claim", track="RKNE", name=None)
+    assert studio.page.get(studio.trial).json()["pairs"] == [] and studio.act(kind="sides").status >= 400
+
+
+def paths_of(studio):
+    """xyz by name, as the page gets them."""
+    answer = studio.page.get(f"{studio.trial}/paths?column=xyz")
+    about = json.loads(answer.headers["x-kinemark-paths"])
+    xyz = np.frombuffer(answer.body, np.float32).reshape(len(about["names"]), about["n_frames"], 3)
+    return dict(zip(about["names"], xyz, strict=True))
 
 
 def test_a_link_is_stretched_within_a_segment_and_bends_over_a_joint():

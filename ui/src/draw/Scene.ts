@@ -4,7 +4,7 @@ import {
   BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, type Group,
 } from "three";
 import type { TrialHeader } from "../api/types";
-import type { Path, PathSet } from "../model/paths";
+import { nearestSample, type Path, type PathSet } from "../model/paths";
 import { Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
@@ -247,10 +247,8 @@ export class Scene {
 
   /** Where a marker is in a frame, or in the nearest one that has it. */
   private near(name: string, frame: number): Vector3 | null {
-    const path = this.paths?.byName.get(name), at = frame - (this.paths?.firstFrame ?? 0), n = path?.origin.length ?? 0;
-    for (let off = 0; path && off < n; off++)
-      for (const i of [at - off, at + off]) if (path.origin[i]) return new Vector3(path.xyz[3 * i], path.xyz[3 * i + 1], path.xyz[3 * i + 2]);
-    return null;
+    const path = this.paths?.byName.get(name), i = path ? nearestSample(path, frame - this.paths!.firstFrame) : null;
+    return path && i !== null ? new Vector3(path.xyz[3 * i], path.xyz[3 * i + 1], path.xyz[3 * i + 2]) : null;
   }
 
   private onScreen(path: Path, index: number): [number, number] | null {

@@ -4,6 +4,8 @@
 const ASIDE = 9, ABOVE = -7, BELOW = 16;
 /** px: height of a line, and what is kept free beside a name; chosen. */
 const LINE = 13, FREE = 3;
+/** Lines above and below a marker in which a name that must be read may stand; chosen: markers that lie in one another. */
+const LINES = 4;
 /** Widths of names, measured once. */
 const WIDTHS = new Map<string, number>();
 
@@ -15,7 +17,8 @@ export class Names {
   /** Beside a marker where nothing is written yet; what must be read is written in any case, other names are left out. */
   write(what: string, [x, y]: readonly [number, number], colour: string, must = false): void {
     const width = this.width(what), right = x + ASIDE, left = x - ASIDE - width;
-    const places: [number, number][] = must ? [[right, y + ABOVE], [right, y + BELOW], [left, y + ABOVE], [left, y + BELOW]] : [[right, y + ABOVE]];
+    const places: [number, number][] = [[right, y + ABOVE]];
+    for (let line = 0; must && line < LINES; line++) for (const at of [y + ABOVE - line * LINE, y + BELOW + line * LINE]) places.push([right, at], [left, at]);
     const at = places.find((place) => this.free(place, width)) ?? (must ? places[0]! : null);
     if (!at) return;
     this.taken.push([at[0], at[1], width]);

@@ -6,11 +6,11 @@ import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
 import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
 import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
-import { asked, labelRows } from "../model/labels";
 import { rowOrder } from "../model/lanes";
 import { computedNames, shownPaths } from "../model/paths";
 import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
+import { nameTrack, nextTrack } from "../state/labels";
 import { askNames, goTo, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
@@ -39,7 +39,7 @@ export interface Command {
 }
 
 const EDITOR: readonly Screen[] = ["tracks", "gaps"];
-const PLAYED: readonly Screen[] = [...EDITOR, "angles"];
+const PLAYED: readonly Screen[] = [...EDITOR, "labels", "angles"];
 const hasTrial = (s: State): boolean => s.header !== null;
 const recorded = (s: State): boolean => s.id !== null && !ofFile(s);
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
@@ -51,6 +51,8 @@ const marker = (s: State): boolean => selected(s) && !s.selected[0]!.startsWith(
 /** Nothing, or a problem of these kinds, is looked at. */
 const free = (s: State, ...kinds: Problem["kind"][]): boolean => kinds.includes(currentProblem(s)?.kind ?? kinds[0]!);
 const marked = (s: State): string => (s.first === null ? "from here on" : s.last === null ? `from frame ${s.first} on` : "in the marked stretch");
+/** Whether there is a gap to go to. */
+const otherGap = (s: State): boolean => (s.gaps?.gaps ?? []).some((g) => g !== s.gap);
 const flip = (key: "lines" | "images" | "follow" | "alone" | "bands" | "computed") => (): void => set((s) => ({ [key]: !s[key] }));
 const go = (screen: Screen) => (): void => goTo(screen);
 const jumpTo = (where: (s: State) => number | null | undefined) => (): void => {
@@ -88,7 +90,7 @@ const SIDES = 4;
 export const COMMANDS: readonly Command[] = [
   // Problems
   { id: "accept", keys: ["Enter"], title: "Accept what is proposed", group: "Problems", screens: ["tracks"], when: onProblem, foot: 1, hint: (s) => proposed(currentProblem(s)!)?.words ?? "accept", run: acts.acceptProposal },
-  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : acts.walked(s).length ? `look at the first of ${many(acts.walked(s).length, "problem")}` : s.problems?.problems.length ? "nothing is left that is worth a look" : "no problem is left"), run: () => acts.step(1) },
+  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : acts.walked(s).length ? (acts.walked(s).length === 1 ? "look at the problem" : `look at the first of ${many(acts.walked(s).length, "problem")}`) : s.problems?.problems.length ? "nothing is left that is worth a look" : "no problem is left"), run: () => acts.step(1) },
   { id: "previous", keys: ["Shift+N"], title: "Previous problem", group: "Problems", screens: ["tracks"], when: hasTrial, run: () => acts.step(-1) },
   { id: "unlikely", keys: ["Shift+U"], title: "Show problems that are not worth a look, or hide them", group: "Problems", screens: ["tracks"], when: (s) => (s.problems?.problems.length ?? 0) > (s.problems?.worth_looking ?? 0), run: () => set((s) => ({ unlikely: !s.unlikely })) },
   ...[1, 2, 3, 4, 5].map(taken),
@@ -100,19 +102,19 @@ export const COMMANDS: readonly Command[] = [
   { id: "cut", keys: ["C"], title: "Cut here: mark from this frame to the end", group: "Names", screens: ["tracks"], when: selected, run: acts.cut },
   { id: "name", keys: ["L"], title: "Name the selected track", group: "Names", screens: ["tracks", "labels", "gaps"], when: selected, foot: 28, hint: (s) => `name ${s.selected[0]}`, run: () => set({ dialog: "name" }) },
   { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => acts.claim(null) },
-  { id: "sides", keys: ["Shift+X"], title: "Exchange left and right", group: "Names", screens: ["tracks", "labels"], when: (s) => (s.header?.marker_set?.pairs.length ?? 0) > 0, run: acts.exchangeSides },
+  { id: "sides", keys: ["Shift+X"], title: "Exchange left and right", group: "Names", screens: ["tracks", "labels"], when: (s) => (s.header?.pairs.length ?? 0) > 0, run: acts.exchangeSides },
   { id: "labels-accept", keys: ["Shift+Enter"], title: "Accept all names above the limit", group: "Names", screens: ["labels"], fits: (s) => !s.labels || acts.sureLabels(LABEL_LIMIT).length > 0, foot: 1, hint: (s) => `name ${many(acts.sureLabels(LABEL_LIMIT).length, "track")} proposed with ${percent(LABEL_LIMIT)} or more${s.labels ? "" : " …"}`, run: () => acts.acceptLabels(LABEL_LIMIT) },
   { id: "labels-ask", keys: ["A"], title: "Propose names by what lies beside the file", group: "Names", screens: ["labels"], when: (s) => s.labels?.can_ask === true, fits: (s) => !s.labels!.by, foot: 1, hint: () => "propose names", run: () => void askNames() },
-  { id: "label-take", keys: ["Enter"], title: "Accept the name that is proposed", group: "Names", screens: ["labels"], when: (s) => proposalOf(s) !== null, foot: 2, hint: (s) => `${s.track} is ${proposalOf(s)!.name} (${percent(proposalOf(s)!.probability)})`, run: () => { const p = proposalOf(get()); if (p?.name) acts.claim(p.name, p.track); } },
-  { id: "label-next", keys: ["N"], title: "Next track to be asked about", group: "Names", screens: ["labels"], foot: 3, hint: () => "next track", run: () => nextProposal(1) },
-  { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextProposal(-1) },
+  { id: "label-take", keys: ["Enter"], title: "Accept the name that is proposed", group: "Names", screens: ["labels"], when: (s) => proposalOf(s) !== null, foot: 2, hint: (s) => `${s.track} is ${proposalOf(s)!.name} (${percent(proposalOf(s)!.probability)})`, run: () => { const p = proposalOf(get()); if (p?.name) void nameTrack(p.name, p.track); } },
+  { id: "label-next", keys: ["N"], title: "Next track to be asked about", group: "Names", screens: ["labels"], foot: 3, hint: () => "next track", run: () => nextTrack(1) },
+  { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextTrack(-1) },
   // Gaps and places
   { id: "fill", keys: ["G"], title: "Fill the gap here", group: "Gaps and places", screens: ["tracks"], when: marker, hint: (s) => wayTo(currentProblem(s), "fill")?.words ?? "fill the gap here", run: () => acts.settleGap("fill") },
   { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${many(s.gap!.frames, "frame")}, by ${wayOf(s.method ?? "best")}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
-  { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], fits: () => acts.acceptable().length > 0, foot: 2, hint: (s) => `fill all ${acts.acceptable().length} below ${s.limit} mm`, run: acts.fillAll },
+  { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], fits: () => acts.acceptable().length > 0, foot: 2, hint: (s) => `fill ${many(acts.acceptable().length, "gap")} below ${s.limit} mm`, run: () => void acts.fillAll() },
   { id: "method", keys: ["Shift+G"], title: "Next method", group: "Gaps and places", screens: ["gaps"], when: (s) => (s.candidates?.candidates.length ?? 0) > 1, foot: 3, hint: () => "next method", run: () => acts.nextMethod() },
   { id: "open", keys: ["O"], title: "Leave the gap open", group: "Gaps and places", screens: EDITOR, when: (s) => (s.screen === "gaps" ? s.gap !== null : marker(s)), fits: (s) => s.screen === "gaps" || wayTo(currentProblem(s), "leave_open") !== null, foot: 21, hint: () => "leave the gap open", run: () => acts.settleGap("leave_open") },
-  { id: "gap-next", keys: ["N"], title: "Next gap", group: "Gaps and places", screens: ["gaps"], foot: 4, hint: () => "next gap", run: () => nextGap(1) },
+  { id: "gap-next", keys: ["N"], title: "Next gap", group: "Gaps and places", screens: ["gaps"], fits: otherGap, foot: 4, hint: () => "next gap", run: () => nextGap(1) },
   { id: "gap-previous", keys: ["Shift+N"], title: "Previous gap", group: "Gaps and places", screens: ["gaps"], run: () => nextGap(-1) },
   { id: "put", keys: ["P"], title: "Put a point: by its coordinates, or by clicks in two images", group: "Gaps and places", screens: EDITOR, when: marker, foot: 30, hint: (s) => (s.clicks ? "no longer put" : `put ${s.selected[0]} in this frame`), run: () => set((s) => ({ clicks: s.clicks ? null : [] })) },
   { id: "smooth", keys: ["M"], title: "Smooth the marked stretch …", group: "Gaps and places", screens: EDITOR, when: (s) => marker(s) && s.first !== null && s.last !== null, run: acts.smooth },
@@ -120,7 +122,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "mark-last", keys: ["]"], title: "Mark to here", group: "Gaps and places", screens: EDITOR, hint: () => "mark to here", run: () => set((s) => ({ last: playhead.frame, first: s.first !== null && s.first > playhead.frame ? null : s.first })) },
   { id: "event", keys: ["K"], title: "Add an event here", group: "Gaps and places", screens: EDITOR, run: () => set({ dialog: "event" }) },
   // Time
-  { id: "play", keys: ["Space"], title: "Play or pause", group: "Time", screens: EDITOR, run: () => playhead.toggle() },
+  { id: "play", keys: ["Space"], title: "Play or pause", group: "Time", screens: [...EDITOR, "labels"], run: () => playhead.toggle() },
   { id: "forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: PLAYED, run: () => playhead.step(1) },
   { id: "back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: PLAYED, run: () => playhead.step(-1) },
   { id: "forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: PLAYED, run: () => playhead.step(10) },
@@ -176,12 +178,6 @@ export const LABEL_LIMIT = 0.99;
 
 const errorOf = (s: State): number | null => s.candidates?.candidates.find((c) => c.method === s.method)?.expected_mm ?? s.gap?.expected_mm ?? null;
 const proposalOf = (s: State): { track: string; name: string | null; probability: number } | null => s.labels?.proposals.find((p) => p.track === s.track && p.name !== null && p.track !== p.name) ?? null;
-
-function nextProposal(by: 1 | -1): void {
-  const { header, labels } = get(), all = header ? asked(labelRows(header, labels, get().computed)) : [], at = all.findIndex((p) => p.track === get().track);
-  const next = all[at < 0 ? (by > 0 ? 0 : all.length - 1) : (at + by + all.length) % all.length];
-  if (next) set((s) => ({ track: next.track, selected: [next.track], focused: s.focused + 1 }));
-}
 
 function nextGap(by: 1 | -1): void {
   const all = get().gaps?.gaps ?? [], at = all.findIndex((g) => g === get().gap);

@@ -148,6 +148,12 @@ export function jump(path: Path, index: number): number {
   return index < 1 ? NaN : Math.hypot(x[b]! - x[a]!, x[b + 1]! - x[a + 1]!, x[b + 2]! - x[a + 2]!);
 }
 
+/** The frame, counted from 0, in which a path is there and that is nearest to one; null where it is never there. */
+export function nearestSample({ origin }: Path, index: number): number | null {
+  for (let off = 0; off < origin.length + Math.abs(index); off++) for (const i of [index - off, index + off]) if (origin[i]) return i;
+  return null;
+}
+
 /** Two paths with their samples exchanged in [start, end): what an exchange of names would give. */
 export function exchanged(a: Path, b: Path, start: number, end: number): [Path, Path] {
   const swapped = (own: Path, other: Path): Path => {
@@ -166,9 +172,27 @@ export function whole(pieces: readonly Path[], at: number, paths: PathSet | null
     const n = paths?.frames ?? 0, from = at - (paths?.firstFrame ?? 0);
     if (piece.origin.length === n && from === 0) return piece;
     const xyz = new Float32Array(3 * n).fill(NaN), sd = new Float32Array(n).fill(NaN), origin = new Uint8Array(n);
-    xyz.set(piece.xyz.subarray(0, 3 * (n - from)), 3 * from), sd.set(piece.sd.subarray(0, n - from), from), origin.set(piece.origin.subarray(0, n - from), from);
+    const skip = Math.max(0, -from), to = Math.max(0, from), own = Math.max(0, n - to);
+    xyz.set(piece.xyz.subarray(3 * skip, 3 * (skip + own)), 3 * to), sd.set(piece.sd.subarray(skip, skip + own), to), origin.set(piece.origin.subarray(skip, skip + own), to);
     return { name: piece.name, xyz, sd, origin };
   });
+}
+
+/** A way to fill as a path of the gap's frames. */
+export function candidatePath(name: string, xyz: readonly (readonly number[])[], sd: readonly (readonly number[])[] | null): Path {
+  const n = xyz.length, cov = new Float32Array(6 * n).fill(NaN);
+  for (const [i, s] of (sd ?? []).entries()) (cov[6 * i] = s[0]! ** 2), (cov[6 * i + 3] = s[1]! ** 2), (cov[6 * i + 5] = s[2]! ** 2);
+  return { name, xyz: Float32Array.from(xyz.flat()), sd: sd ? Float32Array.from(sd.map((s) => Math.max(...s))) : new Float32Array(n).fill(NaN), origin: new Uint8Array(n).fill(2), cov };
+}
+
+/** A piece with the samples beside it, so that its line goes on from them and a single frame is a line too. */
+export function joined(piece: Path, first: number, paths: PathSet | null): { path: Path; at: number } {
+  const own = paths?.byName.get(piece.name), n = piece.origin.length, from = first - (paths?.firstFrame ?? 0);
+  const xyz = new Float32Array(3 * (n + 2)).fill(NaN), sd = new Float32Array(n + 2).fill(NaN), cov = new Float32Array(6 * (n + 2)).fill(NaN), origin = new Uint8Array(n + 2);
+  xyz.set(piece.xyz, 3), sd.set(piece.sd, 1), origin.set(piece.origin, 1);
+  if (piece.cov) cov.set(piece.cov, 6);
+  for (const [at, i] of [[0, from - 1], [n + 1, from + n]] as const) if (own?.origin[i]) xyz.set(own.xyz.subarray(3 * i, 3 * i + 3), 3 * at), (origin[at] = own.origin[i]!);
+  return { path: { ...piece, xyz, sd, origin, cov }, at: first - 1 };
 }
 
 /** A path as it would be in [start, end), as elsewhere it stays; straight across the samples that it would lose, of which nothing

@@ -2,8 +2,8 @@
 import { RotateCw } from "lucide-react";
 import { useMemo, useState } from "react";
 import type { MarkerSetRow } from "../api/types";
-import { claim } from "../state/acts";
-import { get, set as put, useStore } from "../state/store";
+import { lookAtTrack, nameTrack } from "../state/labels";
+import { get, useStore } from "../state/store";
 import styles from "./Figure.module.css";
 
 /** Of the body's height; chosen to fill two views of 100 × 220. */
@@ -75,8 +75,12 @@ function spread(names: readonly string[], set: MarkerSetRow, floor: number): { n
 /** A marker of the figure: selected where it is there; else the name of the track that is asked about. */
 function chosen(name: string): void {
   const { header, selected } = get(), track = header?.tracks.find((t) => t.name === name && t.samples > 0);
-  if (track) put((s) => ({ selected: [name], track: name, focused: s.focused + 1 }));
-  else if (selected[0]?.startsWith("*")) claim(name, selected[0]);
+  if (track) lookAtTrack(name);
+  else if (selected[0]?.startsWith("*")) void nameTrack(name, selected[0]);
 }
 
-const Name = ({ name }: { name: string }): React.JSX.Element => <button type="button" className="button" onClick={() => chosen(name)}>{name}</button>;
+/** A marker that has no place on the figure. */
+function Name({ name }: { name: string }): React.JSX.Element {
+  const there = useStore((s) => s.header?.tracks.some((t) => t.name === name && t.samples > 0)), on = useStore((s) => s.selected.includes(name));
+  return <button type="button" className={`button ${styles.name} ${there ? "" : styles.free}`} aria-pressed={on} title={there ? `Look at ${name}` : `No track is ${name} yet: a click names the selected track so`} onClick={() => chosen(name)}>{name}</button>;
+}

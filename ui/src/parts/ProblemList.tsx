@@ -2,9 +2,10 @@ import { ArrowLeftRight, CircleCheck, CopyX, FastForward, Ghost, Link2, Move3d, 
 import { useEffect, useRef } from "react";
 import type { Alternative, Problem } from "../api/types";
 import { count, frames, many, mm, percent } from "../model/format";
-import { asItIs, changes, keepOf, ofWhole, unlikely, worthALook } from "../model/problems";
+import { about, asItIs, changes, keepOf, unlikely, worthALook } from "../model/problems";
 import { choose, lookAt } from "../state/acts";
-import { set, useParts } from "../state/store";
+import { drawInstead } from "../state/instead";
+import { set, useParts, useStore } from "../state/store";
 import styles from "./ProblemList.module.css";
 
 const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
@@ -35,7 +36,7 @@ export function ProblemList(): React.JSX.Element {
           </button>
         )}
       </div>
-      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when these are settled</> : ". Looking on is not worth it."}</p>}
+      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when {worth === 1 ? "it is" : "these are"} settled</> : ". Looking on is not worth it."}</p>}
     </section>
   );
 }
@@ -52,7 +53,7 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
   return (
     <button type="button" className={`${styles.row} ${later ? styles.later : ""}`} onClick={() => lookAt(p)}>
       <span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden />
-      <span className={styles.words}><b>{word}</b> {ofWhole(p) ? "all markers" : p.tracks.slice(0, 3).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ")}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
+      <span className={styles.words}><b>{word}</b> {about(p)}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
       <Weight problem={p} />
     </button>
   );
@@ -66,7 +67,8 @@ function Consequence({ of: a }: { of: Alternative }): React.JSX.Element | null {
 
 /** The problem that is looked at: what may be wrong, and the ways to go, each with its key and what it costs. */
 function Open({ problem: p, number }: { problem: Problem; number: number }): React.JSX.Element {
-  const { word, icon: Icon } = KINDS[p.kind], keep = keepOf(p);
+  const { word, icon: Icon } = KINDS[p.kind], keep = keepOf(p), shown = useStore((s) => s.instead), first = p.alternatives.find(changes)?.key;
+  const drawn = shown?.problem === p.id ? shown.key : first;
   return (
     <div className={styles.open} aria-current="true">
       <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span><Weight problem={p} /></div>
@@ -75,10 +77,10 @@ function Open({ problem: p, number }: { problem: Problem; number: number }): Rea
       <ul className={styles.ways}>
         {p.alternatives.map((a, i) => (
           <li key={a.key}>
-            <button type="button" className={styles.way} data-key={a.key} data-first={i === 0 ? "yes" : ""} onClick={() => void choose(p, a.key)}>
+            <button type="button" className={styles.way} data-key={a.key} data-first={i === 0 ? "yes" : ""} onPointerEnter={() => void drawInstead(p, a.key)} onFocus={() => void drawInstead(p, a.key)} onClick={() => void choose(p, a.key)}>
               <kbd>{i === 0 ? "Enter" : i + 1}</kbd>
               <span><b>{a.words}</b>{<Consequence of={a} />}</span>
-              {(asItIs(a) || changes(a)) && <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>}
+              {(asItIs(a) || a.key === drawn) && <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>}
             </button>
           </li>
         ))}

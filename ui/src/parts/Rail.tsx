@@ -53,7 +53,7 @@ function Left(): React.JSX.Element | null {
     <div className={styles.left}>
       <h3>Errors expected</h3>
       <p className={styles.figure} data-errors={problems.errors}>{tenths(problems.errors)}</p>
-      <p className="soft">{problems.worth_looking ? `${tenths(problems.errors_left)} when the ${problems.worth_looking} worth a look are settled` : "Looking on is not worth it."}</p>
+      <p className="soft">{problems.worth_looking ? `${tenths(problems.errors_left)} when the ${problems.worth_looking === 1 ? "one worth a look is" : `${problems.worth_looking} worth a look are`} settled` : "Looking on is not worth it."}</p>
     </div>
   );
 }

@@ -6,7 +6,7 @@ import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
-import { hasSd, whole, type Path, type PathSet } from "../model/paths";
+import { candidatePath, hasSd, joined, whole, type Path } from "../model/paths";
 import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, watched, type State } from "../state/store";
 import { wantDetections } from "../state/load";
 import { Computed } from "./Computed";
@@ -26,13 +26,6 @@ function insteadOf(s: State): readonly Path[] {
   if (s.screen !== "gaps") return [];
   const one = s.candidates?.candidates.find((c) => c.method === s.method);
   return one && s.candidates ? whole([candidatePath(s.candidates.marker, one.xyz, one.sd)], s.candidates.first, s.paths) : [];
-}
-
-/** A way to fill as a path of the gap's frames. */
-export function candidatePath(name: string, xyz: readonly (readonly number[])[], sd: readonly (readonly number[])[] | null): Path {
-  const n = xyz.length, cov = new Float32Array(6 * n).fill(NaN);
-  for (const [i, s] of (sd ?? []).entries()) (cov[6 * i] = s[0]! ** 2), (cov[6 * i + 3] = s[1]! ** 2), (cov[6 * i + 5] = s[2]! ** 2);
-  return { name, xyz: Float32Array.from(xyz.flat()), sd: sd ? Float32Array.from(sd.map((s) => Math.max(...s))) : new Float32Array(n).fill(NaN), origin: new Uint8Array(n).fill(2), cov };
 }
 
 export function SceneView(): React.JSX.Element {
@@ -125,16 +118,6 @@ function curvesOf(s: State): Curve[] {
     for (const c of candidates) own.push({ ...joined(candidatePath(marker, c.xyz, c.sd), first, s.paths), colour: c.method === s.method ? p.b : p.faint, dashed: c.method !== s.method, band: c.method === s.method });
   } else own.push(...insteadOf(s).map((path) => ({ path, colour: p.b, dashed: true, band: false })));
   return own;
-}
-
-/** A piece with the samples beside it, so that its line goes on from them and a single frame is a line too. */
-function joined(piece: Path, first: number, paths: PathSet | null): { path: Path; at: number } {
-  const own = paths?.byName.get(piece.name), n = piece.origin.length, from = first - (paths?.firstFrame ?? 0);
-  const xyz = new Float32Array(3 * (n + 2)).fill(NaN), sd = new Float32Array(n + 2).fill(NaN), cov = new Float32Array(6 * (n + 2)).fill(NaN), origin = new Uint8Array(n + 2);
-  xyz.set(piece.xyz, 3), sd.set(piece.sd, 1), origin.set(piece.origin, 1);
-  if (piece.cov) cov.set(piece.cov, 6);
-  for (const [at, i] of [[0, from - 1], [n + 1, from + n]] as const) if (own?.origin[i]) xyz.set(own.xyz.subarray(3 * i, 3 * i + 3), 3 * at), (origin[at] = own.origin[i]!);
-  return { path: { ...piece, xyz, sd, origin, cov }, at: first - 1 };
 }
 
 function CurveLegend({ names }: { names: readonly string[] }): React.JSX.Element {

@@ -25,7 +25,7 @@ export function Gaps(): React.JSX.Element {
       <section className={styles.right} aria-label="The gap">
         <Ways />
         <div className={styles.curves}><CurvesView /></div>
-        <div className={styles.below}><SceneView /><CamerasView /></div>
+        {header.cameras.length ? <div className={styles.below}><SceneView /><CamerasView /></div> : <div className={styles.scene}><SceneView /></div>}
       </section>
     </div>
   );
@@ -39,7 +39,7 @@ function Accept(): React.JSX.Element {
   return (
     <div className={styles.accept}>
       <label>Limit <input className="field" type="number" min={0} step={0.5} value={limit} onChange={(e) => set({ limit: Number(e.target.value) })} /> mm</label>
-      <button type="button" className="button strong" disabled={!n} onClick={fillAll}><Spline size={14} aria-hidden />Fill {many(n, "gap")} below it<kbd>⇧ Enter</kbd></button>
+      <button type="button" className="button strong" disabled={!n} onClick={() => void fillAll()}><Spline size={14} aria-hidden />Fill {many(n, "gap")} below it<kbd>⇧ Enter</kbd></button>
     </div>
   );
 }
@@ -78,7 +78,7 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
 function Ways(): React.JSX.Element {
   const { header, gaps, gap, candidates, method, clicks } = useStore();
   if (!gap && gaps && !gaps.gaps.length) return <div className={styles.ways}><p className="soft">{header?.cameras.length ? "No marker has a gap between its first and its last sample." : "No marker has a gap. What is missing before a marker was first seen, or after it was last seen, is none."}</p></div>;
-  if (!gap) return <div className={styles.ways}><p className="soft">Choose a gap on the left, or press <kbd>N</kbd>. Each way to fill it is drawn with its band; the + in the images shows where the fill would be: a free image on the + proves it.</p></div>;
+  if (!gap) return <div className={styles.ways}><p className="soft">Choose a gap on the left, or press <kbd>N</kbd>. Each way to fill it is drawn with its band{header?.cameras.length ? "; the + in the images shows where the fill would be: a free image on the + proves it" : ""}.</p></div>;
   return (
     <div className={styles.ways}>
       <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}{gap.cameras_alone.length > 0 && ` · ${gap.cameras_alone.join(", ")} saw it alone`}</span></h2>

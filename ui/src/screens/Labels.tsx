@@ -1,37 +1,42 @@
 /** Names: the marker set as a figure, what automatic labelling proposes, and the lengths of the links. */
 import { ArrowLeftRight, Check, Search, Tag } from "lucide-react";
 import { useEffect, useRef } from "react";
-import type { Proposal } from "../api/types";
+import type { MarkerSetRow, Proposal } from "../api/types";
 import { Computed } from "../parts/Computed";
 import { Figure } from "../parts/Figure";
 import { SceneView } from "../parts/views";
 import { Waiting } from "../parts/Waiting";
 import { byId, LABEL_LIMIT } from "../keys/commands";
 import { many, mm, percent } from "../model/format";
-import { labelRows } from "../model/labels";
-import { acceptLabels, claim, exchangeSides, sureLabels } from "../state/acts";
+import { knownNames, labelRows } from "../model/labels";
+import { acceptLabels, exchangeSides, sureLabels } from "../state/acts";
+import { lookAtTrack, nameTrack } from "../state/labels";
 import { set, useStore } from "../state/store";
 import styles from "./Labels.module.css";
+
+/** Of a file: names alone. */
+const NO_SET: MarkerSetRow = { name: "", names: [], places: {}, faces: {}, meaning: {}, links: [] };
 
 export function Labels(): React.JSX.Element {
   const { header, labels } = useStore();
   if (!header) return <Waiting />;
+  const known = header.marker_set ? [] : knownNames(header, labels);
   return (
     <div className={styles.screen}>
       <section className={styles.figure} aria-label="Marker set">
-        <header className={styles.head}><h1>Labels</h1><span className="soft">{header.marker_set ? header.marker_set.name || many(header.marker_set.names.length, "marker") : "no marker set"}</span></header>
-        {header.marker_set ? <Figure set={header.marker_set} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: names are what stands in it, and what you say.</p> : <p className={styles.none}>The session names no marker set. <code>marker_set = "kiss-15"</code> in session.toml draws it here; <code>kinemark marker-set list</code> shows which there are.</p>}
+        <header className={styles.head}><h1>Labels</h1><span className="soft">{header.marker_set ? header.marker_set.name || many(header.marker_set.names.length, "marker") : known.length ? many(known.length, "name") : "no marker set"}</span></header>
+        {header.marker_set ? <Figure set={header.marker_set} /> : known.length ? <Figure set={{ ...NO_SET, names: known }} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: names are what stands in it, what a labelled trial or a template beside it proposes (<kbd>A</kbd>), and what you say (<kbd>L</kbd>).</p> : <p className={styles.none}>The session names no marker set. <code>marker_set = "kiss-15"</code> in session.toml draws it here; <code>kinemark marker-set list</code> shows which there are.</p>}
         <Sides />
       </section>
       <section className={styles.tracks} aria-label="Tracks and names">
         <Accept />
-        {labels?.by && <p className="soft">Names are proposed by {labels.by}.</p>}
+        {labels?.by && <p className={styles.by}>Names are proposed by {labels.by}.</p>}
         {labels?.words && <p className={styles.words}>{labels.words}</p>}
         <Proposals />
       </section>
-      <section className={styles.right} aria-label="View and links">
+      <section className={`${styles.right} ${header.marker_set ? "" : styles.alone}`} aria-label={header.marker_set ? "View and links" : "View"}>
         <div className={styles.scene}><SceneView /></div>
-        <Links />
+        {header.marker_set && <Links />}
       </section>
     </div>
   );
@@ -39,7 +44,7 @@ export function Labels(): React.JSX.Element {
 
 function Sides(): React.JSX.Element | null {
   const { header, labels } = useStore();
-  if (!header?.marker_set?.pairs.length) return null;
+  if (!header?.pairs.length) return null;
   return (
     <div className={styles.sides}>
       {labels?.sides && <p>{labels.sides}</p>}
@@ -71,15 +76,14 @@ function Row({ of: p }: { of: Proposal }): React.JSX.Element {
   const on = useStore((s) => s.track === p.track), unnamed = p.track.startsWith("*"), other = p.name !== null && p.name !== p.track, sure = Number.isFinite(p.probability);
   return (
     <li className={styles.row} aria-current={on} data-track={p.track}>
-      <button type="button" className={styles.name} onClick={() => set((s) => ({ track: p.track, selected: [p.track], focused: s.focused + 1 }))}>
+      <button type="button" className={styles.name} onClick={() => lookAtTrack(p.track)}>
         <b>{p.track}</b>
-        {other && <span className={styles.proposal}>→ {p.name}</span>}
         {!other && unnamed && <span className="soft">no name is proposed</span>}
       </button>
       {sure && <span className={`${styles.sure} number`}><meter min={0} max={1} low={0.6} high={0.9} optimum={1} value={p.probability} aria-label="Probability" />{percent(p.probability)}</span>}
       {p.runner_up && (p.probability < 0.999 || unnamed) && <small className="soft">else {p.runner_up}</small>}
       <span className={styles.acts}>
-        {other && p.name && <button type="button" className="button" onClick={() => claim(p.name, p.track)}>{p.name}</button>}
+        {other && p.name && <button type="button" className="button" title={`${p.track} is ${p.name} (Enter)`} onClick={() => void nameTrack(p.name, p.track)}><Check size={13} aria-hidden />{p.name}</button>}
         <button type="button" className="icon-button" aria-label={`Another name for ${p.track}`} title="Another name (L)" onClick={() => set({ track: p.track, selected: [p.track], dialog: "name" })}><Tag size={14} aria-hidden /></button>
       </span>
     </li>

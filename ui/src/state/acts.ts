@@ -2,16 +2,16 @@
 import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
-import { decodePart, straightAcross, whole } from "../model/paths";
-import { actOf, changes, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
+import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
+import { askedUntilThere, drawInstead } from "./instead";
 import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
 /** s before and after a problem that playing goes round in; the design's. */
 const ROUND_S = 0.4;
-/** s of curves beside a problem; chosen. */
-const BESIDE_S = 1.2;
+/** s of curves beside a problem at least, and of a problem that is shown as a whole at most; chosen. */
+const BESIDE_S = 1.2, WHOLE_S = 12;
 
 let queue: Promise<unknown> = Promise.resolve();
 /** The last look for problems: no act waits for it. */
@@ -73,30 +73,21 @@ export const redo = (): Promise<unknown> => act({ kind: "redo" }, "Done again");
 
 /** Look at a problem: its frames go round, its markers are selected, both ways are drawn. */
 export function lookAt(problem: Problem): void {
-  const rate = get().header?.rate ?? 100, beside = Math.round(BESIDE_S * rate), round = Math.round(ROUND_S * rate);
+  const rate = get().header?.rate ?? 100, round = Math.round(ROUND_S * rate);
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, problem.frame - round), Math.min(playhead.last, problem.frame + round)];
-  const window: [number, number] = [Math.max(playhead.first, Math.min(problem.first, problem.frame) - beside), Math.min(playhead.last, Math.min(problem.last, problem.frame + 4 * beside) + beside)];
   const there = ofWhole(problem) ? [] : problem.tracks.filter((name) => get().paths?.byName.has(name));
-  set((s) => ({ problem: problem.id, selected: there, instead: null, first: null, last: null, window, focused: s.focused + 1, join: null, follow: true }));
+  set((s) => ({ problem: problem.id, selected: there, instead: null, first: null, last: null, window: windowOf(problem, rate), focused: s.focused + 1, join: null, follow: true }));
   playhead.go(problem.frame);
   if (!still() && (problem.kind === "swap" || problem.kind === "sides")) playhead.play();
   void drawInstead(problem);
 }
 
-/** Ask what the first other way would give, and draw it beside what is. */
-async function drawInstead(problem: Problem): Promise<void> {
-  const other = problem.alternatives.find(changes), id = get().id;
-  if (!other?.act || !id) return;
-  try {
-    const shown = await api.preview(id, other.act);
-    if (!shown) return;
-    const part = decodePart(shown.paths), now = get().paths, start = part.firstFrame - (now?.firstFrame ?? 0);
-    const would = whole([...part.byName.values()], part.firstFrame, now), drawn = would.map((path) => straightAcross(now?.byName.get(path.name), path, start, start + part.frames));
-    if (get().problem === problem.id) set({ instead: { problem: problem.id, key: other.key, paths: drawn, words: other.words, straight: drawn.some((path, i) => path !== would[i]) } });
-  } catch {
-    // what cannot be shown beforehand is still said in words
-  }
+/** Frames that the curves show: a problem and as much of its markers as it is long, but of a very long one its beginning. */
+export function windowOf({ first, last, frame }: Problem, rate: number): [number, number] {
+  const from = Math.min(first, frame), to = last - from <= WHOLE_S * rate ? last : frame + 4 * BESIDE_S * rate;
+  const beside = Math.round(Math.max(BESIDE_S * rate, (to - from) / 2));
+  return [Math.max(playhead.first, from - beside), Math.min(playhead.last, Math.round(Math.min(last, to)) + beside)];
 }
 
 /** The problems that are gone through: those worth a look, and all others where they are shown. */
@@ -126,7 +117,7 @@ export async function choose(problem: Problem, key: string): Promise<void> {
   if (!taken) return;
   if (taken.action === "wait") return putOff(); // nothing is said: it stays in the list
   const before = walked(get());
-  const done = await act(actOf(problem, taken), taken.action === "note" ? "Noted; the trial stays as it is" : taken.words);
+  const done = await act(actOf(problem, taken), taken.action === "note" ? "Noted; the trial stays as it is" : `Taken: ${taken.words}`);
   if (!done || get().problem !== problem.id) return;
   set((s) => ({ problems: s.problems && without(s.problems, problem) })); // no key is for it now
   await looking;
@@ -240,13 +231,21 @@ export function settleGap(action: "fill" | "leave_open"): void {
 export async function fillGap(method = get().method ?? "best"): Promise<void> {
   const gap = gapHere();
   if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
-  const rows = get().gaps?.gaps ?? [], at = rows.findIndex((g) => g.marker === gap.marker && g.first === gap.first);
+  const rows = get().gaps?.gaps ?? [];
   const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${many(gap.frames, "frame")} filled by ${method}`;
   const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
-  if (!done || get().screen !== "gaps") return;
-  const left = get().gaps?.gaps ?? [], next = [...rows.slice(at + 1), ...rows.slice(0, at)].map((g) => left.find((l) => l.marker === g.marker && l.first === g.first && undecided(l))).find(Boolean);
+  if (done) nextUndecided(rows, gap);
+}
+
+/** Look at the first gap after one, as they stood, for which nobody has said anything yet. */
+function nextUndecided(rows: readonly GapRow[], after: GapRow): void {
+  if (get().screen !== "gaps") return;
+  const left = get().gaps?.gaps ?? [], at = rows.findIndex((g) => sameGap(g, after));
+  const next = [...rows.slice(at + 1), ...rows.slice(0, Math.max(0, at))].map((g) => left.find((l) => sameGap(l, g) && undecided(l))).find(Boolean);
   if (next) void lookAtGap(next);
 }
+
+const sameGap = (a: GapRow, b: GapRow): boolean => a.marker === b.marker && a.first === b.first;
 
 /** A method as it can be said; a mean of several, which only filling itself makes, is the best there is. */
 const sayable = (method: string | null | undefined): string => (method === "open" || get().header?.methods.includes(method ?? "") ? method! : "best");
@@ -257,11 +256,12 @@ export const undecided = (g: GapRow): boolean => g.choice == null;
 export const acceptable = (): GapRow[] => (get().gaps?.gaps ?? []).filter((g) => undecided(g) && g.method != null && g.expected_mm != null && g.expected_mm <= get().limit);
 
 /** All gaps whose expected error is below the limit, in one act. */
-export function fillAll(): void {
+export async function fillAll(): Promise<void> {
   const some = acceptable();
-  if (!some.length) return say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
+  if (!some.length) return void say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
   const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: sayable(g.method) }));
-  void act({ kind: "several", acts }, `${some.length} gaps filled, each by the method with the least expected error`);
+  const rows = get().gaps?.gaps ?? [], done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method with the least expected error`);
+  if (done && get().gap) nextUndecided(rows, get().gap!);
 }
 
 export async function lookAtGap(gap: GapRow): Promise<void> {
@@ -270,13 +270,8 @@ export async function lookAtGap(gap: GapRow): Promise<void> {
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));
-  for (let tries = 0; id && tries < 40; tries++) {
-    const candidates = await api.gap(id, gap.marker, gap.first).catch(() => null);
-    if (!candidates || get().gap?.marker !== gap.marker || get().gap?.first !== gap.first) return;
-    set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null }));
-    if (!candidates.pending) return;
-    await new Promise((done) => setTimeout(done, 250));
-  }
+  const still = (): boolean => get().gap?.marker === gap.marker && get().gap?.first === gap.first;
+  if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null })));
 }
 
 export function nextMethod(by = 1): void {

@@ -37,7 +37,7 @@ from .acts_messages import (
 from .desk import OpenDocument
 from .edit_messages import ActBody, ActDone, Join, Outcome, PathsPart, Preview
 from .gaps import chosen_fills
-from .header import header, next_undo
+from .header import header, next_undo, pairs_of
 from .images import mosaic_of
 from .paths import differing, forget_others, part, whole_part
 from .problems import alternative_edits, verdict_on
@@ -183,11 +183,9 @@ def _put(of: Editing, said: PutAct) -> Edit:
 
 def _sides(document: OpenDocument, said: SidesAct) -> tuple[Claim, ...]:
     """Every left and right pair exchanged, of those that are there."""
-    pairs = document.marker_set.pairs if document.marker_set is not None else ()
-    there = set(document.now.trajectories.names)
-    both = [pair for pair in pairs if there.issuperset(pair)]
+    both = pairs_of(document)
     if not both:
-        raise KinemarkError("There is no left and right pair of the marker set in this trial.")
+        raise KinemarkError("There is no pair of a left and a right marker in this trial.")
     claims = (make.exchange(document.editing, a, b, first=said.first, last=said.last) for a, b in both)
     return tuple(claim for one in claims for claim in one)
 

@@ -231,7 +231,8 @@ class LinkFound(Message):
 class Labels(Message):
     """Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
 
-    `can_ask` says that names are proposed when they are asked for; `by` is the file by which they then are.
+    `can_ask` says that names are proposed when they are asked for; `by` is the file by which they then are, and `known`
+    are all markers of that file.
     """
 
     proposals: list[Proposal]
@@ -240,6 +241,7 @@ class Labels(Message):
     words: str = ""
     can_ask: bool = False
     by: str = ""
+    known: list[str]
     head: str
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -23,6 +23,8 @@ POOL = ThreadPoolExecutor(1, "gaps")
 """Judges gaps, one at a time, so that edits are answered at once meanwhile."""
 
 
+FEW = 3
+"""Gaps that are judged one by one, at most; chosen: as after an edit of a marker."""
 Key = tuple[str, int, int]
 """Marker, first frame and last-plus-one, from 0."""
 
@@ -62,12 +64,46 @@ class GapWork:
             self.answers[key] = known = gap.path, POOL.submit(self._answer, document, gap, method)
         return known[1]
 
+    def ask_all(self, document: OpenDocument, gaps: Sequence[Gap]) -> None:
+        """How filling would fill each of some gaps; many are worked out together, which takes as long as a few."""
+        left = [gap for gap in gaps if not self._asked(gap, BEST)]
+        if len(left) <= FEW:
+            for gap in left:
+                self.ask(document, gap, BEST)
+            return
+        asked = [(gap, Future[GapFill]()) for gap in left]
+        self.answers |= {(gap.key, BEST): (gap.path, answer) for gap, answer in asked}
+        POOL.submit(self._answer_all, document, asked)
+
+    def _asked(self, gap: Gap, method: str) -> bool:
+        known = self.answers.get((gap.key, method))
+        return known is not None and known[0] is gap.path
+
     def known(self, gap: Gap, method: str) -> GapFill | None:
-        """An answer that is there."""
+        """An answer that is there; the best fill answers for its own method."""
+        best = self._done(gap, BEST)
+        return best if method == BEST or (best is not None and best.method == method) else self._done(gap, method)
+
+    def _done(self, gap: Gap, method: str) -> GapFill | None:
         found = self.answers.get((gap.key, method))
         if found is None or found[0] is not gap.path or not found[1].done() or found[1].exception() is not None:
             return None
         return found[1].result()
+
+    def _answer_all(self, document: OpenDocument, asked: Sequence[tuple[Gap, Future[GapFill]]]) -> None:
+        found: dict[Key, GapFill] = {}
+        try:
+            prepared = self.of(document)
+            there = set(map(id, prepared.trajectories.paths))
+            still = {gap.key for gap, _ in asked if id(gap.path) in there}
+            for fill in prepared.all_best(document.editing.computed) if still else ():
+                found |= {key: fill for key in [(fill.gap.marker, fill.gap.start, fill.gap.stop)] if key in still}
+        finally:  # whoever waits hears of it, whatever happened
+            for gap, answer in asked:
+                if gap.key in found:
+                    answer.set_result(found[gap.key])
+                else:
+                    answer.set_exception(KinemarkError("this marker was edited since"))
 
     def _answer(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
         if gap.path not in document.now.trajectories.paths:
@@ -101,14 +137,15 @@ def gaps_of_markers(document: OpenDocument) -> Iterator[Gap]:
 def gap_table(document: OpenDocument, *, judge: bool = True) -> Gaps:
     """Every gap with what is known of it; those that nobody judged are judged behind."""
     work, before = work_of(document), filled_before(document)
-    rows, pending = [], False
+    rows, unknown = [], list[Gap]()
     for gap in gaps_of_markers(document):
         found = work.known(gap, BEST)
         said = found.gap if found else before.get(gap.key)
         if said is None and judge:
-            pending = True
-            work.ask(document, gap, BEST)
+            unknown.append(gap)
         rows.append(_row(document, gap, said))
+    work.ask_all(document, unknown)
+    pending = any(not work.ask(document, gap, BEST).done() for gap in unknown)
     return Gaps(gaps=rows, limit_mm=LIMIT, pending=pending, head=document.head)
 
 
@@ -170,12 +207,13 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     final = work.known(gap, BEST)
     if final is not None:
         found[final.method] = final
-    order = sorted(found.values(), key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm))
+    expected = {name: _expected(one, final) for name, one in found.items()}
+    order = sorted(found.values(), key=lambda one: (not np.isfinite(expected[one.method]), expected[one.method]))
     return GapCandidates(
         marker=marker,
         first=first,
         last=gap.stop - 1 + start,
-        candidates=[_candidate(one) for one in order if np.isfinite(one.xyz).all()],
+        candidates=[_candidate(one, expected[one.method]) for one in order if np.isfinite(one.xyz).all()],
         best=final.method if final else None,
         pending=not best.done(),
         head=document.head,
@@ -197,8 +235,9 @@ def chosen_fills(document: OpenDocument, names: Collection[str] | None = None) -
         if choice == OPEN:
             paths[gap.path.name] = _with(paths[gap.path.name], gap, gap.path.xyz[gap.start : gap.stop], None)
             continue
-        work.ask(document, gap, choice)
         fill = work.known(gap, choice)
+        if fill is None:
+            work.ask(document, gap, choice)
         pending |= fill is None
         if fill is not None:
             paths[gap.path.name] = _with(paths[gap.path.name], gap, fill.xyz, fill.cov)
@@ -280,11 +319,18 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
     return [detections.cameras[c] for c in seen.tolist()]
 
 
-def _candidate(fill: GapFill) -> Candidate:
+def _expected(fill: GapFill, final: GapFill | None) -> float:
+    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure."""
+    if final is None or fill is final:
+        return fill.expected_mm
+    return final.gap.candidates.get(fill.method, fill.expected_mm)
+
+
+def _candidate(fill: GapFill, expected_mm: float) -> Candidate:
     known = bool(np.isfinite(fill.sd).all())
     return Candidate(
         method=fill.method,
-        expected_mm=finite(fill.expected_mm),
+        expected_mm=finite(expected_mm),
         xyz=fill.xyz.tolist(),
         sd=fill.sd.tolist() if known else None,
     )

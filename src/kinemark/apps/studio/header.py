@@ -8,6 +8,7 @@ import numpy as np
 
 from ...data import Camera, MarkerSet, Rig
 from ...data.edits import Signed, counting, is_named, live
+from ...data.marker_sides import sides_by_name
 from ...engine.journal import last_undo
 from ...fill.methods.stage import FILL
 from ...io.edits_jsonl import JournalText
@@ -38,6 +39,7 @@ def header(document: OpenDocument, mosaic: Mosaic | None) -> TrialHeader:
         cameras=[] if rig is None else [camera_row(camera) for camera in rig],
         volume=_volume(rig),
         marker_set=None if document.marker_set is None else _marker_set(document.marker_set),
+        pairs=pairs_of(document),
         events=_events(document),
         trim=(low + start, stop - 1 + start),
         named_only=document.now.named_only,
@@ -91,6 +93,16 @@ def _tracks(document: OpenDocument) -> list[TrackRow]:
     return rows
 
 
+def pairs_of(document: OpenDocument) -> list[tuple[str, str]]:
+    """Left and right markers that are both there: as the marker set pairs them, else as they are called."""
+    away = document.editing.computed
+    seen = [path for path in document.now.trajectories if is_named(path.name) and path.name not in away]
+    there = [path.name for path in seen if _samples(document, path)[2]]
+    if document.marker_set is not None:
+        return [pair for pair in document.marker_set.pairs if set(there).issuperset(pair)]
+    return list(sides_by_name(there))
+
+
 def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:
     """Of a trajectory, counted once for each record."""
     known = document.blobs.setdefault(id(path), (path, {}))[1]
@@ -123,7 +135,6 @@ def _marker_set(of: MarkerSet) -> MarkerSetRow:
         faces=dict(of.faces),
         meaning=dict(of.meaning),
         links=links,
-        pairs=list(of.pairs),
     )
 
 

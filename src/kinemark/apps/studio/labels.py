@@ -41,6 +41,7 @@ def labels(document: OpenDocument, *, ask: bool = False) -> Labels:
         links=_links(document.marker_set, document.now.trajectories),
         sides=" ".join(sides),
         words=" ".join(words) if not proposals else "",
+        known=[],
         head=document.head,
     )
 
@@ -69,6 +70,7 @@ def _of_file(document: OpenDocument, *, ask: bool) -> Labels:
         words=NONE_FITS.format(document.place.path.name) if found is not None and not each else "",
         can_ask=not all(map(is_named, now.names)),
         by=found.source if found is not None else "",
+        known=list(found.known) if found is not None else [],
         head=document.head,
     )
 

@@ -154,7 +154,6 @@ class MarkerSetRow(Message):
     faces: dict[str, Literal["front", "back", "both"]]
     meaning: dict[str, str]
     links: list[Link]
-    pairs: list[tuple[str, str]]
 
 
 class EventRow(Message):
@@ -169,7 +168,7 @@ class TrialHeader(Message):
     """All of a trial but its samples.
 
     `trim` and `named_only` say what is left in the end; `undo` and `redo` the entries that these would take back;
-    `why_asked` that every act wants a reason; `session` and its id are null for a file.
+    `pairs` are left and right markers that are there; `session` and its id are null for a file.
     """
 
     id: str
@@ -183,6 +182,7 @@ class TrialHeader(Message):
     cameras: list[CameraRow]
     volume: tuple[Vector, Vector] | None
     marker_set: MarkerSetRow | None
+    pairs: list[tuple[str, str]]
     events: list[EventRow]
     trim: tuple[int, int]
     named_only: bool

@@ -123,11 +123,16 @@ def _problem(document: OpenDocument, one: core.Problem) -> Problem:
         frame=one.frame,
         wrong=finite(one.wrong),
         at_stake=one.at_stake,
-        cost_mm=finite(one.cost / at_stake) if at_stake else None,
+        cost_mm=finite(one.cost / at_stake) if at_stake and not _assumed(one) else None,
         cost=one.cost,
         alternatives=[_alternative(one, way) for way in one.alternatives],
         images=_cameras(document, one),
     )
+
+
+def _assumed(one: core.Problem) -> bool:
+    """Whether how far off it is was not measured, but is the same for all such problems."""
+    return "assumed_mm" in one.values or one.kind == "ghost" or (one.kind == "join" and len(one.tracks) > 1)
 
 
 def _alternative(of: core.Problem, way: core.Alternative) -> Alternative:

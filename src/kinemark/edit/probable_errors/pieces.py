@@ -82,8 +82,10 @@ def pieces(paths: Paths) -> list[Piece]:
 
 
 def _near(paths: Paths, p: int, q: int) -> bool:
-    """Whether q begins soon after p ends, and where p may have come."""
+    """Whether q begins soon after p ends, and where p may have come; of two that overlap, p is the one that begins."""
     f, g = paths.frames[p][-1], paths.frames[q][0]
+    if (paths.frames[p][0], f, p) >= (g, paths.frames[q][-1], q):
+        return False
     gap = (g - f) / paths.rate
     if not -OVERLAP_S <= gap <= LONGEST_S:
         return False

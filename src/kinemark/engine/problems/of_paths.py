@@ -30,13 +30,15 @@ from ...edit.probable_errors import (
     spikes,
     unbroken,
 )
-from ...report.words.problems import problem_text
+from ...report.words.problems import problem_text, untold_text
 from .context import VERSIONS, Context
 from .found import LIKELY, Found, apart_from, by_trial, not_exchanged, numbered
 from .of_breaks import of_breaks
 
 TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
+UNTOLD_MM = 300.0
+"""σ from which on a distance over a gap says nothing; chosen: a limb's length, any marker of which may be meant."""
 LEAST_OFF_MM = 1.0
 """mm that a sample which nobody measured is off at least; chosen: nothing tells less where it is."""
 GHOST_MM = 20.0
@@ -236,18 +238,20 @@ def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple
     first, last, frame = f + context.start, g + context.start, g + context.start
     halves = [min(int((paths.frames[k] <= f).sum()), int((paths.frames[k] >= g).sum())) for k in (p, q) if k >= 0]
     n = max(sum(halves), 1)
-    mm = context.apart(p, q) if q >= 0 else change.keep_mm
-    mm = mm if np.isfinite(mm) else change.keep_mm
+    told = change.evidence.own_sd < np.log(UNTOLD_MM)
+    off = change.keep_mm if told else min(change.keep_mm, UNTOLD_MM)
+    mm = context.apart(p, q) if q >= 0 else off
+    mm = mm if np.isfinite(mm) else off
     wrong = change.wrong
     no = context.verdict(kind, (p, q), f, g, right=False)
     keep = context.alternative(
         "keep", tracks, frame, 1 - wrong, wrong * n * mm, [context.verdict(kind, (p, q), f, g, right=True)],
-        mm=change.keep_mm,
+        mm=change.keep_mm if told else float("nan"),
     )  # fmt: skip
     if q >= 0:
         other = context.alternative(
             "exchange", tracks, frame, wrong, (1 - wrong) * n * mm, [*_exchanged(context, paths, change, g), no],
-            mm=change.exchange_mm,
+            mm=change.exchange_mm if told else float("nan"),
         )  # fmt: skip
     else:
         other = context.alternative(
@@ -258,8 +262,9 @@ def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple
             (1 - wrong) * n * mm,
             [*context.claim(p, context.marker(p, parts[p, g]), g), no],
         )
-    words = problem_text(kind, tracks, first, last, change.keep_mm)
+    words = problem_text(kind, tracks, first, last, change.keep_mm) if told else untold_text(kind, tracks, first, last)
     values = {name: float(value) for name, value in zip(change.evidence._fields, change.evidence, strict=True)}
+    values |= {} if told else {"assumed_mm": off}
     return Problem(
         context.id(kind, p, change.place.middle), kind, tracks, first, last, frame, wrong, n, wrong * n * mm, words,
         _by_cost(keep, other), values,

@@ -42,6 +42,17 @@ def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int
     return f"{text}, {frames}{off}" if kind != "swap" else f"{text}{off}"
 
 
+def untold_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int) -> str:
+    """What it is where it lies in a gap so long that motion says nothing of it."""
+    return f"{problem_text(kind, tracks, first, last, float('nan'))}; the gap is too long for motion to tell"
+
+
+def gaps_text(markers: int, first: int, last: int, mm: float) -> str:
+    """Gaps of many markers in the same frames; mm off, at most, where they are filled."""
+    off = f", {_far(mm)}" if np.isfinite(mm) else ""
+    return f"{markers} markers have a gap, {_frames(first, last)}{off}"
+
+
 def break_text(kind: ProblemKind, first: int, last: int, frames: int, mm: float, degrees: float = 0.0) -> str:
     """What happened to all markers between two frames that are right, or in those between them.
 

@@ -1,0 +1,80 @@
+"""Gaps in the studio: judged together, with one measure of what is expected of each way to fill one."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
+
+from kinemark.apps.studio import gaps as module
+from kinemark.data import KinemarkError, MarkerTrajectory, Trial
+from kinemark.fill import Auto, prepare
+from kinemark.io.trial import write_trial
+from support.studio import Studio
+from support.walked import clean, without
+
+QUICK = Auto(candidates=("linear", "cubic", "rigid_body"))
+
+
+@pytest.fixture
+def studio(tmp_path, monkeypatch):
+    """A file with five gaps, filled by methods that take no time."""
+    monkeypatch.setattr(module, "prepare", lambda now: prepare(now, method=QUICK))
+    hidden = clean(markers=12).frames(0, 200)
+    for k in range(5):
+        hidden = without(hidden, k, 60 + 20 * k, 66 + 20 * k)
+    write_trial(Trial("walk", hidden), tmp_path / "walk.c3d")
+    return Studio(tmp_path / "walk.c3d")
+
+
+def judged(studio):
+    """The table, when all that is worked out behind is there."""
+    for _ in range(200):
+        table = studio.page.get(f"{studio.trial}/gaps").json()
+        if not table["pending"]:
+            return table["gaps"]
+        time.sleep(0.05)
+    raise AssertionError("still judged")
+
+
+def test_many_gaps_are_judged_together_and_a_way_is_chosen_by_the_errors_that_are_shown(studio, monkeypatch):
+    """One by one a recording with 224 of them took four minutes; and the way said to be best was not the best shown."""
+    monkeypatch.setattr(module.PreparedFill, "best", lambda *_: pytest.fail("judged by itself"))
+    rows = judged(studio)
+    assert len(rows) == 5 and all(row["state"] == "fillable" for row in rows)
+    for row in rows:
+        ways = studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}").json()
+        shown = {way["method"]: way["expected_mm"] for way in ways["candidates"]}
+        others = {other["method"]: other["expected_mm"] for other in row["others"]}
+        assert ways["best"] == row["method"] and shown[row["method"]] == row["expected_mm"]
+        assert {name: shown[name] for name in others if name in shown} == {
+            n: v for n, v in others.items() if n in shown
+        }
+
+
+def test_the_way_that_is_best_is_filled_at_once_when_it_is_chosen(studio, monkeypatch):
+    rows = judged(studio)
+    monkeypatch.setattr(module.POOL, "submit", lambda *_: pytest.fail("worked out again"))
+    row = rows[0]
+    done = studio.act(kind="gap", marker=row["marker"], first=row["first"], last=row["last"], method=row["method"])
+    assert done.status == 200 and done.json()["paths"] is not None
+    answer = studio.page.get(f"{studio.trial}/paths?view=filled&column=xyz&marker={row['marker']}")
+    assert np.isfinite(np.frombuffer(answer.body, np.float32)).all()
+
+
+def test_what_could_not_be_judged_is_not_waited_for(studio, monkeypatch):
+    def broken(*_):
+        raise KinemarkError("no")
+
+    monkeypatch.setattr(module.PreparedFill, "all_best", broken)
+    assert {row["state"] for row in judged(studio)} == {"not judged"}
+
+
+def test_points_that_are_no_markers_are_not_judged():
+    hidden = without(without(clean(markers=12).frames(0, 120), 0, 60, 64), 1, 60, 64)
+    path = MarkerTrajectory.measured("no marker", hidden.paths[1].xyz)
+    prepared = prepare(replace(hidden, paths=(*hidden.paths, path)), method=QUICK)
+    assert len(prepared.all_best()) == 3
+    assert [fill.gap.marker for fill in prepared.all_best({"no marker"})] == list(hidden.names[:2])

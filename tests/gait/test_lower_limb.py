@@ -7,9 +7,12 @@ import pytest
 
 from kinemark.data import KinemarkError
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
-from kinemark.gait import clinical_angles, lower_limbs, with_static_offsets
+from kinemark.gait import Physical, PlugInGait, clinical_angles, lower_limbs, progression, with_static_offsets
+from kinemark.gait.clinical_angles import way_walked
+from kinemark.gait.gait_trial import Inputs, gait_of
 from kinemark.gait.segments import joint_centre, unit
 from kinemark.kinematics import turned
+from kinemark.synth import WalkingBody
 from support.standing import walker
 
 LEG = LegMeasures(leg_mm=900.0, knee_mm=100.0, ankle_mm=70.0, plantar_offset_deg=12.0, rotation_offset_deg=4.0)
@@ -96,3 +99,28 @@ def test_a_missing_marker_leaves_its_own_leg_alone_missing():
     found = clinical_angles(lower_limbs(points, MEASURES))
     assert np.isnan(found["LKneeAngles"][3]).all() and np.isfinite(found["LHipAngles"][3]).all()
     assert np.isfinite(found["RKneeAngles"]).all() and np.isnan(unit(np.zeros(3))).all()
+
+
+@pytest.mark.parametrize("turn", [20.0, 45.0, -130.0])
+@pytest.mark.parametrize("treadmill", [False, True])
+def test_the_pelvis_is_seen_from_the_way_where_this_lies_across_the_laboratory(turn, treadmill):
+    """Also on a treadmill, where the pelvis stays; Plug-in Gait sees it from an axis of the laboratory."""
+    body = WalkingBody(MEASURES)
+    points = body.markers(body.limbs(np.arange(0.0, 2.4, 0.02)))
+    along = clinical_angles(lower_limbs(points, MEASURES))
+    R = turned(np.array([0.0, 0.0, turn]), "xyz")
+    belt = np.linspace(0, 1, 120)[:, None] * (points["LASI"][-1] - points["LASI"][0]) * (1, 0, 0)
+    limbs = lower_limbs({name: (xyz - treadmill * belt) @ R.T for name, xyz in points.items()}, MEASURES)
+    across, theirs = clinical_angles(limbs, lab=way_walked(limbs)), clinical_angles(limbs)
+    for name in ("LPelvisAngles", "RFootProgressAngles"):
+        assert np.abs(across[name] - along[name]).max() < 2.0, name  # the way sways about its axis
+        assert np.abs(theirs[name] - along[name]).max() > 15.0, name
+
+
+def test_of_the_methods_only_plug_in_gait_sees_the_pelvis_from_an_axis_of_the_laboratory():
+    points = {name: xyz @ turned(np.array([0.0, 0.0, 30.0]), "xyz").T for name, xyz in walker(6, n=40).items()}
+    given = Inputs(points, MEASURES, (), (), rate=50.0)
+    limbs = lower_limbs(points, MEASURES)
+    for method, lab in ((Physical(), way_walked(limbs)), (PlugInGait(), progression(limbs))):
+        found = gait_of(given, method.mechanics).signals["LPelvisAngles"].values
+        np.testing.assert_array_equal(found, clinical_angles(limbs, lab=lab)["LPelvisAngles"])

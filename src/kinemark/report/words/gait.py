@@ -162,6 +162,10 @@ GAIT_WORDS = {
         _not_level,
         "Time and distance hang on the events; mark them by hand, or give plates, where they matter.",
     ),
+    "gait_on_treadmill": Words(
+        "{trial}: the floor moves at {speed:2} below the feet that stand: a treadmill.",
+        "Speed, stride and step count from it.",
+    ),
     "gait_turns": Words(
         "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
         "Rotations of pelvis and foot, which are to that direction, mean little here; angles of joints do.",

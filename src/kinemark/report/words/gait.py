@@ -168,7 +168,8 @@ GAIT_WORDS = {
     ),
     "gait_turns": Words(
         "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
-        "Rotations of pelvis and foot, which are to that direction, mean little here; angles of joints do.",
+        "Angles of the pelvis, progression of the feet and widths of steps, which are to that direction, mean little here; "
+        "angles of joints do.",
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",

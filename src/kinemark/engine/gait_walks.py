@@ -287,7 +287,9 @@ def gait_of_trial(
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial), placement_mm=placement, floor=floor)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
-    return GaitOfTrial(trial.name, found, events, steps, trial.events, (first - 1) / rate, _emg(trial), way, first, floor)
+    return GaitOfTrial(
+        trial.name, found, events, steps, trial.events, (first - 1) / rate, _emg(trial), way, first, floor
+    )
 
 
 def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:

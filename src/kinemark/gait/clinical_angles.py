@@ -7,7 +7,7 @@ Each is the rotation of a segment in another, taken apart as Rᵧ(a) Rₓ(b) R_z
 
 with signs such that flexion, dorsiflexion, adduction and internal rotation are positive on both sides, forward tilt and
 the side's own pelvis upwards and forwards too (3); the ankle is at 0° where the foot stands square to the shank (4).
-Pelvis and foot are seen from the direction of progression: the horizontal axis of the laboratory nearest to the way (5),
+Pelvis and foot are seen from the direction of progression: the horizontal axis of the laboratory nearest the way (5),
 as Plug-in Gait has it; or the way itself where it is not along an axis (6), as tilt, obliquity and rotation mix as soon
 as they are seen from aside. The way is that of the pelvis; where it stays, as on a treadmill, that of the feet to and
 fro below it.

@@ -95,7 +95,10 @@ def _stride(
     step = _floor(h1 - g1, up)
     own_sd = (_heel_sd(heels[0], begin, rate, heel_sd), _heel_sd(heels[0], end, rate, heel_sd))
     belt_sd = floor_sd * T
-    length_sd, step_sd = float(np.linalg.norm([*own_sd, belt_sd])), float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd)))
+    length_sd, step_sd = (
+        float(np.linalg.norm([*own_sd, belt_sd])),
+        float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd))),
+    )
     side_wards = np.cross(up, d)
     shares = [_share(begin, event, end) for event in (off, other_off, other_strike)]
     values = {

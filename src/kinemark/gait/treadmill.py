@@ -10,6 +10,7 @@ ground.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -79,7 +80,7 @@ def _stood(points: Mapping[str, Floats], own: Sequence[FootEvent], letter: str, 
 def _stances(own: Sequence[FootEvent]) -> list[tuple[float, float]]:
     """s of the strike and the off of each whole stance of a foot."""
     own = sorted(own, key=lambda e: e.time)
-    return [(a.time, b.time) for a, b in zip(own, own[1:], strict=False) if a.strike and not b.strike]
+    return [(a.time, b.time) for a, b in pairwise(own) if a.strike and not b.strike]
 
 
 def _slope(heel: Floats, begin: float, end: float, rate: float) -> Floats:

@@ -26,7 +26,7 @@ from .templates import prefix_of, templates_of_trial, worn
 
 
 def given_of(of: Recording, earlier: Sequence[Earlier], claims: Sequence[Claim]) -> tuple[Any, ...]:
-    """What names depend on besides the tracks: files, marker set or clusters, trials before, and what people claimed."""
+    """What names depend on besides the tracks: files, marker set, clusters, trials before, and what people claimed."""
     label = of.settings.label
     assert label is not None  # else there is no such stage
     before = [(one.name, one.kind, one.key) for one in earlier]

@@ -168,7 +168,7 @@ GAIT_WORDS = {
     ),
     "gait_turns": Words(
         "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
-        "Angles of the pelvis, progression of the feet and widths of steps, which are to that direction, mean little here; "
+        "Angles of the pelvis, progression of feet and widths of steps, which are to that direction, mean little here; "
         "angles of joints do.",
     ),
     "emg_saturated": Words(

@@ -328,11 +328,18 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
 
 
 def _turned(trial: GaitOfTrial) -> float:
-    """deg by which the pelvis faces another way than the trial's direction of progression, most of the time at most."""
+    """deg by which the pelvis faces aside, of its mean or of its direction of progression, most of the time at most."""
     if "LPelvisAngles" not in trial.gait.signals.names:
         return 0.0
     off = np.abs(trial.gait.signals["LPelvisAngles"].values[:, 2])
-    return quantile(off, 0.9)
+    return max(quantile(off, 0.9), quantile(_aside(trial.gait.limbs.pelvis.R[..., 0]), 0.9))
+
+
+def _aside(x: Floats) -> Floats:
+    """(F) deg between directions along the floor x (F, 3) and their mean; NaN where they are unknown."""
+    flat = x[:, :2] / np.linalg.norm(x[:, :2], axis=1, keepdims=True)
+    mean = np.nanmean(flat, axis=0) if np.isfinite(flat).any() else np.full(2, np.nan)
+    return np.asarray(np.degrees(np.abs(np.arctan2(flat[:, 0] * mean[1] - flat[:, 1] * mean[0], flat @ mean))))
 
 
 def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:

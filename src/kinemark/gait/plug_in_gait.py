@@ -9,7 +9,6 @@ from ..data import KinemarkError, Trial
 from ..data.array_types import Floats
 from ..data.method import Method, parameter
 from ..data.subject_measures import SubjectMeasures
-from .clinical_angles import progression
 from .clusters import CalibratedBody
 from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point_slope, spline_acceleration
@@ -30,7 +29,7 @@ class PlugInGait(Method):
     @property
     def mechanics(self) -> Mechanics:
         """Plug-in Gait's own."""
-        return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration, progression)
+        return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration, along_way=False)
 
     def markers(
         self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Sequence[float | None] = ()

@@ -167,9 +167,9 @@ GAIT_WORDS = {
         "Speed, stride and step count from it.",
     ),
     "gait_turns": Words(
-        "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
-        "Angles of the pelvis, progression of feet and widths of steps, which are to that direction, mean little here; "
-        "angles of joints do.",
+        "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} aside.",
+        "Angles of pelvis and feet are to the way at each moment (by Plug-in Gait to an axis of the laboratory, where "
+        "they mean little). Lengths and widths of steps in a turn are not those of straight walking.",
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",

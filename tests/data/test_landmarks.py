@@ -51,3 +51,9 @@ def test_a_toes_tip_shows_the_front_of_a_foot_and_is_not_the_models_toe():
 
 def test_feet_of_two_subjects_are_not_one():
     assert Anatomy.of(["A:LHEE", "B:LTOE", "B:LHEE"]).heel == [2]
+
+
+def test_wands_are_those_of_helen_hayes_too_and_plates_are_none():
+    names = ["L.Thigh", "R.Thigh", "L.Shank", "R.Shank", "L.Ankle", "R.Ankle"]
+    assert model_names(names) == dict(zip(("LTHI", "RTHI", "LTIB", "RTIB", "LANK", "RANK"), names, strict=True))
+    assert not model_names(["L.Thigh.1", "L.Thigh.2", "R.Thigh.1", "R.Thigh.2", "L.Shank.Upper", "R.Shank.Upper"])

@@ -68,7 +68,7 @@ def test_they_are_learnt_and_named_where_that_is_asked_for(files):
 def test_names_are_checked_and_sets_and_sessions_learnt_without_them(files):
     assert check_file(files / "new.c3d", template_of([files / "known.c3d"], Known(computed=True))).good
     assert set(set_from_file(files / "known.c3d", files / "own.toml").names) == set(walker().names[:15])
-    session = SimpleNamespace(label=Labelling(template=("known.c3d",)), marker_set=None)
+    session = SimpleNamespace(label=Labelling(template=("known.c3d",)), marker_set=None, gait=None)
     assert session_template(files, session, ()).template.names == tuple(sorted(walker().names[:15]))
 
 

@@ -46,8 +46,10 @@ GAIT_KINDS = (
          {"trial": "text", "events": "count"}),
     Kind("gait_not_level", "gait", "amber", "The subject does not walk on a level floor. way: running or stairs. "
          "Standard uncertainty of events from markers there.", {"trial": "text", "way": "text", "sd_ms": "ms"}),
+    Kind("gait_on_treadmill", "gait", "info", "The floor moves below standing feet, at this speed; lengths and speed "
+         "count from it.", {"trial": "text", "speed": "m/s"}),
     Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "
-         "from the trial's direction of progression.", {"trial": "text", "turned_deg": "deg"}),
+         "from its mean direction, or from that of progression.", {"trial": "text", "turned_deg": "deg"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",

@@ -16,9 +16,9 @@ from .subject_measures import LETTER, SIDES, Side
 OF_A_SIDE = {
     "ASI": ("asi", "asis", "ias", "sias", "fwt", "waistfront", "frontwaist"),
     "PSI": ("psi", "psis", "ips", "sips", "bwt", "waistback", "backwaist"),
-    "THI": ("thi", "bar1", "thighwand", "thighbar"),
+    "THI": ("thi", "bar1", "thighwand", "thighbar", "thigh"),
     "KNE": ("kne", "knee", "knee1", "lateralknee", "latknee", "kneelat", "kneeout", "lfe", "fle", "le"),
-    "TIB": ("tib", "bar2", "shankwand", "shankbar", "tibia"),
+    "TIB": ("tib", "bar2", "shankwand", "shankbar", "tibia", "shank"),
     "ANK": ("ank", "ankle", "mall", "malleolus", "lateralankle", "latankle", "anklelat", "ankleout", "lm", "fal"),
     "HEE": ("hee", "heel", "heelback", "calc", "calcaneus", "fcc", "cal", "ca"),
     "TOE": ("toe", "met", "met2", "mt2", "secondmet", "fm2", "sm", "forefoot2"),

@@ -37,6 +37,7 @@ class Stride(NamedTuple):
     Attributes:
         side: whose. first, last: s of its foot strikes.
         values, sd: by the names of `UNITS`; NaN where an event or a heel is missing.
+        systematic: what of sd is the same in all strides of a session, by the names of `UNITS`; 0 where none is given.
     """
 
     side: Side
@@ -44,3 +45,4 @@ class Stride(NamedTuple):
     last: float
     values: Mapping[str, float]
     sd: Mapping[str, float]
+    systematic: Mapping[str, float] = {}

@@ -93,7 +93,7 @@ def _parameters(tables: tuple[dict[str, Any], ...], side: str, same: bool) -> li
         both = [table["time_distance"][side][name] for table in tables]
         if any(one["mean"] is None for one in both):
             continue
-        sd = [_number(one["sd"]) / np.sqrt(max(one["strides"], 1)) for one in both]  # events err stride by stride
+        sd = [_mean_sd(one, same) for one in both]
         first, second = (
             Condition(_array(one["mean"]), _array(one["spread"]), _array(s), one["strides"])
             for one, s in zip(both, sd, strict=True)
@@ -104,6 +104,13 @@ def _parameters(tables: tuple[dict[str, Any], ...], side: str, same: bool) -> li
              "difference": found.value, "error": found.error, "exceeds": bool(found.exceeds)}
         )  # fmt: skip
     return rows
+
+
+def _mean_sd(one: Mapping[str, Any], same: bool) -> float:
+    """Of the mean over strides: events err stride by stride, markers that sit elsewhere in all of them alike."""
+    systematic = float(one.get("systematic_sd", 0.0))  # tables of earlier versions have none
+    each = max(_number(one["sd"]) ** 2 - systematic**2, 0.0) / max(one["strides"], 1)
+    return float(np.sqrt(each + (0.0 if same else systematic**2)))
 
 
 def _curves(tables: tuple[dict[str, Any], ...], same: bool) -> list[ComparedCurve]:

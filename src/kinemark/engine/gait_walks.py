@@ -27,6 +27,7 @@ from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, 
 from ..gait.static_axes import with_knees
 from ..gait.static_checks import static_doubts
 from ..gait.time_distance import strides
+from ..gait.treadmill import floor_velocity
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
 from ..gait.way_of_walking import way_of_walking
 from ..io.c3d.subject_measures import measures_of
@@ -281,10 +282,14 @@ def gait_of_trial(
     found = measured_only(gait, events, method.mechanics.counts, rate)
     if causes:
         found = replace(found, signals=with_uncertainty(found.signals, causes))
-    steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
+    floor = floor_velocity(events, points, rate=rate)
+    placement = settings.placement_mm if settings.uncertainty else 0.0
+    steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial), placement_mm=placement, floor=floor)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
-    return GaitOfTrial(trial.name, found, events, steps, trial.events, (first - 1) / rate, _emg(trial), way, first)
+    return GaitOfTrial(
+        trial.name, found, events, steps, trial.events, (first - 1) / rate, _emg(trial), way, first, floor
+    )
 
 
 def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:

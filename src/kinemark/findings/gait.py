@@ -20,6 +20,7 @@ from ..gait.harmonics import curve_harmonics
 from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
 from ..gait.time_distance import averages
+from ..gait.treadmill import STILL, Floor
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
@@ -45,7 +46,7 @@ class GaitOfTrial(NamedTuple):
     Attributes:
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
-        way: "level", "running" or "stairs". first_frame: its number in the recording.
+        way: "level", "running" or "stairs". first_frame: its number in the recording. floor: how it moves.
     """
 
     name: str
@@ -57,6 +58,7 @@ class GaitOfTrial(NamedTuple):
     emg: Mapping[str, Emg]
     way: str = "level"
     first_frame: int = 1
+    floor: Floor = STILL
 
 
 class HipsShown(NamedTuple):
@@ -206,9 +208,10 @@ def _averages(strides: Sequence[Stride], side: str) -> dict[str, Any]:
     found = averages(strides, "left" if side == "left" else "right")
     own = [stride for stride in strides if stride.side == side]
     return {
-        name: {"mean": mean, "spread": spread, "strides": n, "sd": quantile(np.array([s.sd[name] for s in own]), 0.5)}
+        name: {"mean": mean, "spread": spread, "strides": n, "sd": quantile(np.array([s.sd[name] for s in own]), 0.5),
+               "systematic_sd": max((s.systematic.get(name, 0.0) for s in own), default=0.0)}
         for name, (mean, spread, n) in found.items()
-    }
+    }  # fmt: skip
 
 
 def _curve(one: GaitCurves) -> dict[str, Any]:
@@ -304,6 +307,9 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     yield from _of_events(trial)
     if trial.way != "level":
         yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
+    if trial.floor.moves:
+        speed = float(np.linalg.norm(trial.floor.velocity)) / 1000
+        yield make_finding("gait_on_treadmill", trial=trial.name, speed=speed)
     for contact in trial.gait.contacts:
         if contact.reason:
             yield make_finding(
@@ -322,11 +328,18 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
 
 
 def _turned(trial: GaitOfTrial) -> float:
-    """deg by which the pelvis faces another way than the trial's direction of progression, most of the time at most."""
+    """deg by which the pelvis faces aside, of its mean or of its direction of progression, most of the time at most."""
     if "LPelvisAngles" not in trial.gait.signals.names:
         return 0.0
     off = np.abs(trial.gait.signals["LPelvisAngles"].values[:, 2])
-    return quantile(off, 0.9)
+    return max(quantile(off, 0.9), quantile(_aside(trial.gait.limbs.pelvis.R[..., 0]), 0.9))
+
+
+def _aside(x: Floats) -> Floats:
+    """(F) deg between directions along the floor x (F, 3) and their mean; NaN where they are unknown."""
+    flat = x[:, :2] / np.linalg.norm(x[:, :2], axis=1, keepdims=True)
+    mean = np.nanmean(flat, axis=0) if np.isfinite(flat).any() else np.full(2, np.nan)
+    return np.asarray(np.degrees(np.abs(np.arctan2(flat[:, 0] * mean[1] - flat[:, 1] * mean[0], flat @ mean))))
 
 
 def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:

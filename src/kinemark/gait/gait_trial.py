@@ -13,7 +13,7 @@ from ..data.array_types import Bools, Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
-from .clinical_angles import READINGS, clinical_angles, progression
+from .clinical_angles import READINGS, clinical_angles, progression, way_walked
 from .clinical_moments import clinical_force, clinical_moment
 from .clusters import CalibratedBody
 from .hip_centre import HipCentre
@@ -81,6 +81,7 @@ class Mechanics(NamedTuple):
         rotation_derivative: of the axes of segments.
         counts: reasons for which a contact of a foot with a plate still counts.
         acceleration: of centres of mass.
+        along_way: pelvis and feet are seen from the way walked, and not from the laboratory's axis nearest to it.
     """
 
     hip_centre: HipCentre
@@ -88,6 +89,7 @@ class Mechanics(NamedTuple):
     rotation_derivative: Derivative
     counts: Sequence[str]
     acceleration: Derivative = twice_five_point
+    along_way: bool = True
 
 
 class Inputs(NamedTuple):
@@ -123,8 +125,9 @@ def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
     limbs = limbs_of(given, how.hip_centre)
     on = {side: ground_contact(side, given.reactions, given.contacts, how.counts) for side in SIDES}
     loads = leg_loads(limbs, on, given, how)
-    angles = clinical_angles(limbs, up=given.up)
-    angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, progression(limbs, given.up))
+    lab = way_walked(limbs, given.up, rate=given.rate) if how.along_way else progression(limbs, given.up)
+    angles = clinical_angles(limbs, up=given.up, lab=lab)
+    angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, lab)
     signals = signals_of(angles, loads, on, given.measures.mass_kg, rate=given.rate)
     return GaitTrial(limbs, given.reactions, given.contacts, loads, signals)
 

@@ -111,7 +111,8 @@ def check_markers(points: Mapping[str, Floats]) -> None:
     if absent:
         raise KinemarkError(
             f"The gait model wants the markers {', '.join(absent)}, which are not in the trial; there are "
-            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or name its markers so."
+            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or say how it "
+            f"calls them: --marker {absent[0][:4]}=NAME, in a session under [gait.markers]."
             f"{_instead(absent)}"
         )
 

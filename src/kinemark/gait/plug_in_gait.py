@@ -29,7 +29,7 @@ class PlugInGait(Method):
     @property
     def mechanics(self) -> Mechanics:
         """Plug-in Gait's own."""
-        return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration)
+        return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration, along_way=False)
 
     def markers(
         self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Sequence[float | None] = ()

@@ -12,7 +12,9 @@ the other, on the floor, d the direction from h(t₀) to h(t₁), and the events
 
 Standard uncertainties follow from those of the events and of the heels, each independent: of a time √(σ₀² + σ₁²), of
 a length the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of
-squares. In the speed what a heel moves and what its event is off cancel in part, and the first is left out (6).
+squares. In the speed what a heel moves and what its event is off cancel in part, and the first is left out (6). Where
+the heels' markers sit beside their landmarks, by s along each axis, a step's length and width are off by √2 s in every
+stride; the way of one heel is not (7). On a treadmill heels are taken as its belt sees them (`treadmill`).
 """
 
 from __future__ import annotations
@@ -26,6 +28,10 @@ from ..data.array_types import Floats
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import LETTER, Side
 from .segments import Z_UP, unit
+from .treadmill import STILL, Floor
+
+OF_BOTH_HEELS = ("step_length", "step_width")
+"""Parameters that hang on where two different markers sit (7); by definition."""
 
 
 def strides(
@@ -34,6 +40,8 @@ def strides(
     *,
     rate: float,
     heel_sd_mm: float = 0.0,
+    placement_mm: float = 0.0,
+    floor: Floor = STILL,
     up: Floats = Z_UP,
 ) -> tuple[Stride, ...]:
     """All strides of both sides, in the order of their first foot strike.
@@ -41,8 +49,10 @@ def strides(
     Args:
         events: of the trial, in any order.
         points: (F, 3) mm, with LHEE and RHEE.
-        rate: frames a second. heel_sd_mm: of a heel along an axis. up: of the laboratory.
+        rate: frames a second. heel_sd_mm: of a heel along an axis, by noise. placement_mm: by where its marker sits.
+        floor: that moves, on a treadmill. up: of the laboratory.
     """
+    points = {name: floor.still(points[name], rate) for name in ("LHEE", "RHEE")}
     found = []
     for side, other in (("left", "right"), ("right", "left")):
         own = sorted((e for e in events if e.side == side and e.strike), key=lambda e: e.time)
@@ -50,8 +60,15 @@ def strides(
         theirs = [e for e in events if e.side == other]
         heels = points[LETTER[side] + "HEE"], points[LETTER[other] + "HEE"]
         for begin, end in pairwise(own):
-            found.append(_stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, up))
+            one = _stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, floor.sd, up)
+            found.append(_misplaced(one, float(np.sqrt(2) * placement_mm)))
     return tuple(sorted(found, key=lambda one: one.first))
+
+
+def _misplaced(stride: Stride, by: float) -> Stride:
+    """With (7), mm."""
+    more = {name: by if name in OF_BOTH_HEELS else 0.0 for name in UNITS}
+    return stride._replace(sd={k: float(np.hypot(s, more[k])) for k, s in stride.sd.items()}, systematic=more)
 
 
 def _stride(
@@ -62,9 +79,10 @@ def _stride(
     heels: tuple[Floats, Floats],
     rate: float,
     heel_sd: float,
+    floor_sd: float,
     up: Floats,
 ) -> Stride:
-    """(1) to (6) of one."""
+    """(1) to (6) of one; floor_sd: mm/s of the floor's velocity."""
     off = _only(offs, begin, end)
     other_off = _only([e for e in theirs if not e.strike], begin, end)
     other_strike = _only([e for e in theirs if e.strike], begin, end)
@@ -76,13 +94,17 @@ def _stride(
     length, d = float(np.linalg.norm(path)), unit(path)
     step = _floor(h1 - g1, up)
     own_sd = (_heel_sd(heels[0], begin, rate, heel_sd), _heel_sd(heels[0], end, rate, heel_sd))
-    length_sd, step_sd = float(np.hypot(*own_sd)), float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd)))
+    belt_sd = floor_sd * T
+    length_sd, step_sd = (
+        float(np.linalg.norm([*own_sd, belt_sd])),
+        float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd))),
+    )
     side_wards = np.cross(up, d)
     shares = [_share(begin, event, end) for event in (off, other_off, other_strike)]
     values = {
         "stride_time": (T, sd_T),
         "stride_length": (length, length_sd),
-        "speed": _ratio((length, heel_sd * np.sqrt(2)), (T, sd_T)),
+        "speed": _ratio((length, float(np.hypot(heel_sd * np.sqrt(2), belt_sd))), (T, sd_T)),
         "cadence": (120.0 / T, 120.0 / T * sd_T / T),
         "step_length": (float(step @ d), step_sd),
         "step_width": (float(abs(step @ side_wards)), float(heel_sd * np.sqrt(2))),

@@ -108,20 +108,20 @@ def upper_body_angles(
 
     Args:
         points: (…, 3) mm by name. measures: of the subject. pelvis: over the same frames.
-        progression: (3, 3) forward, left and up.
+        progression: (3, 3) or (…, 3, 3) forward, left and up.
     """
     found: dict[str, Floats] = {}
     if not set(THORAX_MARKERS) <= set(points):
         return found
-    thorax = thorax_of(points, measures)
+    thorax, seen = thorax_of(points, measures), np.swapaxes(progression, -1, -2)
     down = thorax.R * np.array([1.0, -1.0, -1.0])  # Plug-in Gait's thorax has z downwards
     head = head_of(points, measures) if set(HEAD_MARKERS) <= set(points) else None
     for side in SIDES:
         letter, mirror = LETTER[side], np.array([1.0, TO_THE_LEFT[side], TO_THE_LEFT[side]])
-        found[f"{letter}ThoraxAngles"] = _read(progression.T @ down, (1, -1, 1) * mirror, (180, 0, 180))
+        found[f"{letter}ThoraxAngles"] = _read(seen @ down, (1, -1, 1) * mirror, (180, 0, 180))
         found[f"{letter}SpineAngles"] = _read(relative(down, pelvis.R), (1, -1, -1) * mirror, (180, 0, 180))
         if head is not None:
-            found[f"{letter}HeadAngles"] = _read(progression.T @ head.R, (-1, 1, -1) * mirror)
+            found[f"{letter}HeadAngles"] = _read(seen @ head.R, (-1, 1, -1) * mirror)
             found[f"{letter}NeckAngles"] = _read(relative(head.R, down), (-1, -1, 1) * mirror, (180, 0, 180))
         arm = _arm_where_known(points, thorax, measures, side)
         if arm is not None:

@@ -144,6 +144,14 @@ def test_poses_of_another_clock_are_named(tmp_path):
     ]
 
 
+@pytest.mark.parametrize("size", [512, 1024])
+def test_a_block_of_zeros_that_fills_a_file_up_is_kept_and_not_worth_a_word(size):
+    """As ezc3d writes it where the last frame ends with a block."""
+    raw = encode_document(document_of(made_trial())) + bytes(size)
+    doc = decode_document(raw, name="made")
+    assert not any("not understood" in note for note in doc.notes) and encode_document(doc) == raw
+
+
 @pytest.mark.parametrize("size", [512, 700, 5000])
 @pytest.mark.parametrize("poses", [True, False])
 def test_bytes_that_nobody_understands_are_kept(size, poses):

@@ -26,13 +26,15 @@ from .templates import prefix_of, templates_of_trial, worn
 
 
 def given_of(of: Recording, earlier: Sequence[Earlier], claims: Sequence[Claim]) -> tuple[Any, ...]:
-    """What names depend on besides the tracks: files, marker set, the trials before, and what people claimed."""
+    """What names depend on besides the tracks: files, marker set, clusters, trials before, and what people claimed."""
     label = of.settings.label
     assert label is not None  # else there is no such stage
     before = [(one.name, one.kind, one.key) for one in earlier]
     several = {s: worn(of.root, of.settings.of_subject(s)) for s in of.settings.label_subjects}
     apart = (of.settings.label_subjects, of.settings.subjects_of(of.entry), several) if several else ()
-    given = template_files_key(of.root, of.settings), worn(of.root, of.settings), before, *apart
+    gait = of.settings.gait
+    segments = (gait.clusters, gait.markers) if gait is not None and gait.clusters else ()
+    given = template_files_key(of.root, of.settings), worn(of.root, of.settings), before, *apart, *segments
     return (*given, claims, world_key(of.rig)) if claims else given
 
 

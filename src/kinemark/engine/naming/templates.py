@@ -20,10 +20,12 @@ from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders,
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
+from ..settings.gait_table import GaitTable
 from ..subject_templates import of_subject
 from ..template_files import ENDING, is_template, load_template, save_template
 from .earlier import ABSENT, Earlier
 from .named_tracks import load_learnt
+from .segments_of_clusters import set_of_clusters
 
 TEMPLATE = f"subject{ENDING}"
 """Below a session's results: what its trials show of the subject; `subject-A.template.h5` of one of several."""
@@ -111,7 +113,7 @@ def session_template(
     moved = [shown for kind, shown in named if kind != "static"]
     still = [shown for kind, shown in named if kind == "static"]
     still += [_shown(root, file, subject, names) for file in label.static]
-    own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
+    own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set, settings.gait)
     kept = [_kept(root / file) for file in label.template if is_template(file)]
     if label.scale is not None and (other := _learnt(given, names)):
         kept.append(other._replace(template=other.template.of_another(label.scale), wider=None))
@@ -121,9 +123,14 @@ def session_template(
     return best if own is None or (best and len(best.template) > len(own.template)) else own
 
 
-def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerSet | None) -> SessionTemplate | None:
-    """Of those who stand still: by the segments of the marker set, where there is one."""
+def _of_static(
+    shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerSet | None, gait: GaitTable | None
+) -> SessionTemplate | None:
+    """Of those who stand still: by the segments of the marker set, where there is one, or of clusters for gait."""
     useful = _with_names(shown)
+    if marker_set is None and useful and gait is not None and gait.clusters:
+        there = [name for name in useful[0].trial.names if not names or name in names]
+        marker_set = set_of_clusters(gait.clusters, there, markers=gait.markers)
     if not useful or marker_set is None:
         return _learnt(useful, names, spread=STATIC_SPREAD)
     still, sources = useful[0].trial, (useful[0].source, f"marker set {marker_set.name}")

@@ -67,7 +67,8 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
             f"{name} ({len(raw)} bytes) is cut off or damaged. Unreadable: {'; '.join(lost)}. "
             "Copy or export it again, or write what is left to another file: kinemark convert FROM TO --partial."
         )
-    oddities = _oddities(doc, header, layout, end, len(doc.tail))
+    unread = len(doc.tail) if doc.tail.strip(b"\0") else 0  # some programs fill up with a block of zeros
+    oddities = _oddities(doc, header, layout, end, unread)
     notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities, *scaling)
     doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
     doc = _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))

@@ -162,9 +162,14 @@ GAIT_WORDS = {
         _not_level,
         "Time and distance hang on the events; mark them by hand, or give plates, where they matter.",
     ),
+    "gait_on_treadmill": Words(
+        "{trial}: the floor moves at {speed:2} below the feet that stand: a treadmill.",
+        "Speed, stride and step count from it.",
+    ),
     "gait_turns": Words(
-        "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
-        "Rotations of pelvis and foot, which are to that direction, mean little here; angles of joints do.",
+        "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} aside.",
+        "Angles of pelvis and feet are to the way at each moment (by Plug-in Gait to an axis of the laboratory, where "
+        "they mean little). Lengths and widths of steps in a turn are not those of straight walking.",
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",

@@ -1,0 +1,93 @@
+"""How fast the floor moves below the feet: a treadmill's belt.
+
+While a foot stands flat, between `FLAT` of its stance, its heel goes with the floor: the slope of its place over time
+is the floor's velocity v (1). The median over a foot's stances, and the mean of both feet, which roll outwards to
+either side, is that of the trial; the deviation of a stance from it is what is not known of v in a stride: how steadily
+the belt runs, and how flat the foot stood (2). In the frame of the belt, h − v t, a walk on a treadmill is one over
+ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data.array_types import Floats
+from ..data.strides import FootEvent
+from ..data.subject_measures import LETTER, SIDES
+from .foot_motion import BELT_MM_S
+from .segments import Z_UP
+
+FLAT = (0.25, 0.5)
+"""Of a stance, within which the heel stands; chosen: of walkers it comes down until 0.15 and rises from 0.5 to 0.7."""
+FEWEST = 3
+"""Frames of a slope; chosen."""
+
+
+class Floor(NamedTuple):
+    """Velocity of the floor.
+
+    Attributes:
+        velocity: (3) mm/s; 0 where it stands still. sd: mm/s, its standard uncertainty in one stride.
+    """
+
+    velocity: Floats
+    sd: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is a treadmill's."""
+        return bool(np.any(self.velocity))
+
+    def still(self, xyz: Floats, rate: float) -> Floats:
+        """(F, 3) mm of a marker as the belt sees it."""
+        return np.asarray(xyz - self.velocity * (np.arange(len(xyz)) / rate)[:, None])
+
+
+STILL = Floor(np.zeros(3), 0.0)
+"""A floor that does not move; by definition."""
+
+
+def floor_velocity(
+    events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
+) -> Floor:
+    """Velocity of the floor by (1) and (2); `STILL` where it is below `BELT_MM_S`, or no stance is seen.
+
+    Args:
+        events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second. up: of the laboratory.
+    """
+    feet = [_stood(points, [e for e in events if e.side == side], LETTER[side], rate, up) for side in SIDES]
+    seen = [v for v in feet if len(v)]
+    if not seen:
+        return STILL
+    v = np.mean([np.median(each, axis=0) for each in seen], axis=0)
+    speed = float(np.linalg.norm(v))
+    if speed < BELT_MM_S:
+        return STILL
+    along = np.concatenate(seen) @ v / speed
+    return Floor(v, float(np.sqrt(np.mean((along - speed) ** 2))))
+
+
+def _stood(points: Mapping[str, Floats], own: Sequence[FootEvent], letter: str, rate: float, up: Floats) -> Floats:
+    """(N, 3) mm/s along the floor, of a foot in each stance that is seen."""
+    slopes = [_slope(points[letter + "HEE"], begin, end, rate) for begin, end in _stances(own)]
+    return np.array([v - (v @ up) * up for v in slopes if np.isfinite(v).all()]).reshape(-1, 3)
+
+
+def _stances(own: Sequence[FootEvent]) -> list[tuple[float, float]]:
+    """s of the strike and the off of each whole stance of a foot."""
+    own = sorted(own, key=lambda e: e.time)
+    return [(a.time, b.time) for a, b in pairwise(own) if a.strike and not b.strike]
+
+
+def _slope(heel: Floats, begin: float, end: float, rate: float) -> Floats:
+    """(3) mm/s (1), of a heel (F, 3); NaN where it is not seen."""
+    first, last = (int(np.round((begin + share * (end - begin)) * rate)) for share in FLAT)
+    xyz = heel[max(first, 0) : last + 1]
+    if len(xyz) < FEWEST or not np.isfinite(xyz).all():
+        return np.full(3, np.nan)
+    t = (np.arange(len(xyz)) - (len(xyz) - 1) / 2) / rate
+    return np.asarray(t @ xyz / (t @ t))

@@ -1,0 +1,71 @@
+"""Names of walks that lack the landmarks of their standing trial, by the clusters that the session states."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from kinemark.data import MarkerTrajectory, Trajectories, Trial
+from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
+from kinemark.engine.naming.segments_of_clusters import set_of_clusters
+from kinemark.engine.naming.templates import session_template
+from kinemark.engine.settings.gait_table import GaitTable
+from kinemark.gait.clusters import SEGMENTS
+from kinemark.io.trial import write_trial
+from kinemark.label import Labelling, label
+from kinemark.synth import WalkingBody
+
+LEG = LegMeasures(leg_mm=860.0, knee_mm=101.0, ankle_mm=70.0)
+LANDMARKS = ("LASI", "RASI", "SACR", *(s + n for s in "LR" for n in ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")))
+SHORT = {"pelvis": "PV", "thigh": "TH", "shank": "SK", "foot": "FT"}
+CLUSTERS = {
+    segment: tuple(
+        f"{'' if segment == 'pelvis' else segment[0].upper()}{SHORT[segment.split()[-1]]}{k}" for k in (1, 2, 3, 4)
+    )
+    for segment in SEGMENTS
+}
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    """A folder with a labelled standing trial, and the tracks of a walk in clusters alone, without names."""
+    body, rng = WalkingBody(SubjectMeasures(LEG, LEG), plated=SEGMENTS, unworn=LANDMARKS, worn=("KNM", "MED")), 3
+    rng, folder = np.random.default_rng(rng), tmp_path_factory.mktemp("cast")
+    still = body.markers(body.standing(20), walking=False)
+    write_trial(Trial("stand", trajectories(still, rng)), folder / "stand.c3d")
+    walk = body.markers(body.limbs(np.arange(0.0, 1.2, 0.03)))
+    order = rng.permutation(list(walk))
+    tracks = trajectories({f"*{k}": walk[name] for k, name in enumerate(order, 1)}, rng)
+    return folder, tracks, {f"*{k}": str(name) for k, name in enumerate(order, 1)}
+
+
+def trajectories(points, rng):
+    return Trajectories(
+        tuple(MarkerTrajectory.measured(n, x + rng.normal(0, 0.4, x.shape)) for n, x in points.items()), 33.3
+    )
+
+
+def named(session, gait):
+    """Tracks with a sure name: those that have the right one, and those that have not."""
+    folder, tracks, truth = session
+    settings = SimpleNamespace(label=Labelling(static=("stand.c3d",)), marker_set=None, gait=gait)
+    labels = label(tracks, session_template(folder, settings, ()).template)
+    sure = [t for t, state in enumerate(labels.state) if state == "sure"]
+    right = sum(labels.names[t] == truth[tracks.names[t]] for t in sure)
+    return right, len(sure) - right
+
+
+def test_a_walk_in_clusters_is_named_by_its_standing_trial_with_landmarks(session):
+    right, wrong = named(session, GaitTable(clusters={k.replace(" ", "_"): v for k, v in CLUSTERS.items()}))
+    assert (right, wrong) == (28, 0)
+
+
+def test_segments_are_of_clusters_and_landmarks_that_were_shown():
+    shown = ("PV1", "PV2", "PV3", "PV4", "LASI", "knee outer", "LTH1", "LTH2", "LTH3", "LTH4", "C7", "*1")
+    found = set_of_clusters(CLUSTERS, shown, markers={"LKNE": "knee outer"})
+    assert found.names == shown[:-1]
+    assert dict(found.segments) == {
+        "pelvis": ("PV1", "PV2", "PV3", "PV4", "LASI"),
+        "left thigh": ("LTH1", "LTH2", "LTH3", "LTH4", "knee outer"),
+    }
+    assert set_of_clusters(CLUSTERS, ("LASI", "RASI", "LKNE")) is None

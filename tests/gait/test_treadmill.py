@@ -1,0 +1,85 @@
+"""A walk on a treadmill is one over ground, seen from the belt."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import Trajectories, Trial
+from kinemark.gait import foot_events, marker_points
+from kinemark.gait.time_distance import averages, strides
+from kinemark.gait.treadmill import STILL, floor_velocity
+from kinemark.synth import walking
+
+RATE = 100.0
+LENGTHS = ("stride_length", "step_length", "step_width", "speed", "cadence")
+
+
+def walk(speed, *, seed=1, noise_mm=0.3):
+    """(F, 3) mm by name of a walk over ground."""
+    subject = walking(duration_s=7.0, rate=RATE, speed_mm_s=speed, seed=seed)
+    rng = np.random.default_rng(seed)
+    points = marker_points(Trial("walk", subject.trajectories))
+    return {name: xyz + rng.normal(0, noise_mm, xyz.shape) for name, xyz in points.items()}
+
+
+def on_belt(points, speed, direction):
+    """The same on a treadmill whose belt runs against the walk, turned about the vertical by so many deg."""
+    a = np.radians(direction)
+    R = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+    back = np.arange(len(points["LHEE"]))[:, None] / RATE * [speed, 0, 0]
+    return {name: (xyz - back) @ R.T for name, xyz in points.items()}
+
+
+def measured(points):
+    """Events, floor, and means over the strides of both sides."""
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    floor = floor_velocity(events, points, rate=RATE)
+    found = strides(events, points, rate=RATE, floor=floor)
+    return found, floor, {side: averages(found, side) for side in ("left", "right")}
+
+
+@pytest.mark.parametrize(("speed", "direction"), [(600.0, 0.0), (1200.0, 130.0), (1500.0, -90.0)])
+def test_lengths_and_speed_count_from_the_belt(speed, direction):
+    ground = walk(speed)
+    _, still, there = measured(ground)
+    found, floor, here = measured(on_belt(ground, speed, direction))
+    assert still is STILL and floor.moves
+    assert np.linalg.norm(floor.velocity) == pytest.approx(speed, rel=0.02)
+    for side in ("left", "right"):
+        for name in LENGTHS:
+            assert here[side][name][0] == pytest.approx(there[side][name][0], rel=0.02, abs=3), name
+    errors = [(s.values["speed"] - speed) / s.sd["speed"] for s in found]
+    assert np.sqrt(np.nanmean(np.square(errors))) < 1.6
+
+
+def test_a_belt_that_is_sped_up_is_known_worse():
+    ground = walk(1200.0)
+    t = np.arange(len(ground["LHEE"]))[:, None] / RATE
+    faster = {name: xyz - (1100 * t + 15 * t**2) * [1, 0, 0] for name, xyz in ground.items()}
+    _, steady, _ = measured(on_belt(ground, 1200.0, 0.0))
+    _, sped, _ = measured(faster)
+    assert sped.sd > 40 > 2 * steady.sd
+
+
+def test_without_events_the_floor_stands_still():
+    assert floor_velocity((), walk(1200.0), rate=RATE) is STILL
+
+
+def test_heels_that_sit_elsewhere_change_steps_and_no_stride():
+    points = walk(1200.0)
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    aside = {**points, "LHEE": points["LHEE"] + (5.0, -5.0, 0.0)}
+    plain, sure, moved = (
+        strides(events, at, rate=RATE, placement_mm=mm) for at, mm in ((points, 0.0), (points, 5.0), (aside, 0.0))
+    )
+    for a, b, c in zip(plain, sure, moved, strict=True):
+        assert abs(c.values["step_width"] - a.values["step_width"]) == pytest.approx(5.0, abs=0.3)
+        assert b.sd["step_width"] == pytest.approx(np.sqrt(50)) and a.sd["step_width"] == 0.0
+        assert b.systematic["step_length"] == pytest.approx(np.sqrt(50))
+        assert b.sd["stride_length"] == a.sd["stride_length"] and b.systematic["stride_length"] == 0.0
+        assert c.values["stride_length"] == pytest.approx(a.values["stride_length"], abs=0.1)
+        assert of_one_heel(b) == of_one_heel(a)
+
+
+def of_one_heel(stride):
+    """What does not hang on where heels sit."""
+    return {name: sd for name, sd in stride.sd.items() if name not in ("step_length", "step_width")}

@@ -321,9 +321,12 @@ def truth_of(known: Known, one: Problem) -> bool | None:
         return no_marker(known, who[0])
     if one.kind == "join" and len(who) == 2:
         return one_marker(known, *who)
-    if one.kind == "join" and known.rig is None:
-        mm = max((way.jump_mm for way in one.alternatives if np.isfinite(way.jump_mm)), default=0.0)
-        return leapt(known, who[0], first, last, mm)
+    if known.rig is not None:
+        return changed(known, who[0], first, last)
+    mm = max((way.jump_mm for way in one.alternatives if np.isfinite(way.jump_mm)), default=0.0)
+    gone = leapt(known, who[0], first, last, mm)
+    if one.kind == "join" or gone:  # a short stretch at another's place is an exchange whose halves have one owner
+        return gone
     return changed(known, who[0], first, last)
 
 

@@ -3,12 +3,12 @@
 Each file of 16 laboratories is looked at as it is and with faults, at its own rate and at lower ones, as in
 `probable_errors`; with faults twice: up to two of each kind, and one or two in all. Of each change, leap and spike it
 is known what it is said to be by itself, and by what is sure and what is common in its trial and by the rate
-(`edit/probable_errors/probability.py`, (3) and (4)). Coefficients of (3) are fitted to all laboratories, each counting
-by the root of its trials; what is told of each is by those fitted to the others. Those of changes of files by
-themselves were fitted here as well, together with (3) (`fit_changes`).
+(`edit/probable_errors/probability.py`, (3) and (4)). Coefficients of (3) are fitted to all laboratories; what is told
+of each is by those fitted to the others. Those of changes of files by themselves were fitted here as well, together
+with (3) (`fit_changes`).
 
-What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL): there is no
-truth of these.
+What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL), which is left
+out.
 
 Run: python studies/trial_bulk.py
 """
@@ -100,32 +100,23 @@ def told() -> list[Told]:
     with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
         for k, known in enumerate(trials()):
-            some = [(one, kind) for one in listed(known).items if (kind := kind_of(one)) is not None]
-            wrong = np.array([one.wrong for one, _ in some])
-            of = evidence_of_trial(wrong, known.trajectories.rate)
-            for (one, kind), its in zip(some, of, strict=True):
-                true = None if natural(known, one) else truth_of(known, one)
-                if true is not None:
-                    own = tuple(one.values[name] for name in KINDS[kind]._fields)
-                    rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), own, true, k))
+            some = [(one, kind_of(one), truth_of(known, one)) for one in listed(known).items if not natural(known, one)]
+            some = [(one, kind, true) for one, kind, true in some if kind is not None and true is not None]
+            of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
+            for (one, kind, true), its in zip(some, of, strict=True):
+                own = tuple(one.values[name] for name in KINDS[kind]._fields)
+                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), own, true, k))
     return rows
-
-
-def weights(rows: Sequence[Told]) -> Floats:
-    """Each laboratory counts by the root of its trials."""
-    of = {place: {row.trial for row in rows if row.laboratory == place} for place in {row.laboratory for row in rows}}
-    weight = np.array([len(of[row.laboratory]) ** -0.5 for row in rows])
-    return np.asarray(weight * len(weight) / weight.sum())
 
 
 def fitted(x: Floats, rows: Sequence[Told]) -> Floats:
     """A constant and coefficients of evidence (N, n) of these rows, slightly drawn to nothing."""
-    one, y, weight = np.column_stack([np.ones(len(x)), x]), np.array([float(row.true) for row in rows]), weights(rows)
+    one, y = np.column_stack([np.ones(len(x)), x]), np.array([float(row.true) for row in rows])
 
     def cost(c: Floats) -> tuple[float, Floats]:
         z = one @ c
-        slope = one.T @ (weight * (scipy.special.expit(z) - y)) + 0.1 * np.append(0.0, c[1:])
-        return float((weight * (np.logaddexp(0, z) - y * z)).sum() + 0.05 * (c[1:] ** 2).sum()), slope
+        slope = one.T @ (scipy.special.expit(z) - y) + 0.1 * np.append(0.0, c[1:])
+        return float((np.logaddexp(0, z) - y * z).sum() + 0.05 * (c[1:] ** 2).sum()), slope
 
     return np.asarray(scipy.optimize.minimize(cost, np.zeros(one.shape[1]), jac=True, method="L-BFGS-B").x)
 

@@ -3,8 +3,9 @@
 Simulated scenes of 15 to 60 markers and 2 to 12 cameras are tracked, and labelled trials of other systems are read;
 each is looked at as it is, and with seeded faults (`probable_errors_faults`). What the trackers themselves did wrong
 counts as well. The coefficients of `edit/probable_errors/probability.py` are fitted to the scenes of TUNE and every
-second file; everything else is told of the other files and of the scenes of CHECK and FRESH, on which nothing was
-tuned; those of FRESH had not been looked at before.
+second file (how the trial of a file tells: to all, by `trial_bulk`, which tells of each laboratory by the others);
+everything else is told of the other files and of the scenes of CHECK and FRESH, on which nothing was tuned; those of
+FRESH had not been looked at before.
 
 Of these it is told: the area under the ROC curve of `wrong`; how many of the problems of a class of `wrong` were truly
 wrong; how many errors were expected and true, among all and among those below the stop rule; how many problems a trial
@@ -59,7 +60,7 @@ from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
 from support.scenes import make, scene
 
-TUNE, CHECK, FRESH = (*range(60), *range(140, 260)), range(100, 140), range(340, 380)
+TUNE, CHECK, FRESH = (*range(60), *range(140, 160)), (range(100, 140), range(340, 380)), range(400, 460)
 FILES = (
     "pig_gait_child*/*.c3d", "pig_gait_3plates_emg/PiG_M*FF.c3d", "fullbody_cmu/*.c3d", "labelling/*.c3d",
     "pig_wholebody/M*.c3d", "gait_emg_ccby/*01.c3d", "opensim_gait/*walk.trc",
@@ -68,9 +69,10 @@ NEAR = 8  # samples of a half that say whose it is
 OFF_MM = 5.0  # mm that samples must be off at least to be wrong
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
+RESCALED = ("change", "cut", "ghost", "piece_in_file")  # kinds of `rescaled`
 LEVELLED, LOOK = ("spike_in_file",), -2.94  # kinds of `levelled`, and log-odds of what is worth a look
 KINDS = (
-    "change", "cut", "change_in_file", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "filling", "ghost",
+    "change", "cut", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "filling", "ghost",
 )  # fmt: skip
 
 
@@ -256,15 +258,12 @@ def fitted(x: Floats, y: Floats) -> Floats:
 
 
 def rescaled(kind: str, x: Floats, y: Floats) -> Floats:
-    """The coefficients that are kept, all times a factor and with another constant, those of `near` and `companions`
-    anew: they were fitted to all places of scenes 0 to 59, which tell the others better than the fewer listed."""
+    """The coefficients that are kept, all times a factor and with another constant: what they say of each other was
+    fitted to more errors than there are, and holds; how many there are changes with the tracker."""
     old = np.array(COEFFICIENTS[kind])
-    new = [Evidence._fields.index(name) + 1 for name in ("near", "companions")]
-    old[new] = 0.0
-    c = fitted(np.column_stack([old[0] + x @ old[1:], *(x[:, k - 1] for k in new)]), y)
-    out: Floats = c[1] * old
-    out[0] += c[0]
-    out[new] = c[2:]
+    a, b = fitted((old[0] + x @ old[1:])[:, None], y)
+    out: Floats = b * old
+    out[0] += a
     return out
 
 
@@ -290,7 +289,7 @@ def fit(some: Iterator[Known]) -> None:
     for kind in KINDS:
         mine = [row for row in rows if row[1] == kind]
         x, y = np.array([row[2] for row in mine]), np.array([float(row[3]) for row in mine])
-        c = rescaled(kind, x, y) if kind == "change" else fitted(x, y)
+        c = rescaled(kind, x, y) if kind in RESCALED else fitted(x, y)
         c = levelled(kind, x, y, [row[0] for row in mine]) if kind in LEVELLED else c
         print(f'    "{kind}": ({", ".join(f"{k:.2f}" for k in c)}),  # {len(y)}, {y.sum():.0f} wrong')
 
@@ -322,9 +321,12 @@ def truth_of(known: Known, one: Problem) -> bool | None:
         return no_marker(known, who[0])
     if one.kind == "join" and len(who) == 2:
         return one_marker(known, *who)
-    if one.kind == "join" and known.rig is None:
-        mm = max((way.jump_mm for way in one.alternatives if np.isfinite(way.jump_mm)), default=0.0)
-        return leapt(known, who[0], first, last, mm)
+    if known.rig is not None:
+        return changed(known, who[0], first, last)
+    mm = max((way.jump_mm for way in one.alternatives if np.isfinite(way.jump_mm)), default=0.0)
+    gone = leapt(known, who[0], first, last, mm)
+    if one.kind == "join" or gone:  # a short stretch at another's place is an exchange whose halves have one owner
+        return gone
     return changed(known, who[0], first, last)
 
 
@@ -386,7 +388,7 @@ def clean(n: int = 6) -> None:
 def main(*what: Any) -> None:
     if "fit" in what:
         fit(known for some in (both(simulated(TUNE)), both(labelled(0), drawn=3)) for known in some)
-    for scenes in (CHECK, FRESH):
+    for scenes in (FRESH, *CHECK):
         check(f"Simulated scenes {scenes.start} to {scenes.stop - 1}", both(simulated(scenes)))
     check("Files of other systems, every second", both(labelled(1)))
     clean()

@@ -1,35 +1,40 @@
-"""Would a file's own bulk of evidence tell better how likely one of its problems is than how many others may be?
+"""Do the other problems of a file tell how likely one is?
 
 Each file of 16 laboratories is looked at as it is and with faults, at its own rate and at lower ones, as in
-`probable_errors`, every second with one or two faults only. Of each problem that paths show it is known what it is said
-to be by itself, of log-odds z; S, the sum of the probabilities of the trial's others that are sure; the rate f; and how
-common what tells of it is in its trial, by the others that are not sure, of which nearly all are motion:
+`probable_errors`; with faults twice: up to two of each kind, and one or two in all. Of each change, leap and spike it
+is known what it is said to be by itself, and by what is sure and what is common in its trial and by the rate
+(`edit/probable_errors/probability.py`, (3) and (4)). Coefficients of (3) are fitted to all laboratories; what is told
+of each is by those fitted to the others. Those of changes of files by themselves were fitted here as well, together
+with (3) (`fit_changes`).
 
-    logit wrong' = c₀ + c₁ z + c₂ ln(1 + S) + c₃ ln(1 + n(z)) + c₄ ln(f / 60 Hz)                          (1)
-    n(z) = max over z' ≥ z of Σ exp(−(z' − z_j)² / 2)                                                      (2)
-
-Coefficients are fitted to all laboratories, each counting by the root of its trials; what is told of each is by those
-fitted to the others. Kinemark does not use (1) yet: with these coefficients a lone leap of 95 mm in a trial that is
-clean otherwise is likelier right than wrong, with those of four draws of faults a clean trial gets longer lists.
+What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL), which is left
+out.
 
 Run: python studies/trial_bulk.py
 """
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
 import scipy
 from probable_errors import FILES, Known, labelled, listed, truth_of, with_faults
 from probable_errors_faults import KINDS as FAULTS
-from trial_prior import KINDS, OF_PATHS, Told, report
+from probable_errors_tables import Judged, classes, table
 
-from kinemark.data.array_types import Bools, Floats
-from kinemark.edit.probable_errors.probability import LEAST, SURE
+from kinemark.data.array_types import Floats
+from kinemark.data.problems import Problem
+from kinemark.edit.probable_errors import Evidence
+from kinemark.edit.probable_errors.leaps import LeapEvidence
+from kinemark.edit.probable_errors.probability import COEFFICIENTS, evidence_of_trial
+from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
+OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
 OTHERS = (
     "arm_box_lift_gaps/*.c3d", "qualisys_gait/*.c3d", "ulema_hand_to_head/*.c3d", "wheelchair_racing_gaps/*.c3d",
     "force_plate_types/*.c3d", "c3d_malformed/Dance.c3d", "c3d_six_formats/pc_real.c3d",
@@ -39,6 +44,27 @@ LABORATORIES = {
     "qualisys_cgm2": "qualisys_gait", "GHr": "ulema", "HTH1": "ulema", "calMARKERS": "ulema",
     "kinematics_racing": "wheelchair",
 }  # fmt: skip
+KINDS = {"change": Evidence, "leap": LeapEvidence, "spike": SpikeEvidence}
+NATURAL = (
+    ("HC031A23.c3d", "RP5M", 1.90, 2.06),  # 73 mm beside its foot, filtered
+    ("PronetoRun01.c3d", "LSHP", 5.1, 5.3),  # a marker of a plate is 36 mm off the others, which end
+    ("TYPE-3.c3d", "RANK", 3.1, 3.25),  # one sample 16 mm nearer to all of its foot
+    ("HC033A22.c3d", "RAJC", 0.25, 0.5),  # a computed point whose plate was fitted to other markers, 10 mm off
+)
+"""File, what markers' names begin with, s: errors of files as they are."""
+
+
+class Told(NamedTuple):
+    """A problem: its laboratory, kind, what is said of it by itself, evidence of its trial (3), and its own, whether it
+    is one, and which trial it is of."""
+
+    laboratory: str
+    kind: str
+    wrong: float
+    of_trial: tuple[float, ...]
+    own: tuple[float, ...]
+    true: bool
+    trial: int
 
 
 def laboratory(file: str) -> str:
@@ -47,13 +73,26 @@ def laboratory(file: str) -> str:
 
 
 def trials() -> Iterator[Known]:
-    """Each as it is, and with faults: up to two of each kind, and of every second trial one or two in all."""
+    """Each as it is; with up to two faults of each kind; and with one or two in all."""
     some = (known for patterns in (FILES, OTHERS) for part in (0, 1) for known in labelled(part, patterns))
     for k, known in enumerate(some):
-        yield known
         rng = np.random.default_rng([k, 5])
         few = dict(Counter(rng.choice(list(FAULTS), size=int(rng.integers(1, 3))).tolist()))
-        yield with_faults(known, k, counts=few if k % 2 else None)
+        yield from (known, with_faults(known, k), with_faults(known, k, counts=few))
+
+
+def kind_of(one: Problem) -> str | None:
+    """Of KINDS, by what tells of it."""
+    return next((kind for kind, evidence in KINDS.items() if set(one.values) == set(evidence._fields)), None)
+
+
+def natural(known: Known, one: Problem) -> bool:
+    """Whether a problem is an error that its file has as it is."""
+    at = (np.array([one.first, one.last]) - known.trajectories.first_frame) / known.trajectories.rate
+    return any(
+        known.name == file and any(name.startswith(start) for name in one.tracks) and at[0] < high and at[1] > low
+        for file, start, low, high in NATURAL
+    )
 
 
 def told() -> list[Told]:
@@ -61,49 +100,94 @@ def told() -> list[Told]:
     with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
         for k, known in enumerate(trials()):
-            some = [one for one in listed(known).items if one.kind in KINDS and "nats_a_frame" not in one.values]
-            wrong = np.array([one.wrong for one in some])
-            for one, evidence in zip(some, of_trial(wrong, known.trajectories.rate), strict=True):
-                true = truth_of(known, one)
-                if true is not None:
-                    rows.append(Told(laboratory(known.name), one.kind, one.wrong, tuple(evidence.tolist()), true, k))
+            some = [(one, kind_of(one), truth_of(known, one)) for one in listed(known).items if not natural(known, one)]
+            some = [(one, kind, true) for one, kind, true in some if kind is not None and true is not None]
+            of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
+            for (one, kind, true), its in zip(some, of, strict=True):
+                own = tuple(one.values[name] for name in KINDS[kind]._fields)
+                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), own, true, k))
     return rows
 
 
-def of_trial(wrong: Floats, rate: float) -> Floats:
-    """(N, 4) of the problems of a trial."""
-    sure, logit = wrong >= SURE, scipy.special.logit(np.clip(wrong, LEAST, 1 - LEAST))
-    among = np.where(sure, wrong, 0.0).sum() - np.where(sure, wrong, 0.0)
-    rates = np.full(len(wrong), np.log(rate / 60.0))
-    return np.column_stack([logit, np.log1p(among), np.log1p(as_common(logit, sure)), rates])
+def fitted(x: Floats, rows: Sequence[Told]) -> Floats:
+    """A constant and coefficients of evidence (N, n) of these rows, slightly drawn to nothing."""
+    one, y = np.column_stack([np.ones(len(x)), x]), np.array([float(row.true) for row in rows])
+
+    def cost(c: Floats) -> tuple[float, Floats]:
+        z = one @ c
+        slope = one.T @ (scipy.special.expit(z) - y) + 0.1 * np.append(0.0, c[1:])
+        return float((np.logaddexp(0, z) - y * z).sum() + 0.05 * (c[1:] ** 2).sum()), slope
+
+    return np.asarray(scipy.optimize.minimize(cost, np.zeros(one.shape[1]), jac=True, method="L-BFGS-B").x)
 
 
-def as_common(logit: Floats, sure: Bools) -> Floats:
-    """(2) of the problems (N) of a trial."""
-    unsure, order = logit[~sure], np.argsort(-logit, kind="stable")
-    count = np.array([np.exp(-((unsure - z) ** 2) / 2).sum() for z in logit[order]], np.float64) - ~sure[order]
-    out = np.zeros(len(logit))
-    out[order] = np.maximum.accumulate(count)
+def fit(rows: Sequence[Told]) -> dict[str, Floats]:
+    """Coefficients of (3) of each kind."""
+    of = {kind: [row for row in rows if row.kind == kind] for kind in KINDS}
+    return {kind: fitted(np.array([row.of_trial for row in mine]), mine) for kind, mine in of.items()}
+
+
+def fit_changes(rows: Sequence[Told]) -> Floats:
+    """Coefficients of changes of files by themselves: as they tell beside what tells of the trial, all times a factor
+    and with a constant by which they are right without it. Twice, with lists made anew, as (4) hangs on them."""
+    mine = [row for row in rows if row.kind == "change"]
+    own = np.array([row.own for row in mine])
+    scale = np.where(own.std(0) > 1e-6, own.std(0), np.inf)
+    c = fitted(np.column_stack([own / scale, np.array([row.of_trial[1:] for row in mine])]), mine)
+    alone = c[1 : 1 + own.shape[1]] / scale
+    a, b = fitted((own @ alone)[:, None], mine)
+    return np.asarray(np.append(a, b * alone))
+
+
+def judged(rows: Sequence[Told], c: dict[str, Floats] | None) -> list[Judged]:
+    """By these coefficients, or as they are by themselves."""
+    out = []
+    for row in rows:
+        wrong = row.wrong
+        if c is not None:
+            wrong = float(scipy.special.expit(c[row.kind][0] + np.dot(c[row.kind][1:], row.of_trial)))
+        out.append(Judged(row.laboratory, row.kind, wrong, row.true, wrong >= 0.05))
     return out
 
 
-def fit(rows: Sequence[Told]) -> Floats:
-    """Coefficients of (1), slightly drawn to nothing."""
-    x, y = np.array([(1.0, *row.evidence) for row in rows]), np.array([float(row.true) for row in rows])
-    of = {place: {row.trial for row in rows if row.laboratory == place} for place in {row.laboratory for row in rows}}
-    weight = np.array([len(of[row.laboratory]) ** -0.5 for row in rows])
-    weight *= len(weight) / weight.sum()
+def say(title: str, some: Sequence[Judged]) -> None:
+    print(title)
+    for kind in ("all", *KINDS):
+        table(kind, [row for row in some if kind in ("all", row.kind)])
+    classes(some)
+    left = [row for row in some if not row.asked]
+    print(f"  below the stop rule: expected {sum(row.wrong for row in left):.1f}, true {sum(row.true for row in left)}")
 
-    def cost(c: Floats) -> tuple[float, Floats]:
-        z = x @ c
-        slope = x.T @ (weight * (scipy.special.expit(z) - y)) + 0.1 * np.append(0.0, c[1:])
-        return float((weight * (np.logaddexp(0, z) - y * z)).sum() + 0.05 * (c[1:] ** 2).sum()), slope
 
-    return np.asarray(scipy.optimize.minimize(cost, np.zeros(5), jac=True, method="L-BFGS-B").x)
+def unsure(some: Sequence[Judged]) -> str:
+    """How many are neither sure nor unlikely, and how many of them are expected and true."""
+    rows = [one for one in some if 0.05 <= one.wrong < 0.5]
+    return f"{len(rows)}, {sum(one.wrong for one in rows):.1f} expected, {sum(one.true for one in rows)} true"
+
+
+def clean(rows: Sequence[Told], some: Sequence[Judged]) -> str:
+    """How many problems of files as they are would be worth a look."""
+    n = Counter(row.trial for row, one in zip(rows, some, strict=True) if row.trial % 3 == 0 and one.asked)
+    return f"{sum(n.values())} in all, most in one trial {max(n.values(), default=0)}"
 
 
 def main() -> None:
-    report(told(), fit)
+    rows = told()
+    places = sorted({row.laboratory for row in rows})
+    c = {place: fit([row for row in rows if row.laboratory != place]) for place in places}
+    by_others = [judged([row], c[row.laboratory])[0] for row in rows]
+    say("Each by itself", judged(rows, None))
+    say("By its trial, each laboratory by the others", by_others)
+    print(f"  worth a look in files as they are: {clean(rows, by_others)}; "
+          f"by themselves {clean(rows, judged(rows, None))}")  # fmt: skip
+    for place in places:
+        mine = [one for row, one in zip(rows, by_others, strict=True) if row.laboratory == place]
+        alone = judged([row for row in rows if row.laboratory == place], None)
+        print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(mine)}; by themselves {unsure(alone)}")
+    say("By its trial, by the coefficients of all", judged(rows, c_all := fit(rows)))
+    for kind, values in {f"{k}_in_trial": v for k, v in c_all.items()}.items():
+        print(f"  {kind}: {', '.join(f'{k:.2f}' for k in values)} (kept: {COEFFICIENTS[kind]})")
+    print(f"  change_in_file: {', '.join(f'{k:.2f}' for k in fit_changes(rows))}")
 
 
 if __name__ == "__main__":

@@ -272,16 +272,37 @@ def test_a_place_tells_whether_tracking_saw_another_come_near(near, inside):
     assert place.near == (near and inside) and place.told == inside
 
 
-def test_the_other_problems_of_a_trial_tell_how_likely_one_is():
-    """Where much is surely wrong more is, and where much may be and nothing surely is, somebody moves so."""
-    alone = in_trial(np.array([0.1]))[0]
-    among_errors = in_trial(np.array([0.1, *[0.98] * 8]))[0]
-    restless = in_trial(np.array([0.1, *[0.1] * 30]))[0]
-    assert restless < alone / 5 and among_errors > 2 * alone
-    np.testing.assert_array_equal(in_trial(np.zeros(0)), np.zeros(0))
+def said(wrong, kind="leap", rate=100.0):
+    return in_trial([kind] * len(wrong), np.array(wrong), rate)
+
+
+@pytest.mark.parametrize("kind", ["change", "leap", "spike"])
+def test_the_other_problems_of_a_trial_tell_how_likely_one_is(kind):
+    """Where much is surely wrong more is, and what tells as much as others do in the trial is motion."""
+    alone = said([0.1], kind)[0]
+    among_errors = said([0.1, *[0.98] * 8], kind)[0]
+    restless = said([0.1, *[0.1] * 30], kind)[0]
+    assert restless < alone / 5 and among_errors > alone
+    np.testing.assert_array_equal(said([]), np.zeros(0))
+
+
+def test_what_stands_out_in_a_restless_trial_stays_likely():
+    """The others say how its people move; a count of all that may be wrong would call this motion too."""
+    others = [0.03] * 60
+    assert said([0.97, *others])[0] > 0.5 > 0.05 > said([0.1, *others])[0]
+
+
+def test_a_leap_that_stands_alone_is_likely_where_it_is_sure_and_not_worth_a_look_where_it_tells_little():
+    """Of leaps, whose surroundings are evidence already: one slope for all kinds called both as likely as not."""
+    assert said([0.98])[0] > 0.75 and said([0.05])[0] < 0.05
+
+
+def test_what_tells_less_is_never_likelier():
+    wrong = np.sort(np.random.default_rng(0).beta(0.3, 0.6, size=40))
+    assert (np.diff(said(wrong, "spike", 30.0)[wrong < 0.5]) >= 0).all()
 
 
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])
 def test_no_problem_is_evidence_of_itself(wrong):
-    one, unlikely = in_trial(np.array([wrong]))[0], in_trial(np.array([wrong, 0.001, 0.0]))[0]
-    assert one == unlikely and 0 <= one <= 1
+    one, unlikely = said([wrong])[0], said([wrong, *([0.0] if wrong > 0 else [])])[0]
+    assert one == pytest.approx(unlikely, rel=0.01) and 0 <= one <= 1

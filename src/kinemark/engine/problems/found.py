@@ -31,18 +31,18 @@ class Found(NamedTuple):
 
 
 def by_trial(found: Found) -> Found:
-    """Changes, spikes, leaps and pieces of files as likely as the trial's others make them; those of tracks that have
-    images are judged by themselves."""
+    """Changes, spikes and leaps of files as likely as the trial's others make them; those of tracks that have images
+    are judged by themselves."""
     if found.paths.images.any():
         return found
-    said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
-    said += [one.wrong for one in found.leaps] + [one.wrong for one in found.pieces]
-    wrong = iter(in_trial(np.array(said)).tolist())
+    some = {"change": found.changes, "spike": found.spikes, "leap": found.leaps}
+    kinds = [kind for kind, mine in some.items() for _ in mine]
+    said = np.array([one.wrong for mine in some.values() for one in mine])
+    wrong = iter(in_trial(kinds, said, found.paths.rate).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),
         leaps=tuple(one._replace(wrong=next(wrong)) for one in found.leaps),
-        pieces=tuple(one._replace(wrong=next(wrong)) for one in found.pieces),
     )
 
 

@@ -153,7 +153,7 @@ def margins(
     rival = lost_to_rivals(stretches, label, template, pairs) if exchanges else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats, label)
-    stiff, there = stiffness_kept(some, pairs), np.unique(a)
+    stiff, there = stiffness_kept(some, pairs, template.keeps), np.unique(a)
     found = Margins(
         least, second, share, share - own_fit[a], _goes_on(stretches, label, L)[t], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],

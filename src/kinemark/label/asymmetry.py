@@ -26,9 +26,9 @@ from .evidence import OF_SIZE, Single
 from .template import Template
 
 TURNED = 8.0
-"""r from which the names are those of the other side; chosen: of 69 templates and trials of one subject, 15 to 62
-markers, 66 have 1/r above 8; in a right world r of them is 0.34 at most, 5.8 where another child's markers are taken
-for the subject's, 60 pairs, and 3.5 where markers were moved by 5 to 15 mm, 240 trials."""
+"""r from which the names are those of the other side; chosen: in a right world it is 0.34 at most in 69 templates and
+trials of one subject, 15 to 62 markers, 3.5 where markers were moved by 5 to 15 mm, 240 trials, and 5.8 where another
+child's markers are taken for the subject's, 60 pairs."""
 ONE_PAIR = 1.0
 """r that is left when any one marker and its partner are left out, at least; chosen: one wand that was put on anew
 tells nothing."""

@@ -178,6 +178,7 @@ def rows() -> Iterator[Row]:
         yield from same_subject()
         yield from static_trials()
         yield from static_sets()
+        yield from few_markers()
         yield from other_child("HC030A")
         yield from several_children()
         yield from all_other_children()
@@ -308,6 +309,16 @@ def static_sets() -> Iterator[Row]:
         template = static_template(static, read_marker_set(of))
         tuned = name in {*TUNED_CHILDREN, "whole body"}
         yield Row(f"{name} static, {of}", template, only(trial, template.names), tuned=tuned)
+
+
+def few_markers() -> Iterator[Row]:
+    """A static trial and 15 markers: children and walks that `static_sets`, which shreds are drawn from, has not."""
+    worn = read_marker_set("kiss-15")
+    for k, name in enumerate(CHILDREN):
+        for walk in (0, 1) if k > 1 else (1,):
+            template = static_template(child(name, 2), worn)
+            title, trial = f"{name} static, kiss-15, walk {walk + 1}", only(child(name, walk), template.names)
+            yield Row(title, template, trial, tuned=name in TUNED_CHILDREN)
 
 
 def static_children() -> Iterator[Row]:

@@ -61,6 +61,19 @@ def test_angles_with_gaps_are_told_and_filling_is_named(walk):
     )
 
 
+def test_names_that_were_taken_for_the_models_are_told_where_one_is_missing(walk):
+    trial = read_trial(walk / "walk.c3d")
+    other = {"LASI": "Ann:LFWT", "RASI": "Ann:RFWT", "LTIB": "Ann:LSHN", "RTIB": "Ann:RSHN"}
+    paths = tuple(replace(p, name=other.get(p.name, f"Ann:{p.name}")) for p in trial.trajectories)
+    write_c3d(walk / "other.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    with pytest.raises(KinemarkError, match="LTIB, RTIB.* Taken for the model's were LASI = Ann:LFWT, RASI = Ann:RFWT"):
+        gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    stated = {"LTIB": "LSHN", "RTIB": "Ann:RSHN"}  # with the subject's name, or without it
+    found = gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", markers=stated, settings=QUICK)
+    told = next(f for f in found.figures["findings"] if f["kind"] == "gait_markers_renamed")
+    assert "LTIB = Ann:LSHN" in told["values"]["names_list"]
+
+
 def test_a_walk_gives_page_tables_figures_and_a_file(walk):
     found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
     assert found.folder == walk / "walk_gait"

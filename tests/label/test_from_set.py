@@ -15,6 +15,7 @@ from kinemark.label.anatomy import Anatomy
 from kinemark.label.decided_sides import decided_sides
 from kinemark.label.evidence import PairScore
 from kinemark.label.from_set import by_figure_alone
+from kinemark.label.held import stiffness_kept
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from support.named_sessions import walk as walker
@@ -178,3 +179,17 @@ def test_quadruples_that_are_nearly_in_one_plane_from_every_corner_are_left_out(
             best = max(best, abs(u @ np.cross(v, w)) / np.prod([np.linalg.norm(one) for one in (u, v, w)]))
         alone = any({template.names[i] for i in quad} <= {*markers} for markers in worn.segments.values())
         assert best > (0.1 if alone else 0.3)
+
+
+def test_feet_that_stood_together_do_not_make_heels_unsure():
+    """The other foot is the nearest that a static trial shows of a heel; what it tells of a walk is nothing."""
+    still, walk = walker(7, speed=1.0, phase=0.3, seconds=0.4).trajectories, walker(9).trajectories
+    feet = [side + name for side in "LR" for name in ("ANK", "HEE", "TOE")]
+    apart = np.nanmedian(still["LHEE"].xyz - still["RHEE"].xyz, axis=0) - [0, 150, 0]
+    moved = {name: still[name].xyz - 0.5 * apart * (1 if name[0] == "L" else -1) for name in feet}
+    paths = tuple(MarkerTrajectory.measured(p.name, moved.get(p.name, p.xyz)) for p in still)
+    template = static_template(replace(still, paths=paths), read_marker_set("kiss-15"))
+    y = np.stack([walk[name].xyz[::10] for name in template.names], axis=1).astype(np.float32)
+    pairs, heels = PairScore.of_template(template), [template.names.index(side + "HEE") for side in "LR"]
+    assert stiffness_kept(y, pairs, template.keeps)[heels].min() > 0.75
+    assert stiffness_kept(y, pairs, np.ones_like(template.keeps))[heels].max() < 0.7  # where all tell

@@ -33,6 +33,7 @@ from .gait_walks import (
     how,
     known_measures,
     recorded,
+    renamed,
     subject_gait,
     with_gait,
     with_hips,
@@ -133,15 +134,9 @@ def _figures(
             found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
-            heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=_renamed(walks),
+            heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
         )
     )  # fmt: skip
-
-
-def _renamed(walks: Sequence[Recorded]) -> dict[str, str]:
-    """The files' names by the model's, where they differ."""
-    known = {marker: name for walk in walks for marker, name in walk.standard.known.items()}
-    return {marker: name for marker, name in known.items() if name.rsplit(":", 1)[-1] != marker}
 
 
 def _written(

@@ -11,6 +11,7 @@ import numpy as np
 from ..data import Events, KinemarkError, Signals, Trial
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
+from ..data.marker_sides import without_subject
 from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
@@ -104,14 +105,17 @@ def recorded(
     """A file's trial as the gait model wants it.
 
     Args:
-        name: of the file. trial: that it holds. markers: the trial's names by the model's, of those that are stated.
+        name: of the file. trial: that it holds.
+        markers: the trial's names by the model's, of those that are stated, with the subject's name or without it.
         settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis.
 
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up; the message begins with the name.
     """
     turn = None if like is None or settings.up != "auto" else like.standard.turn
-    there = {marker: own for marker, own in markers.items() if own in trial.trajectories.names}
+    names = trial.trajectories.names
+    plain = {without_subject(own): own for own in reversed(names)}
+    there = {marker: full for marker, own in markers.items() if (full := own if own in names else plain.get(own))}
     try:
         return Recorded(name, trial, standard_trial(trial, markers=there, up=settings.up, turn=turn))
     except KinemarkError as error:
@@ -133,8 +137,16 @@ def completed(walk: Recorded, static: Recorded | None) -> Recorded:
         check_markers(walk.points)
         check_legs(walk.points)
     except KinemarkError as error:
-        raise KinemarkError(f"{walk.name}: {error}") from None
+        called = ", ".join(f"{marker} = {own}" for marker, own in sorted(renamed(walk).items()))
+        taken = f" Taken for the model's were {called}." if called else ""
+        raise KinemarkError(f"{walk.name}: {error}{taken}") from None
     return walk
+
+
+def renamed(*walks: Recorded) -> dict[str, str]:
+    """The walks' names by the model's, where they differ."""
+    known = {marker: name for walk in walks for marker, name in walk.standard.known.items()}
+    return {marker: name for marker, name in known.items() if without_subject(name) != marker}
 
 
 def known_measures(stated: SubjectMeasures | None, walks: Sequence[Recorded], static: Recorded | None) -> KnownMeasures:

@@ -12,7 +12,8 @@ In a world whose axes are left-handed, as where y was counted the other way, the
 orientation. But no body is quite its own mirror image, and distances are the same in both worlds: by the subject's own
 template the exchange of all names loses distances in a right one, and gains them in a mirrored one. So where distances
 gain that much and orientation says no, the world is said to be mirrored, and no name is sure; so it is where most
-quadruples of the names are turned.
+quadruples of the names are turned. Few markers gain little by any exchange: there what differs between left and right
+tells whether it does so the other way round (`asymmetry`).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from ..data import make_finding
 from ..data.array_types import Floats, Ints
 from ..data.finding import Finding
 from .anatomy import Anatomy
+from .asymmetry import sides_are_turned
 from .evidence import WRONG_HAND, PairScore, Single, hands
 from .exchange import FRAMES, Exchanger, best_moves
 from .side_pairs import mirrored
@@ -111,7 +113,7 @@ def _mirrored_world(stretches: Stretches, label: Ints, template: Template, pairs
         return False
     plain = Exchanger.of(template, pairs)
     by_distances = plain._replace(handed=plain.handed[:0], sign=plain.sign[:0])
-    return _gain(by_distances, y, other) > MIRRORED
+    return _gain(by_distances, y, other) > MIRRORED or sides_are_turned(y, template, other)
 
 
 def _some_places(stretches: Stretches, label: Ints, L: int) -> Single:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data.array_types import Floats, Ints
-from .evidence import PairScore, Single, distances
+from ..data.array_types import Bools, Floats, Ints
+from .evidence import WIDER, PairScore, Single, distances
 from .stretches import Stretches
 from .sweeps import places
 
@@ -21,7 +21,8 @@ FRAMES = 40
 """In which this is looked at; chosen."""
 STIFFEST = 4
 """Of each label, those by which its own probability is told; chosen."""
-
+USUAL = (1 + 1 / WIDER**2) ** -0.5
+"""Mean of exp(−z²/2) of distances as the template has them, whose spread is σ / 1.3; by definition."""
 LEAST = 0.65
 """Below which a template is of something else; chosen: right ones hold 0.80 to 1, also with four markers absent, in a
 new posture, or of another subject; of 30 pairs of different marker sets one holds more than 0.64, that of 7 markers."""
@@ -42,7 +43,7 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore, *, absent_too: boo
     Args:
         label: (T) −1 for none. absent_too: else those to labels that are absent tell nothing either.
     """
-    near = _stiffest(pairs, NEIGHBOURS)
+    near = _stiffest(pairs.inverse, NEIGHBOURS)
     y = places(stretches, label, len(pairs.distance))
     absent = ~np.isfinite(y[..., 0]).any(0) & absent_too
     holds = total = 0
@@ -54,23 +55,29 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore, *, absent_too: boo
     return holds / max(total, 1)
 
 
-def stiffness_kept(y: Single, pairs: PairScore) -> Floats:
+def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
     """(L) how well each label's stiffest distances hold, from 0 to 1: mean of exp(−z²/2) with z in σ; 0 where absent.
 
+    Where fewer than four of a label keep, the others tell nothing, as feet that stood close together walk apart, and
+    count as distances do that hold; where none keeps, the four that are known best are all there is.
+
     Args:
-        y: (K, L, 3) places of labels, mm, NaN where not seen.
+        y: (K, L, 3) places of labels, mm, NaN where not seen. keeps: (L, L) of the template.
     """
-    near = _stiffest(pairs, STIFFEST)
+    inverse = np.where(keeps | ~keeps.any(1, keepdims=True), pairs.inverse, 0.0)
+    near = _stiffest(inverse, STIFFEST)
+    tells = np.take_along_axis(inverse > 0, near, axis=1)
     total, count = np.zeros(len(near)), np.zeros(len(near))
     for xyz in y:
         off = np.take_along_axis((distances(xyz, xyz) - pairs.distance) * pairs.inverse, near, axis=1)
-        seen = np.isfinite(off)
-        total += np.where(seen, np.exp(-0.5 * np.where(seen, off, 0.0) ** 2), 0.0).sum(1)
+        seen = np.isfinite(np.where(tells, off, xyz[:, :1]))
+        holds = np.where(tells, np.exp(-0.5 * np.where(seen, off, 0.0) ** 2), USUAL)
+        total += np.where(seen, holds, 0.0).sum(1)
         count += seen.sum(1)
     return np.asarray(total / np.maximum(count, 1))
 
 
-def _stiffest(pairs: PairScore, n: int) -> Ints:
-    """(L, n) of each label, the others whose distance is known best."""
-    sigma = np.where(pairs.inverse > 0, 1 / np.where(pairs.inverse > 0, pairs.inverse, 1.0), np.inf)
+def _stiffest(inverse: Floats | Single, n: int) -> Ints:
+    """(L, n) of each label, the others whose distance is known best; inverse (L, L) 1/σ, 0 where nothing is known."""
+    sigma = np.where(inverse > 0, 1 / np.where(inverse > 0, inverse, 1.0), np.inf)
     return np.argsort(sigma, axis=1, kind="stable")[:, : min(n, len(sigma) - 1)]

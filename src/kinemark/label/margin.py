@@ -76,9 +76,6 @@ BETA_OTHER = (-4.27, 0.0, 0.0, 1.00, 0.0, 3.27, 2.24, 4.33, 1.45, 0.63, 0.0, 0.0
 -3.82 and 1.39, and were measured anew on 5 655 labels of 104 further shreds: of 1 014 labels from 0.9 to 0.999
 seventeen were wrong where eight were expected, and none of 2 026 where nothing is left over. With 40 more shreds the
 first would be -4.3 (-4.8 to -3.8)."""
-RIGID = 0.1
-"""Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
-trials leave 0.18 open elsewhere."""
 GAINED, LOST = 0.25, 2.0
 """k of (4), 1/nats, where an exchange gains and where it loses; measured on the same 109 shreds: of static trials most
 names that an exchange would gain by are right."""
@@ -156,23 +153,18 @@ def margins(
     rival = lost_to_rivals(stretches, label, template, pairs) if exchanges else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats, label)
-    stiff, there = stiffness_kept(some, pairs), np.unique(a)
+    stiff, there = stiffness_kept(some, pairs, template.keeps), np.unique(a)
     found = Margins(
         least, second, share, share - own_fit[a], _goes_on(stretches, label, L)[t], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
-        _rigid(template)[a], np.full(len(t), _shut(stretches, label, L) if exchanges else 0.0),
+        template.keeps.any(1).astype(float)[a], np.full(len(t), _shut(stretches, label, L) if exchanges else 0.0),
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
     full = {name: _of_all(part, t, len(label)) for name, part in found._asdict().items() if name != "runner_up"}
     return Margins(runner_up=runner_up, **full)
-
-
-def _rigid(template: Template) -> Floats:
-    """(L) 1 for labels of which the template knows a distance that keeps, else 0."""
-    return np.asarray((template.spread < RIGID * template.distance).any(1), float)  # NaN, and the label itself, are not
 
 
 def _shut(stretches: Stretches, label: Ints, L: int) -> float:

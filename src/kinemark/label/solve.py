@@ -39,8 +39,6 @@ LONGEST_CHAIN = 8
 TURNED = 0.7
 """Score as a share of what the template scores on its own data, below which the other sides of another subject's names
 are tried as a whole; chosen: a body turned about had 0.62, right names of other children mostly have 0.7 to 1."""
-KEEPS = 0.1
-"""Spread of a distance that keeps, as a share of it, at most; chosen, as `margin.RIGID`."""
 PARTS = 3
 """Of a trial that are looked for, beside the first, that names do not reach; chosen, more cost time."""
 LEAST_DARK = 0.05
@@ -147,7 +145,7 @@ def _nothing_keeps(template: Template) -> bool:
 
     Of 60 shreds by such templates two ended turned about, 64 of 165 sure tracks wrong, at fits of 0.76 and 0.98.
     """
-    return not (template.spread < KEEPS * template.distance).any()
+    return not template.keeps.any()
 
 
 def _further(

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
 from .computed_points import computed_points
 from .own_fit import own_fit
@@ -42,6 +42,9 @@ QUADRUPLES = 12
 """That are kept of each label, the widest; chosen."""
 PLACING, PROPORTION, LIMB = 0.004, 0.018, 0.2
 """Of (3), shares of the body's size; measured on five children who wear the same 59 markers, 1.2 to 1.5 m tall."""
+KEEPS = 0.1
+"""Spread of a distance that keeps, as a share of it, at most; chosen: sets state 0.03 within segments, and static
+trials leave 0.18 open elsewhere."""
 LEAST_VOLUME = 0.1
 """Least triple product over the product of its edges, in all frames: 6° out of one plane; chosen."""
 
@@ -97,6 +100,11 @@ class Template:
     def size(self) -> float:
         """The greatest mean distance of two labels, mm."""
         return float(np.nanmax(self.distance))
+
+    @property
+    def keeps(self) -> Bools:
+        """(L, L) whether the distance of two labels is known to keep; not of a label with itself."""
+        return np.asarray(self.spread < KEEPS * self.distance)  # NaN is not, nor 0
 
     def scaled(self, ratio: float, *, relative_spread: float = 0.0) -> Template:
         """Of a subject `ratio` times as tall; each distance uncertain by a further share of itself.

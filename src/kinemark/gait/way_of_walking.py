@@ -39,7 +39,7 @@ def way_of_walking(events: Sequence[FootEvent], points: Mapping[str, Floats], *,
 
 
 def faced_aside(x: Floats) -> Floats:
-    """(F) deg between directions along the floor x (F, 3) and their mean; NaN where they are unknown."""
+    """(F) deg between directions x (F, 3), z up, along the floor and their mean; NaN where they are unknown."""
     flat = x[:, :2] / np.linalg.norm(x[:, :2], axis=1, keepdims=True)
     mean = np.nanmean(flat, axis=0) if np.isfinite(flat).any() else np.full(2, np.nan)
     return np.asarray(np.degrees(np.abs(np.arctan2(flat[:, 0] * mean[1] - flat[:, 1] * mean[0], flat @ mean))))

@@ -79,6 +79,28 @@ def test_a_faster_walk_differs_and_the_same_does_not(conditions):
     assert len(differing) <= 0.15 * sum(len(row["components"]) for row in again["curves"])
 
 
+def test_heels_that_were_put_on_anew_explain_a_wider_step_and_many_strides_do_not_make_it_sure(conditions):
+    table = json.loads((conditions / "slow/gait.json").read_text())
+
+    def walked(name, width):
+        """A folder with many strides of this step width, whose heels sit somewhere within 5 mm."""
+        found = json.loads(json.dumps(table))
+        known = {"mean": width, "spread": 3.0, "strides": 20, "sd": 7.1, "systematic_sd": 7.0}
+        for side in ("left", "right"):
+            found["time_distance"][side]["step_width"] = known
+        (conditions / name).mkdir(exist_ok=True)
+        (conditions / name / "gait.json").write_text(json.dumps(found))
+        return conditions / name
+
+    def exceeds(width, *, same_markers):
+        one, two = walked("before", 90.0), walked("after", width)
+        found = compare_gait(one, two, folder=conditions / "wider", same_markers=same_markers).figures
+        return next(row["exceeds"] for row in found["time_distance"] if row["name"] == "step_width")
+
+    assert not exceeds(102.0, same_markers=False) and exceeds(102.0, same_markers=True)
+    assert exceeds(115.0, same_markers=False) and not exceeds(91.0, same_markers=True)
+
+
 def test_what_cannot_be_compared_is_refused(conditions):
     with pytest.raises(KinemarkError, match="with itself"):
         compare_gait(conditions / "slow", conditions / "slow", folder=conditions / "x")

@@ -21,6 +21,7 @@ from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
 from ..gait.time_distance import averages
 from ..gait.treadmill import STILL, Floor
+from ..gait.way_of_walking import faced_aside
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
@@ -332,14 +333,7 @@ def _turned(trial: GaitOfTrial) -> float:
     if "LPelvisAngles" not in trial.gait.signals.names:
         return 0.0
     off = np.abs(trial.gait.signals["LPelvisAngles"].values[:, 2])
-    return max(quantile(off, 0.9), quantile(_aside(trial.gait.limbs.pelvis.R[..., 0]), 0.9))
-
-
-def _aside(x: Floats) -> Floats:
-    """(F) deg between directions along the floor x (F, 3) and their mean; NaN where they are unknown."""
-    flat = x[:, :2] / np.linalg.norm(x[:, :2], axis=1, keepdims=True)
-    mean = np.nanmean(flat, axis=0) if np.isfinite(flat).any() else np.full(2, np.nan)
-    return np.asarray(np.degrees(np.abs(np.arctan2(flat[:, 0] * mean[1] - flat[:, 1] * mean[0], flat @ mean))))
+    return max(quantile(off, 0.9), quantile(faced_aside(trial.gait.limbs.pelvis.R[..., 0]), 0.9))
 
 
 def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:

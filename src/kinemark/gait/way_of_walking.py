@@ -38,6 +38,13 @@ def way_of_walking(events: Sequence[FootEvent], points: Mapping[str, Floats], *,
     return "stairs" if rises and float(np.median(rises)) > RISE_MM else "level"  # (2)
 
 
+def faced_aside(x: Floats) -> Floats:
+    """(F) deg between directions x (F, 3), z up, along the floor and their mean; NaN where they are unknown."""
+    flat = x[:, :2] / np.linalg.norm(x[:, :2], axis=1, keepdims=True)
+    mean = np.nanmean(flat, axis=0) if np.isfinite(flat).any() else np.full(2, np.nan)
+    return np.asarray(np.degrees(np.abs(np.arctan2(flat[:, 0] * mean[1] - flat[:, 1] * mean[0], flat @ mean))))
+
+
 def _flies(events: Sequence[FootEvent], off: FootEvent) -> bool | None:
     """Whether the other foot is in the air when this one leaves; None where its last event is not known."""
     other: Side = SIDES[1 - SIDES.index(off.side)]

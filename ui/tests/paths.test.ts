@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { decodeDetections, detectedIn } from "../src/model/detections";
-import { decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed, straightAcross, whole } from "../src/model/paths";
+import { besideCurves, decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed, straightAcross, whole } from "../src/model/paths";
 import { path, set } from "./support";
 import type { GapRow } from "../src/api/types";
 
@@ -39,6 +39,12 @@ describe("a set of paths", () => {
     expect([...c.origin]).toEqual([...a.origin]);
     expect([...d.xyz]).toEqual([...b.xyz]);
   });
+});
+
+it("draws beside the curves of many markers what would be of those that are shown", () => {
+  const names = ["A", "B", "C", "D", "E"], instead = names.map((name) => path(name, [1]));
+  expect(besideCurves(instead, names).map((p) => p.name)).toEqual(["A", "B", "C", "D"]);
+  expect(besideCurves(instead, ["A"])).toBe(instead);
 });
 
 it("runs follow one another and cover all frames", () => {

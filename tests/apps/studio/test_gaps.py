@@ -54,6 +54,13 @@ def test_many_gaps_are_judged_together_and_a_way_is_chosen_by_the_errors_that_ar
         }
 
 
+def test_a_gap_is_listed_with_the_error_that_is_expected_of_filling_it(studio):
+    """Not with its cost by the small probability that the fill is far off, which were metres."""
+    rows = {row["marker"]: row["expected_mm"] for row in judged(studio)}
+    found = studio.page.get(f"{studio.trial}/problems").json()["problems"]
+    assert {one["tracks"][0]: one["cost_mm"] for one in found if one["kind"] == "gap"} == rows
+
+
 def test_the_way_that_is_best_is_filled_at_once_when_it_is_chosen(studio, monkeypatch):
     rows = judged(studio)
     monkeypatch.setattr(module.POOL, "submit", lambda *_: pytest.fail("worked out again"))

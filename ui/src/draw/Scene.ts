@@ -5,7 +5,7 @@ import {
 } from "three";
 import type { TrialHeader } from "../api/types";
 import { nearestSample, type Path, type PathSet } from "../model/paths";
-import { Names } from "./names";
+import { MOST_NAMED, Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
 import { clear, room } from "./room";
@@ -272,7 +272,8 @@ export class Scene {
     }
     for (const path of this.shown.instead) {
       const at = this.onScreen(path, index);
-      if (at) ring(c, at, this.colours.b, true), names.write(`B ${path.name}`, at, ink, true);
+      if (at) ring(c, at, this.colours.b, true);
+      if (at && this.shown.instead.length <= MOST_NAMED) names.write(`B ${path.name}`, at, ink, true);
     }
     for (const path of drawn) {
       const at = some.has(path.name) ? null : this.onScreen(path, index);

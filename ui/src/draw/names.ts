@@ -6,6 +6,8 @@ const ASIDE = 9, ABOVE = -7, BELOW = 16;
 const LINE = 13, FREE = 3;
 /** Lines above and below a marker in which a name that must be read may stand; chosen: markers that lie in one another. */
 const LINES = 4;
+/** Paths that would be whose names are written, at most; of more the rings alone are drawn. Chosen: what can be read. */
+export const MOST_NAMED = 8;
 /** Widths of names, measured once. */
 const WIDTHS = new Map<string, number>();
 

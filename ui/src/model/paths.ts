@@ -195,6 +195,12 @@ export function joined(piece: Path, first: number, paths: PathSet | null): { pat
   return { path: { ...piece, xyz, sd, origin, cov }, at: first - 1 };
 }
 
+/** Markers of which curves are shown, at most; chosen: as many as colours tell apart. */
+export const SHOWN = 4;
+/** What would be, of the markers whose curves are shown: of a few all of it, as it may have other names. */
+export const besideCurves = (instead: readonly Path[], seen: readonly string[]): readonly Path[] =>
+  seen.length > SHOWN ? instead.filter((path) => seen.slice(0, SHOWN).includes(path.name)) : instead;
+
 /** A path as it would be in [start, end), as elsewhere it stays; straight across the samples that it would lose, of which nothing
  * would be drawn else. The same path where it loses none between two that it keeps. */
 export function straightAcross(own: Path | undefined, would: Path, start: number, end: number): Path {

@@ -6,7 +6,7 @@ import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
-import { candidatePath, hasSd, joined, whole, type Path } from "../model/paths";
+import { besideCurves, candidatePath, hasSd, joined, SHOWN, whole, type Path } from "../model/paths";
 import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, watched, type State } from "../state/store";
 import { wantDetections } from "../state/load";
 import { Computed } from "./Computed";
@@ -103,7 +103,7 @@ export function CurvesView(): React.JSX.Element {
   }, [curves, header, paths, selected, s.problem, first, last, bands, fourth, window, s.instead, s.candidates, s.method, s.screen]);
   return (
     <section className={styles.view} aria-label="Curves">
-      <div ref={place} className={`${styles.fill} ${styles.under}`} role="img" aria-label={`X, Y, Z and ${fourth} of ${seen.slice(0, 4).join(" and ") || "no marker"} over time`} />
+      <div ref={place} className={`${styles.fill} ${styles.under}`} role="img" aria-label={`X, Y, Z and ${fourth} of ${seen.slice(0, SHOWN).join(" and ") || "no marker"} over time`} />
       {!seen.length && <p className={styles.none}><span>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></span></p>}
       {seen.length > 0 && <CurveLegend names={seen} />}
     </section>
@@ -112,11 +112,11 @@ export function CurvesView(): React.JSX.Element {
 
 function curvesOf(s: State): Curve[] {
   const p = palette(), two = [p.a, p.measured, p.filled, p.edited], one = currentProblem(s) ? two : [p.measured, p.filled, p.edited, p.accent];
-  const own: Curve[] = watched(s).slice(0, 4).flatMap((name, i) => (s.paths?.byName.has(name) ? [{ path: s.paths.byName.get(name)!, colour: one[i]! }] : []));
+  const own: Curve[] = watched(s).slice(0, SHOWN).flatMap((name, i) => (s.paths?.byName.has(name) ? [{ path: s.paths.byName.get(name)!, colour: one[i]! }] : []));
   if (s.screen === "gaps" && s.candidates) {
     const { marker, first, candidates } = s.candidates;
     for (const c of candidates) own.push({ ...joined(candidatePath(marker, c.xyz, c.sd), first, s.paths), colour: c.method === s.method ? p.b : p.faint, dashed: c.method !== s.method, band: c.method === s.method });
-  } else own.push(...insteadOf(s).map((path) => ({ path, colour: p.b, dashed: true, band: false })));
+  } else own.push(...besideCurves(insteadOf(s), watched(s)).map((path) => ({ path, colour: p.b, dashed: true, band: false })));
   return own;
 }
 
@@ -126,7 +126,7 @@ function CurveLegend({ names }: { names: readonly string[] }): React.JSX.Element
   const shaded = Boolean(way?.sd) || names.some((name) => paths?.byName.has(name) && hasSd(paths.byName.get(name)!));
   return (
     <p className={styles.legend}>
-      <b>{names.slice(0, 4).join(", ")}{names.length > 4 && ` and ${names.length - 4} more`}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}{instead.straight && ", drawn straight across them"}</> : null}
+      <b>{names.slice(0, SHOWN).join(", ")}{names.length > SHOWN && ` and ${names.length - SHOWN} more`}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}{instead.straight && ", drawn straight across them"}</> : null}
       {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && shaded && " · shaded 95 %"}
     </p>
   );

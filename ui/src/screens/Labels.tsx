@@ -83,7 +83,7 @@ function Row({ of: p }: { of: Proposal }): React.JSX.Element {
       {sure && <span className={`${styles.sure} number`}><meter min={0} max={1} low={0.6} high={0.9} optimum={1} value={p.probability} aria-label="Probability" />{percent(p.probability)}</span>}
       {p.runner_up && (p.probability < 0.999 || unnamed) && <small className="soft">else {p.runner_up}</small>}
       <span className={styles.acts}>
-        {other && p.name && <button type="button" className="button" title={`${p.track} is ${p.name} (Enter)`} onClick={() => void nameTrack(p.name, p.track)}><Check size={13} aria-hidden />{p.name}</button>}
+        {other && p.name && <button type="button" className="button" title={`${p.track} is ${p.name} (Enter)`} onClick={() => void nameTrack(p.name, p.track)}><span aria-hidden>→ </span>{p.name}</button>}
         <button type="button" className="icon-button" aria-label={`Another name for ${p.track}`} title="Another name (L)" onClick={() => set({ track: p.track, selected: [p.track], dialog: "name" })}><Tag size={14} aria-hidden /></button>
       </span>
     </li>

@@ -2,13 +2,11 @@
 import * as api from "../api/client";
 import type { Alternative, GapCandidates, Problem } from "../api/types";
 import { changes } from "../model/problems";
-import { candidatePath, decodePart, joined, straightAcross, whole, type Path } from "../model/paths";
+import { candidatePath, decodePart, joined, SHOWN, straightAcross, whole, type Path } from "../model/paths";
 import { get, set } from "./store";
 
 /** Times that a gap is asked about, and ms between, until its fills are there; chosen: a minute, as a whole trial may be judged before. */
 const TRIES = 240, AGAIN_MS = 250;
-/** Markers whose fills are drawn, at most; chosen: as many as curves are shown of. */
-const DRAWN = 4;
 /** What was pointed at last: an answer that comes later is not drawn over it. */
 let pointed = "";
 
@@ -47,7 +45,7 @@ async function drawFill(id: string, problem: Problem, other: Alternative, still:
     if (fill) found.set(of.marker, whole([fill.path], fill.at, paths)[0]!);
     draw([...found.values()]);
   };
-  await Promise.all(problem.tracks.slice(0, DRAWN).map((marker) => askedUntilThere(id, marker, problem.first, still, take)));
+  await Promise.all(problem.tracks.slice(0, SHOWN).map((marker) => askedUntilThere(id, marker, problem.first, still, take)));
 }
 
 /** Ask for the ways to fill a gap until all of them are there, and take what there is each time. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -100,7 +101,13 @@ def pairs_of(document: OpenDocument) -> list[tuple[str, str]]:
     there = [path.name for path in seen if _samples(document, path)[2]]
     if document.marker_set is not None:
         return [pair for pair in document.marker_set.pairs if set(there).issuperset(pair)]
-    return list(sides_by_name(there))
+    return list(_called_alike(tuple(there)))
+
+
+@lru_cache(maxsize=8)
+def _called_alike(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Worked out once, as the header is made anew at every act."""
+    return sides_by_name(names)
 
 
 def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:

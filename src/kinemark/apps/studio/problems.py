@@ -112,7 +112,6 @@ def _stands(one: core.Problem, before: Looked, document: OpenDocument) -> bool:
 
 
 def _problem(document: OpenDocument, one: core.Problem) -> Problem:
-    at_stake = one.wrong * one.at_stake
     return Problem(
         id=one.id,
         kind=one.kind,
@@ -123,11 +122,19 @@ def _problem(document: OpenDocument, one: core.Problem) -> Problem:
         frame=one.frame,
         wrong=finite(one.wrong),
         at_stake=one.at_stake,
-        cost_mm=finite(one.cost / at_stake) if at_stake and not _assumed(one) else None,
+        cost_mm=_off(one),
         cost=one.cost,
         alternatives=[_alternative(one, way) for way in one.alternatives],
         images=_cameras(document, one),
     )
+
+
+def _off(one: core.Problem) -> float | None:
+    """mm that its samples are off where it is wrong, of a gap where it is filled; None where nothing tells."""
+    if one.kind == "gap":
+        return finite(one.values.get("expected_mm"))
+    at_stake = one.wrong * one.at_stake
+    return finite(one.cost / at_stake) if at_stake and not _assumed(one) else None
 
 
 def _assumed(one: core.Problem) -> bool:

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
 from .detection_index import Images
 from .drifting_pairs import BLOCK, SOUND, Usual, UsualResiduals, blocks, residual, scores, shared_shift
@@ -79,9 +80,12 @@ def drifting_beyond(
     own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
+        return_memory()
         e = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])[0]
         there = one.shifted(shared_shift(e - one.median, id[rows]))
         rows = rows[never[id[rows]]]
+        of = _stretch(frame[rows], id[rows])
+        rows = rows[np.bincount(of)[of] < LONG]
         if len(rows):
             stretches = _stretches(frame[rows], id[rows], detection[[a, b]][:, rows], images, usual.F[a, b])
             out[rows] = (_totals(stretches, there, r, gate) > CERTAIN)[stretches.of]
@@ -89,9 +93,14 @@ def drifting_beyond(
 
 
 def _stretches(frame: Ints, id: Ints, detection: Ints, images: Images, F: Floats) -> _Stretches:
-    new = begins(id) | (np.diff(frame, prepend=frame[:1]) > HOLE)
-    first = np.flatnonzero(new)
-    return _Stretches(frame, detection, images, F, np.cumsum(new) - 1, first, np.append(first[1:], len(frame)) - 1)
+    of = _stretch(frame, id)
+    first = np.flatnonzero(begins(of))
+    return _Stretches(frame, detection, images, F, of, first, np.append(first[1:], len(frame)) - 1)
+
+
+def _stretch(frame: Ints, id: Ints) -> Ints:
+    """(R) the number of the stretch of rows by track and frame."""
+    return np.asarray(np.cumsum(begins(id) | (np.diff(frame, prepend=frame[:1]) > HOLE)) - 1)
 
 
 def _totals(one: _Stretches, usual: Usual, r: float, gate: float) -> Floats:
@@ -106,7 +115,7 @@ def _totals(one: _Stretches, usual: Usual, r: float, gate: float) -> Floats:
     for block in blocks(frame, stretch):
         score = scores(e[block] - usual.median, squared[block].mean(1) * gate**2, usual)
         np.add.at(total, stretch[block[:, 0]], score)
-    return np.where(goes_on & (one.last - one.first + 1 < LONG), total, 0.0)
+    return np.where(goes_on, total, 0.0)
 
 
 def _beyond(one: _Stretches, r: float, gate: float) -> Iterator[tuple[Ints, Ints, Ints]]:

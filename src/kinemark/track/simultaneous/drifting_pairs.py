@@ -232,6 +232,7 @@ def _scored(
     own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
+        return_memory()
         e, squared = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
         there = one.shifted(shared_shift(e - one.median, id[rows]))
         for block in blocks(frame[rows], id[rows]):
@@ -276,6 +277,7 @@ def _usual(
     if len(rows) < MIN_SOUND:
         return None
     a, b = pair
+    return_memory()  # of the pair before: there are many, of long recordings
     e, squared = residual(images, F[a, b], detection[a, rows], detection[b, rows])
     median = float(np.median(e))
     every = [block[:: -(-len(block) // MAX_BLOCKS)] for block in blocks(frame[rows], id[rows])]
@@ -314,7 +316,6 @@ def _unlikelihood(a: Floats, W: Floats) -> Floats:
 
 def residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
     """e (n) px by (1) of `epipolar_noise` of images of two cameras, and s² (n) px² by (2) of it."""
-    return_memory()  # of the pair before: there are many, of long recordings
     x, y = (np.column_stack([images.uv[each], np.ones(len(each))]) for each in (one, other))
     line, back = x @ F.T, y @ F
     size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)

@@ -1,5 +1,6 @@
 """Laws of the records: shapes are checked, arrays cannot be changed, and slices and offsets agree."""
 
+import pickle
 from dataclasses import FrozenInstanceError, fields
 
 import numpy as np
@@ -202,3 +203,17 @@ def test_a_rig_can_be_reordered_by_name():
     assert np.allclose(rig.select(["c1"]).centres, rig.centres[1:2])
     with pytest.raises(ValueError, match="c7"):
         rig.select(["c7"])
+
+
+def test_a_column_of_which_all_rows_are_alike_is_in_memory_once_also_after_pickling():
+    uv = np.arange(2000.0).reshape(-1, 2)
+    seen = Detections.build(
+        ("a",), 100.0, [[400, 600]], uv, cov=np.tile(0.09 * np.eye(2), (1000, 1, 1)), peak=uv[:, 0].copy()
+    )
+    kept = pickle.dumps(seen)
+    assert len(kept) < 2.1 * uv.nbytes  # places, peaks, and two bytes a row
+    for one in (seen, pickle.loads(kept), seen.keep(uv[:, 0] > 500)):
+        assert one.area.shape == one.peak.shape == (len(one),)
+        assert np.isnan(one.area).all() and (one.cov == 0.09 * np.eye(2)).all()
+        assert one.area.strides == (0,) and one.cov.strides[0] == 0 and one.peak.strides == (8,)
+    assert same(pickle.loads(kept), seen)

@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.track.simultaneous import Simultaneous, time_offsets, track_simultaneously, unmarked_merging
 from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.neighbouring_points import RowsByTrack, TrackPoints, rows_of
 from kinemark.track.simultaneous.passes import Run
 from support.scenes import make, scene
 
@@ -45,3 +46,26 @@ def test_merging_looked_at_part_by_part_is_that_of_all_at_once(monkeypatch):
     np.testing.assert_array_equal(part.images.merged, whole.images.merged)
     np.testing.assert_array_equal(part.tracks.cloud.xyz, whole.tracks.cloud.xyz)
     np.testing.assert_array_equal(part.tracks.id, whole.tracks.id)
+
+
+def test_rows_by_track_are_those_of_the_table_and_grow_with_the_points_alone():
+    rng = np.random.default_rng(3)
+    id, frame = (
+        np.arange(2000) * 5,
+        rng.integers(0, 5000, 2000),
+    )  # most numbers have no point, as dropped tracks have not
+    points = TrackPoints(frame, id, np.zeros((2000, 3)), np.zeros((2000, 3, 3)))
+    rows, table = RowsByTrack.of(frame, id), rows_of(points)
+    asked, when = rng.integers(0, len(table), 9000), rng.integers(-9, table.shape[1] + 9, 9000)
+    asked[:2000], when[:2000] = id, frame
+    inside = (when >= 0) & (when < table.shape[1])
+    np.testing.assert_array_equal(rows.at(asked, when), np.where(inside, table[asked, when * inside], -1))
+    assert rows.row.nbytes + rows.place.nbytes == 12 * len(id) < table.nbytes / 1000
+
+
+def test_images_keep_no_column_that_the_detections_have(made):
+    images = read_images(made.detections, made.rig)
+    assert images.area is made.detections.area and images.merged is made.detections.merged
+    own = (images.uv, images.variance, images.camera, images.frame, images.usable, images.by_cell.order)
+    assert sum(column.nbytes for column in own) == 37 * len(made.detections)
+    assert not any(images.laid_aside().uv.strides)

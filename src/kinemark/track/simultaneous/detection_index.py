@@ -21,6 +21,7 @@ from itertools import pairwise
 from typing import NamedTuple, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data import Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
@@ -119,9 +120,17 @@ class Images(NamedTuple):
 
     def laid_aside(self) -> Images:
         """The same without what is of its rig: places, variances and the index, while another rig's are looked at."""
+        return self.unplaced()._replace(variance=np.broadcast_to(np.nan, self.variance.shape))
+
+    def unplaced(self) -> Images:
+        """The same without places and the index, which `placed` gives back."""
         nothing = index_images(np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0, bool), n_cells=self.by_cell.n_cells)
-        uv, variance = (np.broadcast_to(np.nan, one.shape) for one in (self.uv, self.variance))
-        return self._replace(uv=uv, variance=variance, by_cell=nothing)
+        return self._replace(uv=np.broadcast_to(np.nan, self.uv.shape), by_cell=nothing)
+
+    def placed(self, detections: Detections, rig: Rig, order: NDArray[np.int32], first: Ints) -> Images:
+        """The same with the places of all images of a rig, and an index of this order and these first ones of cells."""
+        uv = _ideal(detections, rig)
+        return self._replace(uv=uv, by_cell=ImageIndex(uv, order, first))
 
     @property
     def of_cameras(self) -> list[slice]:

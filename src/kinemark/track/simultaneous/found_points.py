@@ -13,14 +13,14 @@ from .drifting_pairs import UsualResiduals
 from .dropped_tracks import given_back
 from .neighbouring_points import TrackPoints
 from .passes import Associations
-from .rigid_pass import rigid_pass
-from .second_pass import second_pass
+from .rigid_pass import RigidPass, rigid_pass
+from .second_pass import SecondPass, second_pass
 from .simultaneous_method import Simultaneous
-from .solved_points import Solver, precise_enough, solved, with_points
+from .solved_points import Held, Solver, precise_enough, solved, with_points
 
 
 def with_found(
-    cloud: Cloud,
+    held: Held,
     ids: Ints,
     kept: Bools,
     found: TrackPoints,
@@ -28,52 +28,59 @@ def with_found(
     images: Images,
     solver: Solver,
     method: Simultaneous,
-) -> tuple[Cloud, Ints]:
+) -> tuple[Held, Ints]:
     """The points that are kept (P), their tracks, and those that were found, solved from detections (C, N)."""
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
     new = solved(found.frame[order], detection, found.xyz[order].T, solver)
     own = ((detection >= 0) & ~images.merged[detection]).sum(0)
     good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, own, method)
-    return with_points(cloud, ids, new, found.id[order], kept=kept, good=good)
+    return with_points(held, ids, new, found.id[order], kept=kept, good=good)
 
 
 def with_given_back(
     every: Associations,
     confirmed: Ints,
-    cloud: Cloud,
+    held: Held,
     ids: Ints,
     images: Images,
     usual: UsualResiduals,
     solver: Solver,
     method: Simultaneous,
-) -> tuple[Cloud, Ints]:
+) -> tuple[Held, Ints]:
     """The points and their tracks, with those of dropped tracks that are markers, which nothing is stitched to."""
-    rows = given_back(every, confirmed, cloud, ids, images, usual, method.gate) if usual.of else confirmed[:0]
+    rows = given_back(every, confirmed, held[0], ids, images, usual, method.gate) if usual.of else confirmed[:0]
     if not len(rows):
-        return cloud, ids
+        return held, ids
     new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
     good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, (new.detection >= 0).sum(1), method)
-    return with_points(cloud, ids, new, every.id[rows], good=good)
+    return with_points(held, ids, new, every.id[rows], good=good)
 
 
-def with_second_pass(
-    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
-) -> tuple[Cloud, Ints]:
+def with_second_pass(held: Held, ids: Ints, images: Images, solver: Solver, method: Simultaneous) -> tuple[Held, Ints]:
     """The points and their tracks after the second pass."""
     return_memory()
-    points = TrackPoints.of(cloud, ids)
-    kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
+    kept, found, detection = _second_pass(held[0], ids, images, method)
     return_memory()
-    return with_found(cloud, ids, kept, found, detection, images, solver, method)
+    return with_found(held, ids, kept, found, detection, images, solver, method)
 
 
 def with_rigid_pass(
-    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
-) -> tuple[Cloud, Ints, Ints]:
+    held: Held, ids: Ints, images: Images, solver: Solver, method: Simultaneous
+) -> tuple[Held, Ints, Ints]:
     """The points and their tracks after the pass over rigid bodies, and what each track became."""
-    again = rigid_pass(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
+    again = _rigid_pass(held[0], ids, images, method)
     kept = again.id >= 0
     if not len(again.found.id) and (again.id == ids).all():
-        return cloud, ids, again.became
-    return *with_found(cloud, again.id, kept, again.found, again.detection, images, solver, method), again.became
+        return held, ids, again.became
+    return *with_found(held, again.id, kept, again.found, again.detection, images, solver, method), again.became
+
+
+def _second_pass(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> SecondPass:
+    """The second pass over a cloud."""
+    return second_pass(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
+
+
+def _rigid_pass(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> RigidPass:
+    """The pass over the rigid bodies of a cloud."""
+    return rigid_pass(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)

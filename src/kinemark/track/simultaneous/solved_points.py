@@ -101,20 +101,46 @@ def solved_columns(frame: Ints, detection: Ints, guess: Floats, solver: Solver) 
     return [xyz, cov, residual]
 
 
+Held = list[Cloud]
+"""One cloud of a long recording, which a function takes out: none of its columns is then in memory twice."""
+
+
+def kept_points(held: Held, kept: Bools) -> Held:
+    """Those that are kept (P)."""
+    if kept.all():
+        return held
+    rate, start, columns = taken_out(held)
+    return [with_columns(rate, np.concatenate([[0], np.cumsum(kept)])[start], columns, kept)]
+
+
+def taken_out(held: Held) -> tuple[float, Ints, list[NDArray[Any]]]:
+    """Rate and offsets of a cloud, and its columns: xyz, cov, residual and detection, which nobody else then has."""
+    cloud = held.pop()
+    return cloud.rate, cloud.start, [cloud.xyz, cloud.cov, cloud.residual, cloud.detection]
+
+
+def with_columns(rate: float, start: Ints, columns: list[NDArray[Any]], kept: Bools) -> Cloud:
+    """The rows that are kept of columns, the list of which is empty afterwards."""
+    xyz, cov, residual, detection = (columns.pop(0)[kept] for _ in range(4))
+    return Cloud(rate, start, xyz, cov, residual, detection)
+
+
 def with_points(
-    cloud: Cloud, ids: Ints, new: Cloud, new_ids: Ints, *, kept: Bools | None = None, good: Bools | None = None
-) -> tuple[Cloud, Ints]:
+    held: Held, ids: Ints, new: Cloud, new_ids: Ints, *, kept: Bools | None = None, good: Bools | None = None
+) -> tuple[Held, Ints]:
     """Points of tracks ids (P), those that are `kept` (P), and the `good` ones (n) of new ones; all where None."""
+    cloud = held[0]
     kept = np.ones(len(cloud), bool) if kept is None else kept
     good = np.ones(len(new), bool) if good is None else good
     frame, ids = np.concatenate([cloud.frame[kept], new.frame[good]]), np.concatenate([ids[kept], new_ids[good]])
     order = np.argsort(frame, kind="stable")
     start = np.searchsorted(frame[order], np.arange(cloud.n_frames + 1))
-    columns = (
-        _joined(getattr(cloud, name), kept, getattr(new, name), good, order)
-        for name in ("xyz", "cov", "residual", "detection")
+    del cloud
+    rate, _, columns = taken_out(held)
+    xyz, cov, residual, detection = (
+        _joined(columns.pop(0), kept, one, good, order) for one in (new.xyz, new.cov, new.residual, new.detection)
     )
-    return Cloud(cloud.rate, start, *columns), ids[order]
+    return [Cloud(rate, start, xyz, cov, residual, detection)], ids[order]
 
 
 def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, order: Ints) -> NDArray[Any]:
@@ -131,20 +157,17 @@ def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
 
     Those of which the images say little keep their positions.
     """
-    given, lasting = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver), solver.lasting
+    xyz, cov, residual = solved_columns(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
+    lasting = solver.lasting
     del solver  # which has much memory
     return_memory()
-    sd = _sd(given.cov)
-    known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
+    sd = _sd(cov)
+    known = np.isfinite(xyz).all(1) & np.isfinite(sd)
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
     vague = np.flatnonzero(~clear)
-    if not len(vague):
-        return given
-    columns = [given.xyz, given.cov, given.residual]
-    del given  # each of its columns ends before the next one is in memory twice
-    xyz, cov, residual = (columns.pop(0).copy() for _ in range(3))
-    xyz[vague], residual[vague] = cloud.xyz[vague], cloud.residual[vague]
-    cov[vague] = cloud.cov[vague] + _shared_cov(sd[clear], lasting)  # (2)
+    if len(vague):
+        xyz[vague], residual[vague] = cloud.xyz[vague], cloud.residual[vague]
+        cov[vague] = cloud.cov[vague] + _shared_cov(sd[clear], lasting)  # (2)
     return replace(cloud, xyz=xyz, cov=cov, residual=residual)
 
 

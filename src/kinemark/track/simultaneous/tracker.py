@@ -53,9 +53,9 @@ from .passes import Associations, run
 from .rig_of_tracks import rig_of_tracks
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
-from .solved_points import Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
+from .solved_points import Held, Solver, Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
 from .stitch import Stitch, Stitched, stitched
-from .unmarked_merging import inferred_merging
+from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
@@ -136,26 +136,22 @@ def track_once(
     working = working._replace(images=merging.marked(working.images))
     return_memory()
     solver = solver_for(detections, shared, working, errors)
-    cloud, ids = without_between(cloud, ids, merging, working.images)
-    cloud, ids = without_merged(cloud, ids, merging, solver, working.images, method)
-    return_memory()
-    usual = usual_residuals(cloud.frame, ids, cloud.detection.T, working.images, method.gate)
-    cloud, ids = without_drifting(cloud, ids, merging, working.images, usual, solver, method)
-    cloud, ids = with_given_back(every, confirmed, cloud, ids, working.images, usual, solver, method)
-    cloud, ids = with_second_pass(cloud, ids, working.images, solver, method)
-    cloud, ids = without_between(cloud, ids, merging, working.images)
-    cloud, ids = without_drifting(cloud, ids, merging, working.images, usual, solver, method)
-    cloud, ids, became = with_rigid_pass(cloud, ids, working.images, solver, method)
+    held = [cloud]
+    del cloud
+    cloud, ids, became = _passes_over(held, ids, merging, solver, every, confirmed, working.images, method)
     whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
     adjusted = working.rig is not rig
-    del working, solver, usual
+    del working, solver
     return_memory()
-    images = _with_noise(read_images(detections, rig, timing, other=images), method)[0] if adjusted else images
-    images = merging.marked(images)
     if adjusted:
+        images = _with_noise(read_images(detections, rig, timing, other=images), method)[0]
+        order, begins, images = images.by_cell.order, images.by_cell.first, merging.marked(images.unplaced())
         given = Working(rig, images, noise)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
         del given
+        images = images.placed(detections, rig, order, begins)
+    else:
+        images = merging.marked(images)
     return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
@@ -187,6 +183,30 @@ def _learned(
             return_memory()
             working, first = better, _first_pass(detections, rig, images, better, method, errors)
     return _waiting(images, working, rig), noise, working, method, first
+
+
+def _passes_over(
+    held: Held,
+    ids: Ints,
+    merging: Merging,
+    solver: Solver,
+    every: Associations,
+    confirmed: Ints,
+    images: Images,
+    method: Simultaneous,
+) -> tuple[Cloud, Ints, Ints]:
+    """The points of stitched tracks ids (P) after all that is given up, given back and found; what tracks became."""
+    held, ids = without_between(held, ids, merging, images)
+    held, ids = without_merged(held, ids, merging, solver, images, method)
+    return_memory()
+    usual = usual_residuals(held[0].frame, ids, held[0].detection.T, images, method.gate)
+    held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
+    held, ids = with_given_back(every, confirmed, held, ids, images, usual, solver, method)
+    held, ids = with_second_pass(held, ids, images, solver, method)
+    held, ids = without_between(held, ids, merging, images)
+    held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
+    held, ids, became = with_rigid_pass(held, ids, images, solver, method)
+    return held.pop(), ids, became
 
 
 def _with_noise(images: Images, method: Simultaneous) -> tuple[Images, Noise]:

@@ -103,8 +103,10 @@ def evidence_of_trial(wrong: Floats, rate: float) -> Floats:
 
 def as_common(z: Floats, sure: Bools) -> Floats:
     """(4) of the problems (N) of a trial."""
-    less = np.maximum(z[:, None] - z[~sure], 0.0)
-    return np.asarray(np.exp(-less / TAIL).sum(1) - ~sure)
+    unsure = np.sort(z[~sure])
+    less = np.append(0.0, np.cumsum(np.exp(unsure / TAIL)))  # not all pairs: long trials have many thousands
+    below = np.searchsorted(unsure, z)
+    return np.asarray(len(unsure) - below + np.exp(-z / TAIL) * less[below] - ~sure)
 
 
 def name_probability(kind: str, nats: float, seconds: float) -> float:

@@ -44,7 +44,7 @@ LABORATORIES = {
     "qualisys_cgm2": "qualisys_gait", "GHr": "ulema", "HTH1": "ulema", "calMARKERS": "ulema",
     "kinematics_racing": "wheelchair",
 }  # fmt: skip
-KINDS = {"change": Evidence, "leap": LeapEvidence, "spike": SpikeEvidence}
+KINDS = {"change": Evidence._fields, "leap": LeapEvidence._fields, "spike": SpikeEvidence._fields}
 SLOPES = {"change": 0.8, "leap": 1.0, "spike": 0.4}
 """c₁ of (3); chosen: steeper than what is fitted freely (0.54, 0.92, 0.25), with which what is told of the others is as
 likely, but a lone gap of half a second in a clean walk is worth a look. Few trials there have nothing else to tell."""
@@ -86,7 +86,7 @@ def trials() -> Iterator[Known]:
 
 def kind_of(one: Problem) -> str | None:
     """Of KINDS, by what tells of it."""
-    return next((kind for kind, evidence in KINDS.items() if set(one.values) == set(evidence._fields)), None)
+    return next((kind for kind, fields in KINDS.items() if set(one.values) == set(fields)), None)
 
 
 def natural(known: Known, one: Problem) -> bool:
@@ -103,11 +103,15 @@ def told() -> list[Told]:
     with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
         for k, known in enumerate(trials()):
-            some = [(one, kind_of(one), truth_of(known, one)) for one in listed(known).items if not natural(known, one)]
-            some = [(one, kind, true) for one, kind, true in some if kind is not None and true is not None]
+            items = [one for one in listed(known).items if not natural(known, one)]
+            some = [
+                (one, kind, true)
+                for one in items
+                if (kind := kind_of(one)) is not None and (true := truth_of(known, one)) is not None
+            ]
             of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
             for (one, kind, true), its in zip(some, of, strict=True):
-                own = tuple(one.values[name] for name in KINDS[kind]._fields)
+                own = tuple(one.values[name] for name in KINDS[kind])
                 rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), own, true, k))
     return rows
 

@@ -10,6 +10,7 @@ from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
+from kinemark.edit.probable_errors.probability import TAIL, as_common
 from kinemark.edit.probable_errors.shape import companions, spread
 from kinemark.signal.filters import butterworth
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
@@ -300,6 +301,15 @@ def test_a_leap_that_stands_alone_is_likely_where_it_is_sure_and_not_worth_a_loo
 def test_what_tells_less_is_never_likelier():
     wrong = np.sort(np.random.default_rng(0).beta(0.3, 0.6, size=40))
     assert (np.diff(said(wrong, "spike", 30.0)[wrong < 0.5]) >= 0).all()
+
+
+def test_how_common_is_counted_of_the_others_that_are_not_sure():
+    z = np.random.default_rng(1).normal(-3, 3, 50)
+    z[7] = z[8]
+    sure = z > 0
+    each = np.exp(-np.maximum(z[:, None] - z, 0) / TAIL)
+    np.fill_diagonal(each, 0.0)
+    np.testing.assert_allclose(as_common(z, sure), each[:, ~sure].sum(1), atol=1e-12)
 
 
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])

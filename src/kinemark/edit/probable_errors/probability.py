@@ -50,9 +50,9 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-7.89, -0.87, -0.14, 1.34, 1.23),
-    "change_in_trial": (-0.07, 0.54, 0.96, -1.12, -1.35),
-    "leap_in_trial": (-0.84, 0.92, 1.83, -1.38, -1.14),
-    "spike_in_trial": (2.67, 0.25, 0.53, -2.25, -2.25),
+    "change_in_trial": (-0.35, 0.8, 1.09, -0.85, -1.44),
+    "leap_in_trial": (-0.92, 1.0, 1.87, -1.34, -1.09),
+    "spike_in_trial": (2.61, 0.4, 0.48, -2.04, -2.46),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
@@ -62,8 +62,8 @@ files, those of errors that have a kind for files as well to scenes: changes of 
 without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were
 among the faults, to files (spikes in them) or to both: fitted anew to files alone, spikes would be told in clean files.
 Spikes of files then got a factor and a constant by which each recording counts the same (`levelled`). Changes of files,
-and (3), are fitted by studies/trial_bulk.py to 16 laboratories, fillings by studies/filled_samples.py, lost frames and
-moved worlds by studies/whole_trial_faults.py. Those of repeated frames are
+and (3), are fitted by studies/trial_bulk.py to 16 laboratories, c₁ of (3) chosen there; fillings by
+studies/filled_samples.py, lost frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are
 chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59
 and 140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left.
 Changes and ghosts of tracks got a factor and a constant each (`rescaled`) by scenes 0 to 59 and 140 to 159 and the
@@ -103,8 +103,10 @@ def evidence_of_trial(wrong: Floats, rate: float) -> Floats:
 
 def as_common(z: Floats, sure: Bools) -> Floats:
     """(4) of the problems (N) of a trial."""
-    less = np.maximum(z[:, None] - z[~sure], 0.0)
-    return np.asarray(np.exp(-less / TAIL).sum(1) - ~sure)
+    unsure = np.sort(z[~sure])
+    less = np.append(0.0, np.cumsum(np.exp(unsure / TAIL)))  # not all pairs: long trials have many thousands
+    below = np.searchsorted(unsure, z)
+    return np.asarray(len(unsure) - below + np.exp(-z / TAIL) * less[below] - ~sure)
 
 
 def name_probability(kind: str, nats: float, seconds: float) -> float:

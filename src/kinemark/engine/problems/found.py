@@ -35,10 +35,10 @@ def by_trial(found: Found) -> Found:
     are judged by themselves."""
     if found.paths.images.any():
         return found
-    some = {"change": found.changes, "spike": found.spikes, "leap": found.leaps}
-    kinds = [kind for kind, mine in some.items() for _ in mine]
-    said = np.array([one.wrong for mine in some.values() for one in mine])
-    wrong = iter(in_trial(kinds, said, found.paths.rate).tolist())
+    kinds = ["change"] * len(found.changes) + ["spike"] * len(found.spikes) + ["leap"] * len(found.leaps)
+    said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
+    said += [one.wrong for one in found.leaps]
+    wrong = iter(in_trial(kinds, np.array(said), found.paths.rate).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),

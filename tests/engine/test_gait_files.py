@@ -66,7 +66,9 @@ def test_names_that_were_taken_for_the_models_are_told_where_one_is_missing(walk
     other = {"LASI": "Ann:LFWT", "RASI": "Ann:RFWT", "LTIB": "Ann:LSHN", "RTIB": "Ann:RSHN"}
     paths = tuple(replace(p, name=other.get(p.name, f"Ann:{p.name}")) for p in trial.trajectories)
     write_c3d(walk / "other.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
-    with pytest.raises(KinemarkError, match="LTIB, RTIB.* Taken for the model's were LASI = Ann:LFWT, RASI = Ann:RFWT"):
+    with pytest.raises(
+        KinemarkError, match=r"LTIB, RTIB.* Taken for the model's were LASI = Ann:LFWT, RASI = Ann:RFWT"
+    ):
         gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", settings=QUICK)
     stated = {"LTIB": "LSHN", "RTIB": "Ann:RSHN"}  # with the subject's name, or without it
     found = gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", markers=stated, settings=QUICK)

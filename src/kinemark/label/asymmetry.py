@@ -58,7 +58,8 @@ def sides_are_turned(y: Single, template: Template, other: Ints) -> bool:
     found = _differences(y, template, other)
     if not len(found.x) or found.ratio(np.ones(len(found.x), bool)) < TURNED:
         return False
-    without = [~np.isin(found.labels, pair).any(1) for pair in {(a, b) for a, b in enumerate(other.tolist()) if a < b}]
+    pairs = [(a, b) for a, b in enumerate(other.tolist()) if a < b]
+    without = (np.asarray(~np.isin(found.labels, pair).any(1)) for pair in pairs)
     return all(found.ratio(some) > ONE_PAIR for some in without)
 
 

@@ -1,7 +1,5 @@
 """Problems of files by what their trial tells: the study counts changes in long gaps too."""
 
-import pytest
-
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems

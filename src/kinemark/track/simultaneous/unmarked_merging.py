@@ -91,7 +91,7 @@ what is known a thousand times worse has no correct digit left."""
 AT_ONCE = 50_000
 """Points and images that are looked at in one go; more would take memory and no less time; chosen."""
 RUNS_AT_ONCE = 2_000
-"""Runs of which the paths are gone along in one go; likewise."""
+"""Runs of which the paths are gone along in one go; chosen likewise."""
 
 
 class Claims(NamedTuple):

@@ -228,8 +228,8 @@ def _of_list(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
     """Of changes of tracks: of those within a moment the list has only the likeliest, and says nothing of spikes'
     edges, so that of all places more are said to be wrong than of those listed."""
     for one in listed(known).items:
-        if set(one.values) == set(Evidence._fields):
-            of = Evidence(**one.values)
+        if set(Evidence._fields) <= set(one.values):  # in a long gap there is besides what was assumed
+            of = Evidence(*(one.values[name] for name in Evidence._fields))
             yield from _told("cut" if of.alone else "change", of, truth_of(known, one))
 
 

@@ -217,3 +217,8 @@ def test_a_column_of_which_all_rows_are_alike_is_in_memory_once_also_after_pickl
         assert np.isnan(one.area).all() and (one.cov == 0.09 * np.eye(2)).all()
         assert one.area.strides == (0,) and one.cov.strides[0] == 0 and one.peak.strides == (8,)
     assert same(pickle.loads(kept), seen)
+
+
+def test_detections_that_all_are_at_one_place_are_kept():
+    seen = Detections.build(("a",), 100.0, [[2, 1]], np.broadcast_to((3.0, 4.0), (3, 2)))
+    assert same(pickle.loads(pickle.dumps(seen)), seen)

@@ -60,6 +60,33 @@ def test_a_belt_that_is_sped_up_is_known_worse():
     assert sped.sd > 40 > 2 * steady.sd
 
 
+@pytest.mark.parametrize("forwards", [0.0, 200.0, 500.0])
+def test_over_ground_a_heel_that_goes_forwards_on_the_toes_is_no_belt(forwards):
+    points = walk(600.0)
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    assert floor_velocity(events, on_toes(points, events, forwards), rate=RATE) is STILL
+
+
+def test_a_foot_that_strikes_once_tells_no_belt():
+    points = walk(600.0)
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    once = [next(e for e in events if e.side == "left" and e.strike)]
+    once += [next(e for e in events if e.side == "left" and not e.strike and e.time > once[0].time)]
+    assert floor_velocity(once, on_toes(points, events, 500.0), rate=RATE) is STILL
+
+
+def on_toes(points, events, forwards):
+    """The same with heels that go forwards by so many mm/s in each stance, as they rise over the toes."""
+    moved = dict(points)
+    for side, heel in (("left", "LHEE"), ("right", "RHEE")):
+        times = np.array(sorted(e.time for e in events if e.side == side))
+        gone = [0.0 if e.strike else forwards for e in sorted(events, key=lambda e: e.time) if e.side == side]
+        stance = np.r_[0.0, np.diff(times)] * gone
+        off = np.interp(np.arange(len(points[heel])) / RATE, times, stance)
+        moved[heel] = points[heel] + off[:, None] * [1.0, 0.0, 0.0]
+    return moved
+
+
 def test_without_events_the_floor_stands_still():
     assert floor_velocity((), walk(1200.0), rate=RATE) is STILL
 

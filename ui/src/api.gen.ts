@@ -3401,7 +3401,7 @@ export interface components {
         };
         /**
          * SidesAct
-         * @description Left and right of every pair of the marker set are exchanged, from a frame on, or in a stretch.
+         * @description Left and right of every pair of markers are exchanged, from a frame on, or in a stretch.
          */
         SidesAct: {
             /** First */

@@ -26,6 +26,8 @@ class Validity(IntEnum):
 
 NOT_ROWS = ("cameras", "rate", "start", "ground_subtracted")
 """Fields of `Detections` that are not one value a row."""
+LEAN = ("cov", "area", "width", "height", "peak")
+"""Those that are in memory once where all rows are alike: files often state nothing but places."""
 
 
 def alike_in_all(values: NDArray[np.float64]) -> bool:
@@ -34,7 +36,7 @@ def alike_in_all(values: NDArray[np.float64]) -> bool:
 
 
 def _lean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The column, or one value in place of as many that are alike: files often state nothing but places."""
+    """The column, or one value in place of as many that are alike."""
     if len(values) < 2 or alike_in_all(values) or not _equal(values[-1], values[0]) or not _equal(values, values[0]):
         return values
     return np.broadcast_to(values[0].copy(), values.shape)
@@ -49,7 +51,7 @@ def _equal(values: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
 class Detections:
     """Marker images of C cameras over F frames, D in all, sorted by camera, then frame.
 
-    A column of which all rows are alike is in memory once.
+    Of `cov`, `area`, `width`, `height` and `peak` what is alike in all rows is in memory once.
 
     Attributes:
         cameras: (C) names.
@@ -128,7 +130,7 @@ class Detections:
 
     def __reduce__(self) -> tuple[Any, ...]:
         columns = {f.name: getattr(self, f.name) for f in fields(self)}
-        once = {name for name, one in columns.items() if name not in NOT_ROWS and alike_in_all(one)}
+        once = {name for name in LEAN if alike_in_all(columns[name])}
         columns |= {name: columns[name][:1].copy() for name in once}
         return _restored, (columns, once)
 

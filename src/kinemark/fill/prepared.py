@@ -103,7 +103,7 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        found = [self._chosen(gap, [answer], (gap,)) for answer in self._evaluated(gap, tuple(methods), EARLY)]
+        found = [self._chosen([gap], 0, [answer]) for answer in self._evaluated(gap, tuple(methods), EARLY)]
         return tuple(sorted(found, key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm)))
 
     def best(self, marker: str, frame: int) -> GapFill:
@@ -113,7 +113,7 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        return self._chosen(gap, self._evaluated(gap, self.method.methods, None), (gap,))
+        return self._chosen([gap], 0, self._evaluated(gap, self.method.methods, None))
 
     def all_best(self, away: Collection[str] = ()) -> tuple[GapFill, ...]:
         """Every gap as `best` fills it, all judged together: a tenth of the time and less of one by one.
@@ -121,13 +121,12 @@ class PreparedFill:
         Args:
             away: names of points whose gaps are not filled, as those that are no markers.
         """
-        gaps = tuple(
-            g for g in of_markers(list(self.gaps), self.motion.names) if self.motion.names[g.marker] not in away
-        )
+        names = self.motion.names
+        gaps = [gap for gap in of_markers(list(self.gaps), names) if names[gap.marker] not in away]
         with one_blas_thread():
             methods = affordable(self.method.methods, len(gaps), self.trajectories.n_frames)
-            answers = judged_together(self.motion, list(gaps), methods, seed=self.seed)
-        return tuple(self._chosen(gap, answers, gaps) for gap in gaps)
+            answers = judged_together(self.motion, gaps, methods, seed=self.seed)
+        return tuple(self._chosen(gaps, index, answers) for index in range(len(gaps)))
 
     def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
         key = gap, methods, tests
@@ -138,10 +137,11 @@ class PreparedFill:
         answered: list[CandidateFill] = self._answered[key]
         return answered
 
-    def _chosen(self, gap: Gap, answers: list[CandidateFill], among: tuple[Gap, ...]) -> GapFill:
-        found, prediction, cov = choose_candidate(self.motion, list(among), among.index(gap), answers)
+    def _chosen(self, gaps: list[Gap], index: int, answers: list[CandidateFill]) -> GapFill:
+        """That of one of the gaps that were judged together."""
+        found, prediction, cov = choose_candidate(self.motion, gaps, index, answers)
         name = found.method or answers[0].name
-        return GapFill(found, name, gap.start + self.trajectories.first_frame, prediction.xyz, cov)
+        return GapFill(found, name, found.start + self.trajectories.first_frame, prediction.xyz, cov)
 
 
 def prepare(

@@ -5,6 +5,9 @@ is the floor's velocity v (1). The median over a foot's stances, and the mean of
 either side, is that of the trial; the deviation of a stance from it is what is not known of v in a stride: how steadily
 the belt runs, and how flat the foot stood (2). In the frame of the belt, h − v t, a walk on a treadmill is one over
 ground.
+
+Heels of runners, and of those who walk on their toes, go forwards while they stand. But these leave the place, and who
+walks on a belt stays: v counts only if it is STAYS times as fast as heels go from strike to strike (3).
 """
 
 from __future__ import annotations
@@ -22,7 +25,10 @@ from .foot_motion import BELT_MM_S
 from .segments import Z_UP
 
 FLAT = (0.25, 0.5)
-"""Of a stance, within which the heel stands; chosen: of walkers it comes down until 0.15 and rises from 0.5 to 0.7."""
+"""Of a stance, within which the heel stands; chosen: walkers' heels come down until 0.15, and begin to rise between 0.5
+and 0.7."""
+STAYS = 2.0
+"""Of (3); chosen: over ground no heel that stands goes faster than its owner, and on a belt owners hardly go at all."""
 FEWEST = 3
 """Frames of a slope; chosen."""
 
@@ -54,7 +60,7 @@ STILL = Floor(np.zeros(3), 0.0)
 def floor_velocity(
     events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
 ) -> Floor:
-    """Velocity of the floor by (1) and (2); `STILL` where it is below `BELT_MM_S`, or no stance is seen.
+    """Velocity of the floor by (1) to (3); `STILL` where it is below `BELT_MM_S`, or no stance is seen.
 
     Args:
         events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second. up: of the laboratory.
@@ -65,10 +71,24 @@ def floor_velocity(
         return STILL
     v = np.mean([np.median(each, axis=0) for each in seen], axis=0)
     speed = float(np.linalg.norm(v))
-    if speed < BELT_MM_S:
+    if speed < max(BELT_MM_S, STAYS * _gone(events, points, rate, up)):
         return STILL
     along = np.concatenate(seen) @ v / speed
     return Floor(v, float(np.sqrt(np.mean((along - speed) ** 2))))
+
+
+def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float, up: Floats) -> float:
+    """mm/s at which heels go from strike to strike, the median; infinite where none is seen to strike twice."""
+    speeds = []
+    for side in SIDES:
+        heel = points[LETTER[side] + "HEE"]
+        times = sorted(e.time for e in events if e.side == side and e.strike)
+        for begin, end in pairwise(times):
+            first, last = (heel[min(max(round(t * rate), 0), len(heel) - 1)] for t in (begin, end))
+            way = last - first
+            speeds.append(float(np.linalg.norm(way - (way @ up) * up)) / (end - begin))
+    seen = [speed for speed in speeds if np.isfinite(speed)]
+    return float(np.median(seen)) if seen else np.inf
 
 
 def _stood(points: Mapping[str, Floats], own: Sequence[FootEvent], letter: str, rate: float, up: Floats) -> Floats:

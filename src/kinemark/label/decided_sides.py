@@ -12,8 +12,8 @@ In a world whose axes are left-handed, as where y was counted the other way, the
 orientation. But no body is quite its own mirror image, and distances are the same in both worlds: by the subject's own
 template the exchange of all names loses distances in a right one, and gains them in a mirrored one. So where distances
 gain that much and orientation says no, the world is said to be mirrored, and no name is sure; so it is where most
-quadruples of the names are turned. Few markers gain little by any exchange: there what differs between left and right
-tells whether it does so the other way round (`asymmetry`).
+quadruples of the names are turned. Few markers gain little by any exchange; of them the small differences between left
+and right tell, which have the other sign in a mirrored world (`asymmetry`).
 """
 
 from __future__ import annotations

@@ -58,8 +58,9 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore, *, absent_too: boo
 def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
     """(L) how well each label's stiffest distances hold, from 0 to 1: mean of exp(−z²/2) with z in σ; 0 where absent.
 
-    Where fewer than four of a label keep, the others tell nothing, as feet that stood close together walk apart, and
-    count as distances do that hold; where none keeps, the four that are known best are all there is.
+    Where fewer than four distances of a label keep, others take their places. These tell nothing, as those of feet that
+    stood close together and walk apart, and count as what distances that hold have in the mean. Where none keeps, the
+    four that are known best are taken.
 
     Args:
         y: (K, L, 3) places of labels, mm, NaN where not seen. keeps: (L, L) of the template.

@@ -22,11 +22,16 @@ QUICK = Auto(candidates=("linear", "cubic", "rigid_body"))
 def studio(tmp_path, monkeypatch):
     """A file with five gaps, filled by methods that take no time."""
     monkeypatch.setattr(module, "prepare", lambda now: prepare(now, method=QUICK))
+    write_trial(Trial("walk", five_gaps()), tmp_path / "walk.c3d")
+    return Studio(tmp_path / "walk.c3d")
+
+
+def five_gaps():
+    """Of five markers of a walk."""
     hidden = clean(markers=12).frames(0, 200)
     for k in range(5):
         hidden = without(hidden, k, 60 + 20 * k, 66 + 20 * k)
-    write_trial(Trial("walk", hidden), tmp_path / "walk.c3d")
-    return Studio(tmp_path / "walk.c3d")
+    return hidden
 
 
 def judged(studio):
@@ -77,6 +82,22 @@ def test_what_could_not_be_judged_is_not_waited_for(studio, monkeypatch):
 
     monkeypatch.setattr(module.PreparedFill, "all_best", broken)
     assert {row["state"] for row in judged(studio)} == {"not judged"}
+
+
+def test_a_gap_beside_a_sample_that_cannot_be_one_is_judged_and_filled(studio, tmp_path):
+    """Filling takes such a sample for missing, so that its gap is longer than the one in the table."""
+    hidden = five_gaps()
+    path = hidden.paths[0]
+    xyz = path.xyz.copy()
+    xyz[[59, 66]] = 9e6
+    write_trial(Trial("walk", replace(hidden, paths=(replace(path, xyz=xyz), *hidden.paths[1:]))), tmp_path / "far.c3d")
+    far = Studio(tmp_path / "far.c3d")
+    row = judged(far)[0]
+    assert row["marker"] == path.name and row["frames"] == 6 and row["state"] == "fillable"
+    done = far.act(kind="gap", marker=row["marker"], first=row["first"], last=row["last"], method="best")
+    assert done.status == 200
+    answer = far.page.get(f"{far.trial}/paths?view=filled&column=xyz&marker={row['marker']}")
+    assert np.isfinite(np.frombuffer(answer.body, np.float32)).all()
 
 
 def test_points_that_are_no_markers_are_not_judged():

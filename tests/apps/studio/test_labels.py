@@ -10,12 +10,14 @@ import pytest
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
 from kinemark.apps.studio.labels import labels
-from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.data import MarkerTrajectory, Trajectories, Trial
 from kinemark.findings.labels import label_figures
 from kinemark.io.marker_sets import read_marker_set
+from kinemark.io.trial import write_trial
 from kinemark.label import label, learn_template
 from support.named_sessions import walk
 from support.studio import Studio, file_in
+from support.walked import clean, without
 
 
 def test_an_unsure_name_stands_beside_its_track():
@@ -85,6 +87,18 @@ def test_left_and_right_of_a_file_are_exchanged_by_how_its_markers_are_called(tm
     assert np.array_equal(after["LKNE"], before["RKNE"]) and np.array_equal(after["RKNE"], before["LKNE"])
     studio.act(kind="claim", track="RKNE", name=None)
     assert studio.page.get(studio.trial).json()["pairs"] == [] and studio.act(kind="sides").status >= 400
+
+
+def test_left_and_right_are_exchanged_in_a_stretch_that_has_only_one_of_both(tmp_path):
+    whole = clean(markers=12).frames(0, 60)
+    left, right = next((n, "R" + n[1:]) for n in whole.names if n[0] == "L" and "R" + n[1:] in whole.names)
+    write_trial(Trial("walk", without(whole, whole.names.index(right), 10, 30)), tmp_path / "walk.c3d")
+    studio = Studio(tmp_path / "walk.c3d")
+    first, before = studio.page.get(studio.trial).json()["first_frame"], paths_of(studio)
+    assert studio.act(kind="sides", first=first + 15, last=first + 25).status == 200
+    after, at = paths_of(studio), slice(15, 26)
+    assert np.array_equal(after[right][at], before[left][at]) and np.isnan(after[left][at]).all()
+    assert np.array_equal(after[left][26:], before[left][26:]) and np.isnan(after[right][10:15]).all()
 
 
 def paths_of(studio):

@@ -69,3 +69,12 @@ def test_segments_are_of_clusters_and_landmarks_that_were_shown():
         "left thigh": ("LTH1", "LTH2", "LTH3", "LTH4", "knee outer"),
     }
     assert set_of_clusters(CLUSTERS, ("LASI", "RASI", "LKNE")) is None
+
+
+def test_segments_are_the_same_with_the_subject_before_all_names_and_with_landmarks_that_gait_knows_by_others():
+    shown = ("PV1", "PV2", "PV3", "PV4", "LASIS", "LTH1", "LTH2", "LTH3", "LTH4", "Left knee")
+    plain = set_of_clusters(CLUSTERS, shown, markers={"LKNE": "Left knee"})
+    assert plain.segments["pelvis"][-1] == "LASIS" and plain.segments["left thigh"][-1] == "Left knee"
+    other = set_of_clusters(CLUSTERS, [f"Ann:{name}" for name in shown], markers={"LKNE": "Left knee"})
+    assert other.names == tuple(f"Ann:{name}" for name in shown)
+    assert dict(other.segments) == {k: tuple(f"Ann:{m}" for m in own) for k, own in plain.segments.items()}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...data import KinemarkError, Trajectories
+from ...data import KinemarkError, Origin, Trajectories
 from ...data.edits import AddEvent, Applied, Claim, Edit, Signed, Trim, Undo
 from ...edit import Edited
 from ...engine import edit_makers as make
@@ -182,12 +182,23 @@ def _put(of: Editing, said: PutAct) -> Edit:
 
 
 def _sides(document: OpenDocument, said: SidesAct) -> tuple[Claim, ...]:
-    """Every left and right pair exchanged, of those that are there."""
-    both = pairs_of(document)
-    if not both:
+    """Every left and right pair exchanged, of those that are there; in a stretch some are only one of both."""
+    pairs = pairs_of(document)
+    if not pairs:
         raise KinemarkError("There is no pair of a left and a right marker in this trial.")
-    claims = (make.exchange(document.editing, a, b, first=said.first, last=said.last) for a, b in both)
+    ways = [(a, b) for pair in pairs for a, b in (pair, pair[::-1]) if _seen(document, a, said)]
+    if not ways:
+        raise KinemarkError("No marker of a left and right pair has a sample in these frames.")
+    claims = (make.claim(document.editing, a, b, first=said.first, last=said.last) for a, b in ways)
     return tuple(claim for one in claims for claim in one)
+
+
+def _seen(document: OpenDocument, marker: str, said: SidesAct) -> bool:
+    """Whether a marker has a sample in the frames of an exchange."""
+    now = document.now.trajectories
+    frames = np.flatnonzero(now[marker].origin != Origin.MISSING) + now.first_frame
+    frames = frames if said.first is None else frames[frames >= said.first]
+    return len(frames if said.last is None else frames[frames <= said.last]) > 0
 
 
 def _of_journal(document: OpenDocument, said: UndoAct | RedoAct | SignAct) -> Edit:

@@ -45,7 +45,7 @@ class ExchangeAct(Said):
 
 
 class SidesAct(Said):
-    """Left and right of every pair of the marker set are exchanged, from a frame on, or in a stretch."""
+    """Left and right of every pair of markers are exchanged, from a frame on, or in a stretch."""
 
     kind: Literal["sides"]
     first: Frame | None = None

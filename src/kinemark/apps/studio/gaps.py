@@ -95,23 +95,36 @@ class GapWork:
         try:
             prepared = self.of(document)
             there = set(map(id, prepared.trajectories.paths))
-            still = {gap.key for gap, _ in asked if id(gap.path) in there}
-            for fill in prepared.all_best(document.editing.computed) if still else ():
-                found |= {key: fill for key in [(fill.gap.marker, fill.gap.start, fill.gap.stop)] if key in still}
+            still = [gap for gap, _ in asked if id(gap.path) in there]
+            fills = prepared.all_best(document.editing.computed) if still else ()
+            found = {gap.key: one for gap in still if (one := _fill_of(gap, fills))}
         finally:  # whoever waits hears of it, whatever happened
             for gap, answer in asked:
                 if gap.key in found:
                     answer.set_result(found[gap.key])
                 else:
-                    answer.set_exception(KinemarkError("this marker was edited since"))
+                    answer.set_exception(KinemarkError("this gap was not judged, or its marker was edited since"))
 
     def _answer(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
         if gap.path not in document.now.trajectories.paths:
             raise KinemarkError("this marker was edited since")
         prepared, frame = self.of(document), gap.start + document.now.trajectories.first_frame
         if method == BEST:
-            return prepared.best(gap.path.name, frame)
-        return prepared.candidates(gap.path.name, frame, methods=(FILL.make(method),))[0]
+            return _within(gap, prepared.best(gap.path.name, frame))
+        return _within(gap, prepared.candidates(gap.path.name, frame, methods=(FILL.make(method),))[0])
+
+
+def _fill_of(gap: Gap, fills: Sequence[GapFill]) -> GapFill | None:
+    """That of all fills which is of a gap."""
+    own = (one for one in fills if one.gap.marker == gap.path.name and one.gap.start <= gap.start < one.gap.stop)
+    return next((_within(gap, one) for one in own), None)
+
+
+def _within(gap: Gap, fill: GapFill) -> GapFill:
+    """The fill in the frames of a gap: filling takes samples beside it that cannot be positions for missing too."""
+    at = slice(gap.start - fill.gap.start, gap.stop - fill.gap.start)
+    said = replace(fill.gap, start=gap.start, stop=gap.stop)
+    return replace(fill, gap=said, first=fill.first + at.start, xyz=fill.xyz[at], cov=fill.cov[at])
 
 
 def work_of(document: OpenDocument) -> GapWork:
@@ -201,7 +214,7 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     if gap is None:
         raise KinemarkError(f"{marker} has no gap that begins in frame {first}. Look at the table again.")
     work = work_of(document)
-    quick = work.of(document).candidates(marker, first)
+    quick = [_within(gap, one) for one in work.of(document).candidates(marker, first)]
     best = work.ask(document, gap, BEST)
     found = {one.method: one for one in quick}
     final = work.known(gap, BEST)

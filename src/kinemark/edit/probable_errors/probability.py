@@ -9,16 +9,16 @@ odds of an error, the odds of (1) are k times as many (2).
 
 How many errors a file has nobody knows before, nor how its people move, but its other problems tell. What motion shows
 is common in its own trial, an error stands alone there; and where much is surely wrong, more is. With z the log-odds of
-(1), S the sum of the probabilities of the other problems of a trial that are SURE, f its rate, and n how common what
-tells as much is among its others, j, which are not SURE, nearly all of which are motion,
+(1), f the rate of the trial, S the sum of the probabilities of its other problems that are SURE, and n(z) how many of
+the others, j, nearly all of which are motion, tell as much,
 
     logit wrong' = c₀ + c₁ z + c₂ ln(1 + S) + c₃ ln(1 + n(z)) + c₄ ln(f / USUAL_HZ)                       (3)
     n(z) = Σ_j exp(−max(z − z_j, 0) / TAIL)                                                               (4)
 
-the others that tell as much or more, and of those that tell less the share of their tail that would: what is sure and
-stands alone stays likely, where as much tells at many places it is motion. This is empirical Bayes with the trial's own
-distribution of what is no error. Coefficients of (3) are those of the kind: evidence of a leap is held against its
-surroundings already and tells alone, that of a spike is worth less than the trial.
+Those that tell as much or more count as one each, and each that tells less as the share of its tail that would tell as
+much. So what is sure and stands alone stays likely; what tells no more than much else in its trial is motion. This is
+empirical Bayes with the trial's own distribution of what is no error. Each kind has coefficients (3) of its own:
+evidence of a leap is held against its surroundings already and tells alone, that of a spike tells less than its trial.
 """
 
 from __future__ import annotations

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...data import MarkerSet
+from ...data.marker_sides import without_subject
+from ...data.model_markers import model_names
 from ...gait.clusters import SEGMENTS, landmarks_of
 
 RIGIDITY = 0.03
@@ -22,18 +24,20 @@ def set_of_clusters(
     """All markers of a static trial, those of a segment together; None where the trial shows no cluster.
 
     Args:
-        clusters: markers by segment, one of `gait.clusters.SEGMENTS`. shown: names in the static trial.
-        markers: the recording's names by the gait model's, where they differ.
+        clusters: markers by segment, one of `gait.clusters.SEGMENTS`, with the subject's name or without it.
+        shown: names in the static trial.
+        markers: the recording's names by the gait model's, of those that `model_names` does not know.
     """
     named = [name for name in shown if not name.startswith("*")]
-    own = {} if markers is None else markers
+    full = {without_subject(name): name for name in reversed(named)} | {name: name for name in named}
+    if not any(full.keys() >= set(cluster) for cluster in clusters.values()):
+        return None
+    own = {**model_names(named), **(markers or {})}
     segments = {}
     for segment in SEGMENTS:
-        wanted = [*clusters.get(segment, ()), *(own.get(name, name) for name in landmarks_of(segment))]
-        if len(there := [name for name in dict.fromkeys(wanted) if name in named]) > 1:
+        wanted = [*clusters.get(segment, ()), *(own[name] for name in landmarks_of(segment) if name in own)]
+        if len(there := dict.fromkeys(full[name] for name in wanted if name in full)) > 1:
             segments[segment] = tuple(there)
-    if not any(set(cluster) <= set(named) for cluster in clusters.values()):
-        return None
     return MarkerSet(
         tuple(named), segments, name="of the session's clusters", rigidity=dict.fromkeys(segments, RIGIDITY)
     )

@@ -102,7 +102,8 @@ def solved_columns(frame: Ints, detection: Ints, guess: Floats, solver: Solver) 
 
 
 Held = list[Cloud]
-"""One cloud of a long recording, which a function takes out: none of its columns is then in memory twice."""
+"""A list of one cloud, which a function takes out to make another of it. So nobody else keeps its columns, and each of
+them ends as soon as the new one is there: of a long recording there is no room for two clouds."""
 
 
 def kept_points(held: Held, kept: Bools) -> Held:

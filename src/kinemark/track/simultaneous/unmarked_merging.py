@@ -88,12 +88,10 @@ to the one that has them (seeds 0 to 60 of benchmarks/tracking_scenes.py; 0.81 t
 NOWHERE = 100_000.0
 """mm of standard deviation, of a place of which nothing is known; chosen: no laboratory is so wide, and an update of
 what is known a thousand times worse has no correct digit left."""
-
 AT_ONCE = 50_000
 """Points and images that are looked at in one go; more would take memory and no less time; chosen."""
-
 RUNS_AT_ONCE = 2_000
-"""Runs of which the paths are gone along in one go; likewise."""
+"""Runs of which the paths are gone along in one go; chosen likewise."""
 
 
 class Claims(NamedTuple):

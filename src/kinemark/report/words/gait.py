@@ -168,8 +168,9 @@ GAIT_WORDS = {
     ),
     "gait_turns": Words(
         "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} aside.",
-        "Angles of pelvis and feet are to the way at each moment (by Plug-in Gait to an axis of the laboratory, where "
-        "they mean little). Lengths and widths of steps in a turn are not those of straight walking.",
+        "Angles of pelvis and feet are to the way at each moment, and mean little where it turns back or the subject "
+        "turns on the spot (by Plug-in Gait to an axis of the laboratory, where they mean little in any turn). Lengths "
+        "and widths of steps in a turn are not those of straight walking.",
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",

@@ -86,40 +86,46 @@ def _stride(
     off = _only(offs, begin, end)
     other_off = _only([e for e in theirs if not e.strike], begin, end)
     other_strike = _only([e for e in theirs if e.strike], begin, end)
-    time = {"stride": _between(begin, end), "single": _between(other_off, other_strike)}
     first_double, second_double = _between(begin, other_off), _between(other_strike, off)
-    T, sd_T = time["stride"]
-    h0, h1, g1 = _at(heels[0], begin, rate), _at(heels[0], end, rate), _at(heels[1], end, rate)
-    path = _floor(h1 - h0, up)
-    length, d = float(np.linalg.norm(path)), unit(path)
-    step = _floor(h1 - g1, up)
-    own_sd = (_heel_sd(heels[0], begin, rate, heel_sd), _heel_sd(heels[0], end, rate, heel_sd))
-    belt_sd = floor_sd * T
-    length_sd, step_sd = (
-        float(np.linalg.norm([*own_sd, belt_sd])),
-        float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd))),
-    )
-    side_wards = np.cross(up, d)
+    T, sd_T = _between(begin, end)
     shares = [_share(begin, event, end) for event in (off, other_off, other_strike)]
     values = {
         "stride_time": (T, sd_T),
-        "stride_length": (length, length_sd),
-        "speed": _ratio((length, float(np.hypot(heel_sd * np.sqrt(2), belt_sd))), (T, sd_T)),
         "cadence": (120.0 / T, 120.0 / T * sd_T / T),
-        "step_length": (float(step @ d), step_sd),
-        "step_width": (float(abs(step @ side_wards)), float(heel_sd * np.sqrt(2))),
         "step_time": _between(other_strike, end),
         "foot_off": shares[0],
         "opposite_foot_off": shares[1],
         "opposite_foot_strike": shares[2],
-        "single_support": time["single"],
+        "single_support": _between(other_off, other_strike),
         "double_support": (
             first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
         ),
-    }  # fmt: skip
-    return Stride(
-        begin.side, begin.time, end.time, {k: v for k, (v, _) in values.items()}, {k: s for k, (_, s) in values.items()}
-    )
+    } | _distances(begin, end, heels, rate, heel_sd, floor_sd, up)  # fmt: skip
+    return Stride(begin.side, begin.time, end.time, *({name: values[name][k] for name in UNITS} for k in (0, 1)))
+
+
+def _distances(
+    begin: FootEvent,
+    end: FootEvent,
+    heels: tuple[Floats, Floats],
+    rate: float,
+    heel_sd: float,
+    floor_sd: float,
+    up: Floats,
+) -> dict[str, tuple[float, float]]:
+    """Lengths and width, mm, and speed of a stride, each with its standard uncertainty."""
+    T, sd_T = _between(begin, end)
+    first, last, other = _at(heels[0], begin, rate), _at(heels[0], end, rate), _at(heels[1], end, rate)
+    path, step = _floor(last - first, up), _floor(last - other, up)
+    length, along = float(np.linalg.norm(path)), unit(path)
+    first_sd, last_sd = (_heel_sd(heels[0], event, rate, heel_sd) for event in (begin, end))
+    both_heels, belt = heel_sd * np.sqrt(2), floor_sd * T
+    return {
+        "stride_length": (length, float(np.linalg.norm([first_sd, last_sd, belt]))),
+        "speed": _ratio((length, float(np.hypot(both_heels, belt))), (T, sd_T)),
+        "step_length": (float(step @ along), float(np.hypot(last_sd, _heel_sd(heels[1], end, rate, heel_sd)))),
+        "step_width": (float(abs(step @ np.cross(up, along))), float(both_heels)),
+    }
 
 
 def _only(events: Sequence[FootEvent], begin: FootEvent, end: FootEvent) -> FootEvent | None:

@@ -90,10 +90,18 @@ def without_drifting(
     sound[rest] = ~drifting_beyond(*two)
     sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
     return_memory()
-    less = (held[0].detection != detection.T).any(1)
-    if not less.any():
-        return kept_points(held, sound), ids[sound]
     detection = np.ascontiguousarray(detection.T)
+    if (held[0].detection == detection).all():
+        return kept_points(held, sound), ids[sound]
+    held, sound = _of_fewer_images(held, detection, sound, images, solver, method)
+    return held, ids[sound]
+
+
+def _of_fewer_images(
+    held: Held, detection: Ints, sound: Bools, images: Images, solver: Solver, method: Simultaneous
+) -> tuple[Held, Bools]:
+    """The sound points (P), solved again where detections (P, C) leave them fewer images, and which of P they are."""
+    frame, less = held[0].frame, (held[0].detection != detection).any(1)
     rows, own = np.flatnonzero(less), detection[less]
     again = solved(frame[rows], own.T, held[0].xyz[rows].T, solver)
     own = ((own >= 0) & ~images.merged[own]).sum(1)
@@ -105,4 +113,4 @@ def without_drifting(
     del detection
     xyz, cov, residual, detection = (columns.pop(0)[sound] for _ in range(4))
     xyz[place], cov[place], residual[place] = again.xyz[good], again.cov[good], again.residual[good]
-    return [Cloud(rate, start, xyz, cov, residual, detection)], ids[sound]
+    return [Cloud(rate, start, xyz, cov, residual, detection)], sound

@@ -48,7 +48,7 @@ function Table(): React.JSX.Element {
   const { gaps, gap, limit } = useStore(), rows = gaps?.gaps ?? [], list = useRef<VListHandle>(null);
   const at = rows.findIndex((g) => g.marker === gap?.marker && g.first === gap.first);
   useEffect(() => void (at >= 0 && list.current?.scrollToIndex(at, { align: "nearest" })), [at]);
-  if (gaps && !rows.length) return <p className={styles.none}>No marker has a gap.</p>;
+  if (gaps && !rows.length) return <p className={styles.none}>No named marker has a gap. Tracks without a name are not filled: name them first.</p>;
   return (
     <div className={styles.table} role="table" aria-label="Gaps of all markers" aria-rowcount={rows.length + 1}>
       <div role="rowgroup"><div role="row" className={styles.titles}>

@@ -10,7 +10,7 @@ from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
-from kinemark.edit.probable_errors.probability import TAIL, as_common
+from kinemark.edit.probable_errors.probability import TAIL, as_common, evidence_of_trial
 from kinemark.edit.probable_errors.shape import companions, spread
 from kinemark.signal.filters import butterworth
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
@@ -283,7 +283,7 @@ def test_the_other_problems_of_a_trial_tell_how_likely_one_is(kind):
     alone = said([0.1], kind)[0]
     among_errors = said([0.1, *[0.98] * 8], kind)[0]
     restless = said([0.1, *[0.1] * 30], kind)[0]
-    assert restless < alone / 5 and among_errors > alone
+    assert restless < alone / 5 and among_errors / (1 - among_errors) > 2 * alone / (1 - alone)
     np.testing.assert_array_equal(said([]), np.zeros(0))
 
 
@@ -314,5 +314,5 @@ def test_how_common_is_counted_of_the_others_that_are_not_sure():
 
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])
 def test_no_problem_is_evidence_of_itself(wrong):
-    one, unlikely = said([wrong])[0], said([wrong, *([0.0] if wrong > 0 else [])])[0]
-    assert one == pytest.approx(unlikely, rel=0.01) and 0 <= one <= 1
+    (_, errors, common, _), one = evidence_of_trial(np.array([wrong]), 60.0)[0], said([wrong])[0]
+    assert errors == common == 0.0 and 0 <= one <= 1

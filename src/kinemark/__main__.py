@@ -23,11 +23,20 @@ def main() -> None:
             command()
         finally:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # all is said: Ctrl-C now only ends the interpreter sooner
-    except KeyboardInterrupt:
+    except BaseException as error:
+        if not _interrupted(error):
+            raise
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C changes nothing
         sys.stderr.write(f"\nkinemark: {STOPPED}\n")
         sys.stderr.flush()
         os._exit(STATUS)  # threads that still decode an image are not waited for
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """Whether it is a Ctrl-C: while a class or a compiled module is made, Python gives it as the cause of another error."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None
 
 
 def _not_dropped(dropped: "sys.UnraisableHookArgs") -> None:

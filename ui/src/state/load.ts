@@ -38,10 +38,12 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
   }
 }
 
-/** Whether a screen of a trial can be shown; why it cannot stands where it would be. */
+let standings = 0;
+
+/** Whether a screen of a trial can be shown; why it cannot stands where it would be, for the screen that was asked about last. */
 export async function ready(id: string, screen: "trial" | "detect" | "digitise"): Promise<boolean> {
-  const stands = await tried(() => api.standing(id, screen));
-  if (stands && get().id === id) set({ unshown: stands.ready ? "" : (stands.words ?? ""), runs: stands.runs !== false });
+  const standing = ++standings, stands = await tried(() => api.standing(id, screen));
+  if (stands && standing === standings && get().id === id) set({ unshown: stands.ready ? "" : (stands.words ?? ""), runs: stands.runs !== false });
   return stands?.ready === true;
 }
 

@@ -33,7 +33,7 @@ def main() -> None:
 
 
 def _interrupted(error: BaseException | None) -> bool:
-    """Whether it is a Ctrl-C: while a class or a compiled module is made, Python gives it as the cause of another error."""
+    """Whether it is a Ctrl-C, which is the cause of another error while a class or a compiled module is made."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__
     return error is not None

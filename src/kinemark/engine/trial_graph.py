@@ -74,21 +74,49 @@ from .tracking_stage import (
 from .trial_inputs import TrialInputs, edits_of, filled_of, last_tracked, measured_of, tracks_of, with_placed
 
 GAPS, REPORT, QUALITY = "gaps.html", "report.html", "quality.json"
+IN_TRACKS = ("match", "reconstruct")
+"""Stages whose records the tracks hold, so that no later stage asks for them."""
 
 
 def trial_graph(
     name: str, settings: Settings, source: TrialSource, calibrated: Calibrated, earlier: tuple[Earlier, ...] = ()
 ) -> Graph[TrialInputs]:
     """The stages of a trial by its settings; `earlier` are those by whose names its own are found."""
-    s, rig = settings, rig_key(calibrated.rig)
+    s = settings
+    stages = _to_tracks(name, s, source, calibrated)
+
+    def needs() -> tuple[str, ...]:
+        return tuple(stage.name for stage in stages if stage.name not in IN_TRACKS)
+
+    if s.label is not None:
+        claims = () if identifies(source) else claims_of(source.of.root, name)
+        given, compute = given_of(source.of, earlier, claims), partial(_label, claims)
+        stages.append(Stage("label", needs(), FILES, compute, save_named, load_named, s.label, given))
+    stages += edit_stage(source.of.root, name, calibrated.rig, needs(), measured_of)
+    if s.fill is not None:
+        stages.append(Stage("fill", needs(), ("fills.h5",), _fill, save, reader(Fills), s.fill))
+    if s.angles is not None:
+        given = (s.angles, model_key(source.of), beside_key(source))
+        stages.append(Stage("angles", needs(), ANGLE_FILES, _angles, _done, load_angles, given=given, in_place=True))
+    made = [(step.input, step.method) for step in calibrated.steps]
+    about = asdict(stated_identity(s, source.of.entry))
+    stated = (s.name, about, s.match, s.reconstruct, made, calibrated.figures, beside_key(source))
+    stages.append(Stage("quality", needs(), (QUALITY,), _quality, write_quality, _load_quality, given=stated))
+    outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
+    stages.append(Stage("write", needs(), outputs, _write, _done, _nothing, in_place=True))
+    return Graph(tuple(stages))
+
+
+def _to_tracks(name: str, s: Settings, source: TrialSource, calibrated: Calibrated) -> list[Stage[TrialInputs]]:
+    """The stages from the images to the tracks of the trial."""
+    rig = rig_key(calibrated.rig)
     detecting = Stage("detect", (), ("detections.h5",), _detect, save, reader(Detections), s.detect)
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
-    detecting = replace(detecting, cameras=s.detect_cameras)
-    stages = [detecting]
+    stages = [replace(detecting, cameras=s.detect_cameras)]
     tracks = Tracking((TRACKS, DECISIONS))
     if identifies(source):
-        stages.append(tracks.stage(as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct)))
-    elif matches_itself(s.track):
+        return [*stages, tracks.stage(as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct))]
+    if matches_itself(s.track):
         stages.append(tracks.stage(from_detections, ("detect",), s.track, (rig, s.reconstruct)))
     else:
         matched, cloud = reader(Matches), reader(Cloud)
@@ -97,31 +125,7 @@ def trial_graph(
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         method = with_angle_model(s.track, source.of.root)
         stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, ()))
-    again = [] if identifies(source) else retrack_stage(source, name, calibrated.rig, s.track, s.reconstruct)
-    stages += again
-    needs: tuple[str, ...] = ("detect", "track", *(stage.name for stage in again))
-    if s.label is not None:
-        claims = () if identifies(source) else claims_of(source.of.root, name)
-        given, compute = given_of(source.of, earlier, claims), partial(_label, claims)
-        stages.append(Stage("label", needs, FILES, compute, save_named, load_named, s.label, given))
-        needs = (*needs, "label")
-    edits = edit_stage(source.of.root, name, calibrated.rig, needs, measured_of)
-    stages += edits
-    needs = (*needs, *(stage.name for stage in edits))
-    if s.fill is not None:
-        stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, reader(Fills), s.fill))
-        needs = (*needs, "fill")
-    if s.angles is not None:
-        given = (s.angles, model_key(source.of), beside_key(source))
-        stages.append(Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=given, in_place=True))
-        needs = (*needs, "angles")
-    made = [(step.input, step.method) for step in calibrated.steps]
-    about = asdict(stated_identity(s, source.of.entry))
-    stated = (s.name, about, s.match, s.reconstruct, made, calibrated.figures, beside_key(source))
-    stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=stated))
-    outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
-    stages.append(Stage("write", (*needs, "quality"), outputs, _write, _done, _nothing, in_place=True))
-    return Graph(tuple(stages))
+    return [*stages, *retrack_stage(source, name, calibrated.rig, s.track, s.reconstruct)]
 
 
 def _detect(inputs: TrialInputs, records: Records) -> Detections:

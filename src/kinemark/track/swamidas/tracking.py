@@ -111,11 +111,7 @@ def _expected_in_gaps(cloud: Cloud, identity: Ints, pieces: list[Piece], found: 
 
 def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
     """As `follow_points`, frame by frame."""
-    if method.angle_model is not None and method.model is None:
-        if method.angle_model != "own":
-            raise ValueError(f"angle_model names {method.angle_model}, which was not read; give its content as model")
-        first = _forward(cloud, replace(method, angle_model=None)).tracks
-        method = replace(method, angle_model=None, model=own_model(first, method.links))
+    method = _with_model(cloud, method)
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     process_sd = method.jerk / cloud.rate**3
     max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
@@ -153,6 +149,16 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
             guide.advance(frames[-1].id, said, mine, points)
     use = ModelUse(guide.track is not None, missing, placed) if guide else None
     return SwamidasResult(Tracks(cloud, identity), by, frames, use)
+
+
+def _with_model(cloud: Cloud, method: Swamidas) -> Swamidas:
+    """With the model that is asked for: the trial's own is learned from the tracks that are found without one."""
+    if method.angle_model is None or method.model is not None:
+        return method
+    if method.angle_model != "own":
+        raise ValueError(f"angle_model names {method.angle_model}, which was not read; give its content as model")
+    alone = replace(method, angle_model=None)
+    return replace(alone, model=own_model(_forward(cloud, alone).tracks, method.links))
 
 
 def _guided(

@@ -2,6 +2,7 @@
 import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
+import { inTable, sameGap } from "../model/gaps";
 import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
 import { askedUntilThere, drawInstead } from "./instead";
@@ -165,18 +166,18 @@ export function putOff(): void {
 /** The marked stretch, as acts have it: null follows the path as far as it goes. */
 export const stretch = (): { first: number | null; last: number | null } => ({ first: get().first, last: get().last });
 
-export function claim(name: string | null, track = get().selected[0]): void {
-  if (track) void act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`);
+export async function claim(name: string | null, track = get().selected[0]): Promise<ActDone | null> {
+  return track ? act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`) : null;
 }
 
 /** What Delete does: the marked samples, else the way that the problem offers, else the track as a whole; null: nothing. */
-export function dropping(s: State): { words: string; run: () => void } | null {
+export function dropping(s: State): { words: string; run: () => Promise<unknown> } | null {
   const p = currentProblem(s), drop = p && dropOf(p), name = s.selected[0], { first, last } = s;
   const own = first !== null || last !== null || (name !== undefined && !p?.tracks.includes(name)); // the person's choice
-  if (p && drop && !own) return { words: drop.words, run: () => void choose(p, drop.key) };
+  if (p && drop && !own) return { words: drop.words, run: () => choose(p, drop.key) };
   if (!name) return null;
   if (first === null || last === null || name.startsWith("*")) return { words: `${name} is no marker${first === null && last === null ? "" : " in the marked stretch"}`, run: () => claim(null, name) };
-  return { words: `erase the marked samples of ${name}`, run: () => void act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`) };
+  return { words: `erase the marked samples of ${name}`, run: () => act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`) };
 }
 
 export function exchange(): void {
@@ -231,11 +232,14 @@ export function settleGap(action: "fill" | "leave_open"): void {
 export async function fillGap(method = get().method ?? "best"): Promise<void> {
   const gap = gapHere();
   if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
-  const rows = get().gaps?.gaps ?? [];
+  const rows = tabled(get());
   const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${many(gap.frames, "frame")} filled by ${method}`;
   const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
   if (done) nextUndecided(rows, gap);
 }
+
+/** The gaps in the order in which the table shows them. */
+export const tabled = (s: State): readonly GapRow[] => inTable(s.gaps?.gaps ?? [], s.gapOrder);
 
 /** Look at the first gap after one, as they stood, for which nobody has said anything yet. */
 function nextUndecided(rows: readonly GapRow[], after: GapRow): void {
@@ -244,8 +248,6 @@ function nextUndecided(rows: readonly GapRow[], after: GapRow): void {
   const next = [...rows.slice(at + 1), ...rows.slice(0, Math.max(0, at))].map((g) => left.find((l) => sameGap(l, g) && undecided(l))).find(Boolean);
   if (next) void lookAtGap(next);
 }
-
-const sameGap = (a: GapRow, b: GapRow): boolean => a.marker === b.marker && a.first === b.first;
 
 /** A method as it can be said; a mean of several, which only filling itself makes, is the best there is. */
 const sayable = (method: string | null | undefined): string => (method === "open" || get().header?.methods.includes(method ?? "") ? method! : "best");
@@ -260,7 +262,7 @@ export async function fillAll(): Promise<void> {
   const some = acceptable();
   if (!some.length) return void say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
   const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: sayable(g.method) }));
-  const rows = get().gaps?.gaps ?? [], done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method with the least expected error`);
+  const rows = tabled(get()), done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method with the least expected error`);
   if (done && get().gap) nextUndecided(rows, get().gap!);
 }
 
@@ -270,7 +272,7 @@ export async function lookAtGap(gap: GapRow): Promise<void> {
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));
-  const still = (): boolean => get().gap?.marker === gap.marker && get().gap?.first === gap.first;
+  const still = (): boolean => get().id === id && get().gap !== null && sameGap(get().gap!, gap);
   if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null })));
 }
 

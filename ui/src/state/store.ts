@@ -3,6 +3,7 @@ import { useMemo } from "react";
 import { create } from "zustand";
 import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
+import type { GapOrder } from "../model/gaps";
 import type { Detected } from "../model/detections";
 import { ofWhole } from "../model/problems";
 import { shownPaths, type Path, type PathSet } from "../model/paths";
@@ -69,6 +70,7 @@ export interface State {
   /** The trial of Home, or the folder of New session, that Enter opens. */
   marked: string | null;
   limit: number;
+  gapOrder: GapOrder | null;
   why: string;
 
   dialog: Dialog;
@@ -113,7 +115,7 @@ export const OF_TRIAL = {
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, returns: 0, note: null, unshown: "", runs: true, limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, returns: 0, note: null, unshown: "", runs: true, limit: 5, gapOrder: null,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));

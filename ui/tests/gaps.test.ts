@@ -1,12 +1,15 @@
 /** The table of gaps: its order, and which row is which when the server has answered anew. */
 import { beforeEach, expect, it, vi } from "vitest";
-import type { GapRow, Gaps } from "../src/api/types";
+import type { GapCandidates, GapRow, Gaps, TrialHeader } from "../src/api/types";
 import { byId, footLine } from "../src/keys/commands";
 import { inTable, nextOrder } from "../src/model/gaps";
+import { withoutSubject } from "../src/model/names";
+import { lookAtGap } from "../src/state/acts";
 import { get, playhead, set, useStore } from "../src/state/store";
 import { HEADER, path, set as paths } from "./support";
 
-vi.mock("../src/api/client", async (real) => ({ ...(await real<object>()), gap: () => Promise.resolve(null) }));
+const answers: GapCandidates[] = [];
+vi.mock("../src/api/client", async (real) => ({ ...(await real<object>()), gap: () => Promise.resolve(answers.shift() ?? null) }));
 vi.stubGlobal("requestAnimationFrame", () => 1);
 vi.stubGlobal("location", { search: "?still", hash: "" });
 
@@ -46,4 +49,30 @@ it("knows the gap that is looked at when the table has come anew", () => {
   set({ gaps: table(...ROWS.map((g) => ({ ...g }))) });
   byId("gap-next").run();
   expect(seen([get().gap!])).toEqual(["T913"]);
+});
+
+it("fills by what is best as far as is known, until a person chose another way", async () => {
+  const way = (method: string, expected_mm: number): GapCandidates["candidates"][number] => ({ method, expected_mm, xyz: [[0, 0, 0]], sd: null });
+  const found = (best: string | null, pending: boolean): GapCandidates => ({ marker: "T9", first: 13, last: 13, best, pending, head: "", candidates: [way("pca", 1), way("cubic", 2)] });
+  answers.push(found(null, true), found("cubic", false));
+  await lookAtGap(ROWS[1]!);
+  expect(get().method).toBe("cubic");
+  answers.push(found("cubic", false));
+  const looked = lookAtGap({ ...ROWS[1]!, choice: null });
+  await vi.waitFor(() => expect(get().candidates).not.toBeNull());
+  await looked;
+  byId("method").run();
+  expect(get().method).toBe("pca");
+  answers.push(found("cubic", true), found("cubic", false));
+  const again = lookAtGap(ROWS[1]!);
+  set({ method: "linear", picked: true });
+  await again;
+  expect(get().method).toBe("linear");
+});
+
+it("writes names without the subject where they stay apart", () => {
+  const of = (...names: string[]): TrialHeader => ({ ...HEADER, tracks: names.map((name) => ({ ...HEADER.tracks[0]!, name })) });
+  const one = of("Anna:LASI", "Anna:RASI", "box:left", "*3"), two = of("A:LASI", "B:LASI", "A:C7");
+  expect(["Anna:LASI", "box:left", "*3"].map((name) => withoutSubject(one, name))).toEqual(["LASI", "left", "*3"]);
+  expect(["A:LASI", "B:LASI", "A:C7"].map((name) => withoutSubject(two, name))).toEqual(["A:LASI", "B:LASI", "C7"]);
 });

@@ -1,7 +1,8 @@
 /** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
 import * as api from "../api/client";
-import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
+import type { Act, ActDone, GapCandidates, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
+import { keptNames } from "../model/labels";
 import { inTable, sameGap } from "../model/gaps";
 import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
@@ -187,7 +188,8 @@ export function exchange(): void {
 }
 
 export function exchangeSides(): void {
-  void act({ kind: "sides", ...stretch() }, "Left and right exchanged");
+  const alone = keptNames(get().header?.one_sided ?? []);
+  void act({ kind: "sides", ...stretch() }, `Left and right exchanged${alone && `; ${alone}`}`);
 }
 
 /** Cut here: from this frame on is one stretch, to be named or taken away. */
@@ -268,19 +270,23 @@ export async function fillAll(): Promise<void> {
 
 export async function lookAtGap(gap: GapRow): Promise<void> {
   const id = get().id, beside = Math.max(20, gap.frames);
-  set((s) => ({ gap, selected: [gap.marker], method: gap.choice === "open" ? gap.method : (gap.choice ?? gap.method), candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
+  const chosen = gap.choice == null || gap.choice === "open" ? null : gap.choice;
+  set((s) => ({ gap, selected: [gap.marker], method: chosen ?? gap.method, picked: chosen !== null, candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));
   const still = (): boolean => get().id === id && get().gap !== null && sameGap(get().gap!, gap);
-  if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null })));
+  if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.picked ? s.method : bestOf(candidates) ?? s.method })));
 }
+
+/** What would fill it best as far as is known; the best of the first answer until all ways were tried. */
+const bestOf = (of: GapCandidates): string | null => of.best ?? of.candidates[0]?.method ?? null;
 
 export function nextMethod(by = 1): void {
   const all = get().candidates?.candidates ?? [];
   if (!all.length) return;
   const at = all.findIndex((c) => c.method === get().method);
-  set({ method: all[(at + by + all.length) % all.length]!.method });
+  set({ method: all[(at + by + all.length) % all.length]!.method, picked: true });
 }
 
 /** Names that automatic labelling is sure enough of, for tracks that have none. */

@@ -66,6 +66,8 @@ export interface State {
   gap: GapRow | null;
   candidates: GapCandidates | null;
   method: string | null;
+  /** Whether a person chose the method; else it is the best that is known. */
+  picked: boolean;
   track: string | null;
   /** The trial of Home, or the folder of New session, that Enter opens. */
   marked: string | null;
@@ -109,7 +111,7 @@ export function keep(key: string, value: string): void {
 /** What is of one trial, and forgotten with it. */
 export const OF_TRIAL = {
   header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, unlikely: false, later: [],
-  instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
+  instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, picked: false, track: null, why: "",
   alone: false, computed: false, window: null, detect: null, digitise: null,
 } satisfies Partial<State>;
 

@@ -42,7 +42,8 @@ export const uprightOf = (up: readonly [number, number, number]): Quaternion => 
 
 /** Two corners of a box of the world, as it would be with Z up. */
 export function standing(low: readonly number[], high: readonly number[], upright: Quaternion): [number[], number[]] {
-  const back = upright.clone().invert(), [a, b] = [low, high].map((at) => new Vector3(at[0], at[1], at[2]).applyQuaternion(back).toArray()) as [number[], number[]];
+  const back = upright.clone().invert(), turned = (at: readonly number[]): number[] => new Vector3(at[0], at[1], at[2]).applyQuaternion(back).toArray();
+  const a = turned(low), b = turned(high);
   return [a.map((v, k) => Math.min(v, b[k]!)), a.map((v, k) => Math.max(v, b[k]!))];
 }
 

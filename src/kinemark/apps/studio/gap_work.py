@@ -29,8 +29,8 @@ FIRST = ThreadPoolExecutor(1, "gap that is looked at")
 FEW = 3
 """Gaps that are judged one by one, at most; chosen: as after an edit of a marker."""
 STILL_S = 1.0
-"""s after it was asked for last in which somebody still looks at a gap; chosen: the page asks every quarter of a second,
-and who goes through many gaps waits for the last."""
+"""s after it was asked for last in which somebody still looks at a gap; chosen: the page asks every quarter of a
+second, and who goes through many gaps waits for the last."""
 ALONE = "best alone"
 """As a method: the best by the tests of this gap alone, which says what is best until all were judged together."""
 Key = tuple[str, int, int]

@@ -7,6 +7,7 @@ import { inTable, sameGap } from "../model/gaps";
 import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
 import { askedUntilThere, drawInstead } from "./instead";
+import { asking } from "./newest";
 import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
@@ -16,6 +17,8 @@ const ROUND_S = 0.4;
 const BESIDE_S = 1.2, WHOLE_S = 12;
 
 let queue: Promise<unknown> = Promise.resolve();
+/** When all that was said is answered. */
+export const quiet = (): Promise<unknown> => queue;
 /** The last look for problems: no act waits for it. */
 let looking: Promise<void> = Promise.resolve();
 
@@ -202,12 +205,12 @@ export function cut(): void {
 
 /** How two pieces go together, before one name is given to both. */
 export async function askJoin(track: string, name: string): Promise<void> {
-  const id = get().id;
+  const id = get().id, last = asking("join");
   set({ join: null });
   if (!id || !get().paths?.byName.has(name) || name === track) return;
   try {
     const shown = await api.preview(id, { kind: "claim", track, name, ...stretch(), at: playhead.frame });
-    if (shown?.join) set({ join: { track, name, join: shown.join } });
+    if (shown?.join && last()) set({ join: { track, name, join: shown.join } });
   } catch {
     // the act itself will say why it cannot be
   }

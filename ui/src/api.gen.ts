@@ -3742,6 +3742,8 @@ export interface components {
             name: string;
             /** Named Only */
             named_only: boolean;
+            /** One Sided */
+            one_sided: string[];
             /** Pairs */
             pairs: [
                 string,
@@ -3769,6 +3771,12 @@ export interface components {
             ];
             /** Undo */
             undo: number | null;
+            /** Up */
+            up: [
+                number,
+                number,
+                number
+            ];
             /** Version */
             version: string;
             /** Volume */

@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
 import type { Labels } from "../src/api/types";
-import { asked, labelRows, nameChoices } from "../src/model/labels";
+import { asked, keptNames, labelRows, nameChoices } from "../src/model/labels";
 import { HEADER } from "./support";
 
 const labels = { proposals: [{ track: "RKNE", name: "RKNE", probability: 0.7, runner_up: "LKNE", state: "unsure" }, { track: "LKNE", name: "LKNE", probability: 1, runner_up: null, state: "sure" }], links: [], sides: "", words: "", can_ask: false, by: "", known: [], head: "" } as Labels;
@@ -23,4 +23,8 @@ it("offers what is proposed first, then what else it may be, names that no track
   const asked: Labels = { ...labels, proposals: [{ track: "*3", name: "LUAP", probability: 0.6, runner_up: "RUAP", state: "unsure" }], known: ["LHEE", "LKNE", "RUAP", "LUAP"] };
   const found = nameChoices({ ...HEADER, marker_set: null }, asked, "*3");
   expect(found.map((one) => `${one.id}: ${one.beside}`)).toEqual(["LUAP: proposed, free", "RUAP: else, free", "LHEE: free", "LKNE: has f 11–16", "RKNE: has f 11–16", "extra: has f 11–16"]);
+});
+
+it("says which markers keep their names where sides are exchanged", () => {
+  expect([keptNames([]), keptNames(["RBAK"]), keptNames(["A", "B", "C", "D", "E", "F"])]).toEqual(["", "RBAK has no partner here and keeps its name", "A, B, C, D and 2 more have no partner here and keep their names"]);
 });

@@ -1,6 +1,7 @@
 /** Naming one track after another on Labels. */
 import { beforeEach, expect, it, vi } from "vitest";
 import type { Act, Labels, TrialHeader } from "../src/api/types";
+import { byId } from "../src/keys/commands";
 import { lookAtTrack, nameTrack } from "../src/state/labels";
 import { get, playhead, set, useStore } from "../src/state/store";
 import { HEADER, path, set as paths } from "./support";
@@ -44,4 +45,18 @@ it("goes to the next track when one was named, and to the first that is left aft
   answer.header = tracks("*3", "LHEE", "LTOE");
   await nameTrack("LTOE", "*5");
   expect(get().track).toBe("*3");
+});
+
+it("goes on after U and Delete as after a name, and stays with a track that nobody was asked about", async () => {
+  for (const id of ["unname", "drop"]) {
+    set({ header: tracks("*3", "*4", "*5") });
+    lookAtTrack("*3");
+    answer.header = tracks("*4", "*5");
+    byId(id).run();
+    await vi.waitFor(() => expect(get().selected).toEqual(["*4"]));
+  }
+  set({ header: tracks("*3", "RKNE"), selected: ["RKNE"], track: "RKNE" });
+  answer.header = tracks("*3", "LKNE");
+  await nameTrack("LKNE", "RKNE");
+  expect(get().track).toBe("RKNE");
 });

@@ -4,7 +4,7 @@ import type { Path, PathSet } from "../src/model/paths";
 export const HEADER = {
   id: "t", name: "walk01", session: null, rate: 100, first_frame: 11, n_frames: 6,
   tracks: ["*3", "RKNE", "extra", "LKNE"].map((name) => ({ name, named: !name.startsWith("*"), first: 11, last: 16, samples: 6, probability: null, runner_up: null })),
-  cameras: [], volume: null, marker_set: { name: "", names: ["LKNE", "RKNE"], places: {}, faces: {}, meaning: {}, links: [] }, pairs: [["LKNE", "RKNE"]],
+  cameras: [], volume: null, up: [0, 0, 1], marker_set: { name: "", names: ["LKNE", "RKNE"], places: {}, faces: {}, meaning: {}, links: [] }, pairs: [["LKNE", "RKNE"]], one_sided: [],
   events: [], trim: [11, 16], named_only: false, head: "", edits: 0, undo: 1, redo: null, version: "", by: "", has_images: false, has_detections: false, mosaic: null, methods: [], last: null, stale: "",
 } as unknown as TrialHeader;
 

@@ -25,6 +25,17 @@ RULES: tuple[Rule, ...] = (
     (r"(?<=[A-Z])L(?=\d*$)", "{R}"),
 )
 """How names say left, and where "right" stands instead; conventions of the common programs."""
+OTHER_SIDE = {
+    "Left": "Right",
+    "Right": "Left",
+    "left": "right",
+    "right": "left",
+    "L": "R",
+    "R": "L",
+    "l": "r",
+    "r": "l",
+}
+"""Words and letters of a side, longer ones first."""
 
 
 class Pair(NamedTuple):
@@ -55,6 +66,26 @@ def paired(names: Sequence[str]) -> tuple[Pair, ...]:
 def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
     """Left and right names of all pairs (`paired`), in the order of the left ones."""
     return tuple((pair.left, pair.right) for pair in paired(names))
+
+
+def one_sided(names: Sequence[str]) -> tuple[str, ...]:
+    """Names that say a side as the names of pairs do, and whose other side is not there.
+
+    A marker may be worn on one side only, as RBAK is, or its partner may be lost: names do not tell which.
+    """
+    alone = {*_left_alone(names)}
+    other = [re.sub("|".join(OTHER_SIDE), lambda found: OTHER_SIDE[found.group(0)], name) for name in names]
+    mirrored = {*_left_alone(other)}
+    return tuple(name for name, turned in zip(names, other, strict=True) if name in alone or turned in mirrored)
+
+
+def _left_alone(names: Sequence[str]) -> list[str]:
+    """Left names without a right one, by the rules that pair others."""
+    there = set(names)
+    used = {name for pair in paired(names) for name in (pair.left, pair.right)}
+    found = [[pair for name in names if (pair := _pair(name, rule))] for rule in RULES]
+    telling = [pairs for pairs in found if any(pair.right in there for pair in pairs)]
+    return [pair.left for pairs in telling for pair in pairs if pair.left not in used and pair.right not in there]
 
 
 def without_subject(name: str) -> str:

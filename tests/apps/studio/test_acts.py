@@ -105,7 +105,7 @@ def test_what_acts_bring_kept_by_the_page_is_what_it_would_be_given_anew(studio,
 
 def test_paths_with_fills_that_are_still_computed_are_not_brought(studio, monkeypatch):
     studio.act(kind="erase", marker="LKNE", first=10, last=19)
-    monkeypatch.setattr("kinemark.apps.studio.gaps.GapWork.known", lambda *_: None)
+    monkeypatch.setattr("kinemark.apps.studio.gap_work.GapWork.known", lambda *_: None)
     done = studio.act(kind="gap", marker="LKNE", first=10, last=19, method="linear").json()
     assert done["paths"] is None and done["changed"] == ["LKNE"]
 

@@ -1,5 +1,6 @@
 """Gaps in the studio: judged together, with one measure of what is expected of each way to fill one."""
 
+import threading
 import time
 from dataclasses import replace
 
@@ -8,8 +9,9 @@ import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
-from kinemark.apps.studio import gaps as module
+from kinemark.apps.studio import gap_work as module
 from kinemark.data import KinemarkError, MarkerTrajectory, Trial
+from kinemark.data.progress import tell
 from kinemark.fill import Auto, prepare
 from kinemark.io.trial import write_trial
 from support.studio import Studio
@@ -106,3 +108,58 @@ def test_points_that_are_no_markers_are_not_judged():
     prepared = prepare(replace(hidden, paths=(*hidden.paths, path)), method=QUICK)
     assert len(prepared.all_best()) == 3
     assert [fill.gap.marker for fill in prepared.all_best({"no marker"})] == list(hidden.names[:2])
+
+
+@pytest.fixture
+def slow(monkeypatch):
+    """All gaps are judged together as soon as this is set, and tell how far they are meanwhile."""
+    go, all_best = threading.Event(), module.PreparedFill.all_best
+
+    def waits(*asked):
+        while not go.wait(0.005):
+            tell(0, 1)
+        return all_best(*asked)
+
+    monkeypatch.setattr(module.PreparedFill, "all_best", waits)
+    yield go
+    go.set()
+
+
+def ways(studio, row, there):
+    """The ways to fill a gap, asked for until it is so."""
+    for _ in range(100):
+        found = studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}").json()
+        if there(found):
+            return found
+        time.sleep(0.05)
+    raise AssertionError(found["best"])
+
+
+def test_the_gap_that_is_looked_at_is_judged_before_all_others(studio, slow):
+    row = studio.page.get(f"{studio.trial}/gaps").json()["gaps"][3]
+    found = ways(studio, row, lambda found: found["best"])
+    assert found["pending"] and studio.page.get(f"{studio.trial}/gaps").json()["pending"]
+    slow.set()
+    rows = {(one["marker"], one["first"]): one for one in judged(studio)}
+    final = ways(studio, row, lambda found: not found["pending"])
+    assert final["best"] == rows[row["marker"], row["first"]]["method"]
+
+
+def test_a_gap_that_is_filled_is_drawn_before_all_others_are_judged(studio, slow):
+    row = studio.page.get(f"{studio.trial}/gaps").json()["gaps"][0]
+    studio.act(kind="gap", marker=row["marker"], first=row["first"], last=row["last"], method="cubic")
+    for _ in range(100):
+        answer = studio.page.get(f"{studio.trial}/paths?view=filled&column=xyz&marker={row['marker']}")
+        if np.isfinite(np.frombuffer(answer.body, np.float32)).all():
+            return
+        time.sleep(0.05)
+    raise AssertionError("not drawn")
+
+
+def test_a_gap_that_nobody_looks_at_any_more_is_not_judged_before_the_others(studio, slow, monkeypatch):
+    monkeypatch.setattr(module, "STILL_S", -1.0)
+    monkeypatch.setattr(module.PreparedFill, "best", lambda *_: pytest.fail("judged by itself"))
+    row = studio.page.get(f"{studio.trial}/gaps").json()["gaps"][0]
+    studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}")
+    slow.set()
+    assert judged(studio)[0]["state"] == "fillable"

@@ -1,5 +1,6 @@
 /** What the server says by itself: how runs go on, and that a journal has gone on elsewhere. */
-import { again, refetch, goTo, say, tried } from "../state/load";
+import { quiet } from "../state/acts";
+import { again, fetchHome, refetch, goTo, say, wasShown } from "../state/load";
 import { get, set } from "../state/store";
 import { fetchCameras, now } from "../state/sessions";
 import * as api from "./client";
@@ -29,9 +30,14 @@ export function connect(): void {
 
 function heard(said: Live): void {
   if (said.kind === "job") return job(said);
-  const { id, header, busy } = get();
-  if (said.trial !== id || !header || said.head === header.head || busy) return;
-  void refetch().then(() => say("news", "This trial has gone on in another window; it is shown as it is now."));
+  void quiet().then(() => moved(said.trial, said.head)); // an act of this page is heard of before it is answered
+}
+
+async function moved(trial: string, head: string): Promise<void> {
+  const { id, header } = get();
+  if (trial !== id || !header || wasShown(head)) return;
+  await refetch();
+  say("news", "This trial has gone on in another window; it is shown as it is now.");
 }
 
 function job(said: Job): void {
@@ -39,6 +45,6 @@ function job(said: Job): void {
   if (said.state === "running") return;
   if (said.state === "failed") say("refused", said.words);
   if (said.trial === now().session) void fetchCameras();
-  if (get().screen === "home") void tried(api.home).then((home) => home && set({ home }));
+  if (get().screen === "home") void fetchHome();
   else if (said.trial === get().id && said.state === "done") set({ header: null }), goTo(get().screen);
 }

@@ -1,6 +1,7 @@
 /** The whole trial as lanes, a row a marker: measured, filled, edited, missing. Painted once; the playhead moves over it. */
 import type { Problem, TrialHeader } from "../api/types";
 import { inShort } from "../model/format";
+import { withoutSubject } from "../model/names";
 import { frameAt, painted, pieces, placeOf, rowOrder } from "../model/lanes";
 import { EDITED, FILLED, MEASURED, MISSING, type PathSet } from "../model/paths";
 import { byOrigin, fit, palette, type Palette } from "./palette";
@@ -116,7 +117,7 @@ export class Lanes {
     if (!path) return;
     if (selected) (c.fillStyle = p.line), c.fillRect(0, y, NAMES + width, ROW);
     c.fillStyle = selected ? p.select : p.faint;
-    c.fillText(inShort(name, 9), 4, y + ROW / 2 + 0.5);
+    c.fillText(inShort(withoutSubject(this.header, name), 9), 4, y + ROW / 2 + 0.5);
     const colours = byOrigin(p);
     for (const piece of painted(pieces(path.origin, width))) {
       const x = NAMES + piece.x, own = piece.origin;

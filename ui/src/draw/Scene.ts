@@ -4,11 +4,12 @@ import {
   BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, type Group,
 } from "three";
 import type { TrialHeader } from "../api/types";
+import { withoutSubject } from "../model/names";
 import { nearestSample, type Path, type PathSet } from "../model/paths";
 import { MOST_NAMED, Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
-import { clear, room } from "./room";
+import { clear, room, standing, uprightOf } from "./room";
 import { soon } from "./soon";
 import { Trails, type Trail } from "./trails";
 
@@ -105,6 +106,7 @@ export class Scene {
     const [low, high] = reach(paths);
     this.made = made;
     this.colours = colours;
+    this.orbit.upright.copy(uprightOf(header.up));
     this.graph.background = new Color(colours.view);
     if (this.still) this.graph.remove(this.still), clear(this.still);
     this.graph.add((this.still = room(header, low, high, colours)));
@@ -126,7 +128,7 @@ export class Scene {
     if (!places.length) return;
     const middle = places.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(places.length);
     if (places.length > 1) {
-      const along = places[0]!.sub(places[1]!), flat = Math.hypot(along.x, along.y);
+      const along = places[0]!.sub(places[1]!).applyQuaternion(this.orbit.upright.clone().invert()), flat = Math.hypot(along.x, along.y);
       if (flat > 1) this.orbit.azimuth = Math.atan2(along.y, along.x) + Math.PI / 2;
       this.orbit.elevation = 0.25;
     }
@@ -277,17 +279,18 @@ export class Scene {
     }
     for (const path of drawn) {
       const at = some.has(path.name) ? null : this.onScreen(path, index);
-      if (at) names.write(path.name, at, faint);
+      if (at) names.write(withoutSubject(this.header, path.name), at, faint);
     }
   }
 
   private frameAll(low: readonly number[], high: readonly number[]): void {
     const size = Math.hypot(...low.map((v, k) => high[k]! - v)) || 1000, [x, y, z] = low.map((v, k) => (v + high[k]!) / 2) as [number, number, number];
+    const [from, to] = standing(low, high, this.orbit.upright);
     this.size();
-    this.orbit.azimuth = high[0]! - low[0]! > high[1]! - low[1]! ? -1.1 : 0.45;
-    let from = 0.5 * size;
-    do this.orbit.look(x, y, z, (from *= 1.05)), this.orbit.place();
-    while (from < FARTHEST_MM && !this.holds(low, high));
+    this.orbit.azimuth = to[0]! - from[0]! > to[1]! - from[1]! ? -1.1 : 0.45;
+    let away = 0.5 * size;
+    do this.orbit.look(x, y, z, (away *= 1.05)), this.orbit.place();
+    while (away < FARTHEST_MM && !this.holds(low, high));
   }
 
   /** Whether the picture holds the corners of a box. */

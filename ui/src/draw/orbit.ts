@@ -1,5 +1,5 @@
-/** A view from any side: round a target, with Z up. Drag turns, Shift or the right button moves, the wheel comes nearer. */
-import { PerspectiveCamera, Vector3 } from "three";
+/** A view from any side: round a target, with the world's own axis up. Drag turns, Shift or the right button moves, the wheel comes nearer. */
+import { PerspectiveCamera, Quaternion, Vector3 } from "three";
 
 export type Side = "front" | "side" | "top" | "oblique";
 const SIDES: Record<Side, [number, number]> = { oblique: [-0.9, 0.32], side: [-Math.PI / 2, 0.02], front: [0, 0.02], top: [-Math.PI / 2, 1.55] };
@@ -8,6 +8,8 @@ const TURN = 0.006, NEARER = 0.0012;
 
 export class Orbit {
   readonly target = new Vector3();
+  /** From a world with Z up to the one that is shown. */
+  readonly upright = new Quaternion();
   azimuth = SIDES.oblique[0];
   elevation = SIDES.oblique[1];
   distance = 4000;
@@ -51,10 +53,10 @@ export class Orbit {
 
   /** The camera of three where this view has it. */
   place(): void {
-    const c = Math.cos(this.elevation), d = this.distance, t = this.target;
-    this.camera.position.set(t.x + d * c * Math.cos(this.azimuth), t.y + d * c * Math.sin(this.azimuth), t.z + d * Math.sin(this.elevation));
-    this.camera.up.set(0, 0, 1);
-    this.camera.lookAt(t);
+    const c = Math.cos(this.elevation), d = this.distance;
+    this.camera.position.set(d * c * Math.cos(this.azimuth), d * c * Math.sin(this.azimuth), d * Math.sin(this.elevation)).applyQuaternion(this.upright).add(this.target);
+    this.camera.up.set(0, 0, 1).applyQuaternion(this.upright);
+    this.camera.lookAt(this.target);
     this.camera.near = d / 50;
     this.camera.far = d * 20 + 20000;
     this.camera.updateProjectionMatrix();

@@ -1,5 +1,5 @@
 /** What stands still in the view: the floor, the control volume, the cameras. */
-import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Matrix3, Vector3 } from "three";
+import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Matrix3, Quaternion, Vector3 } from "three";
 import type { CameraRow, TrialHeader } from "../api/types";
 import type { Palette } from "./palette";
 
@@ -37,10 +37,22 @@ export function floor(low: readonly number[], high: readonly number[], z: number
   return lines;
 }
 
+/** From a world with Z up to one in which another axis goes up: (x, y, z) is (x, z, −y) where that is Y. */
+export const uprightOf = (up: readonly [number, number, number]): Quaternion => new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...up));
+
+/** Two corners of a box of the world, as it would be with Z up. */
+export function standing(low: readonly number[], high: readonly number[], upright: Quaternion): [number[], number[]] {
+  const back = upright.clone().invert(), turned = (at: readonly number[]): number[] => new Vector3(at[0], at[1], at[2]).applyQuaternion(back).toArray();
+  const a = turned(low), b = turned(high);
+  return [a.map((v, k) => Math.min(v, b[k]!)), a.map((v, k) => Math.max(v, b[k]!))];
+}
+
 /** The room of a trial whose markers move between two corners, mm. */
 export function room(header: TrialHeader, low: readonly number[], high: readonly number[], palette: Palette): Group {
-  const group = new Group(), ground = low[2]! > -200 && low[2]! < 600 ? 0 : low[2]!; // another world has its floor elsewhere
-  group.add(segments(floor(low, high, ground), palette.line));
+  const group = new Group(), upright = uprightOf(header.up), [from, to] = standing(low, high, upright);
+  const ground = segments(floor(from, to, from[2]! > -200 && from[2]! < 600 ? 0 : from[2]!), palette.line); // another world has its floor elsewhere
+  ground.quaternion.copy(upright);
+  group.add(ground);
   if (header.volume) group.add(segments(box(header.volume), palette.faint));
   if (header.cameras.length) group.add(segments(header.cameras.flatMap(pyramid), palette.faint));
   return group;

@@ -6,11 +6,12 @@ import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
 import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
 import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
+import { sameGap, stepGap } from "../model/gaps";
 import { rowOrder } from "../model/lanes";
 import { computedNames, shownPaths } from "../model/paths";
 import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
-import { nameTrack, nextTrack } from "../state/labels";
+import { nameTrack, nextTrack, settle } from "../state/labels";
 import { askNames, goTo, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
@@ -52,7 +53,7 @@ const marker = (s: State): boolean => selected(s) && !s.selected[0]!.startsWith(
 const free = (s: State, ...kinds: Problem["kind"][]): boolean => kinds.includes(currentProblem(s)?.kind ?? kinds[0]!);
 const marked = (s: State): string => (s.first === null ? "from here on" : s.last === null ? `from frame ${s.first} on` : "in the marked stretch");
 /** Whether there is a gap to go to. */
-const otherGap = (s: State): boolean => (s.gaps?.gaps ?? []).some((g) => g !== s.gap);
+const otherGap = (s: State): boolean => (s.gaps?.gaps ?? []).some((g) => !s.gap || !sameGap(g, s.gap));
 const flip = (key: "lines" | "images" | "follow" | "alone" | "bands" | "computed") => (): void => set((s) => ({ [key]: !s[key] }));
 const go = (screen: Screen) => (): void => goTo(screen);
 const jumpTo = (where: (s: State) => number | null | undefined) => (): void => {
@@ -96,12 +97,12 @@ export const COMMANDS: readonly Command[] = [
   ...[1, 2, 3, 4, 5].map(taken),
   { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: (s) => onProblem(s) && keepOf(currentProblem(s)!) !== null, fits: (s) => wayTo(currentProblem(s), "keep") !== null, foot: 20, hint: (s) => keepOf(currentProblem(s)!)!.words, run: acts.rightAsIs },
   { id: "later", keys: ["-"], title: "Later", group: "Problems", screens: ["tracks"], when: onProblem, foot: 22, hint: () => "later", run: acts.putOff },
-  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => acts.dropping(s) !== null, fits: (s) => s.screen !== "gaps" && (!onProblem(s) || s.first !== null || s.last !== null || dropOf(currentProblem(s)!) !== null), foot: 24, hint: (s) => acts.dropping(s)!.words, run: () => acts.dropping(get())?.run() },
+  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => acts.dropping(s) !== null, fits: (s) => s.screen !== "gaps" && (!onProblem(s) || s.first !== null || s.last !== null || dropOf(currentProblem(s)!) !== null), foot: 24, hint: (s) => acts.dropping(s)!.words, run: () => settled(() => acts.dropping(get())?.run()) },
   // Names
   { id: "exchange", keys: ["X"], title: "Exchange two markers from here on, or in the marked stretch", group: "Names", screens: ["tracks"], when: (s) => s.selected.length > 1 && s.selected.slice(0, 2).some((name) => !name.startsWith("*")), fits: (s) => free(s, "swap"), foot: 26, hint: (s) => `exchange ${s.selected[0]} and ${s.selected[1]} ${marked(s)}`, run: acts.exchange },
   { id: "cut", keys: ["C"], title: "Cut here: mark from this frame to the end", group: "Names", screens: ["tracks"], when: selected, run: acts.cut },
   { id: "name", keys: ["L"], title: "Name the selected track", group: "Names", screens: ["tracks", "labels", "gaps"], when: selected, foot: 28, hint: (s) => `name ${s.selected[0]}`, run: () => set({ dialog: "name" }) },
-  { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => acts.claim(null) },
+  { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => settled(() => acts.claim(null)) },
   { id: "sides", keys: ["Shift+X"], title: "Exchange left and right", group: "Names", screens: ["tracks", "labels"], when: (s) => (s.header?.pairs.length ?? 0) > 0, run: acts.exchangeSides },
   { id: "labels-accept", keys: ["Shift+Enter"], title: "Accept all names above the limit", group: "Names", screens: ["labels"], fits: (s) => !s.labels || acts.sureLabels(LABEL_LIMIT).length > 0, foot: 1, hint: (s) => `name ${many(acts.sureLabels(LABEL_LIMIT).length, "track")} proposed with ${percent(LABEL_LIMIT)} or more${s.labels ? "" : " …"}`, run: () => acts.acceptLabels(LABEL_LIMIT) },
   { id: "labels-ask", keys: ["A"], title: "Propose names by what lies beside the file", group: "Names", screens: ["labels"], when: (s) => s.labels?.can_ask === true, fits: (s) => !s.labels!.by, foot: 1, hint: () => "propose names", run: () => void askNames() },
@@ -180,9 +181,14 @@ const errorOf = (s: State): number | null => s.candidates?.candidates.find((c) =
 const proposalOf = (s: State): { track: string; name: string | null; probability: number } | null => s.labels?.proposals.find((p) => p.track === s.track && p.name !== null && p.track !== p.name) ?? null;
 
 function nextGap(by: 1 | -1): void {
-  const all = get().gaps?.gaps ?? [], at = all.findIndex((g) => g === get().gap);
-  const next = all[at < 0 ? (by > 0 ? 0 : all.length - 1) : (at + by + all.length) % all.length];
+  const next = stepGap(acts.tabled(get()), get().gap, by);
   if (next) void acts.lookAtGap(next);
+}
+
+/** Do something to the selected track; on Labels the next that somebody is asked about comes then. */
+function settled(work: () => Promise<unknown> | undefined): void {
+  const { screen, selected } = get();
+  void (screen === "labels" && selected[0] ? settle(selected[0], async () => work()) : work());
 }
 
 /** What Escape would do. */

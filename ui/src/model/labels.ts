@@ -36,3 +36,12 @@ export function nameChoices(header: TrialHeader | null, labels: Labels | null, t
 
 /** Those that somebody should be asked about. */
 export const asked = (rows: readonly Proposal[]): Proposal[] => rows.filter((p) => rank(p) < 3);
+
+/** Names that are said of many, at most; chosen. */
+const SAID = 4;
+/** What becomes of markers without a partner where sides are exchanged; empty where there are none. */
+export function keptNames(alone: readonly string[]): string {
+  if (!alone.length) return "";
+  const said = alone.length > SAID ? `${alone.slice(0, SAID).join(", ")} and ${alone.length - SAID} more` : alone.join(", ");
+  return alone.length === 1 ? `${said} has no partner here and keeps its name` : `${said} have no partner here and keep their names`;
+}

@@ -15,7 +15,7 @@ export function NameDialog(): React.JSX.Element {
     const found = choices.filter((c) => c.id.toLowerCase().includes(typed.toLowerCase())), own = typed.trim();
     return own && !names.includes(own) && !own.startsWith("*") ? [...found, { id: own, words: own, beside: "a new name" }] : found;
   };
-  const take = (name: string): void => (set({ dialog: null }), screen === "labels" ? void nameTrack(name, track) : claim(name, track));
+  const take = (name: string): void => (set({ dialog: null }), void (screen === "labels" ? nameTrack(name, track) : claim(name, track)));
   const about = first === null && last === null ? "all of it" : `frames ${first ?? "from the start"} to ${last ?? "the end"}`;
   return (
     <Modal title={`Which marker is ${track}? (${about})`}>

@@ -1,6 +1,6 @@
 /** Gaps, each with the error that is expected of every way to fill it. */
-import { Crosshair, SkipForward, Spline } from "lucide-react";
-import { useEffect, useRef } from "react";
+import { ArrowDown, ArrowUp, Crosshair, SkipForward, Spline } from "lucide-react";
+import { useEffect, useMemo, useRef } from "react";
 import { VList, type VListHandle } from "virtua";
 import type { GapRow } from "../api/types";
 import { CamerasView, CurvesView, SceneView } from "../parts/views";
@@ -8,7 +8,8 @@ import { Name } from "../parts/Name";
 import { PutPanel } from "../parts/PutPanel";
 import { Waiting } from "../parts/Waiting";
 import { frames, many, mm, wayOf } from "../model/format";
-import { acceptable, fillAll, fillGap, lookAtGap, undecided } from "../state/acts";
+import { nextOrder, sameGap, type GapColumn } from "../model/gaps";
+import { acceptable, fillAll, fillGap, lookAtGap, tabled, undecided } from "../state/acts";
 import { set, useStore } from "../state/store";
 import styles from "./Gaps.module.css";
 
@@ -45,19 +46,29 @@ function Accept(): React.JSX.Element {
 }
 
 function Table(): React.JSX.Element {
-  const { gaps, gap, limit } = useStore(), rows = gaps?.gaps ?? [], list = useRef<VListHandle>(null);
-  const at = rows.findIndex((g) => g.marker === gap?.marker && g.first === gap.first);
+  const { gaps, gap, limit, gapOrder } = useStore(), rows = useMemo(() => tabled(useStore.getState()), [gaps, gapOrder]), list = useRef<VListHandle>(null);
+  const at = gap ? rows.findIndex((g) => sameGap(g, gap)) : -1;
   useEffect(() => void (at >= 0 && list.current?.scrollToIndex(at, { align: "nearest" })), [at]);
   if (gaps && !rows.length) return <p className={styles.none}>No named marker has a gap. Tracks without a name are not filled: name them first.</p>;
   return (
     <div className={styles.table} role="table" aria-label="Gaps of all markers" aria-rowcount={rows.length + 1}>
       <div role="rowgroup"><div role="row" className={styles.titles}>
-        <span role="columnheader">Marker</span><span role="columnheader">Frames</span><span role="columnheader">Method</span><span role="columnheader">Expected</span><span role="columnheader">State</span>
+        <Title by="marker">Marker</Title><Title by="frames">Frames</Title><span role="columnheader">Method</span><Title by="expected">Expected</Title><span role="columnheader">State</span>
       </div></div>
       <VList ref={list} className={styles.list} role="rowgroup" tabIndex={0} aria-label="Rows">
         {rows.map((g, i) => <Row key={`${g.marker} ${g.first}`} gap={g} at={i} on={i === at} limit={limit} />)}
       </VList>
     </div>
+  );
+}
+
+/** A title by which the table can be ordered: N goes through it in that order. */
+function Title({ by, children }: { by: GapColumn; children: string }): React.JSX.Element {
+  const order = useStore((s) => s.gapOrder), on = order?.by === by, Arrow = order?.down ? ArrowDown : ArrowUp;
+  return (
+    <span role="columnheader" aria-sort={on ? (order.down ? "descending" : "ascending") : "none"}>
+      <button type="button" className={styles.order} title={`Order by ${children.toLowerCase()}`} onClick={() => set({ gapOrder: nextOrder(order, by) })}>{children}{on && <Arrow size={12} aria-hidden />}</button>
+    </span>
   );
 }
 
@@ -84,7 +95,7 @@ function Ways(): React.JSX.Element {
       <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}{gap.cameras_alone.length > 0 && ` · ${gap.cameras_alone.join(", ")} saw it alone`}</span></h2>
       <div className={styles.methods} role="group" aria-label="Ways to fill">
         {candidates?.candidates.map((c) => (
-          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} title={c.method} onClick={() => set({ method: c.method })}>{wayOf(c.method)} <span className="number soft">{mm(c.expected_mm)} mm</span></button>
+          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} title={c.method} onClick={() => set({ method: c.method, picked: true })}>{wayOf(c.method)} <span className="number soft">{mm(c.expected_mm)} mm</span></button>
         ))}
         {(!candidates || candidates.pending) && <span className="soft" role="status">others are being computed …</span>}
       </div>

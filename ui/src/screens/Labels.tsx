@@ -8,7 +8,7 @@ import { SceneView } from "../parts/views";
 import { Waiting } from "../parts/Waiting";
 import { byId, LABEL_LIMIT } from "../keys/commands";
 import { many, mm, percent } from "../model/format";
-import { knownNames, labelRows } from "../model/labels";
+import { keptNames, knownNames, labelRows } from "../model/labels";
 import { acceptLabels, exchangeSides, sureLabels } from "../state/acts";
 import { lookAtTrack, nameTrack } from "../state/labels";
 import { set, useStore } from "../state/store";
@@ -48,6 +48,7 @@ function Sides(): React.JSX.Element | null {
   return (
     <div className={styles.sides}>
       {labels?.sides && <p>{labels.sides}</p>}
+      {header.one_sided.length > 0 && <p className="soft">{keptNames(header.one_sided)}.</p>}
       <button type="button" className="button" onClick={exchangeSides}><ArrowLeftRight size={14} aria-hidden />Exchange left and right<kbd>⇧ X</kbd></button>
     </div>
   );

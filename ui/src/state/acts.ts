@@ -1,10 +1,13 @@
 /** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
 import * as api from "../api/client";
-import type { Act, ActDone, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
+import type { Act, ActDone, GapCandidates, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
 import { many, percent } from "../model/format";
+import { keptNames } from "../model/labels";
+import { inTable, sameGap } from "../model/gaps";
 import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
 import { unanswered } from "./again";
 import { askedUntilThere, drawInstead } from "./instead";
+import { asking } from "./newest";
 import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
@@ -14,6 +17,8 @@ const ROUND_S = 0.4;
 const BESIDE_S = 1.2, WHOLE_S = 12;
 
 let queue: Promise<unknown> = Promise.resolve();
+/** When all that was said is answered. */
+export const quiet = (): Promise<unknown> => queue;
 /** The last look for problems: no act waits for it. */
 let looking: Promise<void> = Promise.resolve();
 
@@ -165,18 +170,18 @@ export function putOff(): void {
 /** The marked stretch, as acts have it: null follows the path as far as it goes. */
 export const stretch = (): { first: number | null; last: number | null } => ({ first: get().first, last: get().last });
 
-export function claim(name: string | null, track = get().selected[0]): void {
-  if (track) void act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`);
+export async function claim(name: string | null, track = get().selected[0]): Promise<ActDone | null> {
+  return track ? act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`) : null;
 }
 
 /** What Delete does: the marked samples, else the way that the problem offers, else the track as a whole; null: nothing. */
-export function dropping(s: State): { words: string; run: () => void } | null {
+export function dropping(s: State): { words: string; run: () => Promise<unknown> } | null {
   const p = currentProblem(s), drop = p && dropOf(p), name = s.selected[0], { first, last } = s;
   const own = first !== null || last !== null || (name !== undefined && !p?.tracks.includes(name)); // the person's choice
-  if (p && drop && !own) return { words: drop.words, run: () => void choose(p, drop.key) };
+  if (p && drop && !own) return { words: drop.words, run: () => choose(p, drop.key) };
   if (!name) return null;
   if (first === null || last === null || name.startsWith("*")) return { words: `${name} is no marker${first === null && last === null ? "" : " in the marked stretch"}`, run: () => claim(null, name) };
-  return { words: `erase the marked samples of ${name}`, run: () => void act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`) };
+  return { words: `erase the marked samples of ${name}`, run: () => act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`) };
 }
 
 export function exchange(): void {
@@ -186,7 +191,8 @@ export function exchange(): void {
 }
 
 export function exchangeSides(): void {
-  void act({ kind: "sides", ...stretch() }, "Left and right exchanged");
+  const alone = keptNames(get().header?.one_sided ?? []);
+  void act({ kind: "sides", ...stretch() }, `Left and right exchanged${alone && `; ${alone}`}`);
 }
 
 /** Cut here: from this frame on is one stretch, to be named or taken away. */
@@ -199,12 +205,12 @@ export function cut(): void {
 
 /** How two pieces go together, before one name is given to both. */
 export async function askJoin(track: string, name: string): Promise<void> {
-  const id = get().id;
+  const id = get().id, last = asking("join");
   set({ join: null });
   if (!id || !get().paths?.byName.has(name) || name === track) return;
   try {
     const shown = await api.preview(id, { kind: "claim", track, name, ...stretch(), at: playhead.frame });
-    if (shown?.join) set({ join: { track, name, join: shown.join } });
+    if (shown?.join && last()) set({ join: { track, name, join: shown.join } });
   } catch {
     // the act itself will say why it cannot be
   }
@@ -231,11 +237,14 @@ export function settleGap(action: "fill" | "leave_open"): void {
 export async function fillGap(method = get().method ?? "best"): Promise<void> {
   const gap = gapHere();
   if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
-  const rows = get().gaps?.gaps ?? [];
+  const rows = tabled(get());
   const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${many(gap.frames, "frame")} filled by ${method}`;
   const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
   if (done) nextUndecided(rows, gap);
 }
+
+/** The gaps in the order in which the table shows them. */
+export const tabled = (s: State): readonly GapRow[] => inTable(s.gaps?.gaps ?? [], s.gapOrder);
 
 /** Look at the first gap after one, as they stood, for which nobody has said anything yet. */
 function nextUndecided(rows: readonly GapRow[], after: GapRow): void {
@@ -244,8 +253,6 @@ function nextUndecided(rows: readonly GapRow[], after: GapRow): void {
   const next = [...rows.slice(at + 1), ...rows.slice(0, Math.max(0, at))].map((g) => left.find((l) => sameGap(l, g) && undecided(l))).find(Boolean);
   if (next) void lookAtGap(next);
 }
-
-const sameGap = (a: GapRow, b: GapRow): boolean => a.marker === b.marker && a.first === b.first;
 
 /** A method as it can be said; a mean of several, which only filling itself makes, is the best there is. */
 const sayable = (method: string | null | undefined): string => (method === "open" || get().header?.methods.includes(method ?? "") ? method! : "best");
@@ -260,25 +267,29 @@ export async function fillAll(): Promise<void> {
   const some = acceptable();
   if (!some.length) return void say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
   const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: sayable(g.method) }));
-  const rows = get().gaps?.gaps ?? [], done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method with the least expected error`);
+  const rows = tabled(get()), done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method with the least expected error`);
   if (done && get().gap) nextUndecided(rows, get().gap!);
 }
 
 export async function lookAtGap(gap: GapRow): Promise<void> {
   const id = get().id, beside = Math.max(20, gap.frames);
-  set((s) => ({ gap, selected: [gap.marker], method: gap.choice === "open" ? gap.method : (gap.choice ?? gap.method), candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
+  const chosen = gap.choice == null || gap.choice === "open" ? null : gap.choice;
+  set((s) => ({ gap, selected: [gap.marker], method: chosen ?? gap.method, picked: chosen !== null, candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));
-  const still = (): boolean => get().gap?.marker === gap.marker && get().gap?.first === gap.first;
-  if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null })));
+  const still = (): boolean => get().id === id && get().gap !== null && sameGap(get().gap!, gap);
+  if (id) await askedUntilThere(id, gap.marker, gap.first, still, (candidates) => set((s) => ({ candidates, method: s.picked ? s.method : bestOf(candidates) ?? s.method })));
 }
+
+/** What would fill it best as far as is known; the best of the first answer until all ways were tried. */
+const bestOf = (of: GapCandidates): string | null => of.best ?? of.candidates[0]?.method ?? null;
 
 export function nextMethod(by = 1): void {
   const all = get().candidates?.candidates ?? [];
   if (!all.length) return;
   const at = all.findIndex((c) => c.method === get().method);
-  set({ method: all[(at + by + all.length) % all.length]!.method });
+  set({ method: all[(at + by + all.length) % all.length]!.method, picked: true });
 }
 
 /** Names that automatic labelling is sure enough of, for tracks that have none. */

@@ -3,6 +3,7 @@ import * as api from "../api/client";
 import type { CameraFound, Detection, DetectDraft, PlaceWhy } from "../api/types";
 import { get, set } from "./store";
 import { ready, say, tried } from "./load";
+import { asking } from "./newest";
 
 export type Value = number | boolean | null;
 export type Polygon = [number, number][];
@@ -28,9 +29,10 @@ export const detect = (): Tried | null => get().detect;
 const put = (some: Partial<Tried>): void => set((s) => ({ detect: s.detect && { ...s.detect, ...some } }));
 
 export async function loadDetect(id: string): Promise<void> {
+  const last = asking("detection");
   if (!(await ready(id, "detect"))) return;
   const about = await tried(() => api.detection(id));
-  if (!about || get().id !== id) return;
+  if (!about || get().id !== id || !last()) return;
   const before = get().detect, frame = before ? before.frame : about.first;
   set({ detect: { about, frame: Math.min(about.last, Math.max(about.first, frame)), of: before?.of ?? null, large: before?.large ?? null, draft: before?.draft ?? EMPTY, found: [], white: before?.white ?? true, painting: false, why: null } });
   await look();
@@ -108,8 +110,8 @@ export function forgetDraft(): void {
 export async function ask(camera: string, u: number, v: number): Promise<void> {
   const { id, detect: t } = get();
   if (!id || !t) return;
-  const why = await tried(() => api.detectWhy(id, { frame: t.frame, camera, u, v, draft: t.draft as DetectDraft }));
-  if (why) put({ why: { ...why, camera, u, v } });
+  const last = asking("why"), why = await tried(() => api.detectWhy(id, { frame: t.frame, camera, u, v, draft: t.draft as DetectDraft }));
+  if (why && get().id === id && last() && detect()?.frame === t.frame) put({ why: { ...why, camera, u, v } });
 }
 
 /** Write what is tried into the session; its trials are stale then. */
@@ -118,7 +120,8 @@ export async function applyDraft(): Promise<void> {
   if (!id || !t || !changed(t)) return;
   const about = await tried(() => api.detectApply(id, t.draft as DetectDraft));
   if (!about || get().id !== id) return;
-  put({ about, draft: EMPTY });
+  asking("detection");
+  put({ about, ...(detect()?.draft === t.draft ? { draft: EMPTY } : {}) }); // what was tried meanwhile is not written
   set({ header: null, paths: null, problems: null, gaps: null, labels: null });
   say("done", "Written into session.toml. Run the trial again, so that all of it follows.");
   await look();

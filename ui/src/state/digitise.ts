@@ -5,6 +5,7 @@ import type { AnswerSaid, DigitisingNow, PlacedMarker, SetupBody } from "../api/
 import { tone } from "../model/tone";
 import { get, set } from "./store";
 import { goTo, ready, say, tried } from "./load";
+import { asking } from "./newest";
 
 export interface Digitised {
   now: DigitisingNow;
@@ -20,9 +21,10 @@ export const digitised = (): Digitised | null => get().digitise;
 const put = (some: Partial<Digitised>): void => set((s) => ({ digitise: s.digitise && { ...s.digitise, ...some } }));
 
 export async function loadDigitise(id: string): Promise<void> {
+  const last = asking("digitise");
   if (!(await ready(id, "digitise"))) return;
   const now = await tried(() => api.digitising(id));
-  if (now && get().id === id) set({ digitise: { now, shown: null, saved: [], spot: 0 } });
+  if (now && get().id === id && last()) set({ digitise: { now, shown: null, saved: [], spot: 0 } });
 }
 
 /** Name the markers; digitising then begins. */
@@ -51,6 +53,7 @@ export async function answer(said: AnswerSaid): Promise<void> {
   try {
     const now = await tried(() => api.answer(id, { camera: before.camera, kept: before.kept, said }).catch((error: unknown) => again(id, error)));
     if (!now || get().id !== id) return;
+    asking("digitise");
     set({ digitise: { now, shown: null, saved: [], spot: 0 }, note: null });
     lastFrame(before, now);
   } finally {

@@ -2,7 +2,7 @@
 import type { Proposal } from "../api/types";
 import { asked, labelRows } from "../model/labels";
 import { nearestSample } from "../model/paths";
-import { act, stretch } from "./acts";
+import { claim } from "./acts";
 import { get, playhead, set } from "./store";
 
 const rows = (): Proposal[] => {
@@ -24,11 +24,14 @@ export function nextTrack(by: 1 | -1): void {
   if (next) lookAtTrack(next.track);
 }
 
-/** A name for a track, null for none; then the next that somebody is asked about. */
-export async function nameTrack(name: string | null, track: string): Promise<void> {
+/** Do something to a track; when it is done, the next that somebody is asked about, where they were asked about this one. */
+export async function settle(track: string, work: () => Promise<unknown>): Promise<void> {
   const before = rows().map((p) => p.track), at = before.indexOf(track);
-  const done = await act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`);
-  if (!done || get().screen !== "labels" || get().dialog) return;
-  const now = new Set(rows().map((p) => p.track)), next = [...before.slice(at + 1), ...before.slice(0, Math.max(0, at))].find((one) => now.has(one));
+  const done = await work();
+  if (!done || at < 0 || get().screen !== "labels" || get().dialog) return;
+  const now = new Set(rows().map((p) => p.track)), next = [...before.slice(at + 1), ...before.slice(0, at)].find((one) => now.has(one));
   if (next) lookAtTrack(next);
 }
+
+/** A name for a track, null for none; then the next that somebody is asked about. */
+export const nameTrack = (name: string | null, track: string): Promise<void> => settle(track, () => claim(name, track));

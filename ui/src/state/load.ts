@@ -3,6 +3,7 @@ import * as api from "../api/client";
 import type { Act, ActDone, Gaps, TrialHeader } from "../api/types";
 import { decodePart, mergePaths } from "../model/paths";
 import { answered, unanswered } from "./again";
+import { asking } from "./newest";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
 import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
@@ -72,9 +73,7 @@ export async function arrive(): Promise<void> {
   if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {
     set({ screen: "home" });
-    const home = await tried(api.home);
-    if (home) set({ home });
-    return;
+    return fetchHome();
   }
   const trial = decodeURIComponent(id);
   if (screen !== "gaps") leaveGap();
@@ -85,6 +84,11 @@ export async function arrive(): Promise<void> {
   }
   set({ screen });
   await fresh();
+}
+
+export async function fetchHome(): Promise<void> {
+  const last = asking("home"), home = await tried(api.home);
+  if (home && last()) set({ home });
 }
 
 /** The report as a PDF, which the browser then keeps. */
@@ -106,12 +110,14 @@ export async function runTrial(): Promise<void> {
 }
 
 async function openTrial(id: string): Promise<void> {
+  const last = asking("trial");
   if (!(await ready(id, "trial"))) return;
   const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]))) ?? [];
-  if (!header || !paths || get().id !== id) return;
+  if (!header || !paths || get().id !== id || !last()) return;
   playhead.set(header.first_frame, header.n_frames, header.rate);
+  heads.add(header.head);
   set({ header, paths, savedAt: header.last?.at ?? null });
-  if (paths.pending) askAgain(id, [...paths.byName.keys()], header.head);
+  if (paths.pending) askAgain(id, [...paths.byName.keys()]);
   await refreshProblems();
 }
 
@@ -120,17 +126,18 @@ export async function fresh(): Promise<void> {
   const { id, screen, header } = get();
   if (!id || (!header && !BEFORE_RUN.includes(screen))) return; // it cannot be shown, and why was said
   if (screen === "angles") return fetchAngles();
+  const last = asking(screen), mine = (): boolean => get().id === id && last();
   if (screen === "detect") await loadDetect(id);
   else if (screen === "digitise") await loadDigitise(id);
   else if (screen === "gaps") {
     const gaps = await tried(() => api.gaps(id));
-    if (gaps && get().id === id) takeGaps(gaps, id);
+    if (gaps && mine()) takeGaps(gaps, id, mine);
   } else if (screen === "labels") {
     const labels = await tried(() => api.labels(id));
-    if (labels && get().id === id) set({ labels });
+    if (labels && mine()) set({ labels });
   } else if (screen === "history") {
     const history = await tried(() => api.history(id));
-    if (history && get().id === id) set({ history });
+    if (history && mine()) set({ history });
   }
 }
 
@@ -139,19 +146,20 @@ export async function askNames(): Promise<void> {
   const { id } = get();
   if (!id) return;
   say("news", "Names are looked for in what lies beside the file …");
-  const labels = await tried(() => api.labels(id, true));
+  const last = asking("labels"), labels = await tried(() => api.labels(id, true));
   if (!labels || get().id !== id) return;
-  set({ labels });
+  if (last()) set({ labels });
+  else await fresh(); // tracks were named meanwhile: the names are known now, but not for which tracks
   if (labels.proposals.length) say("done", `Names for ${labels.proposals.length} tracks are proposed by ${labels.by}.`);
   else say("news", labels.words ?? "");
 }
 
 /** The table of gaps; asked for again while some are judged. */
-function takeGaps(gaps: Gaps, id: string): void {
+function takeGaps(gaps: Gaps, id: string, mine: () => boolean): void {
   set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));
   const more = async (): Promise<void> => {
-    const found = get().id === id && get().screen === "gaps" ? await tried(() => api.gaps(id)) : null;
-    if (found && get().id === id) takeGaps(found, id);
+    const found = mine() && get().screen === "gaps" ? await tried(() => api.gaps(id)) : null;
+    if (found && mine()) takeGaps(found, id, mine);
   };
   if (gaps.pending) setTimeout(() => void more(), AGAIN_MS);
 }
@@ -183,15 +191,23 @@ export async function again(): Promise<void> {
 export async function refetch(): Promise<void> {
   const id = get().id;
   if (!id) return;
-  const got = await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]));
-  if (!got || get().id !== id) return;
+  const last = asking("trial"), got = await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]));
+  if (!got || get().id !== id || !last()) return;
+  if (got[0].head !== got[1].head) return refetch(); // the journal went on between the two answers
   take(got[0]);
   set({ paths: got[1], detected: null, instead: null });
+  if (got[1].pending) askAgain(id, [...got[1].byName.keys()]);
   await Promise.all([refreshProblems(), fresh()]);
 }
 
+/** Heads that the journal had as this page has shown it. */
+const heads = new Set<string>();
+export const wasShown = (head: string): boolean => heads.has(head);
+
 /** The header after an act; the selection loses what is there no more, and goes with a track that was named as a whole. */
 export function take(header: TrialHeader, said?: Act): void {
+  asking("trial"); // what was asked for before is older
+  heads.add(header.head);
   const samples = new Map(header.tracks.map((track) => [track.name, track.samples]));
   const now = (name: string): string => (said?.kind === "claim" && said.name && said.track === name && !samples.get(name) ? said.name : name);
   set((s) => ({ header, savedAt: header.last?.at ?? s.savedAt, selected: [...new Set(s.selected.map(now))].filter((name) => samples.has(name)) }));
@@ -211,30 +227,48 @@ export async function fetchChanged(changed: readonly string[], removed: readonly
   const some = changed.length ? await api.paths(id, VIEW, changed) : { ...paths, byName: new Map() };
   if (get().id !== id) return;
   set((s) => ({ paths: mergePaths(s.paths ?? some, some, removed) }));
-  if (changed.length && some.pending) askAgain(id, changed, some.head);
+  if (changed.length && some.pending) askAgain(id, changed);
 }
 
-/** Fetch markers again whose fills were not there yet, as long as nothing else is said. */
-function askAgain(id: string, markers: readonly string[], head: string): void {
-  setTimeout(() => {
-    if (get().id === id && get().header?.head === head) void tried(() => fetchChanged(markers, []));
-  }, AGAIN_MS);
+/** Markers whose fills were not there yet, of which trial; and whether they are about to be asked for. */
+let unfilled: { id: string; markers: ReadonlySet<string> } = { id: "", markers: new Set() }, waiting = false;
+
+/** Fetch markers again whose fills were not there yet, until they are. */
+function askAgain(id: string, markers: readonly string[]): void {
+  unfilled = { id, markers: new Set([...(unfilled.id === id ? unfilled.markers : []), ...markers]) };
+  if (!waiting) setTimeout(() => void fetchUnfilled(), AGAIN_MS);
+  waiting = true;
 }
 
-let asking: readonly [number, number] | null = null;
+async function fetchUnfilled(): Promise<void> {
+  const { id, markers } = unfilled, there = [...markers].filter((name) => get().paths?.byName.has(name));
+  waiting = false;
+  unfilled = { id: "", markers: new Set() };
+  if (get().id !== id || !there.length) return;
+  const some = await tried(() => api.paths(id, VIEW, there));
+  if (get().id !== id || !some) return;
+  if (some.head !== get().header?.head) return askAgain(id, there); // something was said meanwhile
+  set((s) => ({ paths: mergePaths(s.paths ?? some, some, []) }));
+  if (some.pending) askAgain(id, there);
+}
+
+let looking: readonly [number, number] | null = null;
 
 /** The detections about a frame; asked for once. */
 export async function wantDetections(frame: number): Promise<void> {
   const { id, header } = get();
-  if (!id || !header || (asking && frame >= asking[0] && frame <= asking[1])) return;
+  if (!id || !header || (looking && frame >= looking[0] && frame <= looking[1])) return;
   const first = Math.max(header.first_frame, frame - BEFORE), last = Math.min(header.first_frame + header.n_frames - 1, first + AHEAD);
-  asking = [first, last];
+  looking = [first, last];
+  let late = false;
   try {
     const detected = await api.detections(id, first, last);
-    if (get().id === id) set({ detected });
+    late = get().id === id && get().header !== header; // something was said meanwhile: they are other markers' now
+    if (get().id === id && !late) set({ detected });
   } catch {
     // the frame is drawn without them, and they are asked for again with the next frame
   } finally {
-    asking = null;
+    looking = null;
   }
+  if (late) await wantDetections(playhead.frame);
 }

@@ -4,6 +4,7 @@ import * as home from "../api/client";
 import * as api from "../api/sessions";
 import type { AngleChoice, Angles, Control, ControlCamera, NewFolder, Proposed, Said, SessionCameras, Spike, White } from "../api/sessions";
 import { goTo, say, tried } from "./load";
+import { asking } from "./newest";
 import { get, playhead, set } from "./store";
 
 interface Sessions {
@@ -94,12 +95,12 @@ export async function makeSession(run: boolean): Promise<void> {
 }
 
 export async function fetchCameras(): Promise<void> {
-  const id = now().session;
+  const id = now().session, last = asking("cameras");
   const cameras = id && (await tried(() => api.cameras(id)));
-  if (!cameras || now().session !== id) return;
+  if (!cameras || now().session !== id || !last()) return;
   put({ cameras });
   const control = cameras.control ? await tried(() => api.control(id)) : null;
-  if (now().session !== id) return;
+  if (now().session !== id || !last()) return;
   const asks = control?.cameras.some((c) => c.balls.some((b) => b.seen === null)) ?? false;
   put({ control, pointing: now().pointing ?? asks }); // it stays open when all is said: the reference marker is asked for then
   if (control && !now().camera) choose(firstOpen(control, control.cameras[0]?.name ?? ""));
@@ -139,12 +140,25 @@ export async function fetchWhite(): Promise<void> {
   if (white && now().camera === camera && now().level === level && now().inverted === inverted) put({ white });
 }
 
+let answering = false;
+
+/** One answer at a time, so that a second click is none to the same question; what was asked for before is older. */
+async function onlyOne(ask: () => Promise<Control>): Promise<Control | null> {
+  answering = true;
+  try {
+    return await tried(ask);
+  } finally {
+    answering = false;
+    asking("cameras");
+  }
+}
+
 /** Answer for the point that is asked for; the next is asked for then. */
 export async function answer(said: Omit<api.Ball, "point">): Promise<void> {
   const { session, camera, point, level, inverted, control } = now();
-  if (!session || !camera || !point) return;
-  const got = await tried(() => api.ball(session, camera, { ...said, point, threshold: level, inverted }));
-  if (!got) return;
+  if (!session || !camera || !point || answering) return;
+  const got = await onlyOne(() => api.ball(session, camera, { ...said, point, threshold: level, inverted }));
+  if (!got || now().session !== session) return;
   put({ control: got, given: [...now().given, { camera, point }] });
   say("done", `${point} in ${camera}: ${said.seen === false ? "not seen" : "found"}.`);
   const own = got.cameras.find((c) => c.name === camera)!, rest = asked(own), at = rest.findIndex((b) => b.point === point);
@@ -158,9 +172,9 @@ const nextOf = (control: Control, camera: string): string => control.cameras[(co
 /** Take the last answer back, and ask for it again. */
 export async function back(): Promise<void> {
   const { session, given } = now(), last = given.at(-1);
-  if (!session || !last) return;
-  const got = await tried(() => api.ball(session, last.camera, { point: last.point, forget: true }));
-  if (!got) return;
+  if (!session || !last || answering) return;
+  const got = await onlyOne(() => api.ball(session, last.camera, { point: last.point, forget: true }));
+  if (!got || now().session !== session) return;
   put({ control: got, given: given.slice(0, -1) });
   choose(last);
   say("done", `${last.point} in ${last.camera} is taken back. Where is it?`);
@@ -178,15 +192,15 @@ export async function fetchAngles(more: AngleChoice = {}): Promise<void> {
   const id = get().id, choice = { ...now().choice, ...more };
   put({ choice, spike: null });
   const angles = id && (await tried(() => api.angles(id, choice)));
-  if (angles && get().id === id) put({ angles });
+  if (angles && get().id === id && now().choice === choice) put({ angles });
 }
 
 /** What made an angle leap near a frame. */
 export async function askSpike(joint: number, turn: number, frame: number): Promise<void> {
-  const id = get().id;
+  const id = get().id, last = asking("spike");
   playhead.pause(), playhead.go(frame);
   const spike = id && (await tried(() => api.spike(id, { ...now().choice, joint, turn, frame })));
-  if (!spike || get().id !== id) return;
+  if (!spike || get().id !== id || !last()) return;
   put({ spike: { ...spike, joint, turn } });
   playhead.go(spike.frame);
 }

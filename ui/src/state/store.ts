@@ -3,6 +3,7 @@ import { useMemo } from "react";
 import { create } from "zustand";
 import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
+import type { GapOrder } from "../model/gaps";
 import type { Detected } from "../model/detections";
 import { ofWhole } from "../model/problems";
 import { shownPaths, type Path, type PathSet } from "../model/paths";
@@ -65,10 +66,13 @@ export interface State {
   gap: GapRow | null;
   candidates: GapCandidates | null;
   method: string | null;
+  /** Whether a person chose the method; else it is the best that is known. */
+  picked: boolean;
   track: string | null;
   /** The trial of Home, or the folder of New session, that Enter opens. */
   marked: string | null;
   limit: number;
+  gapOrder: GapOrder | null;
   why: string;
 
   dialog: Dialog;
@@ -107,13 +111,13 @@ export function keep(key: string, value: string): void {
 /** What is of one trial, and forgotten with it. */
 export const OF_TRIAL = {
   header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, unlikely: false, later: [],
-  instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
+  instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, picked: false, track: null, why: "",
   alone: false, computed: false, window: null, detect: null, digitise: null,
 } satisfies Partial<State>;
 
 export const useStore = create<State>()(() => ({
   ...OF_TRIAL,
-  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, returns: 0, note: null, unshown: "", runs: true, limit: 5,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, stranger: false, busy: 0, returns: 0, note: null, unshown: "", runs: true, limit: 5, gapOrder: null,
   dialog: null, marked: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
   lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
 }));

@@ -3,6 +3,7 @@ import { create } from "zustand";
 import * as api from "../api/um2as";
 import type { FilePage, Menu, MenuRow } from "../api/um2as";
 import { goTo, say, tried } from "./load";
+import { asking } from "./newest";
 import { cameraAddress, now, put as putSession, sessionOf } from "./sessions";
 import { get, keep, kept, set } from "./store";
 
@@ -62,8 +63,8 @@ const leave = (): void => (put({ from: "" }), keep("um2as", ""));
 
 export async function fetchMenu(): Promise<void> {
   const { session, trial, chosen, tdc } = guide();
-  const menu = session && (await tried(() => api.menu(session, { trial, cameras: chosen, tdc })));
-  if (menu && guide().session === session && guide().trial === trial) put({ menu, tdc: menu.tdc });
+  const last = asking("menu"), menu = session && (await tried(() => api.menu(session, { trial, cameras: chosen, tdc })));
+  if (menu && last() && guide().session === session && guide().trial === trial) put({ menu, tdc: menu.tdc });
 }
 
 export const rowOf = (key: string): MenuRow | undefined => guide().menu?.entries.find((row) => row.key === key);
@@ -142,8 +143,8 @@ export function shownFile(): string | null {
 export async function fetchPage(frame: number, name = shownFile()): Promise<void> {
   const { session, menu } = guide();
   if (!session || !menu || !name) return;
-  const page = await tried(() => api.page(session, menu.trial, name, Math.max(1, frame)));
-  if (page) put({ page });
+  const last = asking("page"), page = await tried(() => api.page(session, menu.trial, name, Math.max(1, frame)));
+  if (page && last() && guide().session === session) put({ page });
 }
 
 export const turnPage = (by: number): void => void (guide().page && fetchPage(guide().page!.frame + by));

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -13,125 +12,11 @@ from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from ...data.edits import BEST, OPEN, GapChoice, is_named
 from ...engine.last_fill import last_filled
 from ...fill import LIMIT, Filled, FilledGap
-from ...fill.methods.stage import FILL
-from ...fill.prepared import GapFill, PreparedFill, prepare
+from ...fill.prepared import GapFill
 from .desk import OpenDocument
 from .edit_messages import Candidate, GapCandidates, GapRow, Gaps, MethodError
+from .gap_work import Gap, Key, work_of
 from .header import finite
-
-POOL = ThreadPoolExecutor(1, "gaps")
-"""Judges gaps, one at a time, so that edits are answered at once meanwhile."""
-
-
-FEW = 3
-"""Gaps that are judged one by one, at most; chosen: as after an edit of a marker."""
-Key = tuple[str, int, int]
-"""Marker, first frame and last-plus-one, from 0."""
-
-
-class Gap(NamedTuple):
-    """A gap of a marker: its frames from 0, stop excluded."""
-
-    path: MarkerTrajectory
-    start: int
-    stop: int
-
-    @property
-    def key(self) -> Key:
-        """By which it is known."""
-        return self.path.name, self.start, self.stop
-
-
-@dataclass(slots=True)
-class GapWork:
-    """What is known of the gaps of an open trial, by marker, frames and method; worth something while the path is."""
-
-    answers: dict[tuple[Key, str], tuple[MarkerTrajectory, Future[GapFill]]] = field(default_factory=dict)
-    prepared: PreparedFill | None = None
-
-    def of(self, document: OpenDocument) -> PreparedFill:
-        """The trial as it is now, prepared once."""
-        now = document.now.trajectories
-        if self.prepared is None or self.prepared.trajectories is not now:
-            self.prepared = prepare(now)
-        return self.prepared
-
-    def ask(self, document: OpenDocument, gap: Gap, method: str) -> Future[GapFill]:
-        """How a method fills a gap, "best" for what filling would take; worked out behind."""
-        key = gap.key, method
-        known = self.answers.get(key)
-        if known is None or known[0] is not gap.path:
-            self.answers[key] = known = gap.path, POOL.submit(self._answer, document, gap, method)
-        return known[1]
-
-    def ask_all(self, document: OpenDocument, gaps: Sequence[Gap]) -> None:
-        """How filling would fill each of some gaps; many are worked out together, which takes as long as a few."""
-        left = [gap for gap in gaps if not self._asked(gap, BEST)]
-        if len(left) <= FEW:
-            for gap in left:
-                self.ask(document, gap, BEST)
-            return
-        asked = [(gap, Future[GapFill]()) for gap in left]
-        self.answers |= {(gap.key, BEST): (gap.path, answer) for gap, answer in asked}
-        POOL.submit(self._answer_all, document, asked)
-
-    def _asked(self, gap: Gap, method: str) -> bool:
-        known = self.answers.get((gap.key, method))
-        return known is not None and known[0] is gap.path
-
-    def known(self, gap: Gap, method: str) -> GapFill | None:
-        """An answer that is there; the best fill answers for its own method."""
-        best = self._done(gap, BEST)
-        return best if method == BEST or (best is not None and best.method == method) else self._done(gap, method)
-
-    def _done(self, gap: Gap, method: str) -> GapFill | None:
-        found = self.answers.get((gap.key, method))
-        if found is None or found[0] is not gap.path or not found[1].done() or found[1].exception() is not None:
-            return None
-        return found[1].result()
-
-    def _answer_all(self, document: OpenDocument, asked: Sequence[tuple[Gap, Future[GapFill]]]) -> None:
-        found: dict[Key, GapFill] = {}
-        try:
-            prepared = self.of(document)
-            there = set(map(id, prepared.trajectories.paths))
-            still = [gap for gap, _ in asked if id(gap.path) in there]
-            fills = prepared.all_best(document.editing.computed) if still else ()
-            found = {gap.key: one for gap in still if (one := _fill_of(gap, fills))}
-        finally:  # whoever waits hears of it, whatever happened
-            for gap, answer in asked:
-                if gap.key in found:
-                    answer.set_result(found[gap.key])
-                else:
-                    answer.set_exception(KinemarkError("this gap was not judged, or its marker was edited since"))
-
-    def _answer(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
-        if gap.path not in document.now.trajectories.paths:
-            raise KinemarkError("this marker was edited since")
-        prepared, frame = self.of(document), gap.start + document.now.trajectories.first_frame
-        if method == BEST:
-            return _within(gap, prepared.best(gap.path.name, frame))
-        return _within(gap, prepared.candidates(gap.path.name, frame, methods=(FILL.make(method),))[0])
-
-
-def _fill_of(gap: Gap, fills: Sequence[GapFill]) -> GapFill | None:
-    """That of all fills which is of a gap."""
-    own = (one for one in fills if one.gap.marker == gap.path.name and one.gap.start <= gap.start < one.gap.stop)
-    return next((_within(gap, one) for one in own), None)
-
-
-def _within(gap: Gap, fill: GapFill) -> GapFill:
-    """The fill in the frames of a gap: filling takes samples beside it that cannot be positions for missing too."""
-    at = slice(gap.start - fill.gap.start, gap.stop - fill.gap.start)
-    said = replace(fill.gap, start=gap.start, stop=gap.stop)
-    return replace(fill, gap=said, first=fill.first + at.start, xyz=fill.xyz[at], cov=fill.cov[at])
-
-
-def work_of(document: OpenDocument) -> GapWork:
-    """The work on a document's gaps."""
-    with document.lock:
-        found: GapWork = document.kept.setdefault("gaps", GapWork())
-        return found
 
 
 def gaps_in(trajectories: Trajectories) -> Iterator[Gap]:
@@ -158,7 +43,7 @@ def gap_table(document: OpenDocument, *, judge: bool = True) -> Gaps:
             unknown.append(gap)
         rows.append(_row(document, gap, said))
     work.ask_all(document, unknown)
-    pending = any(not work.ask(document, gap, BEST).done() for gap in unknown)
+    pending = any(work.awaited(gap) for gap in unknown)
     return Gaps(gaps=rows, limit_mm=LIMIT, pending=pending, head=document.head)
 
 
@@ -214,9 +99,8 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     if gap is None:
         raise KinemarkError(f"{marker} has no gap that begins in frame {first}. Look at the table again.")
     work = work_of(document)
-    quick = [_within(gap, one) for one in work.of(document).candidates(marker, first)]
-    best = work.ask(document, gap, BEST)
-    found = {one.method: one for one in quick}
+    found = {one.method: one for one in work.quick(document, gap)}
+    work.look(document, gap)
     final = work.known(gap, BEST)
     if final is not None:
         found[final.method] = final
@@ -228,7 +112,7 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
         last=gap.stop - 1 + start,
         candidates=[_candidate(one, expected[one.method]) for one in order if np.isfinite(one.xyz).all()],
         best=final.method if final else None,
-        pending=not best.done(),
+        pending=work.awaited(gap),
         head=document.head,
     )
 
@@ -238,7 +122,7 @@ def chosen_fills(document: OpenDocument, names: Collection[str] | None = None) -
 
     Only of these markers where `names` are given.
     """
-    whole, work, pending = document.now.trajectories, work_of(document), False
+    whole, work, unknown = document.now.trajectories, work_of(document), list[tuple[Gap, str]]()
     now = whole if names is None else replace(whole, paths=tuple(path for path in whole if path.name in names))
     paths = _as_run_before(document, now)
     for gap in gaps_in(now):
@@ -250,11 +134,11 @@ def chosen_fills(document: OpenDocument, names: Collection[str] | None = None) -
             continue
         fill = work.known(gap, choice)
         if fill is None:
-            work.ask(document, gap, choice)
-        pending |= fill is None
-        if fill is not None:
+            unknown.append((gap, choice))
+        else:
             paths[gap.path.name] = _with(paths[gap.path.name], gap, fill.xyz, fill.cov)
-    return replace(now, paths=tuple(paths[path.name] for path in now)), pending
+    work.ask_chosen(document, unknown)
+    return replace(now, paths=tuple(paths[path.name] for path in now)), bool(unknown)
 
 
 def _as_run_before(document: OpenDocument, now: Trajectories) -> dict[str, MarkerTrajectory]:

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ...data import Camera, MarkerSet, Rig
+from ...data import Camera, KinemarkError, MarkerSet, Rig
 from ...data.edits import Signed, counting, is_named, live
-from ...data.marker_sides import sides_by_name
+from ...data.marker_sides import one_sided, sides_by_name
 from ...engine.journal import last_undo
+from ...engine.vertical import vertical
 from ...fill.methods.stage import FILL
 from ...io.edits_jsonl import JournalText
 from ...version import __version__
 from .desk import OpenDocument
 from .home import last_of, newer
-from .messages import CameraRow, EventRow, Link, MarkerSetRow, Mosaic, TrackRow, TrialHeader
+from .messages import CameraRow, EventRow, Link, MarkerSetRow, Mosaic, TrackRow, TrialHeader, Vector
 from .paths import samples
 from .shelf import Place
 
@@ -39,8 +41,10 @@ def header(document: OpenDocument, mosaic: Mosaic | None) -> TrialHeader:
         tracks=_tracks(document),
         cameras=[] if rig is None else [camera_row(camera) for camera in rig],
         volume=_volume(rig),
+        up=_up(document),
         marker_set=None if document.marker_set is None else _marker_set(document.marker_set),
         pairs=pairs_of(document),
+        one_sided=_one_sided(document),
         events=_events(document),
         trim=(low + start, stop - 1 + start),
         named_only=document.now.named_only,
@@ -96,18 +100,30 @@ def _tracks(document: OpenDocument) -> list[TrackRow]:
 
 def pairs_of(document: OpenDocument) -> list[tuple[str, str]]:
     """Left and right markers that are both there: as the marker set pairs them, else as they are called."""
-    away = document.editing.computed
-    seen = [path for path in document.now.trajectories if is_named(path.name) and path.name not in away]
-    there = [path.name for path in seen if _samples(document, path)[2]]
+    there = _there(document)
     if document.marker_set is not None:
         return [pair for pair in document.marker_set.pairs if set(there).issuperset(pair)]
-    return list(_called_alike(tuple(there)))
+    return list(_called_alike(there))
 
 
-@lru_cache(maxsize=8)
-def _called_alike(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-    """Worked out once, as the header is made anew at every act."""
-    return sides_by_name(names)
+def _one_sided(document: OpenDocument) -> list[str]:
+    """Markers of a side of which the other is not there."""
+    there = _there(document)
+    if document.marker_set is not None:
+        return [name for pair in document.marker_set.pairs if len(own := {*pair} & {*there}) == 1 for name in own]
+    return list(_alone(there))
+
+
+def _there(document: OpenDocument) -> tuple[str, ...]:
+    """Names of the markers that have samples."""
+    away = document.editing.computed
+    seen = (path for path in document.now.trajectories if is_named(path.name) and path.name not in away)
+    return tuple(path.name for path in seen if _samples(document, path)[2])
+
+
+_called_alike = lru_cache(maxsize=8)(sides_by_name)
+_alone = lru_cache(maxsize=8)(one_sided)
+"""Worked out once, as the header is made anew at every act."""
 
 
 def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:
@@ -128,6 +144,17 @@ def camera_row(camera: Camera) -> CameraRow:
 
 def _volume(rig: Rig | None) -> Any:
     return rig.volume.tolist() if rig is not None and np.isfinite(rig.volume).all() else None
+
+
+def _up(document: OpenDocument) -> Vector:
+    """Of a session z, as its cameras are calibrated; of a file as it says or its markers show, found once."""
+    if "up" not in document.kept:
+        source, axis = document.editing.source, np.array([0.0, 0.0, 1.0])
+        with suppress(KinemarkError):  # along no axis
+            axis = axis if source is None or document.trial is not None else vertical(source)[0]
+        document.kept["up"] = tuple(axis.tolist())
+    found: Vector = document.kept["up"]
+    return found
 
 
 def _marker_set(of: MarkerSet) -> MarkerSetRow:

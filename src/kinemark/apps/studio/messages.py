@@ -181,8 +181,12 @@ class TrialHeader(Message):
     tracks: list[TrackRow]
     cameras: list[CameraRow]
     volume: tuple[Vector, Vector] | None
+    up: Vector
+    """The axis of the world that goes up: of many files that is y."""
     marker_set: MarkerSetRow | None
     pairs: list[tuple[str, str]]
+    one_sided: list[str]
+    """Markers of which the other side is not there: they keep their names where left and right are exchanged."""
     events: list[EventRow]
     trim: tuple[int, int]
     named_only: bool

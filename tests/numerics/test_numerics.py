@@ -17,6 +17,7 @@ from kinemark.numerics.robust import (
     student_log_likelihood,
     student_widening,
 )
+from kinemark.numerics.row_quantiles import row_medians, row_quantiles
 from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_rows
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
@@ -321,3 +322,17 @@ def test_equal_runs_end_where_any_column_changes():
     changed = (np.diff(a) != 0) | (np.diff(b) != 0)
     assert begins(a, b).tolist() == [True, *changed.tolist()]
     assert equal_runs(a[:0], b[:0]).tolist() == [0]
+
+
+# ---- medians and quantiles of rows ----
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 8, 41, 700])
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.8, 1.0])
+def test_medians_and_quantiles_of_rows_with_gaps_are_those_of_numpy_to_the_last_digit(n, share):
+    rng = np.random.default_rng(n)
+    rows = rng.normal(size=(5, 20, n))
+    rows[rng.random(rows.shape) < 0.3] = np.nan
+    rows[np.isnan(rows).all(-1), 0] = 1.0
+    assert (row_medians(rows) == np.nanmedian(rows, axis=-1)).all()
+    assert (row_quantiles(rows, share) == np.nanquantile(rows, share, axis=-1)).all()

@@ -42,6 +42,7 @@ from ..data.array_types import Floats
 from ..native import shape_images
 from ..native.shape_images import Patches
 from ..numerics.robust import SD_PER_MEDIAN
+from ..numerics.row_quantiles import row_medians
 from . import discs
 from .discs import DiscFit
 from .edge import discs_at_edge
@@ -163,16 +164,8 @@ def _texture(fit: DiscFit, patches: Patches) -> Floats:
     enough = (~np.isnan(off)).sum(1) >= MANY
     off = off[enough]
     scatter = np.zeros(len(enough))
-    scatter[enough] = SD_PER_MEDIAN * _medians(np.abs(off - _medians(off)[:, None]))
+    scatter[enough] = SD_PER_MEDIAN * row_medians(np.abs(off - row_medians(off)[:, None]))
     return scatter
-
-
-def _medians(rows: Floats) -> Floats:
-    """(n) of what is not NaN in each row, of which there is some; NumPy's takes each row by itself."""
-    number, rows = (~np.isnan(rows)).sum(1, keepdims=True), np.sort(rows, axis=1)
-    return np.asarray(
-        (np.take_along_axis(rows, (number - 1) // 2, 1) + np.take_along_axis(rows, number // 2, 1))[:, 0] / 2
-    )
 
 
 def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:

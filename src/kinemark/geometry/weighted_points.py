@@ -75,6 +75,7 @@ def weighted_points(
     rig: Rig,
     *,
     guess: Floats | None = None,
+    uv: Floats | None = None,
     cov: Floats | None = None,
     errors: ImageErrors = DEFAULT_ERRORS,
 ) -> Cloud:
@@ -88,11 +89,12 @@ def weighted_points(
         rig: the cameras.
         guess: (P, 3) mm, where the points are thought to be, to within some noise of the images; None: the linear
             solution, which takes longer.
+        uv: (P, C, 2) px, of the image that each camera has of each point; None: as the detections have them.
         cov: (P, C, 2, 2) px², of the image that each camera has of each point; None: as the detections state.
         errors: of the images.
     """
     seen: Bools = matches.detection >= 0
-    uv = np.where(seen[..., None], detections.uv[matches.detection], np.nan)
+    uv = np.where(seen[..., None], detections.uv[matches.detection] if uv is None else uv, np.nan)
     steps = 1 if guess is not None else 2
     guess = _linear(rig, uv) if guess is None else guess
     if errors.marker_diameter is not None:

@@ -6,5 +6,6 @@ scaled                inverses and solutions of matrices whose unknowns differ b
 small_matrices        2 × 2 and 3 × 3 systems, very many at once
 robust                weights for observations of which some are wrong
 vectors               cross products and perpendiculars
+row_quantiles         medians and quantiles of many rows with gaps
 runs                  where a mask is true, or a value stays the same, without a break
 """

@@ -9,8 +9,9 @@ from kinemark.geometry.weighted_points import ImageErrors
 from kinemark.track.simultaneous import Simultaneous, track_detections, unmarked_merging
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.measurement_noise import Noise
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.solved_points import Solver
+from kinemark.track.simultaneous.solved_points import Solver, Working
 from kinemark.track.simultaneous.unmarked_merging import (
     LEAST,
     inferred_merging,
@@ -123,12 +124,17 @@ def test_what_the_given_rig_leaves_open_is_in_the_variance_once(monkeypatch, lef
     order = np.argsort(points.frame, kind="stable")
     start = np.searchsorted(points.frame[order], np.arange(FRAMES + 1))
     cloud = Cloud(100.0, start, points.xyz[order], points.cov[order], np.zeros(len(order)), held.T[order])
-    solver = Solver(detections, rig, merging.marked(images).variance + left, ImageErrors())
+    given = merging.marked(images)
+    none, more = np.zeros(len(rig)), np.full(len(rig), left)
+    working = Working(rig, given._replace(variance=given.variance + given.margin()), Noise(none, none, more, none))
+    solver = Solver(detections, working, np.zeros(len(detections), bool), ImageErrors())
     told = merging.told_apart(cloud, points.id[order], solver)
     assert set(own) <= set(merging.image)
-    assert told.variance[merging.image] == pytest.approx(merging.own_variance + left)
+    assert told.variance(merging.image) == pytest.approx(merging.own_variance + left)
+    assert told.uv(merging.image) == pytest.approx(detections.uv[merging.image] + merging.beside, abs=1e-3)
     plain = np.setdiff1d(np.arange(len(detections)), merging.image)
-    assert (told.variance[plain] == solver.variance[plain]).all()
+    assert (told.variance(plain) == solver.variance(plain)).all()
+    assert (told.uv(plain) == detections.uv[plain]).all()
 
 
 @pytest.mark.parametrize("r", [4.0, 7.0])

@@ -141,12 +141,13 @@ class InPlace(NamedTuple):
     off: Bools
 
 
-def _nearest_member(body: RigidBody, poses: Poses, frame: Ints, xyz: Floats) -> tuple[Ints, Floats]:
-    """(n) the member whose place is nearest to points xyz (n, 3) in frames (n), and how far it is, mm."""
-    k, near = np.zeros(len(frame), np.int64), np.zeros(len(frame))
-    for first in range(0, len(frame), AT_ONCE):
+def _nearest_member(body: RigidBody, poses: Poses, points: TrackPoints, row: Ints) -> tuple[Ints, Floats]:
+    """(n) the member whose place is nearest to some points, and how far it is, mm."""
+    k, near = np.zeros(len(row), np.int64), np.zeros(len(row))
+    for first in range(0, len(row), AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        apart = np.linalg.norm(member_places(body, poses, frame[part]) - xyz[part][:, None], axis=-1)
+        at = member_places(body, poses, points.frame[row[part]])
+        apart = np.linalg.norm(at - points.xyz[row[part]][:, None], axis=-1)
         k[part], near[part] = np.argmin(apart, axis=1), np.min(apart, axis=1)
     return k, near
 
@@ -156,8 +157,8 @@ def in_place(body: RigidBody, poses: Poses, points: TrackPoints) -> InPlace:
     member, off = np.full(len(points.id), -1), np.zeros(len(points.id), bool)
     row = np.flatnonzero(poses.fit[points.frame] > 0)
     frame = points.frame[row]
-    k, apart = _nearest_member(body, poses, frame, points.xyz[row])
-    own = np.trace(points.cov[row], axis1=1, axis2=2) / 3
+    k, apart = _nearest_member(body, poses, points, row)
+    own = np.trace(points.cov, axis1=1, axis2=2)[row] / 3
     s = np.sqrt(body.sd[k] ** 2 + poses.rms[frame] ** 2 + np.where(np.isfinite(own), own, 0.0))
     near = apart < np.minimum(body.reach[k], GATE * s)
     off[row] = ~near

@@ -47,6 +47,9 @@ HIDDEN = 0.1
 USUAL_AREA = 20.0
 """px², of images of which nobody knows the size; chosen (see benchmarks/tracking.py)."""
 
+AT_ONCE = 20_000
+"""Cells that are looked at in one go; chosen: more would take memory and no less time."""
+
 Rows = slice | Ints | Bools
 """Some rows of a column."""
 
@@ -250,9 +253,11 @@ def _index(uv: Floats, frame: Ints, camera: Ints, usable: Bools, n_frames: int, 
 
 def _widest(variance: Floats, index: ImageIndex) -> Floats:
     """`Images.widest`."""
-    widest, some = np.zeros(index.n_cells), np.flatnonzero(np.diff(index.first))
-    if len(some):
-        widest[some] = np.maximum(np.maximum.reduceat(variance[index.order], index.first[some]), 0.0)
+    widest, every = np.zeros(index.n_cells), np.flatnonzero(np.diff(index.first))
+    for some in np.array_split(every, max(len(every) // AT_ONCE, 1)) if len(every) else ():
+        first, end = index.first[some[0]], index.first[some[-1] + 1]
+        greatest = np.maximum.reduceat(variance[index.order[first:end]], index.first[some] - first)
+        widest[some] = np.maximum(greatest, 0.0)
     return widest
 
 

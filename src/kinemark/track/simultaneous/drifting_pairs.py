@@ -44,7 +44,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 import scipy
@@ -182,8 +182,8 @@ def without_strangers(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float
 ) -> Ints:
     """The detections (C, P) of tracks id (P), those of SOUND to MOST_IMAGES without the image that drifts past the
-    others (5)."""
-    detection, number = detection.copy(), (detection >= 0).sum(0)
+    others (5); in four bytes, as there are many."""
+    detection, number = cast(Ints, detection.astype(np.int32)), (detection >= 0).sum(0)
     which = (number >= SOUND) & (number <= MOST_IMAGES)
     while which.any():
         judged = _judged(frame, id, detection, which, images, usual, gate)

@@ -81,20 +81,26 @@ def without_drifting(
     if not usual.of:
         return held, ids
     return_memory()
-    frame = held[0].frame
-    detection = without_strangers(frame, ids, held[0].detection.T, images, usual, method.gate)
+    detection, sound = _without_drifting(held[0], ids, merging, images, usual, method)
     return_memory()
-    sound = ~drifting(frame, ids, detection, images, usual, method.gate)
-    rest = np.flatnonzero(sound)
-    two = frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, method.gate
-    sound[rest] = ~drifting_beyond(*two)
-    sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
-    return_memory()
-    detection = np.ascontiguousarray(detection.T)
     if (held[0].detection == detection).all():
         return kept_points(held, sound), ids[sound]
     held, sound = _of_fewer_images(held, detection, sound, images, solver, method)
     return held, ids[sound]
+
+
+def _without_drifting(
+    cloud: Cloud, ids: Ints, merging: Merging, images: Images, usual: UsualResiduals, method: Simultaneous
+) -> tuple[Ints, Bools]:
+    """The detections (P, C) of a cloud without images of other markers, and the points (P) that are not given up."""
+    frame, gate = cloud.frame, method.gate
+    detection = without_strangers(frame, ids, cloud.detection.T, images, usual, gate)
+    return_memory()
+    sound = ~drifting(frame, ids, detection, images, usual, gate)
+    rest = np.flatnonzero(sound)
+    two = frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate
+    sound[rest] = ~drifting_beyond(*two)
+    return np.ascontiguousarray(detection.T), ~with_rest(~sound, ids, (detection >= 0).sum(0))
 
 
 def _of_fewer_images(

@@ -65,8 +65,10 @@ def track_simultaneously(
     for _ in range(ROUNDS if method.learn_delays else 0):
         found = time_offsets(result)
         times = _with_what_is_left(result.times, found, 1 / detections.rate)
+        if times is result.times:
+            break
         late = _late(times, result.images)
-        if times is result.times or np.abs(late).max(initial=0.0) > MAX_DELAY / detections.rate:
+        if np.abs(late).max(initial=0.0) > MAX_DELAY / detections.rate:
             break
         there = moved_in_time(detections, late)
         again = track_once(there, rig, method, errors, volume_margin)
@@ -89,8 +91,8 @@ def late_images(seen: SeenTracks) -> Floats | None:
     """(D) s by which the images were taken after their frames, as the tracks show; None where all were in time."""
     T, none = 1 / seen.tracks.cloud.rate, CameraTimes(*np.zeros((5, len(seen.images.P))))
     times = _with_what_is_left(none, time_offsets(seen), T)
-    late = _late(times, seen.images)
-    return None if times is none or np.abs(late).max(initial=0.0) > MAX_DELAY * T else late
+    late = _late(times, seen.images) if times is not none else None
+    return None if late is None or np.abs(late).max(initial=0.0) > MAX_DELAY * T else late
 
 
 def _late(times: CameraTimes, images: Images) -> Floats:

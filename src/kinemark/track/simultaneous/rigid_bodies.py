@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.align import nearest_rotations
 from ...numerics.robust import SD_PER_MEDIAN
+from ...numerics.row_quantiles import row_medians, row_quantiles
 from .companions import LONG
 from .neighbouring_points import TrackPoints
 
@@ -110,8 +111,8 @@ def _distances(xyz: Floats) -> tuple[Floats, Floats]:
         r = np.linalg.norm(xyz[i + 1 :] - xyz[i], axis=-1)
         some = np.flatnonzero(np.isfinite(r).sum(1) >= FEWEST)
         if len(some):
-            m = np.nanmedian(r[some], axis=1)
-            s = np.nanquantile(np.abs(r[some] - m[:, None]), KEPT, axis=1)
+            m = row_medians(r[some])
+            s = row_quantiles(np.abs(r[some] - m[:, None]), KEPT)
             middle[i, i + 1 + some], spread[i, i + 1 + some] = m, s
     return np.fmax(middle, middle.T), np.fmax(spread, spread.T)
 
@@ -159,9 +160,9 @@ def _shape(xyz: Floats, shape: Floats) -> tuple[Floats, Floats]:
     inside[:, poses.fit < min(MEMBERS, np.isfinite(shape[:, 0]).sum())] = np.nan
     some = np.isfinite(inside[..., 0]).sum(1) >= FEWEST
     new, sd = np.full_like(shape, np.nan), np.full(len(shape), np.inf)
-    new[some] = np.nanmedian(inside[some], axis=1)
+    new[some] = row_medians(inside[some].swapaxes(1, 2))
     off = np.linalg.norm(inside[some] - new[some][:, None], axis=-1)
-    sd[some] = SD_PER_MEDIAN * np.nanmedian(off, axis=1) / np.sqrt(3)
+    sd[some] = SD_PER_MEDIAN * row_medians(off) / np.sqrt(3)
     return sd, new
 
 

@@ -33,27 +33,6 @@ AT_ONCE = 20_000
 """Points that are solved in one go; chosen: more would take memory and no less time."""
 
 
-class Solver(NamedTuple):
-    """What positions are solved from: detections and their rig, the variance (D) px² of images, their errors, the
-    usual share of the variance that the calibration leaves in all frames, and `Images.timing`."""
-
-    detections: Detections
-    rig: Rig
-    variance: Floats
-    errors: ImageErrors
-    lasting: float = 0.0
-    timing: Floats | None = None
-
-    def cov(self, detection: Ints) -> Floats:
-        """(P, C, 2, 2) px² of the images `detection` (P, C)."""
-        variance = self.variance[detection][..., None, None]
-        if self.timing is None:
-            return np.asarray(variance * np.eye(2))
-        flow = self.timing[detection][..., None]
-        across = np.maximum(variance - (flow**2).sum(-2, keepdims=True), LEAST)
-        return np.asarray(across * np.eye(2) + flow * flow.swapaxes(-1, -2))
-
-
 class Working(NamedTuple):
     """The rig by which images are associated, the images in it, and their noise."""
 
@@ -62,14 +41,74 @@ class Working(NamedTuple):
     noise: Noise
 
 
+class MovedImages(NamedTuple):
+    """Images (n), which rise, that are taken to lie at uv (n, 2) px, as the lens drew them, with variance (n) px²."""
+
+    image: Ints
+    uv: Floats
+    variance: Floats
+
+    def among(self, rows: Ints) -> tuple[Bools, Ints]:
+        """Which of some rows (…) are of these images, and which of these those (m) are."""
+        place = np.searchsorted(self.image, rows)
+        of_these = np.append(self.image, -1)[place] == rows
+        of_these &= rows >= 0
+        return of_these, place[of_these]
+
+
+class Solver(NamedTuple):
+    """What positions are solved from: detections, by which rig and noise, and the images (D) that tracks share; the
+    errors of images, the usual share of the variance that the calibration leaves in all frames, and images that lie
+    elsewhere than detected. What follows from these is worked out for the images that are solved from: there are many.
+    """
+
+    detections: Detections
+    working: Working
+    shared: Bools
+    errors: ImageErrors
+    lasting: float = 0.0
+    moved: MovedImages | None = None
+
+    @property
+    def rig(self) -> Rig:
+        """The cameras."""
+        return self.working.rig
+
+    def uv(self, detection: Ints) -> Floats:
+        """(P, C, 2) px of the images `detection` (P, C), as the lens drew them."""
+        uv = self.detections.uv[detection]
+        if self.moved is not None:
+            of_these, place = self.moved.among(detection)
+            uv[of_these] = self.moved.uv[place]
+        return uv
+
+    def variance(self, rows: Ints) -> Floats:
+        """(…) px² of some images, those that tracks share lying anywhere in their blobs."""
+        flat = rows.ravel()
+        variance, shared = _variance(flat, self.working), self.shared[flat]
+        variance[shared] = np.maximum(variance[shared], self.working.images.radius(flat[shared]) ** 2 / 2)
+        if self.moved is not None:
+            of_these, place = self.moved.among(flat)
+            variance[of_these] = self.moved.variance[place]
+        return variance.reshape(rows.shape)
+
+    def cov(self, detection: Ints) -> Floats:
+        """(P, C, 2, 2) px² of the images `detection` (P, C)."""
+        variance, timing = self.variance(detection)[..., None, None], self.working.images.timing
+        if timing is None:
+            return np.asarray(variance * np.eye(2))
+        flow = timing[detection][..., None]
+        across = np.maximum(variance - (flow**2).sum(-2, keepdims=True), LEAST)
+        return np.asarray(across * np.eye(2) + flow * flow.swapaxes(-1, -2))
+
+
 def solver_for(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
     """The solver for images (D) of which tracks share some."""
-    variance = _variance(shared, working.images, working.noise)
-    share = np.empty_like(variance)
+    solver, share = Solver(detections, working, shared, errors), np.empty(len(shared))
     for own, lasting in zip(working.images.of_cameras, working.noise.lasting, strict=True):
-        share[own] = lasting / variance[own]
+        share[own] = lasting / solver.variance(np.arange(own.start, own.stop))
     usual = float(np.median(share, overwrite_input=True)) if len(share) else 0.0
-    return Solver(detections, working.rig, variance, errors, usual, working.images.timing)
+    return solver._replace(lasting=usual)
 
 
 def solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
@@ -92,6 +131,7 @@ def solved_columns(frame: Ints, detection: Ints, guess: Floats, solver: Solver) 
             solver.detections,
             solver.rig,
             guess=near,
+            uv=solver.uv(matches.detection),
             cov=solver.cov(matches.detection),
             errors=solver.errors,
         )
@@ -215,11 +255,8 @@ def _shared_cov(sd: Floats, lasting: float) -> Floats:
     return lasting * (float(np.median(sd)) ** 2 / 3 if len(sd) else 0.0) * np.eye(3)
 
 
-def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
-    """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
-    variance = np.empty(len(images.variance))
-    for c, own in enumerate(images.of_cameras):
-        alone = images.variance[own] - images.margin(own) - images.calibration[c]  # `weighted_points` adds them
-        variance[own] = np.maximum(alone, max(noise.white[c], LEAST)) + noise.lasting[c]
-    variance[shared] = np.maximum(variance[shared], images.radius(shared) ** 2 / 2)
-    return variance
+def _variance(rows: Ints, working: Working) -> Floats:
+    """(n) px² of some images, as if no tracks shared them."""
+    images, noise, camera = working.images, working.noise, working.images.camera[rows]
+    alone = images.variance[rows] - images.margin(rows) - images.calibration[camera]  # `weighted_points` adds them
+    return np.asarray(np.maximum(alone, np.maximum(noise.white, LEAST)[camera]) + noise.lasting[camera])

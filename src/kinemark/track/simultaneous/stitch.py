@@ -29,12 +29,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.rigid_pairs import distances_from
 from .kalman_states import KalmanStates, predict, reversed_time
-from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, motion_from, rows_near, rows_of
+from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, motion_from, rows_near
 from .simultaneous_method import Simultaneous
 
 CLEAR_MARGIN = 2 * np.log(100.0)
@@ -227,9 +226,8 @@ def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats)
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     most = NEIGHBOURS * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
     some = np.flatnonzero(by_motion + most > 0)
-    name, number = np.unique(points.id, return_inverse=True)  # most have no points; tables have a row for each
-    place, tracks = rows_of(points._replace(id=number)), int(name[-1]) + 1
-    known = {i: _distances(points, place, name, i) for i in np.unique([a[some], b[some]]).tolist()}
+    there, tracks = _InFrames.of(points), int(points.id.max()) + 1
+    known = {i: _distances(points, there, i) for i in np.unique([a[some], b[some]]).tolist()}
     score = np.zeros(len(a))
     for pair in some.tolist():
         (r, sd), (r2, sd2) = (known[int(end[pair])].of_all(tracks) for end in (a, b))
@@ -258,22 +256,55 @@ class _Distances(NamedTuple):
         return mean, sd
 
 
-def _distances(points: TrackPoints, place: NDArray[np.int32], name: Ints, i: int) -> _Distances:
-    """Mean distances of track i from others, and their standard deviations; places (n, F) are of tracks `name` (n)."""
-    number = int(np.searchsorted(name, i))
-    own = np.flatnonzero(place[number] >= 0)
-    step = max(PLACES // max(len(own), 1), 1)
-    parts = (place[first : first + step] for first in range(0, len(place), step))
-    beside = np.concatenate([(part[:, own] >= 0).sum(1) for part in parts])
-    beside[number] = 0
-    some = np.flatnonzero(beside >= LOOK)
-    found = [_from_track(points, place, number, own, some[k : k + step]) for k in range(0, len(some), step)]
-    mean, sd = np.concatenate([np.zeros((2, 0)), *found], axis=1)
-    return _Distances(name[some], mean, np.maximum(sd, LEAST))
+class _InFrames(NamedTuple):
+    """Points by frame: `row` (P) of them, of which first[f]:first[f + 1] are in frame f; and by track.
+
+    A table of tracks and frames would grow with the square of a recording, as more tracks break in a longer one.
+    """
+
+    row: Ints
+    first: Ints
+    of_tracks: RowsByTrack
+
+    @classmethod
+    def of(cls, points: TrackPoints) -> _InFrames:
+        """Those of some points."""
+        row, rows = np.argsort(points.frame, kind="stable"), RowsByTrack.of(points.frame, points.id)
+        return cls(row, np.searchsorted(points.frame[row], np.arange(rows.F + 1)), rows)
+
+    def beside(self, id: Ints, frames: Ints) -> tuple[Ints, Ints]:
+        """The rows (n) of those of tracks id (P) that are in LOOK of some frames (k) and more, by track, and which of
+        the frames each is in."""
+        count = self.first[frames + 1] - self.first[frames]
+        which = np.repeat(np.arange(len(frames)), count)
+        row = self.row[np.arange(len(which)) + np.repeat(self.first[frames] - np.cumsum(count) + count, count)]
+        often = np.flatnonzero(np.bincount(id[row])[id[row]] >= LOOK)
+        often = often[np.argsort(id[row[often]], kind="stable")]
+        return row[often], which[often]
 
 
-def _from_track(points: TrackPoints, place: NDArray[np.int32], i: int, own: Ints, some: Ints) -> Floats:
-    """(2, n) mean distances of track i, in its own frames, from some others (n), and their standard deviations."""
-    row = place[np.append(some, i)[:, None], own]
-    found = distances_from(np.where((row >= 0)[..., None], points.xyz[row], np.nan), len(some))
+def _distances(points: TrackPoints, there: _InFrames, i: int) -> _Distances:
+    """Mean distances of track i from others, and their standard deviations, in its own frames."""
+    rows = there.of_tracks
+    own = slice(*np.searchsorted(rows.place, (i * rows.F, (i + 1) * rows.F)).tolist())
+    frames = rows.place[own] - i * rows.F
+    row, which = there.beside(points.id, frames)
+    row, which = row[other := points.id[row] != i], which[other]
+    id = points.id[row]
+    track, step = np.unique(id), max(PLACES // max(len(frames), 1), 1)
+    found = [np.zeros((2, 0))]
+    for first in range(0, len(track), step):
+        some = track[first : first + step]
+        part = slice(*np.searchsorted(id, (some[0], some[-1] + 1)).tolist())
+        table = np.full((len(some) + 1, len(frames)), -1)
+        table[np.searchsorted(some, id[part]), which[part]] = row[part]
+        table[-1] = rows.row[own]
+        found.append(_from_last(points, table))
+    mean, sd = np.concatenate(found, axis=1)
+    return _Distances(track, mean, np.maximum(sd, LEAST))
+
+
+def _from_last(points: TrackPoints, table: Ints) -> Floats:
+    """(2, n) mean and standard deviation of the distances of the last track of a table of rows (n + 1, F) from others."""
+    found = distances_from(np.where((table >= 0)[..., None], points.xyz[table], np.nan), len(table) - 1)
     return np.stack([found.mean[:-1], found.spread[:-1]])

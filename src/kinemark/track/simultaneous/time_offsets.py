@@ -32,7 +32,7 @@ import numpy as np
 from ...data import Tracks
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
-from .detection_index import Images
+from .detection_index import EVERY, Images, Rows
 from .kalman_states import KalmanStates
 from .timing_fit import PARTS, Moving, TimingFit, calibration_columns, timing_fit
 from .timing_noise import timing_noise
@@ -133,9 +133,9 @@ def fast_residual(result: TrackedImages) -> float:
     return timing_fit(moving, np.zeros((*moving.flow.shape, 0))).fast if moving is not None else np.nan
 
 
-def row_of_images(images: Images) -> Floats:
-    """(D) y of (4) of all images."""
-    return np.asarray(np.clip(2 * images.uv[:, 1] / images.size[images.camera, 1] - 1, -1.0, 1.0))
+def row_of_images(images: Images, rows: Rows = EVERY) -> Floats:
+    """(…) y of (4) of some images."""
+    return np.asarray(np.clip(2 * images.uv[rows, 1] / images.size[images.camera[rows], 1] - 1, -1.0, 1.0))
 
 
 def _with_errors(moving: Moving, fit: TimingFit, speed: Floats) -> TimeOffsets:
@@ -178,4 +178,4 @@ def _images_of(result: TrackedImages, point: Ints, velocity: Floats) -> Moving:
     flow = (J @ velocity[:, None, :, None])[..., 0]
     depth = xyz @ images.P[:, 2, :3].T + images.P[:, 2, 3]
     columns = np.where(seen[..., None, None], calibration_columns(xyz, depth, uv, images.size), 0.0)
-    return Moving(J, off, flow, row_of_images(images)[detection], cloud.frame[point], seen, columns)
+    return Moving(J, off, flow, row_of_images(images, detection), cloud.frame[point], seen, columns)

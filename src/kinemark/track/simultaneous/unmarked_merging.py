@@ -35,7 +35,6 @@ Other points that have an image of both are solved as those of files that mark t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +54,7 @@ from .likelihood import DEGREES_OF_FREEDOM, SURE
 from .neighbouring_points import TrackPoints, parts_of_frames
 from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
-from .solved_points import Solver
+from .solved_points import MovedImages, Solver
 
 LARGEST = 20.0
 """R of (1), px; chosen: markers farther apart than that are told apart by any camera."""
@@ -149,17 +148,16 @@ class Merging(NamedTuple):
         """
         if not len(self.image):
             return solver
-        holder = np.full(len(solver.detections), -1)
+        holder = np.full(len(solver.detections), -1, np.int32)
         for camera in cloud.detection.T:
             holder[camera[camera >= 0]] = ids[camera >= 0]
         still = holder[self.image] == self.track
         image, beside, usual = self.image[still], self.beside[still], self.usual[still]
-        uv, variance, camera = solver.detections.uv.copy(), solver.variance.copy(), solver.detections.camera[image]
+        uv, camera = solver.detections.uv[image], solver.detections.camera[image]
         for c, one in enumerate(solver.rig):
-            uv[image[camera == c]] = distort(one, undistort(one, uv[image[camera == c]]) + beside[camera == c])
-        more = variance[image] - self.variance - usual
-        variance[image] = self.own_variance[still] + np.maximum(more, 0.0)
-        return solver._replace(detections=replace(solver.detections, uv=uv), variance=variance)
+            uv[camera == c] = distort(one, undistort(one, uv[camera == c]) + beside[camera == c])
+        more = solver.variance(image) - self.variance - usual
+        return solver._replace(moved=MovedImages(image, uv, self.own_variance[still] + np.maximum(more, 0.0)))
 
 
 class _Reading(NamedTuple):

@@ -35,7 +35,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from kinemark.data import Origin, Trajectories
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.edits import AddEvent, Claim, Edit, Entry, Erase, GapChoice, Put, is_named
-from kinemark.edit import Edited, replay, stretch_of
+from kinemark.edit import Edited, anchored, replay, stretch_of
 from kinemark.edit.values import without
 from kinemark.engine.keys import world_key
 from kinemark.geometry import project
@@ -115,7 +115,8 @@ def said_by(base: Processed, found: list[Piece], seed: int) -> tuple[list[Entry]
     ]
     entries = [Entry(k + 1, "", "study", "", "", "", (claim,)) for k, claim in enumerate(claims)]
     named = replay(base.trajectories, entries, detections=base.detections, rig=base.rig, world=world).trajectories
-    values = list(some_values(base, named, world, np.random.default_rng(seed)))
+    some = some_values(base, named, world, np.random.default_rng(seed))
+    values = [anchored(edit, named, base.detections, world) for edit in some]
     return [
         *entries,
         *(Entry(len(entries) + 1 + k, "", "study", "", "", "", (v,)) for k, v in enumerate(values)),

@@ -6,7 +6,7 @@ import pytest
 from kinemark import KinemarkError
 from kinemark.data import Tracks, same
 from kinemark.data.edits import Claim, Entry, Erase, ImagePoint, TrackAgain, Undo, facts_of
-from kinemark.edit import replay, stretch_of
+from kinemark.edit import anchored, replay, stretch_of
 from kinemark.engine.edit_files import open_editing
 from kinemark.engine.retracking import facts_of_tracks
 from kinemark.engine.session import Session
@@ -96,6 +96,19 @@ def test_erased_points_set_their_images_free_for_the_marker_that_is_missing_ther
     assert (mended.id == 0).sum() == FRAMES
     taken = np.sort(mended.cloud.detection[(mended.id == 0) & (mended.cloud.frame >= 50) & (mended.cloud.frame < 56)])
     assert np.array_equal(taken, np.sort(right.cloud.detection[hole]))
+
+
+def test_what_tracking_found_in_the_place_of_erased_samples_is_not_erased_again(right):
+    rig, detections, tracks, world = scene()
+    wrong = exchanged(exchanged(right, 50), 56)  # for six frames
+    named = entries(claim(wrong, "*1", "A"), claim(wrong, "*2", "B"))
+    seen = replay(to_trajectories(wrong, rig), named, detections=detections, rig=rig, world=world).trajectories
+    erased = [anchored(Erase(name, 51, 56), seen, detections, world) for name in "AB"]
+    said = [*named, *entries((*erased, TrackAgain()), first=3)]
+    edited = again(wrong, said)[1]
+    assert [one.outcome for one in edited.applied] == ["held", "held", "moot", "moot", "held"]
+    for name, number in zip("AB", ("*1", "*2"), strict=True):
+        assert np.abs(edited.trajectories[name].xyz - tracks[number].xyz)[50:56].max() < 1e-3
 
 
 def test_facts_are_what_counts_up_to_the_last_call(right):

@@ -8,9 +8,11 @@ import pytest
 
 from kinemark import KinemarkError
 from kinemark.data import MarkerTrajectory, Origin, Trial, same
+from kinemark.data.edits import Erase
 from kinemark.edit import Edited, Reviewed
+from kinemark.engine import edit_makers as make
 from kinemark.engine.edit_files import journal_at, open_editing, write_edited
-from kinemark.engine.edit_stage import unreviewed
+from kinemark.engine.edit_stage import EditRecord, unreviewed
 from kinemark.engine.editing import Editing
 from kinemark.engine.session import Session
 from kinemark.io.c3d import read_c3d, write_c3d
@@ -104,6 +106,26 @@ def test_a_file_is_edited_beside_itself_and_never_changed(tmp_path):
     assert np.array_equal(done["*3"].xyz, was["*3"].xyz)
     with pytest.raises(KinemarkError, match="nothing is overwritten"):
         write_edited(open_editing(source), tmp_path / "done.c3d")
+
+
+def test_what_was_said_of_samples_is_an_orphan_where_the_file_is_another_by_now(tmp_path):
+    source, made = tmp_path / "walk.c3d", paths_without_images(frames=60)
+    named = replace(made, paths=tuple(replace(path, name=n) for path, n in zip(made, "ABCD", strict=True)))
+    write_c3d(source, Trial("walk", named))
+    editing = Editing.of_file(source)
+    editing.erase("A", 20, 22)
+    editing.put("B", 30, named["B"].xyz[28].tolist())
+    editing.say(*make.claim(editing, "C", "E"), Erase("E", 10, 12))  # named and erased in one act
+    edits = [edit for entry in editing.journal.entries for edit in entry.edits]
+    assert all(edit.where is not None for edit in edits) and not editing.journal.faults
+    assert [one.outcome for one in open_editing(source).edited().applied] == ["held"] * 4
+    source.unlink()
+    write_c3d(source, Trial("walk", replace(named, paths=tuple(replace(p, xyz=p.xyz + 500.0) for p in named))))
+    again = open_editing(source).edited()
+    assert [one.outcome for one in again.applied] == ["orphan"] * 4 and "edits_orphaned" in {
+        finding.kind for finding in EditRecord(again).findings
+    }
+    assert np.array_equal(again.trajectories["A"].xyz, open_editing(source).trajectories["A"].xyz)
 
 
 def test_a_marker_that_was_given_another_name_leaves_no_empty_one(tmp_path):

@@ -8,7 +8,8 @@ All editing of identity is one operation, a claim: "this stretch of a path is th
 
 A claim is anchored by what does not change when a trial is processed again, never by the number of a track: by up to
 `MOST_WITNESSES` moments of the path, each with its frame, its place and the images behind it. The other edits name a
-marker and frames.
+marker and frames; those of samples are anchored by some of the marker's moments there as well (`where`), so that they
+are not applied to what is called so, or numbered so, by now.
 
 Frames are numbers in the recording, counted from 1 as `Trajectories.first_frame` counts them, so that they hold for a
 trial that was cropped; first and last are both included. Pixels and mm are as everywhere.
@@ -91,12 +92,13 @@ class Claim:
 
 @dataclass(frozen=True, slots=True)
 class Erase:
-    """Samples of a marker that are wrong: they become missing."""
+    """Samples of a marker that are wrong: they become missing; where: of them, None in older journals."""
 
     marker: str
     first: int
     last: int
     kind: Literal["erase"] = "erase"
+    where: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
@@ -110,6 +112,7 @@ class Put:
     Attributes:
         images: camera, u, v, px: where the place is in the images. In another world than `world` the place is worked
             out from them.
+        where: samples of the marker beside the frame; None in older journals.
     """
 
     marker: str
@@ -119,6 +122,7 @@ class Put:
     images: tuple[tuple[str, float, float], ...] = ()
     world: str = ""
     kind: Literal["put"] = "put"
+    where: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
@@ -134,6 +138,7 @@ class GapChoice:
     Attributes:
         method: the name of a method of filling; "best" for the least expected error; "open" for not at all. A gap that
             somebody chose a method for is filled whatever error is expected.
+        where: samples of the marker beside these frames; None in older journals.
     """
 
     marker: str
@@ -141,6 +146,7 @@ class GapChoice:
     last: int
     method: str
     kind: Literal["gap"] = "gap"
+    where: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
@@ -149,7 +155,11 @@ class GapChoice:
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
-    """A stretch of a marker is low-pass filtered by a function, without lag; cutoff_hz: where 1/√2 is left."""
+    """A stretch of a marker is low-pass filtered by a function, without lag; cutoff_hz: where 1/√2 is left.
+
+    Attributes:
+        where: samples of the stretch; None in older journals.
+    """
 
     marker: str
     first: int
@@ -157,6 +167,7 @@ class Smooth:
     cutoff_hz: float
     kind: Literal["smooth"] = "smooth"
     function: SmoothingFunction = "butterworth"
+    where: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)

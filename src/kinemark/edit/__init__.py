@@ -1,5 +1,6 @@
 """What a person said of a trial, applied to it: identities by witnesses, then values, then what the end shall be."""
 
+from .anchors import anchored
 from .connect import Connection, connection
 from .difference import Changed, Difference, Renamed, difference
 from .replay import Edited, Reviewed, cropped, replay
@@ -12,6 +13,7 @@ __all__ = [
     "Edited",
     "Renamed",
     "Reviewed",
+    "anchored",
     "connection",
     "cropped",
     "difference",

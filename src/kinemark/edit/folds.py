@@ -16,6 +16,7 @@ import numpy as np
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools
 from ..data.edits import Edit, Erase, GapChoice, ImagePoint, Put, Smooth
+from .anchors import disowned, with_doubt
 from .values import Changed, Footage, Result, erase, put, smooth, with_image, without_image
 from .votes import nearest_images
 
@@ -75,10 +76,18 @@ def _folded(path: MarkerTrajectory, edits: tuple[Edit, ...], of: Footage) -> Fol
     if found is None:
         alone, after, results = replace(of, corrected={}), path, []
         for edit in edits:
-            after, result = _changed(after, edit, alone)
+            after, result = _applied(after, edit, alone)
             results.append(result)
         _KNOWN[key] = found = Folded(path, after, tuple(results))
     return found
+
+
+def _applied(path: MarkerTrajectory, edit: Edit, of: Footage) -> Changed:
+    """A marker after one edit, where that is of what the marker has there."""
+    doubt = disowned(edit, path, of)
+    if doubt is not None and doubt.outcome == "orphan":
+        return path, doubt
+    return with_doubt(_changed(path, edit, of), doubt)
 
 
 def _changed(path: MarkerTrajectory, edit: Edit, of: Footage) -> Changed:

@@ -23,15 +23,18 @@ from ..data.edits import (
     DropUnnamed,
     Edit,
     Entry,
+    Erase,
     GapChoice,
     ImagePoint,
     Outcome,
     Put,
     Trim,
     Verdict,
+    facts_of,
     is_named,
     live,
 )
+from .anchors import ELSEWHERE
 from .claims import ENOUGH, Claimed, with_claims
 from .folds import Folded, ValueEdit, with_values
 from .values import Footage, Result
@@ -113,13 +116,15 @@ def replay(
         facts: the claims were facts by which the markers were named, so that they hold where they change nothing.
     """
     said = [(entry.id, edit) for entry in live(entries) for edit in entry.edits]
-    claims = [edit for _, edit in said if isinstance(edit, Claim)]
+    tracked_by = facts_of(entries) if facts else ()
+    claims = [edit for edit in _as_tracked(said, tracked_by) if isinstance(edit, Claim)]
     claimed = with_claims(trajectories, claims, detections, world=world)
     of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
     values = [edit for _, edit in said if isinstance(edit, ValueEdit)]
     after, results, folds = with_values(claimed.trajectories, values, of)
     outcome = iter([_claim_outcome(claimed, k, facts, claims[k].name) for k in range(len(claims))])
     result_of_value = iter(results)
+    gone = {entry.id for entry in tracked_by}
     applied = []
     for number, edit in said:
         if isinstance(edit, Claim):
@@ -127,11 +132,26 @@ def replay(
         else:
             of_value = isinstance(edit, ValueEdit)
             result = next(result_of_value) if of_value else _result(edit, trajectories, after, of)
+            if number in gone and isinstance(edit, Erase) and result == ELSEWHERE:
+                result = Result("moot", reason="tracking had it as a fact, and the marker is elsewhere there now")
             applied.append(Applied(number, edit, result.outcome, 1.0, result.samples, result.reason))
     found = _overruled(applied)
     verdicts = [one.edit for one in found if one.outcome == "held" and isinstance(one.edit, Verdict)]
     found_again = tuple(reviewed(edit, trajectories, of) for edit in verdicts)
     return Edited(after, tuple(found), found_again, folds)
+
+
+def _as_tracked(said: Sequence[tuple[int, Edit]], tracked_by: Sequence[Entry]) -> list[Edit]:
+    """The edits, claims that tracking had as facts without witnesses that were erased: their images are free now."""
+    facts = {entry.id for entry in tracked_by}
+    erased = [edit for number, edit in said if number in facts and isinstance(edit, Erase)]
+
+    def as_tracked(claim: Claim) -> Claim:
+        own = [edit for edit in erased if edit.marker == claim.name]
+        left = tuple(w for w in claim.where.witnesses if not any(e.first <= w.frame <= e.last for e in own))
+        return replace(claim, where=replace(claim.where, witnesses=left)) if own and left else claim
+
+    return [as_tracked(edit) if number in facts and isinstance(edit, Claim) else edit for number, edit in said]
 
 
 def _claim_outcome(claimed: Claimed, k: int, facts: bool, name: str | None) -> tuple[Outcome, float, int, str]:

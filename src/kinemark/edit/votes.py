@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Detections, Origin, Trajectories, Validity
+from ..data import Detections, MarkerTrajectory, Origin, Trajectories, Validity
 from ..data.array_types import Bools, Floats, Ints
 from ..data.edits import Stretch
 from .crossings import unbroken
@@ -112,7 +112,7 @@ def _votes_of(stretches: Sequence[Stretch], of: KnownVotes) -> Votes:
     """The path of each witness, all counted now."""
     trajectories, detections = of.trajectories, of.detections
     cameras = detections.cameras if detections is not None else ()
-    said = _witnesses(stretches, trajectories.first_frame, cameras, of.world)
+    said = witnesses_of(stretches, trajectories.first_frame, cameras, of.world)
     inside = (said.frame >= 0) & (said.frame < trajectories.n_frames)
     images = np.full(len(said.frame), -1, np.int64)
     if detections is not None:
@@ -124,21 +124,36 @@ def _votes_of(stretches: Sequence[Stretch], of: KnownVotes) -> Votes:
 
 def denies(said: Votes, p: int, trajectories: Trajectories, detections: Detections | None) -> Bools:
     """(N) whether each witness denies path p (4)."""
-    path = trajectories.paths[p]
+    there, _, far = compared(said, trajectories.paths[p], detections)
+    return there & ((said.path >= 0) & (said.path != p) | (said.path < 0) & far)
+
+
+class Compared(NamedTuple):
+    """N witnesses beside the samples of one path: (N) whether it has one in the frame, which can be compared with the
+    witness, and is clearly elsewhere (4)."""
+
+    there: Bools
+    known: Bools
+    far: Bools
+
+
+def compared(said: Votes, path: MarkerTrajectory, detections: Detections | None) -> Compared:
+    """Witnesses of any path beside the samples of this one."""
     inside = (said.frame >= 0) & (said.frame < len(path))
     frame = np.where(inside, said.frame, 0)
     there = inside & (path.origin[frame] != Origin.MISSING)
-    far = np.nan_to_num(np.linalg.norm(path.xyz[frame] - said.xyz, axis=1)) > FAR_MM
+    apart_mm = np.linalg.norm(path.xyz[frame] - said.xyz, axis=1)
+    known, far = np.isfinite(apart_mm), np.nan_to_num(apart_mm) > FAR_MM
     if detections is not None and path.detection.shape[1]:
         rows = path.detection[frame]
         apart = np.linalg.norm(detections.uv[rows] - said.uv, axis=-1)
         both = (rows >= 0) & np.isfinite(apart)
-        off = (both & (apart > CROWDED)).sum(1)
-        far = np.where(both.sum(1) >= FEWEST, 2 * off > both.sum(1), far)
-    return there & ((said.path >= 0) & (said.path != p) | (said.path < 0) & far)
+        off, enough = (both & (apart > CROWDED)).sum(1), both.sum(1) >= FEWEST
+        known, far = known | enough, np.where(enough, 2 * off > both.sum(1), far)
+    return Compared(there, there & known, there & far)
 
 
-def _witnesses(stretches: Sequence[Stretch], first_frame: int, cameras: Sequence[str], world: str) -> Votes:
+def witnesses_of(stretches: Sequence[Stretch], first_frame: int, cameras: Sequence[str], world: str) -> Votes:
     """The witnesses as arrays, all silent."""
     rows = [(k, w) for k, stretch in enumerate(stretches) for w in stretch.witnesses]
     uv = np.full((len(rows), len(cameras), 2), np.nan)

@@ -60,7 +60,7 @@ def stretch_of(
     pieces = unbroken([path], among or trajectories)[0] if pieces is None else pieces
     chosen = _in_each_piece(chosen, frames[inside], pieces)
     return Stretch(
-        first, last, tuple(_witness(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world
+        first, last, tuple(witness_of(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world
     )
 
 
@@ -80,8 +80,8 @@ def _in_each_piece(chosen: Ints, frames: Ints, piece: Ints) -> Ints:
     return np.union1d(chosen, frames[first[left] + count[left] // 2])
 
 
-def _witness(path: MarkerTrajectory, f: int, first_frame: int, detections: Detections | None) -> Witness:
-    """One sample."""
+def witness_of(path: MarkerTrajectory, f: int, first_frame: int, detections: Detections | None) -> Witness:
+    """One sample of a path, in frame f (from 0), with the images behind it."""
     images = () if detections is None else _images(path.detection[f].tolist(), detections)
     x, y, z = path.xyz[f].round(DECIMALS).tolist()
     return Witness(f + first_frame, (x, y, z), images)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
 from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, SmoothingFunction, Trim, facts_of
-from ..edit import Connection, Edited, connection, replay
+from ..edit import Connection, Edited, anchored, connection, replay
 from ..fill import PieceMatch, piece_matches
 from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
@@ -149,7 +149,7 @@ class Editing:
             KinemarkError: a choice for a gap is no method, or the journal cannot be written or has gone on.
         """
         check_methods(edits)
-        entry = self.journal.append(edits, by=self.by, why=why, head=head)
+        entry = self.journal.append(self._anchored(edits), by=self.by, why=why, head=head)
         return Said(entry, tuple(one for one in self.edited().applied if one.entry == entry.id))
 
     def claim(
@@ -279,6 +279,12 @@ class Editing:
         """Stand for the trial as it is now."""
         head = self.journal.head
         return self.journal.append([Signed(head)], by=self.by, why=why, head=head)
+
+    def _anchored(self, edits: Sequence[Edit]) -> tuple[Edit, ...]:
+        """Edits with their witnesses, of markers as they are called when the claims among these are said."""
+        claims = [edit for edit in edits if isinstance(edit, Claim)]
+        now = (self.preview(claims) if claims else self.edited()).trajectories
+        return tuple(anchored(edit, now, self.detections, self.world) for edit in edits)
 
     def _replayed(self, entries: Sequence[Entry]) -> Edited:
         def replayed(entries: Sequence[Entry]) -> Edited:

@@ -112,9 +112,11 @@ def _parse(number: int, line: bytes) -> Entry | Fault:
 
 
 def _plain(edits: tuple[Edit, ...]) -> Any:
-    """Edits as JSON has them; the smoothing function is said where it is not the one of journals that say none."""
+    """Edits as JSON has them, without what older journals do not say: witnesses, and the usual smoothing function."""
     said = json.loads(_EDITS.dump_json(edits))
     for one in said:
+        if one.get("where", "") is None:
+            del one["where"]
         if one.get("function") == SMOOTHING[0]:
             del one["function"]
     return said

@@ -1,0 +1,81 @@
+"""Whether an edit of samples is still of the samples that somebody saw.
+
+A marker's name may be another marker's by now: names were worked out anew, or somebody exchanged two. A frame's number
+may be another moment: the file was written again, trimmed or at another rate. And places may be in another world. So an
+edit of samples has witnesses, as a claim has: samples of the marker as it was then, those that are wrong or, where the
+edit is of what is missing, those beside. A witness *denies* the edit where the marker has a sample in that frame now
+which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
+
+An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
+it (2). One that no witness speaks of stands: edits of older journals have none, and samples may be gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from ..data import Detections, MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Ints
+from ..data.edits import Edit, Erase, GapChoice, Put, Smooth, Stretch
+from .values import Changed, Footage, Result
+from .votes import compared, witnesses_of
+from .witnesses import witness_of
+
+FEW = 4
+"""Witnesses of an edit of samples, a number; chosen: of a few samples, where a claim has 16 of a whole path."""
+ELSEWHERE = Result("orphan", reason="the marker is elsewhere there than when this was said")
+"""What becomes of an edit whose witnesses all deny it."""
+Anchored = Erase | Put | GapChoice | Smooth
+"""Edits that have such witnesses; an image is a witness itself."""
+AnyEdit = TypeVar("AnyEdit", bound=Edit)
+
+
+def anchored(edit: AnyEdit, trajectories: Trajectories, detections: Detections | None, world: str) -> AnyEdit:
+    """An edit with its witnesses; the same where it has no use for any, or the marker has no samples to be one.
+
+    Args:
+        edit: as somebody says it. trajectories: as they see them.
+        detections: behind the samples; None for a file without. world: key of the cameras in whose world these are.
+    """
+    if not isinstance(edit, Anchored) or edit.where is not None or edit.marker not in trajectories.names:
+        return edit
+    path, start = trajectories[edit.marker], trajectories.first_frame
+    frames = _spoken_of(edit, np.flatnonzero(path.origin != Origin.MISSING) + start)
+    if not len(frames):
+        return edit
+    witnesses = tuple(witness_of(path, f - start, start, detections) for f in frames.tolist())
+    return replace(edit, where=Stretch(None, None, witnesses, world))
+
+
+def _spoken_of(edit: Anchored, frames: Ints) -> Ints:
+    """Of the frames that a marker has, those by which an edit is found again."""
+    if isinstance(edit, Erase | Smooth):
+        own = frames[(frames >= edit.first) & (frames <= edit.last)]
+        return own[np.unique(np.linspace(0, len(own) - 1, min(len(own), FEW)).round().astype(np.int64))]
+    first, last = (edit.frame, edit.frame) if isinstance(edit, Put) else (edit.first, edit.last)
+    before, after = frames[frames < first][-(FEW // 2) :], frames[frames > last][: FEW // 2]
+    return np.concatenate([before, after])
+
+
+def disowned(edit: Edit, path: MarkerTrajectory, of: Footage) -> Result | None:
+    """What becomes of an edit that is not, or hardly, of what the marker (as it is now) has there; else None."""
+    if not isinstance(edit, Anchored) or edit.where is None:
+        return None
+    cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()
+    said = compared(witnesses_of([edit.where], of.first_frame, cameras, of.world), path, of.detections)
+    denied, found = int(said.far.sum()), int((said.known & ~said.far).sum())
+    if denied and not found:
+        return ELSEWHERE  # (1)
+    if denied > found:
+        return Result("thin", reason=f"of {denied + found} samples it was said of {denied} are elsewhere now")  # (2)
+    return None
+
+
+def with_doubt(changed: Changed, doubt: Result | None) -> Changed:
+    """A marker after an edit that stands on few of its witnesses; the same where there is no doubt."""
+    path, result = changed
+    return (path, doubt._replace(samples=result.samples)) if doubt and result.outcome == "held" else changed

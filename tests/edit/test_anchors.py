@@ -1,0 +1,107 @@
+"""Edits of samples have witnesses: they are not applied to what is called so, or numbered so, by now."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import MarkerTrajectory, Origin, same
+from kinemark.data.edits import Claim, Erase, GapChoice, Put, Smooth
+from kinemark.edit import anchored, replay, stretch_of
+from support.edited import entries, paths_without_images, scene
+
+NAMES = "ABCD"
+
+
+def of_file(change=lambda xyz: xyz, names=NAMES, **other):
+    """Markers of a file, A with a spike in frames 81 to 84 and B with a gap in frames 101 to 120, changed somehow."""
+    given = paths_without_images()
+    paths = [path.xyz.copy() for path in given]
+    paths[0][80:84] += 80.0
+    paths[1][100:120] = np.nan
+    changed = (MarkerTrajectory.measured(name, change(xyz)) for name, xyz in zip(names, paths, strict=True))
+    return replace(given, paths=tuple(changed), **other)
+
+
+def said_of(trajectories, detections=None, world=""):
+    """One edit of each kind, with its witnesses."""
+    place = tuple(trajectories["B"].xyz[100 - 1].tolist())
+    some = Erase("A", 81, 84), Put("B", 101, place, 1.0), GapChoice("B", 101, 120, "open"), Smooth("C", 20, 80, 6.0)
+    return [anchored(edit, trajectories, detections, world) for edit in some]
+
+
+def outcomes(trajectories, said, **other):
+    return [one.outcome for one in replay(trajectories, entries(*said), **other).applied]
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        of_file(),
+        of_file(lambda xyz: xyz + np.random.default_rng(1).normal(0, 3, xyz.shape)),
+        of_file(lambda xyz: xyz[15:], first_frame=16),
+        of_file(lambda xyz: xyz, names="ABCE"),
+    ],
+    ids=["same", "noisier", "cropped", "another marker renamed"],
+)
+def test_edits_of_samples_hold_where_these_are_what_they_were(again):
+    assert outcomes(again, said_of(of_file())) == ["held"] * 4
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        of_file(lambda xyz: xyz + 1000.0),
+        of_file(lambda xyz: xyz[30:]),
+        of_file(lambda xyz: np.repeat(xyz, 3, axis=0), rate=300.0),
+        of_file(lambda xyz: xyz / 1000.0),
+        of_file(names="BADC"),
+    ],
+    ids=["another origin", "numbered from another frame", "another rate", "another unit", "names exchanged"],
+)
+def test_what_is_elsewhere_now_is_not_erased_put_or_smoothed_and_this_is_said(again):
+    edited = replay(again, entries(*said_of(of_file())))
+    assert [one.outcome for one in edited.applied] == ["orphan"] * 4
+    assert same(edited.trajectories, again) and not edited.choices
+    assert all("elsewhere" in one.reason for one in edited.applied)
+
+
+def test_good_samples_that_came_in_the_place_of_erased_ones_stay():
+    whole = replace(of_file(), paths=(replace(paths_without_images().paths[0], name="A"), *of_file().paths[1:]))
+    edited = replay(whole, entries(said_of(of_file())[0]))
+    assert [one.outcome for one in edited.applied] == ["orphan"] and edited.trajectories is whole
+
+
+def test_an_edit_most_of_whose_samples_are_elsewhere_is_thin():
+    erased, again = anchored(Erase("C", 41, 80), of_file(), None, ""), of_file()
+    xyz = again["C"].xyz.copy()
+    xyz[50:] += 100.0
+    again = replace(again, paths=tuple(MarkerTrajectory.measured("C", xyz) if p.name == "C" else p for p in again))
+    edited = replay(again, entries(erased))
+    assert [(one.outcome, one.samples) for one in edited.applied] == [("thin", 40)]
+    assert (edited.trajectories["C"].origin[40:80] == Origin.MISSING).all()
+
+
+def test_an_edit_does_not_go_over_to_the_marker_that_has_the_name_since():
+    given = of_file()
+    erase = anchored(Erase("A", 81, 84), given, None, "")
+    claims = tuple(Claim(stretch_of(given, a, first=61), b) for a, b in ("AB", "BA"))
+    assert outcomes(given, [erase, claims]) == ["orphan", "held", "held"]
+
+
+def test_images_find_samples_again_in_another_world():
+    rig, detections, tracks, world = scene()
+    named = replace(tracks, paths=tuple(replace(p, name=n) for p, n in zip(tracks, "ABCDE", strict=True)))
+    erase = anchored(Erase("A", 31, 40), named, detections, world)
+    moved = replace(named, paths=tuple(replace(p, xyz=p.xyz + 1000.0) for p in named))
+    assert len(erase.where.witnesses) == 4 and all(len(w.images) > 1 for w in erase.where.witnesses)
+    assert outcomes(moved, [erase], detections=detections, rig=rig, world="another") == ["held"]
+    other = replace(moved, paths=tuple(replace(p, name=n) for p, n in zip(moved, "BACDE", strict=True)))
+    assert outcomes(other, [erase], detections=detections, rig=rig, world="another") == ["orphan"]
+
+
+def test_what_nobody_saw_has_no_witness_and_stands_as_in_older_journals():
+    given = of_file()
+    for edit in (Erase("A", 900, 950), Erase("no such", 1, 5), Claim(stretch_of(given, "A"), "E")):
+        assert anchored(edit, given, None, "") is edit
+    assert outcomes(of_file(names="BADC"), [Erase("A", 81, 84)]) == ["held"]

@@ -101,7 +101,7 @@ def _of_fewer_images(
     held: Held, detection: Ints, sound: Bools, images: Images, solver: Solver, method: Simultaneous
 ) -> tuple[Held, Bools]:
     """The sound points (P), solved again where detections (P, C) leave them fewer images, and which of P they are."""
-    frame, less = held[0].frame, (held[0].detection != detection).any(1)
+    frame, less = held[0].frame, sound & (held[0].detection != detection).any(1)
     rows, own = np.flatnonzero(less), detection[less]
     again = solved(frame[rows], own.T, held[0].xyz[rows].T, solver)
     own = ((own >= 0) & ~images.merged[own]).sum(1)

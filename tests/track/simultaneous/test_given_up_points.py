@@ -35,6 +35,6 @@ def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
     np.testing.assert_array_equal(after.detection, fewer[sound])
     np.testing.assert_array_equal(after.frame, frame[sound])
     np.testing.assert_array_equal(after.xyz[~changed[sound]], before.xyz[sound & ~changed])
-    again = solved(frame[sound & changed], fewer[sound & changed].T, guess[:, sound & changed], solver)
+    again = solved(frame[sound & changed], fewer[sound & changed].T, before.xyz[sound & changed].T, solver)
     np.testing.assert_allclose(after.xyz[changed[sound]], again.xyz, atol=1e-6)
     assert not (again.xyz == before.xyz[sound & changed]).any()

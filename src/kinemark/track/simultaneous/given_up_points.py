@@ -15,6 +15,7 @@ from ...numerics.returned_memory import return_memory
 from .detection_index import Images
 from .drift_beyond import drifting_beyond
 from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
+from .drifting_rivals import with_rivals
 from .neighbouring_points import TrackPoints, smoothed
 from .points_between import between_markers
 from .simultaneous_method import Simultaneous
@@ -88,6 +89,9 @@ def without_drifting(
     rest = np.flatnonzero(sound)
     two = frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, method.gate
     sound[rest] = ~drifting_beyond(*two)
+    rest = np.flatnonzero(sound)
+    left = frame[rest], ids[rest], detection[:, rest], images, usual, 1 / held[0].rate, method
+    sound[rest] = ~with_rivals(*left)
     sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
     return_memory()
     detection = np.ascontiguousarray(detection.T)

@@ -96,13 +96,15 @@ def test_images_of_other_tracks_are_no_rivals():
 
 def test_a_stretch_is_of_one_track_and_of_the_same_two_cameras():
     _, track, detection = made()
-    np.testing.assert_array_equal(stretches(track) >= 0, np.isin(np.arange(FRAMES), np.arange(FRAMES)[STRETCH]))
+    np.testing.assert_array_equal(
+        stretches(track.frame, track.id, track.detection) >= 0, np.isin(np.arange(FRAMES), np.arange(FRAMES)[STRETCH])
+    )
     changed = track.detection.copy()
     changed[1, 20:30], changed[2, 20:30] = -1, detection[2, 20:30]
-    number = stretches(track._replace(detection=changed))
+    number = stretches(track.frame, track.id, changed)
     assert len(set(number[10:20])) == len(set(number[20:30])) == 1
     assert number[19] != number[20]
-    assert (stretches(track._replace(frame=2 * track.frame)) == -1).all()
+    assert (stretches(2 * track.frame, track.id, track.detection) == -1).all()
 
 
 @pytest.mark.parametrize(("seed", "before", "most"), [(24, 24, 4), (37, 19, 2)])

@@ -15,6 +15,7 @@ from ...numerics.returned_memory import return_memory
 from .detection_index import Images
 from .drift_beyond import drifting_beyond
 from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
+from .drifting_rivals import with_rivals
 from .neighbouring_points import TrackPoints, smoothed
 from .points_between import between_markers
 from .simultaneous_method import Simultaneous
@@ -100,6 +101,9 @@ def _without_drifting(
     rest = np.flatnonzero(sound)
     two = frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate
     sound[rest] = ~drifting_beyond(*two)
+    rest = np.flatnonzero(sound)
+    left = frame[rest], ids[rest], detection[:, rest], images, usual, 1 / cloud.rate, method
+    sound[rest] = ~with_rivals(*left)
     return np.ascontiguousarray(detection.T), ~with_rest(~sound, ids, (detection >= 0).sum(0))
 
 
@@ -107,7 +111,7 @@ def _of_fewer_images(
     held: Held, detection: Ints, sound: Bools, images: Images, solver: Solver, method: Simultaneous
 ) -> tuple[Held, Bools]:
     """The sound points (P), solved again where detections (P, C) leave them fewer images, and which of P they are."""
-    frame, less = held[0].frame, (held[0].detection != detection).any(1)
+    frame, less = held[0].frame, sound & (held[0].detection != detection).any(1)
     rows, own = np.flatnonzero(less), detection[less]
     again = solved(frame[rows], own.T, held[0].xyz[rows].T, solver)
     own = ((own >= 0) & ~images.merged[own]).sum(1)

@@ -97,12 +97,12 @@ def without_rivalled(
     The list is empty afterwards, so that no column is in memory twice.
     """
     every = Associations(*columns)
-    stretch = stretches(every)
+    stretch = stretches(every.frame, every.id, every.detection)
     held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
     free = images.usable.copy()
     free[held[held >= 0]] = False
     taken = np.zeros(len(free), bool)
-    rivals = _rivals(every, stretch, images, free, F, method)
+    rivals = near_rivals(every.frame, every.detection, stretch, images, free, F, method.gate)
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
@@ -118,18 +118,18 @@ def without_rivalled(
     return Rivalled(_replaced(columns, new, gone), cuts)
 
 
-def stretches(every: Associations) -> Ints:
-    """(S) the stretch of each association, −1 for none."""
-    has = every.detection >= 0
+def stretches(frame: Ints, id: Ints, detection: Ints, least: int = MIN_FRAMES) -> Ints:
+    """(S) the stretch of `least` frames and more of each point of tracks id (S), of detection (C, S); −1 for none."""
+    has = detection >= 0
     rows = np.flatnonzero(has.sum(0) == 2)
     pair = has[:, rows].argmax(0) * len(has) + len(has) - has[::-1, rows].argmax(0)
-    order = np.lexsort([every.frame[rows], every.id[rows]])
+    order = np.lexsort([frame[rows], id[rows]])
     rows, pair = rows[order], pair[order]
-    run = np.arange(len(rows)) - every.frame[rows]
-    cuts = equal_runs(every.id[rows], pair, run)
-    out = np.full(len(every.id), -1)
+    run = np.arange(len(rows)) - frame[rows]
+    cuts = equal_runs(id[rows], pair, run)
+    out = np.full(len(id), -1)
     number = np.repeat(np.arange(len(cuts) - 1), np.diff(cuts))
-    out[rows] = np.where(np.diff(cuts)[number] >= MIN_FRAMES, number, -1)
+    out[rows] = np.where(np.diff(cuts)[number] >= least, number, -1)
     return out
 
 
@@ -141,21 +141,23 @@ def _squared(images: Images, detection: Ints, rows: Ints) -> Floats:
     return out
 
 
-def _rivals(every: Associations, stretch: Ints, images: Images, free: Bools, F: Floats, method: Simultaneous) -> Rivals:
-    """All pairs of an image of a stretch and a free one that lie near each other's lines."""
+def near_rivals(
+    frame: Ints, detection: Ints, stretch: Ints, images: Images, free: Bools, F: Floats, gate: float
+) -> Rivals:
+    """All pairs of an image of a stretch (S), of detection (C, S), and a free one that lie near each other's lines."""
     rows = np.flatnonzero(stretch >= 0)
     row_of = np.full(len(images.uv), -1)
-    for camera in every.detection[:, rows]:
+    for camera in detection[:, rows]:
         row_of[camera[camera >= 0]] = rows[camera >= 0]
     some = free | (row_of >= 0)
-    frames = np.unique(every.frame[rows]).tolist()
+    frames = np.unique(frame[rows]).tolist()
     looked_at = [own[some[own]] for own in images.in_frames(frames)]
-    pair = np.concatenate([near_lines(images, part, F, method.gate) for part in batches(looked_at)], -1)
+    pair = np.concatenate([near_lines(images, part, F, gate) for part in batches(looked_at)], -1)
     pair = np.concatenate([pair, pair[::-1]], -1)
     pair = pair[:, (row_of[pair[0]] >= 0) & free[pair[1]]]
     point = intersect(images, pair, images.camera[pair])
     squared = point.squared.sum(0)
-    good = (squared < method.gate**2) & np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1))
+    good = (squared < gate**2) & np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1))
     return Rivals(row_of[pair[0]], pair[0], pair[1], squared, point.xyz, point.cov).take(good)
 
 

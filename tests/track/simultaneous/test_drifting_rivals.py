@@ -1,0 +1,94 @@
+"""Chance meetings of images of two markers, told by the free images that either of them has."""
+
+import numpy as np
+import pytest
+
+from kinemark.track.simultaneous import Simultaneous
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.drift_beyond import drifting_beyond
+from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
+from kinemark.track.simultaneous.drifting_rivals import with_rivals
+from support.laboratory import observe, ring
+from support.motions import dance
+
+NOISE, MARKERS, FRAMES, RATE, METHOD = 0.1, 8, 120, 100.0, Simultaneous()
+PART, ASIDE = np.arange(40, 60), 200.0
+ONE, OTHER = 0, MARKERS
+
+
+class Meeting:
+    """Points of all markers in four cameras; but in PART, those of marker ONE are its image in camera 0 and that of
+    marker OTHER in camera 1, which lies ASIDE in the plane of both cameras, so that these images fit.
+
+    The images of cameras 2 and 3 in PART are free: of marker ONE in camera 2, of OTHER in camera 3.
+    """
+
+    def __init__(self, aside=ASIDE):
+        rig = ring(4)
+        xyz = dance(n=MARKERS, frames=FRAMES, seed=2)
+        along = rig[0].centre - rig[1].centre
+        xyz = np.concatenate([xyz, xyz[:1] + aside * along / np.linalg.norm(along)])
+        detections, marker = observe(rig, xyz, noise=NOISE, seed=3)
+        images = read_images(detections, rig).noisier(np.full(4, (5 * NOISE) ** 2))
+        whole = np.full((4, MARKERS + 1, FRAMES), -1)
+        whole[images.camera, marker, images.frame] = np.arange(len(marker))
+        free = np.isin(marker, [ONE, OTHER])
+        free &= np.isin(images.frame, PART) | (marker == ONE)
+        free &= np.where(marker == ONE, images.camera != 3, images.camera != 2)
+        usable = free | ~np.isin(marker, [ONE, OTHER])
+        usable[whole[:, ONE]] |= ~np.isin(np.arange(FRAMES), PART)
+        detection = whole[:, :MARKERS].copy()
+        detection[1, ONE, PART], detection[2:, ONE, PART] = whole[1, OTHER, PART], -1
+        usable[whole[1, ONE, PART]] = usable[whole[0, OTHER, PART]] = False
+        self.images, self.whole = images._replace(usable=usable, by_cell=images.by_cell.keep(usable)), whole
+        self.frame, self.id = np.tile(np.arange(FRAMES), MARKERS), np.repeat(np.arange(MARKERS), FRAMES)
+        self.detection = detection.reshape(4, -1)
+
+    def without(self, marker, camera):
+        usable = self.images.usable.copy()
+        usable[self.whole[camera, marker, PART]] = False
+        self.images = self.images._replace(usable=usable, by_cell=self.images.by_cell.keep(usable))
+        return self
+
+    def alone(self):
+        """Without the points of marker ONE in other frames, so that no three cameras see the track."""
+        kept = (self.id != ONE) | np.isin(self.frame, PART)
+        self.frame, self.id, self.detection = self.frame[kept], self.id[kept], self.detection[:, kept]
+        return self
+
+    def known(self):
+        usual = usual_residuals(self.frame, self.id, self.detection, self.images, METHOD.gate)
+        return self.frame, self.id, self.detection, self.images, usual
+
+    def given_up(self):
+        out = with_rivals(*self.known(), 1 / RATE, METHOD)
+        assert not out[self.id != ONE].any()
+        return self.frame[out].tolist()
+
+
+def test_images_that_both_have_a_rival_are_two_markers():
+    """They do not drift: no other judge tells them."""
+    meeting = Meeting()
+    assert not drifting(*meeting.known(), METHOD.gate).any()
+    assert not drifting_beyond(*meeting.known(), 0.0, METHOD.gate).any()
+    assert meeting.given_up() == PART.tolist()
+
+
+@pytest.mark.parametrize(("marker", "camera"), [(ONE, 2), (OTHER, 3)])
+def test_one_rival_that_fits_as_well_tells_nothing(marker, camera):
+    assert not Meeting().without(marker, camera).alone().given_up()
+
+
+def test_the_free_images_of_the_same_marker_are_no_rivals():
+    assert not Meeting(aside=0.0).given_up()
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_one_rival_that_fits_better_tells_where_no_three_cameras_see_the_track(alone):
+    meeting = Meeting().without(ONE, 2)
+    uv = meeting.images.uv.copy()
+    uv[meeting.whole[0, ONE, PART], 1] += 0.2
+    meeting.images = meeting.images._replace(uv=uv)
+    assert not drifting(*meeting.known(), METHOD.gate).any()
+    found = (meeting.alone() if alone else meeting).given_up()
+    assert found == (PART.tolist() if alone else [])

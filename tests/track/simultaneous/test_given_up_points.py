@@ -1,0 +1,40 @@
+"""Points that lose one of their images, and points that are given up, at once."""
+
+import numpy as np
+
+from kinemark.geometry.weighted_points import DEFAULT_ERRORS
+from kinemark.track.simultaneous import Simultaneous
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.given_up_points import _of_fewer_images
+from kinemark.track.simultaneous.solved_points import Solver, solved
+from support.laboratory import observe, ring
+from support.motions import dance
+
+MARKERS, FRAMES, NOISE = 3, 20, 0.1
+LESS, GONE = np.arange(5, 15), np.arange(8, 12)
+
+
+def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
+    """Of marker 1 in frames LESS camera 3 is left out, and in GONE of them the whole point."""
+    rig = ring(4)
+    xyz = dance(n=MARKERS, frames=FRAMES, seed=2)
+    detections, marker = observe(rig, xyz, noise=NOISE, seed=3)
+    images = read_images(detections, rig)
+    detection = np.full((4, FRAMES * MARKERS), -1)
+    detection[images.camera, images.frame * MARKERS + marker] = np.arange(len(marker))
+    frame, which = np.divmod(np.arange(FRAMES * MARKERS), MARKERS)
+    guess = xyz[which, frame].T
+    solver = Solver(detections, rig, images.variance, DEFAULT_ERRORS)
+    before = solved(frame, detection, guess, solver)
+    fewer = before.detection.copy()
+    fewer[(which == 1) & np.isin(frame, LESS), 3] = -1
+    sound = ~((which == 1) & np.isin(frame, GONE))
+    held, kept = _of_fewer_images([before], fewer, sound.copy(), images, solver, Simultaneous())
+    after, changed = held[0], (fewer != before.detection).any(1)
+    np.testing.assert_array_equal(kept, sound)
+    np.testing.assert_array_equal(after.detection, fewer[sound])
+    np.testing.assert_array_equal(after.frame, frame[sound])
+    np.testing.assert_array_equal(after.xyz[~changed[sound]], before.xyz[sound & ~changed])
+    again = solved(frame[sound & changed], fewer[sound & changed].T, before.xyz[sound & changed].T, solver)
+    np.testing.assert_allclose(after.xyz[changed[sound]], again.xyz, atol=1e-6)
+    assert not (again.xyz == before.xyz[sound & changed]).any()

@@ -38,6 +38,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
@@ -87,7 +88,7 @@ to the one that has them (seeds 0 to 60 of benchmarks/tracking_scenes.py; 0.81 t
 NOWHERE = 100_000.0
 """mm of standard deviation, of a place of which nothing is known; chosen: no laboratory is so wide, and an update of
 what is known a thousand times worse has no correct digit left."""
-AT_ONCE = 50_000
+AT_ONCE = 20_000
 """Points and images that are looked at in one go; more would take memory and no less time; chosen."""
 RUNS_AT_ONCE = 2_000
 """Runs of which the paths are gone along in one go; chosen likewise."""
@@ -308,16 +309,16 @@ def scores(
     run = np.cumsum(np.diff(frame, prepend=frame[0]) > LOOK)
     start = equal_runs(points.id[claims.row], points.id[claims.other], *code, run)
     run = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    table = _steps(claims, points, start)
-    inside = table < -1
-    k = np.where(inside, -2 - table, 0)
-    score = np.where(inside, claims.camera.sum(0)[k] * np.log(4.0), 0.0).sum(0)
-    for sign, moved in ((1.0, True), (-1.0, False)):
-        reading = _read(claims, detection, images, moved=moved)
-        for first in range(0, len(score), RUNS_AT_ONCE):
-            some = slice(first, first + RUNS_AT_ONCE)
-            score[some] += sign * _path(reading, table[:, some], points, T, method, frame)
-        score += sign * np.where(inside, reading.said[k], 0.0).sum(0)
+    table, score, number = _steps(claims, points, start), np.zeros(len(start) - 1), claims.camera.sum(0)
+    readings = [(sign, _read(claims, detection, images, moved=sign > 0)) for sign in (1.0, -1.0)]
+    for first in range(0, len(score), RUNS_AT_ONCE):
+        some = slice(first, first + RUNS_AT_ONCE)
+        steps, inside = table[:, some], table[:, some] < -1
+        k = np.where(inside, -2 - steps, 0)
+        score[some] = np.where(inside, number[k] * np.log(4.0), 0.0).sum(0)
+        for sign, reading in readings:
+            score[some] += sign * _path(reading, steps, points, T, method, frame)
+            score[some] += sign * np.where(inside, reading.said[k], 0.0).sum(0)
     out = np.empty(len(order))
     out[order] = score[run]
     return out
@@ -325,6 +326,13 @@ def scores(
 
 def _read(claims: Claims, detection: Ints, images: Images, *, moved: bool) -> _Reading:
     """The points of claims with their images as they are, or by (2)."""
+    parts = np.split(np.arange(len(claims.row)), range(AT_ONCE, len(claims.row), AT_ONCE))
+    found = [_read_part(claims.take(part), detection, images, moved) for part in parts]
+    return _Reading(*(np.concatenate(column, -1) for column in zip(*found, strict=True)))
+
+
+def _read_part(claims: Claims, detection: Ints, images: Images, moved: bool) -> _Reading:
+    """The same of some claims."""
     own = detection[:, claims.row]
     has, uv, variance = own >= 0, images.uv[own], images.variance[own]
     if moved:
@@ -339,7 +347,7 @@ def _read(claims: Claims, detection: Ints, images: Images, *, moved: bool) -> _R
     return _Reading(point.xyz, point.cov, said + room - np.where(has, np.log(variance), 0.0).sum(0))
 
 
-def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
+def _steps(claims: Claims, points: TrackPoints, start: Ints) -> NDArray[np.int32]:
     """(4 LOOK, R) what the path of each run leads through, in order: rows of points without claims before it, −2 − k of
     claims k at its begin and its end, rows after it; −1 for none."""
     free = np.ones(len(points.id), bool)
@@ -348,7 +356,7 @@ def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
     rows = np.append(order[free[order]], 0)
     key = (points.id * (int(points.frame.max()) + 1) + points.frame)[rows[:-1]]
     first, last = start[:-1], start[1:] - 1
-    table = np.full((4 * LOOK, len(first)), -1)
+    table = np.full((4 * LOOK, len(first)), -1, np.int32)
     for edge, way, to in ((first, -1, LOOK - 1), (last, 1, 3 * LOOK)):
         row = claims.row[edge]
         at = np.searchsorted(key, points.id[row] * (int(points.frame.max()) + 1) + points.frame[row])
@@ -365,7 +373,9 @@ def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
     return table
 
 
-def _path(reading: _Reading, table: Ints, points: TrackPoints, T: float, method: Simultaneous, frame: Ints) -> Floats:
+def _path(
+    reading: _Reading, table: NDArray[np.int32], points: TrackPoints, T: float, method: Simultaneous, frame: Ints
+) -> Floats:
     """(R) what the innovations along the path of each run add to (3).
 
     Long runs leave out what is between their ends; where the place is then not known to NOWHERE, the path begins anew.

@@ -34,7 +34,6 @@ Other points that have an image of both are solved as those of files that mark t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -44,15 +43,16 @@ from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import undistort
 from ...geometry.camera import distort
-from ...native import ImageIndex, inverse
+from ...native import inverse
+from ...numerics.returned_memory import return_memory
 from ...numerics.robust import student_log_likelihood
 from ...numerics.runs import equal_runs
-from .associate import predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .likelihood import DEGREES_OF_FREEDOM, SURE
-from .neighbouring_points import TrackPoints, parts_of_frames
+from .near_held import NearHeld, near_held
+from .neighbouring_points import TrackPoints
 from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
 from .solved_points import MovedImages, Solver
@@ -66,9 +66,6 @@ TOLD_APART = 0.03
 SHARE = 0.1
 """Of (2): standard deviation of what an image has of one of its two markers, 0.5 in the mean; chosen: depths of one
 eighth apart make as much."""
-
-REACH = 0.65
-"""Of r: how far a common image lies from either marker at most, as that has SHARE more of the other; chosen."""
 
 LOOK = 8
 """Frames before a run and after it, and at either end of it, that (3) is about; chosen, as in `neighbouring_points`."""
@@ -176,6 +173,7 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
     if not r or len(points.id) < 2:
         return Merging(none, 0.0, none, none > 0, np.zeros((0, 2)), np.zeros(0), np.zeros(0))
     claims = possible_claims(points, detection, images, r)
+    return_memory()
     score = scores(claims, points, detection, images, T, method)
     camera, k = np.nonzero(claims.camera & (score > LEAST))
     order = np.argsort(-score[k], kind="stable")  # of several claims on an image the likeliest
@@ -204,51 +202,6 @@ def resolution(images: Images) -> float:
     likely = m * np.log(TOLD_APART) - n * np.log(1 - (1 - TOLD_APART) * (r / LARGEST) ** 2)  # (1)
     best = int(likely.argmax())
     return float(r[best]) if likely[best] > SURE else 0.0
-
-
-class NearHeld(NamedTuple):
-    """N places of points without an image in a camera, and images near them that others hold: rows of the points
-    (other) and of the holders, camera and image, all (N); where the point is expected, uv (2, N) px, variance (N) px².
-    """
-
-    holder: Ints
-    other: Ints
-    camera: Ints
-    image: Ints
-    uv: Floats
-    variance: Floats
-
-    def take(self, which: Bools | Ints) -> NearHeld:
-        """Only these."""
-        row, other, camera, image, uv, variance = self
-        return NearHeld(row[which], other[which], camera[which], image[which], uv[:, which], variance[which])
-
-
-def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> Iterator[NearHeld]:
-    """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected: part by
-    part, an image being in one part alone."""
-    holder = np.full(len(images.uv), -1, np.int32)  # half the memory of a column that long recordings make long
-    for camera in detection:
-        holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
-    held = images.by_cell.keep(holder >= 0)
-    for part in parts_of_frames(points.frame, AT_ONCE) or [np.arange(0)]:
-        near = _near_held(points.take(part), detection[:, part], images, held, r)
-        yield near._replace(holder=holder[near.image].astype(np.int64), other=part[near.other])
-
-
-def _near_held(points: TrackPoints, detection: Ints, images: Images, held: ImageIndex, r: float) -> NearHeld:
-    """Of these points, by the images that points have; holders are left out."""
-    C, xyz, cov = len(images.P), points.xyz.T, points.cov.transpose(1, 2, 0)
-    expected = predict_images(images.P, KalmanStates(xyz, cov))
-    variance = (expected.S[:, 0] + expected.S[:, 2]) / 2
-    lacks = (detection < 0) & np.isfinite(expected.uv[:, 0]) & (variance < (r / 4) ** 2)
-    c, other = np.nonzero(lacks)
-    reach = REACH * r + 2 * np.sqrt(variance[c, other])
-    at, image = held.near(points.frame[other] * C + c, expected.uv[c, 0, other], reach)
-    apart = np.hypot(*(expected.uv[c[at], :, other[at]] - images.uv[image]).T)
-    at, image = at[apart < reach[at]], image[apart < reach[at]]
-    c, other = c[at], other[at]
-    return NearHeld(image, other, c, image, expected.uv[c, :, other].T, variance[c, other])
 
 
 def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:

@@ -5,10 +5,23 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from kinemark.track.simultaneous import Simultaneous, time_offsets, track_simultaneously, unmarked_merging
+from kinemark.data import Cloud, Detections
+from kinemark.geometry.weighted_points import ImageErrors
+from kinemark.track.simultaneous import (
+    Simultaneous,
+    near_held,
+    time_offsets,
+    track_simultaneously,
+    unmarked_merging,
+)
 from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.measurement_noise import Noise
 from kinemark.track.simultaneous.neighbouring_points import RowsByTrack, TrackPoints, rows_of
 from kinemark.track.simultaneous.passes import Run
+from kinemark.track.simultaneous.solved_points import Solver, Working
+from kinemark.track.simultaneous.stitch import scores_by_distance
+from kinemark.track.simultaneous.unmarked_merging import Merging
+from support.laboratory import ring
 from support.scenes import make, scene
 
 
@@ -41,7 +54,8 @@ def test_merging_looked_at_part_by_part_is_that_of_all_at_once(monkeypatch):
     own = make(scene(38)._replace(markers=39, cameras=6, motion="arms", rate=100.0, seconds=2.4))
     whole = track_simultaneously(own.detections, own.rig, Simultaneous())
     assert whole.images.merged.any()  # inferred: the file marks none
-    monkeypatch.setattr(unmarked_merging, "AT_ONCE", 777)
+    for module in (unmarked_merging, near_held):
+        monkeypatch.setattr(module, "AT_ONCE", 777)
     part = track_simultaneously(own.detections, own.rig, Simultaneous())
     np.testing.assert_array_equal(part.images.merged, whole.images.merged)
     np.testing.assert_array_equal(part.tracks.cloud.xyz, whole.tracks.cloud.xyz)
@@ -69,3 +83,44 @@ def test_images_keep_no_column_that_the_detections_have(made):
     own = (images.uv, images.variance, images.camera, images.frame, images.usable, images.by_cell.order)
     assert sum(column.nbytes for column in own) == 37 * len(made.detections)
     assert not any(images.laid_aside().uv.strides)
+
+
+def peak_of(run):
+    """Bytes that something takes at most, beyond what is there."""
+    run()  # what it imports and keeps for later is not of the recording
+    tracemalloc.start()
+    run()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+def short_fragments(n, length=10):
+    """Points of n fragments one after the other, beside three markers that are there all the time."""
+    frame = np.arange(n * length)
+    ids = [np.repeat(np.arange(n), length), *(np.full(len(frame), n + k) for k in range(3))]
+    rng = np.random.default_rng(0)
+    xyz = rng.normal(size=(4 * len(frame), 3)) + 100 * np.repeat(np.arange(4), len(frame))[:, None]
+    return TrackPoints(np.tile(frame, 4), np.concatenate(ids), xyz, np.tile(np.eye(3), (len(xyz), 1, 1)))
+
+
+def test_stitching_takes_memory_with_the_points_and_not_with_tracks_times_frames():
+    one, other = np.array([0]), np.array([1])
+    few, many = short_fragments(400), short_fragments(1600)
+    least = peak_of(lambda: scores_by_distance(few, one, other, np.zeros(1)))
+    assert peak_of(lambda: scores_by_distance(many, one, other, np.zeros(1))) < 5 * least
+
+
+def test_images_of_two_markers_are_told_apart_without_a_copy_of_all_images():
+    rig, D, n = ring(2), 100_000, 10
+    detections = Detections.build(rig.names, 100.0, np.ones((2, D // 2)), np.full((D, 2), 500.0))
+    images, none = read_images(detections, rig), np.zeros(2)
+    solver = Solver(detections, Working(rig, images, Noise(none, none, none, none)), np.zeros(D, bool), ImageErrors())
+    image, ones = np.arange(n), np.ones(n)
+    merging = Merging(image, 1.0, np.zeros(n, np.int64), ones > 0, np.full((n, 2), 3.0), 2 * ones, ones)
+    detection = np.stack([image, np.full(n, -1)], 1)
+    start = np.minimum(np.arange(D // 2 + 1), n)
+    cloud = Cloud(100.0, start, np.zeros((n, 3)), np.zeros((n, 3, 3)), np.zeros(n), detection)
+    told = merging.told_apart(cloud, np.zeros(n, np.int64), solver)
+    assert np.hypot(*(told.uv(image) - 500.0).T) == pytest.approx(np.hypot(3, 3), rel=0.2)
+    assert peak_of(lambda: merging.told_apart(cloud, np.zeros(n, np.int64), solver)) < detections.uv.nbytes

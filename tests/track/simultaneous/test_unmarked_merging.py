@@ -10,12 +10,12 @@ from kinemark.track.simultaneous import Simultaneous, track_detections, unmarked
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.measurement_noise import Noise
+from kinemark.track.simultaneous.near_held import near_held
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.solved_points import Solver, Working
 from kinemark.track.simultaneous.unmarked_merging import (
     LEAST,
     inferred_merging,
-    near_held,
     possible_claims,
     resolution,
     scores,

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import rigid_align
 from ...signal import assign
-from .neighbouring_points import TrackPoints
+from .neighbouring_points import TrackPoints, parts_of_frames
 from .rigid_bodies import Poses, RigidBody, fitted, places
 
 AGREE = 0.6
@@ -43,7 +43,7 @@ GATE = 4.0
 """Standard deviations of (2); chosen, for errors that are not normal."""
 
 AT_ONCE = 5_000
-"""Points of which the nearest member is looked for in one go; chosen: more would take memory and no less time."""
+"""Points of whole frames that are looked at in one go; chosen: more would take memory and no less time."""
 
 MIN_FIT = 3
 """Points of a pose; by definition."""
@@ -141,24 +141,22 @@ class InPlace(NamedTuple):
     off: Bools
 
 
-def _nearest_member(body: RigidBody, poses: Poses, points: TrackPoints, row: Ints) -> tuple[Ints, Floats]:
-    """(n) the member whose place is nearest to some points, and how far it is, mm."""
-    k, near = np.zeros(len(row), np.int64), np.zeros(len(row))
-    for first in range(0, len(row), AT_ONCE):
-        part = slice(first, first + AT_ONCE)
-        at = member_places(body, poses, points.frame[row[part]])
-        apart = np.linalg.norm(at - points.xyz[row[part]][:, None], axis=-1)
-        k[part], near[part] = np.argmin(apart, axis=1), np.min(apart, axis=1)
-    return k, near
-
-
 def in_place(body: RigidBody, poses: Poses, points: TrackPoints) -> InPlace:
     """Which member each point is, by (2); of several in a frame that of the member's own tracks, or the nearest."""
+    found = InPlace(np.full(len(points.id), -1), np.zeros(len(points.id), bool))
+    for part in parts_of_frames(points.frame, AT_ONCE):
+        found.member[part], found.off[part] = _in_place(body, poses, points.take(part))
+    return found
+
+
+def _in_place(body: RigidBody, poses: Poses, points: TrackPoints) -> InPlace:
+    """The same of all points of some frames."""
     member, off = np.full(len(points.id), -1), np.zeros(len(points.id), bool)
     row = np.flatnonzero(poses.fit[points.frame] > 0)
     frame = points.frame[row]
-    k, apart = _nearest_member(body, poses, points, row)
-    own = np.trace(points.cov, axis1=1, axis2=2)[row] / 3
+    apart = np.linalg.norm(member_places(body, poses, frame) - points.xyz[row][:, None], axis=-1)
+    k, apart = np.argmin(apart, axis=1), np.min(apart, axis=1)
+    own = np.trace(points.cov[row], axis1=1, axis2=2) / 3
     s = np.sqrt(body.sd[k] ** 2 + poses.rms[frame] ** 2 + np.where(np.isfinite(own), own, 0.0))
     near = apart < np.minimum(body.reach[k], GATE * s)
     off[row] = ~near

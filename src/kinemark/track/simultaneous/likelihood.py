@@ -28,7 +28,7 @@ from .passes import Associations
 DEGREES_OF_FREEDOM = 4.0
 """ν, degrees of freedom of Student's t in (1); chosen (see benchmarks/tracking.py)."""
 
-AT_ONCE = 50_000
+AT_ONCE = 20_000
 """Points that are worked out in one go; chosen: more would take memory and no less time."""
 
 WEAK = 0.75

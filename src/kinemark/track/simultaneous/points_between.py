@@ -20,8 +20,9 @@ import numpy as np
 from ...data.array_types import Bools, Ints
 from ...numerics.runs import equal_runs
 from .detection_index import Images
+from .near_held import NearHeld, near_held
 from .neighbouring_points import TrackPoints
-from .unmarked_merging import SHARE, NearHeld, near_held
+from .unmarked_merging import SHARE
 
 GATE = 3.0
 """Standard deviations of (1); chosen: as many as an image of both is hardly ever off."""

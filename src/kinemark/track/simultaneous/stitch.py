@@ -32,6 +32,7 @@ import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.rigid_pairs import distances_from
+from ...native.image_index import ranges
 from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, motion_from, rows_near
 from .simultaneous_method import Simultaneous
@@ -277,7 +278,7 @@ class _InFrames(NamedTuple):
         the frames each is in."""
         count = self.first[frames + 1] - self.first[frames]
         which = np.repeat(np.arange(len(frames)), count)
-        row = self.row[np.arange(len(which)) + np.repeat(self.first[frames] - np.cumsum(count) + count, count)]
+        row = self.row[ranges(self.first[frames], count)]
         often = np.flatnonzero(np.bincount(id[row])[id[row]] >= LOOK)
         often = often[np.argsort(id[row[often]], kind="stable")]
         return row[often], which[often]
@@ -305,6 +306,6 @@ def _distances(points: TrackPoints, there: _InFrames, i: int) -> _Distances:
 
 
 def _from_last(points: TrackPoints, table: Ints) -> Floats:
-    """(2, n) mean and standard deviation of the distances of the last track of a table of rows (n + 1, F) from others."""
+    """(2, n) mean distances of the last track of a table of rows (n + 1, F) from the others, and their spread."""
     found = distances_from(np.where((table >= 0)[..., None], points.xyz[table], np.nan), len(table) - 1)
     return np.stack([found.mean[:-1], found.spread[:-1]])

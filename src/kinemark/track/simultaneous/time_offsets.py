@@ -29,7 +29,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...data import Tracks
+from ...data import Cloud, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import EVERY, Images, Rows
@@ -50,6 +50,9 @@ MIN_STANDARD_ERRORS = 5.0
 MAX_PLACES = 24_000
 """Points, times cameras, that are looked at, at most, at even steps in time; chosen: more take as long as tracking, and
 delays are known to some thousandths of a frame from as many."""
+
+AT_ONCE = 50_000
+"""Points that are looked at in one go; chosen: more would take memory and no less time."""
 
 MIN_POINTS = 300
 """Points from which something can be said; chosen (see benchmarks/tracking.py)."""
@@ -153,17 +156,31 @@ def _moving(result: TrackedImages) -> Moving | None:
     """The points of tracks that three cameras see, with the point before and after them; None of fewer than
     MIN_POINTS."""
     cloud, ids = result.tracks.cloud, result.tracks.id
-    order = np.lexsort([cloud.frame, ids])
-    middle, before, after = order[1:-1], order[:-2], order[2:]
-    near = (ids[before] == ids[after]) & (cloud.frame[after] - cloud.frame[before] == 2) & (ids[middle] >= 0)
+    frame, order = cloud.frame, np.lexsort([cloud.frame, ids])
+    parts = range(0, len(order) or 1, AT_ONCE)
+    place = np.concatenate([k + _even(cloud, frame, ids, order[k : k + AT_ONCE + 2]) for k in parts])
+    if len(place) < MIN_POINTS:
+        return None
+    place = place[np.argsort(frame[order[place]], kind="stable")]
+    place = place[:: -(-len(place) * len(result.images.P) // MAX_PLACES)]
+    ahead, behind = _steps(cloud, *(order[place + k] for k in (-1, 0, 1)))
+    return _images_of(result, order[place], (ahead + behind) / 2)
+
+
+def _even(cloud: Cloud, frame: Ints, ids: Ints, order: Ints) -> Ints:
+    """Places in an order of rows by track and frame: of points that three cameras see, between two of their track in
+    the frames beside them, of a velocity that hardly changes."""
+    before, middle, after = order[:-2], order[1:-1], order[2:]
+    near = (ids[before] == ids[after]) & (frame[after] - frame[before] == 2) & (ids[middle] >= 0)
     near &= (cloud.detection[middle] >= 0).sum(1) >= 3
-    ahead, behind = cloud.xyz[after] - cloud.xyz[middle], cloud.xyz[middle] - cloud.xyz[before]
-    velocity = (ahead + behind) / 2
-    near &= np.linalg.norm(ahead - behind, axis=1) < MAX_VELOCITY_CHANGE * np.linalg.norm(velocity, axis=1)
-    point, velocity = middle[near], velocity[near]
-    in_time = np.argsort(cloud.frame[point], kind="stable")
-    in_time = in_time[:: -(-len(in_time) * len(result.images.P) // MAX_PLACES) or 1]
-    return _images_of(result, point[in_time], velocity[in_time]) if len(point) >= MIN_POINTS else None
+    ahead, behind = _steps(cloud, before, middle, after)
+    change, velocity = np.linalg.norm(ahead - behind, axis=1), (ahead + behind) / 2
+    return 1 + np.flatnonzero(near & (change < MAX_VELOCITY_CHANGE * np.linalg.norm(velocity, axis=1)))
+
+
+def _steps(cloud: Cloud, before: Ints, middle: Ints, after: Ints) -> tuple[Floats, Floats]:
+    """(n, 3) mm from points to those after them, and from those before them."""
+    return cloud.xyz[after] - cloud.xyz[middle], cloud.xyz[middle] - cloud.xyz[before]
 
 
 def _images_of(result: TrackedImages, point: Ints, velocity: Floats) -> Moving:

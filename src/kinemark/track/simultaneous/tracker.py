@@ -45,16 +45,15 @@ from .found_points import with_given_back, with_rigid_pass, with_second_pass
 from .given_up_points import without_between, without_drifting, without_merged
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
-from .measurement_noise import Noise, learn_noise, sampled_frames
+from .measurement_noise import Noise, sampled_frames
 from .motion_scale import count_images, in_windows, with_learned_motion
 from .neighbouring_points import TrackPoints
-from .noise_of_tracks import excess
 from .passes import Associations, run
-from .rig_of_tracks import rig_of_tracks
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
 from .stitch import Stitch, Stitched, stitched
+from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
@@ -66,14 +65,6 @@ MOST_TRACKED_RATIO = 1.5
 above which the rig as given is used; chosen: of 51 scenes (seeds 131000 to 131100 and 136000 to 136129 of
 benchmarks/tracking_scenes.py) 47 have 0.8 to 1.2. One of 2.1 had 36 % of its samples, and 99.8 with the rig as given;
 others of 1.3 to 3.1 are sprints, which find the same samples by either rig."""
-
-OF_TRACKS_RATIO = 0.97
-"""The same of the rig adjusted to tracks; chosen (95000, 95021 of the same scenes): a variance that is 6 % less makes
-ghosts 0.65 a frame 0.03."""
-
-HEAVY_TAILS = 1.3
-"""Times the learned variance that images have in it, as errors of centroids are not normally distributed; chosen:
-gait9 has 97.8 % of the reference's samples, 97.0 without, and 97.5 with the rig as given."""
 
 
 class CameraTimes(NamedTuple):
@@ -144,7 +135,7 @@ def track_once(
     del working, solver
     return_memory()
     if adjusted:
-        images = _with_noise(read_images(detections, rig, timing, other=images), method)[0]
+        images = with_noise(read_images(detections, rig, timing, other=images), method)[0]
         order, begins, images = images.by_cell.order, images.by_cell.first, merging.marked(images.unplaced())
         given = Working(rig, images, noise)
         cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
@@ -167,7 +158,7 @@ def _learned(
 ) -> tuple[Images, Noise, Working, Simultaneous, FirstPass]:
     """The images by the rig as given and their noise; the rig, noise and motion that images and tracks tell, by which
     the first pass was done, and its tracks."""
-    images, noise = _with_noise(read_images(detections, rig, timing), method)
+    images, noise = with_noise(read_images(detections, rig, timing), method)
     working, seen = _working(detections, rig, images, noise, method)
     images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method, seen)
@@ -175,13 +166,16 @@ def _learned(
     return_memory()
     broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
     working, method = working._replace(images=moving.images), moving.method
+    del moving
     first = _first_pass(detections, rig, images, working, method, errors)
-    for learned in () if broken else (_less_noisy, _of_tracks):  # tracks that break need the room they have
-        better = learned(detections, images, working, first.cloud, method)
-        if better is not working:
+    for learned in () if broken else (less_noisy, of_tracks):  # tracks that break need the room they have
+        held = [working]
+        del working  # its places are given up while another rig's are looked at
+        working, better = learned(detections, images, held, first.cloud, method)
+        if better:
             del first  # before there are two in memory
             return_memory()
-            working, first = better, _first_pass(detections, rig, images, better, method, errors)
+            first = _first_pass(detections, rig, images, working, method, errors)
     return _waiting(images, working, rig), noise, working, method, first
 
 
@@ -207,11 +201,6 @@ def _passes_over(
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
     held, ids, became = with_rigid_pass(held, ids, images, solver, method)
     return held.pop(), ids, became
-
-
-def _with_noise(images: Images, method: Simultaneous) -> tuple[Images, Noise]:
-    """The images with the noise that is learned of them."""
-    return learn_noise(images, fundamentals(images.P), method.gate)
 
 
 def _joined_pieces(
@@ -318,37 +307,13 @@ def _working(
         return given, None  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted, images.timing, other=images)
-    moved, left = _with_noise(moved, method)
+    moved, left = with_noise(moved, method)
     if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given, None
     working = Working(adjusted, moved.without(left.inconsistent), left)
     by_given, seen = (in_windows(one.images, detections.rate, method) for one in (given, working))
     fewer = count_images(by_given) > MOST_TRACKED_RATIO * count_images(seen)
     return (given, by_given) if fewer else (working, seen)  # (2)
-
-
-def _less_noisy(
-    detections: Detections, images: Images, working: Working, cloud: Cloud, method: Simultaneous
-) -> Working:
-    """With the noise of the images as the points of the first pass have it, where that is less; otherwise the same."""
-    more = excess(cloud.detection.T, working.images)
-    return working._replace(images=working.images.noisier(-more)) if more.any() else working
-
-
-def _of_tracks(detections: Detections, images: Images, working: Working, cloud: Cloud, method: Simultaneous) -> Working:
-    """The rig adjusted to the points of the first pass, where the images agree better with it; otherwise the same."""
-    if not len(cloud) or (images.stated and not working.noise.added.any()):
-        return working  # nothing seen, or images that agree as well as they say
-    rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)
-    if rig is working.rig:
-        return working
-    moved, noise = _with_noise(read_images(detections, rig, images.timing, other=images), method)
-    moved = moved.noisier(-excess(cloud.detection.T, moved))
-    if np.median(moved.variance) > OF_TRACKS_RATIO * np.median(working.images.variance):
-        return working
-    usual = [np.median(own) if len(own := moved.variance[moved.camera == c]) else 0.0 for c in range(len(rig))]
-    moved = moved.noisier((HEAVY_TAILS - 1) * np.array(usual))
-    return Working(rig, moved.without(noise.inconsistent), noise)
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

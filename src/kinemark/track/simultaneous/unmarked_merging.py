@@ -34,24 +34,25 @@ Other points that have an image of both are solved as those of files that mark t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import undistort
 from ...geometry.camera import distort
-from ...native import ImageIndex, inverse
+from ...native import inverse
+from ...numerics.returned_memory import return_memory
 from ...numerics.robust import student_log_likelihood
 from ...numerics.runs import equal_runs
-from .associate import predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .likelihood import DEGREES_OF_FREEDOM, SURE
-from .neighbouring_points import TrackPoints, parts_of_frames
+from .near_held import NearHeld, near_held
+from .neighbouring_points import TrackPoints
 from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
 from .solved_points import MovedImages, Solver
@@ -65,9 +66,6 @@ TOLD_APART = 0.03
 SHARE = 0.1
 """Of (2): standard deviation of what an image has of one of its two markers, 0.5 in the mean; chosen: depths of one
 eighth apart make as much."""
-
-REACH = 0.65
-"""Of r: how far a common image lies from either marker at most, as that has SHARE more of the other; chosen."""
 
 LOOK = 8
 """Frames before a run and after it, and at either end of it, that (3) is about; chosen, as in `neighbouring_points`."""
@@ -87,7 +85,7 @@ to the one that has them (seeds 0 to 60 of benchmarks/tracking_scenes.py; 0.81 t
 NOWHERE = 100_000.0
 """mm of standard deviation, of a place of which nothing is known; chosen: no laboratory is so wide, and an update of
 what is known a thousand times worse has no correct digit left."""
-AT_ONCE = 50_000
+AT_ONCE = 20_000
 """Points and images that are looked at in one go; more would take memory and no less time; chosen."""
 RUNS_AT_ONCE = 2_000
 """Runs of which the paths are gone along in one go; chosen likewise."""
@@ -175,6 +173,7 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
     if not r or len(points.id) < 2:
         return Merging(none, 0.0, none, none > 0, np.zeros((0, 2)), np.zeros(0), np.zeros(0))
     claims = possible_claims(points, detection, images, r)
+    return_memory()
     score = scores(claims, points, detection, images, T, method)
     camera, k = np.nonzero(claims.camera & (score > LEAST))
     order = np.argsort(-score[k], kind="stable")  # of several claims on an image the likeliest
@@ -203,51 +202,6 @@ def resolution(images: Images) -> float:
     likely = m * np.log(TOLD_APART) - n * np.log(1 - (1 - TOLD_APART) * (r / LARGEST) ** 2)  # (1)
     best = int(likely.argmax())
     return float(r[best]) if likely[best] > SURE else 0.0
-
-
-class NearHeld(NamedTuple):
-    """N places of points without an image in a camera, and images near them that others hold: rows of the points
-    (other) and of the holders, camera and image, all (N); where the point is expected, uv (2, N) px, variance (N) px².
-    """
-
-    holder: Ints
-    other: Ints
-    camera: Ints
-    image: Ints
-    uv: Floats
-    variance: Floats
-
-    def take(self, which: Bools | Ints) -> NearHeld:
-        """Only these."""
-        row, other, camera, image, uv, variance = self
-        return NearHeld(row[which], other[which], camera[which], image[which], uv[:, which], variance[which])
-
-
-def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> Iterator[NearHeld]:
-    """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected: part by
-    part, an image being in one part alone."""
-    holder = np.full(len(images.uv), -1, np.int32)  # half the memory of a column that long recordings make long
-    for camera in detection:
-        holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
-    held = images.by_cell.keep(holder >= 0)
-    for part in parts_of_frames(points.frame, AT_ONCE) or [np.arange(0)]:
-        near = _near_held(points.take(part), detection[:, part], images, held, r)
-        yield near._replace(holder=holder[near.image].astype(np.int64), other=part[near.other])
-
-
-def _near_held(points: TrackPoints, detection: Ints, images: Images, held: ImageIndex, r: float) -> NearHeld:
-    """Of these points, by the images that points have; holders are left out."""
-    C, xyz, cov = len(images.P), points.xyz.T, points.cov.transpose(1, 2, 0)
-    expected = predict_images(images.P, KalmanStates(xyz, cov))
-    variance = (expected.S[:, 0] + expected.S[:, 2]) / 2
-    lacks = (detection < 0) & np.isfinite(expected.uv[:, 0]) & (variance < (r / 4) ** 2)
-    c, other = np.nonzero(lacks)
-    reach = REACH * r + 2 * np.sqrt(variance[c, other])
-    at, image = held.near(points.frame[other] * C + c, expected.uv[c, 0, other], reach)
-    apart = np.hypot(*(expected.uv[c[at], :, other[at]] - images.uv[image]).T)
-    at, image = at[apart < reach[at]], image[apart < reach[at]]
-    c, other = c[at], other[at]
-    return NearHeld(image, other, c, image, expected.uv[c, :, other].T, variance[c, other])
 
 
 def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
@@ -308,16 +262,16 @@ def scores(
     run = np.cumsum(np.diff(frame, prepend=frame[0]) > LOOK)
     start = equal_runs(points.id[claims.row], points.id[claims.other], *code, run)
     run = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    table = _steps(claims, points, start)
-    inside = table < -1
-    k = np.where(inside, -2 - table, 0)
-    score = np.where(inside, claims.camera.sum(0)[k] * np.log(4.0), 0.0).sum(0)
-    for sign, moved in ((1.0, True), (-1.0, False)):
-        reading = _read(claims, detection, images, moved=moved)
-        for first in range(0, len(score), RUNS_AT_ONCE):
-            some = slice(first, first + RUNS_AT_ONCE)
-            score[some] += sign * _path(reading, table[:, some], points, T, method, frame)
-        score += sign * np.where(inside, reading.said[k], 0.0).sum(0)
+    table, score, number = _steps(claims, points, start), np.zeros(len(start) - 1), claims.camera.sum(0)
+    readings = [(sign, _read(claims, detection, images, moved=sign > 0)) for sign in (1.0, -1.0)]
+    for first in range(0, len(score), RUNS_AT_ONCE):
+        some = slice(first, first + RUNS_AT_ONCE)
+        steps, inside = table[:, some], table[:, some] < -1
+        k = np.where(inside, -2 - steps, 0)
+        score[some] = np.where(inside, number[k] * np.log(4.0), 0.0).sum(0)
+        for sign, reading in readings:
+            score[some] += sign * _path(reading, steps, points, T, method, frame)
+            score[some] += sign * np.where(inside, reading.said[k], 0.0).sum(0)
     out = np.empty(len(order))
     out[order] = score[run]
     return out
@@ -325,6 +279,13 @@ def scores(
 
 def _read(claims: Claims, detection: Ints, images: Images, *, moved: bool) -> _Reading:
     """The points of claims with their images as they are, or by (2)."""
+    parts = np.split(np.arange(len(claims.row)), range(AT_ONCE, len(claims.row), AT_ONCE))
+    found = [_read_part(claims.take(part), detection, images, moved) for part in parts]
+    return _Reading(*(np.concatenate(column, -1) for column in zip(*found, strict=True)))
+
+
+def _read_part(claims: Claims, detection: Ints, images: Images, moved: bool) -> _Reading:
+    """The same of some claims."""
     own = detection[:, claims.row]
     has, uv, variance = own >= 0, images.uv[own], images.variance[own]
     if moved:
@@ -339,7 +300,7 @@ def _read(claims: Claims, detection: Ints, images: Images, *, moved: bool) -> _R
     return _Reading(point.xyz, point.cov, said + room - np.where(has, np.log(variance), 0.0).sum(0))
 
 
-def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
+def _steps(claims: Claims, points: TrackPoints, start: Ints) -> NDArray[np.int32]:
     """(4 LOOK, R) what the path of each run leads through, in order: rows of points without claims before it, −2 − k of
     claims k at its begin and its end, rows after it; −1 for none."""
     free = np.ones(len(points.id), bool)
@@ -348,7 +309,7 @@ def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
     rows = np.append(order[free[order]], 0)
     key = (points.id * (int(points.frame.max()) + 1) + points.frame)[rows[:-1]]
     first, last = start[:-1], start[1:] - 1
-    table = np.full((4 * LOOK, len(first)), -1)
+    table = np.full((4 * LOOK, len(first)), -1, np.int32)
     for edge, way, to in ((first, -1, LOOK - 1), (last, 1, 3 * LOOK)):
         row = claims.row[edge]
         at = np.searchsorted(key, points.id[row] * (int(points.frame.max()) + 1) + points.frame[row])
@@ -365,7 +326,9 @@ def _steps(claims: Claims, points: TrackPoints, start: Ints) -> Ints:
     return table
 
 
-def _path(reading: _Reading, table: Ints, points: TrackPoints, T: float, method: Simultaneous, frame: Ints) -> Floats:
+def _path(
+    reading: _Reading, table: NDArray[np.int32], points: TrackPoints, T: float, method: Simultaneous, frame: Ints
+) -> Floats:
     """(R) what the innovations along the path of each run add to (3).
 
     Long runs leave out what is between their ends; where the place is then not known to NOWHERE, the path begins anew.

@@ -59,7 +59,7 @@ from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
 from support.scenes import make, scene
 
-TUNE, FRESH = (*range(60), *range(140, 160)), range(400, 460)
+TUNE, FRESH = (*range(100, 140), *range(340, 460)), range(460, 520)
 FILES = (
     "pig_gait_child*/*.c3d", "pig_gait_3plates_emg/PiG_M*FF.c3d", "fullbody_cmu/*.c3d", "labelling/*.c3d",
     "pig_wholebody/M*.c3d", "gait_emg_ccby/*01.c3d", "opensim_gait/*walk.trc",
@@ -244,12 +244,12 @@ def _told(kind: str, of: Sequence[float], wrong: bool | None) -> Iterator[tuple[
         yield kind, tuple(of), wrong
 
 
-def fitted(x: Floats, y: Floats) -> Floats:
-    """Coefficients of the likeliest logistic function, slightly drawn to 0."""
+def fitted(x: Floats, y: Floats, known: Floats | float = 0.0) -> Floats:
+    """Coefficients of the likeliest logistic function beside log-odds that are known, slightly drawn to 0."""
     one = np.column_stack([np.ones(len(x)), x])
 
     def cost(c: Floats) -> tuple[float, Floats]:
-        z = one @ c
+        z = known + one @ c
         slope = one.T @ (scipy.special.expit(z) - y) + 2e-4 * len(x) * np.append(0, c[1:])
         return float((np.logaddexp(0, z) - y * z).sum() + 1e-4 * len(x) * (c[1:] ** 2).sum()), slope
 
@@ -260,8 +260,9 @@ def rescaled(kind: str, x: Floats, y: Floats) -> Floats:
     """The coefficients that are kept, all times a factor and with another constant: what they say of each other was
     fitted to more errors than there are, and holds; how many there are changes with the tracker."""
     old = np.array(COEFFICIENTS[kind])
-    a, b = fitted((old[0] + x @ old[1:])[:, None], y)
-    out: Floats = b * old
+    z = old[0] + x @ old[1:]
+    a, more = fitted(z[:, None], y, z)
+    out: Floats = (1 + more) * old
     out[0] += a
     return out
 

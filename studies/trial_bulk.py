@@ -2,10 +2,8 @@
 
 Each file of 16 laboratories is looked at as it is and with faults, at its own rate and at lower ones, as in
 `probable_errors`; with faults twice: up to two of each kind, and one or two in all. Of each change, leap and spike it
-is known what it is said to be by itself, and by what is sure and what is common in its trial and by the rate
-(`edit/probable_errors/probability.py`, (3) and (4)). Coefficients of (3) are fitted to all laboratories; what is told
-of each is by those fitted to the others. Those of changes of files by themselves were fitted here as well, together
-with (3) (`fit_changes`).
+is known what it is said to be by itself, and by the others of its trial (`edit/probable_errors/probability.py`, (3) and
+(4)). The two coefficients of (3) are fitted to all laboratories; what is told of each is by those fitted to the others.
 
 What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL), which is left
 out.
@@ -31,7 +29,7 @@ from kinemark.data.array_types import Floats
 from kinemark.data.problems import Problem
 from kinemark.edit.probable_errors import Evidence
 from kinemark.edit.probable_errors.leaps import LeapEvidence
-from kinemark.edit.probable_errors.probability import COEFFICIENTS, evidence_of_trial
+from kinemark.edit.probable_errors.probability import COEFFICIENTS, TAIL, evidence_of_trial
 from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
 OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
@@ -45,9 +43,6 @@ LABORATORIES = {
     "kinematics_racing": "wheelchair",
 }  # fmt: skip
 KINDS = {"change": Evidence._fields, "leap": LeapEvidence._fields, "spike": SpikeEvidence._fields}
-SLOPES = {"change": 0.8, "leap": 1.0, "spike": 0.4}
-"""c₁ of (3); chosen: steeper than what is fitted freely (0.54, 0.92, 0.25), with which what is told of the others is as
-likely, but a lone gap of half a second in a clean walk is worth a look. Few trials there have nothing else to tell."""
 NATURAL = (
     ("HC031A23.c3d", "RP5M", 1.90, 2.06),  # 73 mm beside its foot, filtered
     ("PronetoRun01.c3d", "LSHP", 5.1, 5.3),  # a marker of a plate is 36 mm off the others, which end
@@ -58,14 +53,13 @@ NATURAL = (
 
 
 class Told(NamedTuple):
-    """A problem: its laboratory, kind, what is said of it by itself, evidence of its trial (3), and its own, whether it
-    is one, and which trial it is of."""
+    """A problem: its laboratory, kind, what is said of it by itself, evidence of its trial (3), whether it is one, and
+    which trial it is of."""
 
     laboratory: str
     kind: str
     wrong: float
     of_trial: tuple[float, ...]
-    own: tuple[float, ...]
     true: bool
     trial: int
 
@@ -111,53 +105,30 @@ def told() -> list[Told]:
             ]
             of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
             for (one, kind, true), its in zip(some, of, strict=True):
-                own = tuple(one.values[name] for name in KINDS[kind])
-                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), own, true, k))
+                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), true, k))
     return rows
 
 
-def fitted(x: Floats, rows: Sequence[Told], known: Floats | float = 0.0) -> Floats:
-    """A constant and coefficients of evidence (N, n) of these rows beside what is known (N), slightly drawn to 0."""
-    one, y = np.column_stack([np.ones(len(x)), x]), np.array([float(row.true) for row in rows])
+def fit(rows: Sequence[Told]) -> Floats:
+    """c₁ and c₂ of (3), as likely as they can be within what keeps it monotone."""
+    x, y = np.array([row.of_trial for row in rows]), np.array([float(row.true) for row in rows])
 
     def cost(c: Floats) -> tuple[float, Floats]:
-        z = known + one @ c
-        slope = one.T @ (scipy.special.expit(z) - y) + 0.1 * np.append(0.0, c[1:])
-        return float((np.logaddexp(0, z) - y * z).sum() + 0.05 * (c[1:] ** 2).sum()), slope
+        z = x @ np.array([1.0, c[0], -c[1]])
+        off = scipy.special.expit(z) - y
+        return float((np.logaddexp(0, z) - y * z).sum()), np.array([off @ x[:, 1], -off @ x[:, 2]])
 
-    return np.asarray(scipy.optimize.minimize(cost, np.zeros(one.shape[1]), jac=True, method="L-BFGS-B").x)
-
-
-def fit(rows: Sequence[Told]) -> dict[str, Floats]:
-    """Coefficients of (3) of each kind."""
-    out = {}
-    for kind, slope in SLOPES.items():
-        mine = [row for row in rows if row.kind == kind]
-        x = np.array([row.of_trial for row in mine])
-        c = fitted(x[:, 1:], mine, slope * x[:, 0])
-        out[kind] = np.array([c[0], slope, *c[1:]])
-    return out
+    some = scipy.optimize.minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0, None), (0, 0.99 * TAIL)])
+    return np.asarray(some.x)
 
 
-def fit_changes(rows: Sequence[Told]) -> Floats:
-    """Coefficients of changes of files by themselves: as they tell beside what tells of the trial, all times a factor
-    and with a constant by which they are right without it. Twice, with lists made anew, as (4) hangs on them."""
-    mine = [row for row in rows if row.kind == "change"]
-    own = np.array([row.own for row in mine])
-    scale = np.where(own.std(0) > 1e-6, own.std(0), np.inf)
-    c = fitted(np.column_stack([own / scale, np.array([row.of_trial[1:] for row in mine])]), mine)
-    alone = c[1 : 1 + own.shape[1]] / scale
-    a, b = fitted((own @ alone)[:, None], mine)
-    return np.asarray(np.append(a, b * alone))
-
-
-def judged(rows: Sequence[Told], c: dict[str, Floats] | None) -> list[Judged]:
+def judged(rows: Sequence[Told], c: Floats | None) -> list[Judged]:
     """By these coefficients, or as they are by themselves."""
     out = []
     for row in rows:
         wrong = row.wrong
         if c is not None:
-            wrong = float(scipy.special.expit(c[row.kind][0] + np.dot(c[row.kind][1:], row.of_trial)))
+            wrong = float(scipy.special.expit(np.dot((1.0, c[0], -c[1]), row.of_trial)))
         out.append(Judged(row.laboratory, row.kind, wrong, row.true, wrong >= 0.05))
     return out
 
@@ -183,6 +154,10 @@ def clean(rows: Sequence[Told], some: Sequence[Judged]) -> str:
     return f"{sum(n.values())} in all, most in one trial {max(n.values(), default=0)}"
 
 
+def spread(c: dict[str, Floats], k: int) -> str:
+    return f"{min(one[k] for one in c.values()):.2f} to {max(one[k] for one in c.values()):.2f}"
+
+
 def main() -> None:
     rows = told()
     places = sorted({row.laboratory for row in rows})
@@ -197,9 +172,8 @@ def main() -> None:
         alone = judged([row for row in rows if row.laboratory == place], None)
         print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(mine)}; by themselves {unsure(alone)}")
     say("By its trial, by the coefficients of all", judged(rows, c_all := fit(rows)))
-    for kind, values in {f"{k}_in_trial": v for k, v in c_all.items()}.items():
-        print(f"  {kind}: {', '.join(f'{k:.2f}' for k in values)} (kept: {COEFFICIENTS[kind]})")
-    print(f"  change_in_file: {', '.join(f'{k:.2f}' for k in fit_changes(rows))}")
+    print(f"  in_trial: {c_all[0]:.2f}, {c_all[1]:.2f} (kept: {COEFFICIENTS['in_trial']}); without one laboratory "
+          f"{spread(c, 0)}, {spread(c, 1)}")  # fmt: skip
 
 
 if __name__ == "__main__":

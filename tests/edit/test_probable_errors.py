@@ -10,7 +10,7 @@ from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial, leaps, pieces, places, spikes
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
-from kinemark.edit.probable_errors.probability import TAIL, as_common, evidence_of_trial
+from kinemark.edit.probable_errors.probability import BEYOND, COEFFICIENTS, TAIL, as_common, evidence_of_trial
 from kinemark.edit.probable_errors.shape import companions, spread
 from kinemark.signal.filters import butterworth
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
@@ -273,18 +273,22 @@ def test_a_place_tells_whether_tracking_saw_another_come_near(near, inside):
     assert place.near == (near and inside) and place.told == inside
 
 
-def said(wrong, kind="leap", rate=100.0):
-    return in_trial([kind] * len(wrong), np.array(wrong), rate)
+def said(wrong, rate=100.0):
+    return in_trial(np.array(wrong, np.float64), rate)
 
 
-@pytest.mark.parametrize("kind", ["change", "leap", "spike"])
-def test_the_other_problems_of_a_trial_tell_how_likely_one_is(kind):
+def test_the_other_problems_of_a_trial_tell_how_likely_one_is():
     """Where much is surely wrong more is, and what tells as much as others do in the trial is motion."""
-    alone = said([0.1], kind)[0]
-    among_errors = said([0.1, *[0.98] * 8], kind)[0]
-    restless = said([0.1, *[0.1] * 30], kind)[0]
-    assert restless < alone / 5 and among_errors / (1 - among_errors) > 2 * alone / (1 - alone)
+    among_errors, restless = said([0.1, *[0.98] * 8])[0], said([0.1, *[0.1] * 30])[0]
+    assert restless < 0.1 / 5 and among_errors / (1 - among_errors) > 2 * 0.1 / 0.9
     np.testing.assert_array_equal(said([]), np.zeros(0))
+
+
+@pytest.mark.parametrize("wrong", [1e-5, 0.05, 0.1, 0.5, 0.9, 0.999])
+def test_what_stands_alone_in_its_trial_is_as_likely_as_it_tells_itself(wrong):
+    """Whatever its kind and the rate: no trial says of a problem what none of its other problems does."""
+    for rate in (20.0, 100.0, 250.0):
+        np.testing.assert_allclose(said([wrong], rate), [wrong], rtol=1e-9)
 
 
 def test_what_stands_out_in_a_restless_trial_stays_likely():
@@ -293,26 +297,32 @@ def test_what_stands_out_in_a_restless_trial_stays_likely():
     assert said([0.97, *others])[0] > 0.5 > 0.05 > said([0.1, *others])[0]
 
 
-def test_a_leap_that_stands_alone_is_likely_where_it_is_sure_and_not_worth_a_look_where_it_tells_little():
-    """Of leaps, whose surroundings are evidence already: one slope for all kinds called both as likely as not."""
-    assert said([0.98])[0] > 0.75 and said([0.05])[0] < 0.05
+def test_what_tells_more_is_never_less_likely():
+    """Of one trial, and of the same problem beside others that stay as they are."""
+    rng = np.random.default_rng(0)
+    for n in (2, 5, 40):
+        wrong = np.sort(rng.beta(0.3, 0.6, size=n))
+        assert (np.diff(said(wrong)) >= 0).all()
+        assert (np.diff([said([own, *wrong])[0] for own in np.linspace(0.001, 0.999, 200)]) > 0).all()
 
 
-def test_what_tells_less_is_never_likelier():
-    wrong = np.sort(np.random.default_rng(0).beta(0.3, 0.6, size=40))
-    assert (np.diff(said(wrong, "spike", 30.0)[wrong < 0.5]) >= 0).all()
+def test_the_coefficients_of_a_trial_keep_what_tells_more_likelier():
+    """The bounds of (3), within which the study fits them."""
+    more, common = COEFFICIENTS["in_trial"]
+    assert more > 0 and 0 < common < TAIL
 
 
-def test_how_common_is_counted_of_the_others_that_are_not_sure():
-    z = np.random.default_rng(1).normal(-3, 3, 50)
+def test_motion_is_counted_of_the_others_and_at_most_as_what_one_tells_itself():
+    """Against the definition, said for all pairs."""
+    z = np.random.default_rng(1).normal(-2, 3, 50)
     z[7] = z[8]
-    sure = z > 0
-    each = np.exp(-np.maximum(z[:, None] - z, 0) / TAIL)
+    beyond = np.maximum(z[:, None] - z, 0)
+    each = np.exp(np.minimum(z[:, None], z) / TAIL - beyond / BEYOND) / (1 + np.exp(z))
     np.fill_diagonal(each, 0.0)
-    np.testing.assert_allclose(as_common(z, sure), each[:, ~sure].sum(1), atol=1e-12)
+    np.testing.assert_allclose(as_common(z), each.sum(1), atol=1e-9)
 
 
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])
 def test_no_problem_is_evidence_of_itself(wrong):
-    (_, errors, common, _), one = evidence_of_trial(np.array([wrong]), 60.0)[0], said([wrong])[0]
+    (_, errors, common), one = evidence_of_trial(np.array([wrong]), 60.0)[0], said([wrong])[0]
     assert errors == common == 0.0 and 0 <= one <= 1

@@ -35,10 +35,8 @@ def by_trial(found: Found) -> Found:
     are judged by themselves."""
     if found.paths.images.any():
         return found
-    kinds = ["change"] * len(found.changes) + ["spike"] * len(found.spikes) + ["leap"] * len(found.leaps)
-    said = [one.wrong for one in found.changes] + [one.wrong for one in found.spikes]
-    said += [one.wrong for one in found.leaps]
-    wrong = iter(in_trial(kinds, np.array(said), found.paths.rate).tolist())
+    some = (found.changes, found.spikes, found.leaps)
+    wrong = iter(in_trial(np.array([one.wrong for kind in some for one in kind]), found.paths.rate).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),

@@ -73,8 +73,8 @@ tracks were right than these said."""
 BETA_LABEL = (-1.57, 0.34, 1.28, 0.0, 0.0, 3.11, 1.54, 2.44, 0.0, 11.86, 0.0, 3.18, 0.92, 0.45, 0.03, 1.19)
 """Of (4), of the subject's own template; logits; measured by benchmarks/labelling_shreds.py on 10 658 labels of random
 shreds of walks' and static trials' templates; none but the first below 0, as what fits better makes no name less
-sure. The last alone was measured on 14 400 labels of 325 shreds more, 192 of them crowded, on which sure names were wrong
-five times as often as they said."""
+sure. The last alone was measured on 14 400 labels of 325 shreds more, 192 of them crowded: sure names were wrong there
+five times as often as p_label said."""
 BETA_OTHER = (-4.27, 0.0, 0.0, 1.00, 0.0, 3.27, 2.24, 4.33, 1.45, 0.63, 0.0, 0.03, 0.0, 1.54, 3.00, 0.0)
 """Of (4), of another subject's template; logits; measured in the same way on 10 681 labels. The first and the last were
 -3.82 and 1.39, and were measured anew on 5 655 labels of 104 further shreds: of 1 014 labels from 0.9 to 0.999
@@ -165,7 +165,7 @@ def margins(
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
-        template.keeps.any(1).astype(float)[a], np.full(len(t), float((over == 0).sum())), np.full(len(t), float(over[1])),
+        template.keeps.any(1).astype(float)[a], *np.repeat([[(over == 0).sum()], [over[1]]], len(t), 1).astype(float),
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second

@@ -160,6 +160,18 @@ def test_a_chain_of_names_that_are_one_further_is_put_right():
     np.testing.assert_array_equal(arranged(stretches, wrong, other, pairs), truth)
 
 
+def test_names_that_nothing_changes_are_not_arranged_once_more(monkeypatch):
+    asked = []
+
+    def counted(stretches, label, *by):
+        asked.append(label.tobytes())
+        return arranged(stretches, label, *by)
+
+    monkeypatch.setattr("kinemark.label.solve.arranged", counted)
+    found = label(walk(7), template().of_another(1.0))
+    assert found.names == walk(7).names and len(asked) == len(set(asked)) > 0
+
+
 def test_ghosts_do_not_take_the_name_of_an_absent_marker():
     gone = walk(7).names[4]
     rest = walk(7).select([name for name in walk(7).names if name != gone])

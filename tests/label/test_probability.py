@@ -13,7 +13,7 @@ from kinemark.label.decided_sides import _mirrored_world, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import BETA_OTHER, GAINED_OTHER, logistic, margins, probability
-from kinemark.label.recalibration import KNOTS, OTHER, OWN, recalibrated
+from kinemark.label.recalibration import OTHER, OWN, recalibrated
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
@@ -198,6 +198,22 @@ def test_a_name_is_surer_where_nothing_is_left_over_that_it_could_have_moved_up_
     assert (margins(stretches, true, by, pairs).shut == 1).all()
 
 
+def test_what_the_stiffest_distances_lack_counts_for_more_the_more_markers_have_no_name():
+    """One of many may lie near where an absent one belongs; distances that hold are no such thing."""
+    stretches, pairs, true = known(walk(7, 39), template(39))
+    alike = margins(stretches, true, template(39), pairs)
+    assert (alike.nameless == 0).all()
+    p = {}
+    for stiff in (0.4, 1.0):
+        for n in (0.0, 3.0, 30.0):
+            about = alike._replace(stiff=np.full(len(true), stiff), nameless=np.full(len(true), n))
+            p[stiff, n] = probability(about, stretches.weight)
+    assert (p[0.4, 30.0] < p[0.4, 3.0]).all() and (p[0.4, 3.0] < p[0.4, 0.0]).all()
+    assert (p[1.0, 30.0] == p[1.0, 0.0]).all()
+    without = np.where(np.isin(true, [3, 8]), -1, true)
+    assert (margins(stretches, without, template(39), pairs).nameless[without >= 0] == 2).all()
+
+
 def test_an_exchange_that_gains_by_another_subjects_template_tells_nothing_more_than_one_that_neither_gains_nor_loses():
     stretches, pairs, true = known(walk(7, 39), template(39))
     about = margins(stretches, true, template(39), pairs)
@@ -231,7 +247,8 @@ def test_probabilities_are_recalibrated_without_changing_which_names_are_sure():
         assert (np.diff(found) >= 0).all() and found[0] == 0
         np.testing.assert_array_equal(found[p >= 0.99], p[p >= 0.99])
         assert ((found >= 0.99) == (p >= 0.99)).all()
-        np.testing.assert_allclose(recalibrated(np.array(KNOTS), another=another), table, rtol=1e-9)
+        knots, to = np.array(table).T
+        np.testing.assert_allclose(recalibrated(knots, another=another), to, rtol=1e-9)
 
 
 @pytest.mark.parametrize("another", [False, True])

@@ -62,11 +62,13 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
     markers = markers_of(stretches, label, L)
     now, best = markers.label, markers.label
     most = sum_of(markers, now, shapes, pairs)
+    settled = -1.0
     for share in ROUNDS:
-        now = _assigned(
-            nats_of(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share),
-            FLOOR if share == 0 else -ABSENT,
-        )
+        if share == settled:
+            continue
+        was, tells = now, _trusted(markers, now, shapes, pairs)
+        now = _assigned(nats_of(markers, tells, shapes, pairs, share), FLOOR if share == 0 else -ABSENT)
+        settled = share if (now == was).all() else settled
         total = sum_of(markers, now, shapes, pairs)
         if total > most + 1e-6:
             best, most = now, total

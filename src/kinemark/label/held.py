@@ -59,8 +59,8 @@ def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
     """(L) how well each label's stiffest distances hold, from 0 to 1: mean of exp(−z²/2) with z in σ; 0 where absent.
 
     Where fewer than four distances of a label keep, others take their places. These tell nothing, as those of feet that
-    stood close together and walk apart, and count as what distances that hold have in the mean. Where none keeps, the
-    four that are known best are taken.
+    stood close together and walk apart, and count as what distances that hold have in the mean, where one that tells is
+    seen at all. Where none keeps, the four that are known best are taken.
 
     Args:
         y: (K, L, 3) places of labels, mm, NaN where not seen. keeps: (L, L) of the template.
@@ -71,7 +71,8 @@ def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
     total, count = np.zeros(len(near)), np.zeros(len(near))
     for xyz in y:
         off = np.take_along_axis((distances(xyz, xyz) - pairs.distance) * pairs.inverse, near, axis=1)
-        seen = np.isfinite(np.where(tells, off, xyz[:, :1]))
+        there = np.isfinite(off) & tells
+        seen = there | ~tells & there.any(1, keepdims=True)
         holds = np.where(tells, np.exp(-0.5 * np.where(seen, off, 0.0) ** 2), USUAL)
         total += np.where(seen, holds, 0.0).sum(1)
         count += seen.sum(1)

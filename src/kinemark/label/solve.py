@@ -134,18 +134,10 @@ def _whole(
     if label.tobytes() not in done:
         found = _from_settled(label, stretches, template, pairs, least_fit)
         doubtful = np.any(template.doubt) and found.score < TURNED * found.expected * template.own_fit
-        if found.score > 0 and (doubtful or _nothing_keeps(template)):
+        if found.score > 0 and doubtful:
             found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
         done[label.tobytes()] = limbs_turned(found, stretches, template, pairs, least_fit)
     return done[label.tobytes()]
-
-
-def _nothing_keeps(template: Template) -> bool:
-    """Whether all distances may change, as by a static trial without segments: any body is then nearly its own image.
-
-    Of 60 shreds by such templates two ended turned about, 64 of 165 sure tracks wrong, at fits of 0.76 and 0.98.
-    """
-    return not template.keeps.any()
 
 
 def _further(
@@ -180,8 +172,11 @@ def _from_settled(
     found = Solution(label, 0.0, 0.0)
     doubted = bool(np.any(template.doubt))
     for _ in range(ARRANGINGS if doubted else 1):
-        label = arranged(stretches, found.label, template, pairs) if doubted else found.label
+        before = found.label
+        label = arranged(stretches, before, template, pairs) if doubted else before
         found = _pooled(stretches, label, template, pairs, least_fit)
+        if (found.label == before).all():  # as it would be once more
+            break
     return found
 
 
@@ -299,6 +294,8 @@ def _doubtful(stretches: Stretches, label: Ints, pairs: PairScore, after: PairSc
     brief = _share_of_frames(stretches, label, len(pairs.distance)) < BRIEF
     out = np.zeros(len(label), bool)
     for score, whole, share in ((pairs, brief, DOUBTFUL), (after, ~brief, OFF)):
+        if not whole[label[named]].any():
+            continue
         nats, expected = evidence(stretches, label, score), expectation(stretches, label, score)
         fit = nats[named, label[named]] / np.maximum(expected[named, label[named]], 1e-9)
         out[named] |= (fit < share * np.median(fit) if len(fit) else fit < 0) & whole[label[named]]

@@ -1,4 +1,5 @@
 import { Aperture, DraftingCompass, FileText, History, House, ListTree, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
+import { tenths } from "../model/format";
 import { goTo } from "../state/load";
 import { useSessions } from "../state/sessions";
 import { held, useMenu } from "../state/um2as";
@@ -57,5 +58,3 @@ function Left(): React.JSX.Element | null {
     </div>
   );
 }
-
-const tenths = (n: number): string => (n < 10 ? n.toFixed(1) : String(Math.round(n)));

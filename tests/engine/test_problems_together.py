@@ -131,3 +131,10 @@ def test_loose_pieces_one_after_another_are_one_problem_that_is_settled_at_once(
         path for path in editing.edited().trajectories if np.isfinite(path.xyz[:, 0]).sum() == 4 * len(one.tracks)
     ]
     assert len(joined) == 1
+
+
+def test_that_a_piece_is_not_the_one_before_says_nothing_of_the_one_after(tmp_path):
+    editing = editing_of(loose(pieces=3), tmp_path)
+    before, after = (one for one in problems(editing).asked if one.tracks[0].startswith("*"))
+    editing.say(*next(way for way in before.alternatives if way.action == "keep").edits)
+    assert [one.id for one in problems(editing).asked if one.tracks[0].startswith("*")] == [after.id]

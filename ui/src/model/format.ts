@@ -29,7 +29,7 @@ export function when(iso: string, now = new Date()): string {
 }
 
 /** A way to fill, short: a mean of several is called so. */
-export const wayOf = (method: string): string => (method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);
+export const wayOf = (method: string): string => (method === "best" ? "the best way" : method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);
 
 /** Letters of a name's end that are always seen: sides and numbers stand there; chosen. */
 const END = 4;

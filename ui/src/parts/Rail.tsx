@@ -12,7 +12,7 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
   { screen: "detect", icon: ScanSearch },
   { screen: "digitise", icon: MousePointerClick },
   { screen: "tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
-  { screen: "labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && !t.computed && t.samples > 0).length ?? 0 },
+  { screen: "labels", icon: Tags, open: (s) => (s.header?.named_only ? [] : s.header?.tracks ?? []).filter((t) => !t.named && !t.computed && t.samples > 0).length },
   { screen: "gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
   { screen: "angles", icon: DraftingCompass },
   { screen: "report", icon: FileText },

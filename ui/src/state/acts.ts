@@ -180,7 +180,7 @@ export function putOff(): void {
 export const stretch = (): { first: number | null; last: number | null } => ({ first: get().first, last: get().last });
 
 export async function claim(name: string | null, track = get().selected[0]): Promise<ActDone | null> {
-  return track ? act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`) : null;
+  return track ? act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : track.startsWith("*") ? `${track} is no marker` : `${track} has no name here`) : null;
 }
 
 /** What Delete does: the marked samples, else the way that the problem offers, else the track as a whole; null: nothing. */

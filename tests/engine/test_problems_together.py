@@ -102,3 +102,39 @@ def test_a_path_without_samples_beside_one_with_steps_changes_nothing(tmp_path):
     assert [one.words for one in problems(editing_of(more, tmp_path)).asked] == [
         one.words for one in problems(editing_of(trial, tmp_path / "other")).asked
     ]
+
+
+def loose(pieces=6, frames=4, apart=30):
+    """The walk, and short pieces without a name that come one after another a hand's breadth apart."""
+    names, xyz = walk()
+    more = np.full((pieces, *xyz.shape[1:]), np.nan)
+    for k in range(pieces):
+        at = slice(40 + k * apart, 40 + k * apart + frames)
+        more[k, at] = [2000.0, 500.0 + 60.0 * k, 900.0]
+    return trajectories(np.concatenate([xyz, more]), (*names, *(f"*{40 + k}" for k in range(pieces))))
+
+
+def test_loose_pieces_one_after_another_are_one_problem_that_is_settled_at_once(tmp_path):
+    editing = editing_of(loose(), tmp_path)
+    single = [one for one in problems(editing, one_by_one=True).asked if one.tracks[0].startswith("*")]
+    assert len(single) >= 3 and all(len(one.tracks) == 2 and one.wrong < 0.5 for one in single)
+    (one,) = (one for one in problems(editing).asked if one.tracks[0].startswith("*"))
+    assert set(one.tracks) == {name for each in single for name in each.tracks}
+    assert problems(editing).errors == pytest.approx(problems(editing, one_by_one=True).errors)
+    keep, join = one.alternatives
+    assert (keep.action, join.action) == ("keep", "join") and one.cost == sum(each.cost for each in single)
+    editing.say(*keep.edits)
+    assert not [one for one in problems(editing).asked if one.tracks[0].startswith("*")]
+    editing.journal.undo()
+    editing.say(*join.edits)
+    joined = [
+        path for path in editing.edited().trajectories if np.isfinite(path.xyz[:, 0]).sum() == 4 * len(one.tracks)
+    ]
+    assert len(joined) == 1
+
+
+def test_that_a_piece_is_not_the_one_before_says_nothing_of_the_one_after(tmp_path):
+    editing = editing_of(loose(pieces=3), tmp_path)
+    before, after = (one for one in problems(editing).asked if one.tracks[0].startswith("*"))
+    editing.say(*next(way for way in before.alternatives if way.action == "keep").edits)
+    assert [one.id for one in problems(editing).asked if one.tracks[0].startswith("*")] == [after.id]

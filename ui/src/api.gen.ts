@@ -1900,6 +1900,8 @@ export interface components {
          * @description Two versions of a trial, by the entry that each goes up to; 0 is before all edits.
          */
         Difference: {
+            /** Fills */
+            fills: components["schemas"]["FillChange"][];
             /** Identities */
             identities: components["schemas"]["IdentityChange"][];
             /** Of */
@@ -2213,6 +2215,22 @@ export interface components {
             name: string;
             /** Rows */
             rows: (number | null)[][];
+        };
+        /**
+         * FillChange
+         * @description A gap that is filled otherwise: by these ways, null where nobody has said how.
+         */
+        FillChange: {
+            /** After */
+            after: string | null;
+            /** Before */
+            before: string | null;
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+            /** Marker */
+            marker: string;
         };
         /**
          * FindingRow

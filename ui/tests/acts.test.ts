@@ -5,7 +5,7 @@ import { act, choose, lookAt, step } from "../src/state/acts";
 import { get, set, useStore, watched } from "../src/state/store";
 import { alternative, HEADER, path, problem, PROBLEMS, set as paths } from "./support";
 
-const answer: { paths: PathsPart | null; header?: TrialHeader; outcomes?: object[] } = vi.hoisted(() => ({ paths: null }));
+const answer: { paths: PathsPart | null; header?: TrialHeader; outcomes?: object[]; changed?: readonly string[] } = vi.hoisted(() => ({ paths: null }));
 const shown: { paths: PathsPart | null } = vi.hoisted(() => ({ paths: null }));
 const said: Act[] = [], answers: ((problems: Problems) => void)[] = [];
 vi.mock("../src/api/client", async (real) => ({
@@ -156,4 +156,22 @@ it("draws a spike's erasing straight across the samples that are lost", async ()
   await soon();
   expect([[...get().instead!.paths[0]!.origin], get().instead!.straight]).toEqual([[0, 2, 2, 2, 0, 0], true]);
   shown.paths = null;
+});
+
+it("goes on at once to a problem of tracks that were not changed, and waits where they were", async () => {
+  const other = problem("p2", { tracks: ["RKNE", "extra"] });
+  for (const [changed, at] of [[["LKNE"], "p2"], [["RKNE"], "p1"]] as const) {
+    show();
+    set({ problems: { ...PROBLEMS, problems: [PROBLEMS.problems[0]!, other] } });
+    answer.changed = changed;
+    answer.paths = { names: [...changed], first_frame: 11, n_frames: 6, xyz: base64Of(new Float32Array(18)), sd: base64Of(new Float32Array(6)), origin: base64Of(new Uint8Array(6)) };
+    const taken = choose(PROBLEMS.problems[0]!, "exchange");
+    await soon();
+    expect(get().problem).toBe(at);
+    answers[0]!({ ...PROBLEMS, problems: [other], worth_looking: 1 });
+    await taken;
+    expect(get().problem).toBe("p2");
+  }
+  delete answer.changed;
+  answer.paths = null;
 });

@@ -98,6 +98,11 @@ class Problem:
         """Whether it is worth a look."""
         return self.wrong >= ASK_ABOVE
 
+    @property
+    def errors(self) -> float:
+        """Expected number of errors of identity in it: of several that are looked at together their sum."""
+        return self.values.get("errors", self.wrong) if self.kind in OF_IDENTITY else 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Problems:
@@ -119,12 +124,12 @@ class Problems:
     @property
     def errors(self) -> float:
         """Expected number of errors of identity now."""
-        return sum(one.wrong for one in self.items if one.kind in OF_IDENTITY)
+        return sum(one.errors for one in self.items)
 
     @property
     def errors_left(self) -> float:
         """Expected number of errors that are left when all that is worth a look was put right."""
-        return sum(one.wrong for one in self.items if one.kind in OF_IDENTITY and not one.asked)
+        return sum(one.errors for one in self.items if not one.asked)
 
     def __getitem__(self, identity: str) -> Problem:
         for one in self.items:

@@ -73,7 +73,9 @@ def test_the_way_that_is_best_is_filled_at_once_when_it_is_chosen(studio, monkey
     monkeypatch.setattr(module.POOL, "submit", lambda *_: pytest.fail("worked out again"))
     row = rows[0]
     done = studio.act(kind="gap", marker=row["marker"], first=row["first"], last=row["last"], method=row["method"])
-    assert done.status == 200 and done.json()["paths"] is not None
+    assert done.status == 200 and done.json()["paths"]["names"] == [row["marker"]]
+    assert studio.act(kind="undo").json()["changed"] == [row["marker"]]  # and is drawn as it was
+    assert studio.act(kind="redo").json()["paths"]["names"] == [row["marker"]]
     answer = studio.page.get(f"{studio.trial}/paths?view=filled&column=xyz&marker={row['marker']}")
     assert np.isfinite(np.frombuffer(answer.body, np.float32)).all()
 
@@ -163,3 +165,16 @@ def test_a_gap_that_nobody_looks_at_any_more_is_not_judged_before_the_others(stu
     studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}")
     slow.set()
     assert judged(studio)[0]["state"] == "fillable"
+
+
+def test_the_difference_of_two_versions_names_the_gaps_that_are_filled_otherwise(studio):
+    """It said that nothing differs, as fills are no samples of a version."""
+    row = studio.page.get(f"{studio.trial}/gaps").json()["gaps"][0]
+    gap = {key: row[key] for key in ("marker", "first", "last")}
+    for method in ("linear", "cubic", "open"):
+        studio.act(kind="gap", method=method, **gap)
+    differing = studio.page.get(f"{studio.trial}/diff?of=0&other=2").json()
+    assert differing["fills"] == [{**gap, "before": None, "after": "cubic"}] and not differing["samples"]
+    assert studio.page.get(f"{studio.trial}/diff?of=2&other=3").json()["fills"] == [
+        {**gap, "before": "cubic", "after": "open"}
+    ]

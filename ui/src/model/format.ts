@@ -9,6 +9,8 @@ export const percent = (p: number | null | undefined): string =>
   p == null ? "–" : p > 0.9995 ? "> 99.9 %" : p > 0.995 ? `${(100 * p).toFixed(1)} %` : p < 0.005 ? "< 1 %" : `${Math.round(100 * p)} %`;
 export const count = (n: number | null | undefined): string => (n == null ? "–" : n.toLocaleString("en").replaceAll(",", THIN));
 export const frames = (first: number, last: number): string => (first === last ? `f ${first}` : `f ${first}–${last}`);
+/** An expected number: tenths where they tell. */
+export const tenths = (n: number): string => (n < 10 ? n.toFixed(1) : String(Math.round(n)));
 export const many = (n: number, one: string, more = `${one}s`): string => `${count(n)} ${n === 1 ? one : more}`;
 
 /** m:ss.mmm from the first frame of the recording. */
@@ -27,7 +29,7 @@ export function when(iso: string, now = new Date()): string {
 }
 
 /** A way to fill, short: a mean of several is called so. */
-export const wayOf = (method: string): string => (method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);
+export const wayOf = (method: string): string => (method === "best" ? "the best way" : method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);
 
 /** Letters of a name's end that are always seen: sides and numbers stand there; chosen. */
 const END = 4;

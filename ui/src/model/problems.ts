@@ -9,9 +9,9 @@ const OF_WHOLE: readonly Problem["kind"][] = ["lost", "repeated", "moved", "shak
 /** Markers of which a gap may be a problem by itself; more are looked at together, and none of them is selected. */
 const FEW = 3;
 export const ofWhole = (p: Problem | null): boolean => p !== null && (OF_WHOLE.includes(p.kind) || (p.kind === "gap" && p.tracks.length > FEW));
-/** What it is about, short. */
-export const about = (p: Problem): string =>
-  p.kind === "gap" && ofWhole(p) ? `${p.tracks.length} markers` : ofWhole(p) ? "all markers" : p.tracks.slice(0, FEW).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ");
+/** What it is about, short; names as they are shown. */
+export const about = (p: Problem, shown = (name: string): string => name): string =>
+  p.kind === "gap" && ofWhole(p) ? `${p.tracks.length} markers` : ofWhole(p) ? "all markers" : p.tracks.slice(0, FEW).map(shown).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ") + (p.tracks.length > FEW ? " …" : "");
 
 /** The order in which problems are shown: as they come, those that were put off after the others. */
 export function inOrder(problems: readonly Problem[], later: readonly string[]): Problem[] {

@@ -15,8 +15,9 @@ export async function write(): Promise<void> {
   const { id, header } = get();
   if (!id || !header) return;
   if (header.session_id && header.stale) return runTrial();
+  say("news", "The file is being written …"); // gaps are filled anew for it, which takes seconds where there are many
   const written = await tried(() => api.exportTrial(id));
-  if (written) say("done", [`Written: ${written.name}`, ...written.words].join(". "));
+  if (written) say("done", [`Written: ${written.name}`, ...written.words.map((one) => one.charAt(0).toUpperCase() + one.slice(1))].join(". "));
 }
 
 /** Why all markers are cut to these frames, and which two they are of. */

@@ -1,7 +1,8 @@
 import { ArrowLeftRight, CircleCheck, CopyX, FastForward, Ghost, Link2, Move3d, Repeat, Spline, Tag, Unlink, Users, Vibrate, Zap } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { Alternative, Problem } from "../api/types";
-import { count, frames, many, mm, percent } from "../model/format";
+import { count, frames, many, mm, percent, tenths } from "../model/format";
+import { withoutSubject } from "../model/names";
 import { about, asItIs, changes, keepOf, unlikely, worthALook } from "../model/problems";
 import { choose, lookAt } from "../state/acts";
 import { drawInstead } from "../state/instead";
@@ -36,7 +37,7 @@ export function ProblemList(): React.JSX.Element {
           </button>
         )}
       </div>
-      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when {worth === 1 ? "it is" : "these are"} settled</> : ". Looking on is not worth it."}</p>}
+      {problems && <p className={styles.rule}>Errors expected: <b className="number">{tenths(problems.errors)}</b>{worth ? <>, and <b className="number">{tenths(problems.errors_left)}</b> when {worth === 1 ? "it is" : "these are"} settled</> : ". Looking on is not worth it."}</p>}
     </section>
   );
 }
@@ -49,11 +50,11 @@ function Weight({ problem: p }: { problem: Problem }): React.JSX.Element {
 }
 
 function Row({ problem: p, number, later }: { problem: Problem; number: number; later: boolean }): React.JSX.Element {
-  const { word, icon: Icon } = KINDS[p.kind];
+  const { word, icon: Icon } = KINDS[p.kind], header = useStore((s) => s.header);
   return (
     <button type="button" className={`${styles.row} ${later ? styles.later : ""}`} onClick={() => lookAt(p)}>
       <span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden />
-      <span className={styles.words}><b>{word}</b> {about(p)}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
+      <span className={styles.words}><b>{word}</b> {about(p, (name) => withoutSubject(header, name))}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
       <Weight problem={p} />
     </button>
   );

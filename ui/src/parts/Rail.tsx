@@ -1,4 +1,5 @@
 import { Aperture, DraftingCompass, FileText, History, House, ListTree, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
+import { tenths } from "../model/format";
 import { goTo } from "../state/load";
 import { useSessions } from "../state/sessions";
 import { held, useMenu } from "../state/um2as";
@@ -11,7 +12,7 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
   { screen: "detect", icon: ScanSearch },
   { screen: "digitise", icon: MousePointerClick },
   { screen: "tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
-  { screen: "labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && !t.computed && t.samples > 0).length ?? 0 },
+  { screen: "labels", icon: Tags, open: (s) => (s.header?.named_only ? [] : s.header?.tracks ?? []).filter((t) => !t.named && !t.computed && t.samples > 0).length },
   { screen: "gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
   { screen: "angles", icon: DraftingCompass },
   { screen: "report", icon: FileText },
@@ -57,5 +58,3 @@ function Left(): React.JSX.Element | null {
     </div>
   );
 }
-
-const tenths = (n: number): string => (n < 10 ? n.toFixed(1) : String(Math.round(n)));

@@ -72,13 +72,16 @@ function Title({ by, children }: { by: GapColumn; children: string }): React.JSX
   );
 }
 
+/** What fills it: as somebody chose, of the best what that is where it is known. */
+const methodOf = (g: GapRow): string | undefined => (g.choice === "best" ? (g.method ?? g.choice) : (g.choice ?? g.method)) ?? undefined;
+
 function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; limit: number }): React.JSX.Element {
   const over = g.expected_mm != null && g.expected_mm > limit;
   return (
     <div role="row" aria-rowindex={at + 2} className={styles.row} aria-selected={on} data-gap={`${g.marker} ${g.first}`} data-state={g.state} onClick={() => void lookAtGap(g)} title={[g.words, g.cameras_alone.length ? `${g.cameras_alone.join(", ")} saw it alone` : ""].filter(Boolean).join(" · ") || undefined}>
       <span role="cell"><Name of={g.marker} /></span>
       <span role="cell" className="number">{g.frames} <small className="soft">{frames(g.first, g.last)}</small></span>
-      <span role="cell" title={g.choice ?? g.method ?? undefined}>{wayOf(g.choice ?? g.method ?? "–")}</span>
+      <span role="cell" title={methodOf(g)}>{wayOf(methodOf(g) ?? "–")}</span>
       <span role="cell" className={`number ${over ? styles.over : ""}`}>{g.expected_mm == null ? "–" : `${mm(g.expected_mm)} mm`}{over && <span title="above the limit"> ▲</span>}</span>
       <span role="cell"><span className={`pill ${TONE[g.state]}`}>{g.choice === "open" ? "left open" : g.state}</span></span>
     </div>

@@ -5,7 +5,7 @@ import * as api from "../api/client";
 import type { Difference, HistoryRow } from "../api/types";
 import { write } from "../parts/Finish";
 import { Waiting } from "../parts/Waiting";
-import { count, frames, many, mm, when } from "../model/format";
+import { count, frames, many, mm, when, wayOf } from "../model/format";
 import { act } from "../state/acts";
 import { tried } from "../state/load";
 import { set, useStore } from "../state/store";
@@ -63,6 +63,9 @@ function Row({ entry: e, compare, last }: { entry: HistoryRow; compare: (of: num
   );
 }
 
+/** How a gap is filled, in words. */
+const filledBy = (method: string | null): string => (method === null ? "not said" : method === "open" ? "left open" : wayOf(method));
+
 function Diff({ shown, all, compare }: { shown: Difference | null; all: readonly HistoryRow[]; compare: (of: number, to: number) => Promise<void> }): React.JSX.Element {
   const last = all.at(-1)?.id ?? 0, [of, setOf] = useState(0), [to, setTo] = useState<number | null>(null), versions = [0, ...all.map((e) => e.id)];
   const pick = (value: number, change: (n: number) => void, label: string): React.JSX.Element => (
@@ -74,14 +77,17 @@ function Diff({ shown, all, compare }: { shown: Difference | null; all: readonly
       {!shown && <p className={styles.none}>Choose two versions, or an entry on the left: names that changed come first, then samples.</p>}
       {shown && (
         <div className={styles.tables} tabIndex={0} role="region" aria-label="What differs">
-          <h3>{shown.of ? `After ${shown.of}` : "Before all edits"} → {shown.other ? `after ${shown.other}` : "before all edits"}: {many(shown.identities.length, "change")} of names, {many(new Set(shown.samples.map((d) => d.marker)).size, "marker")} with other samples</h3>
+          <h3>{shown.of ? `After ${shown.of}` : "Before all edits"} → {shown.other ? `after ${shown.other}` : "before all edits"}: {many(shown.identities.length, "change")} of names, {many(new Set(shown.samples.map((d) => d.marker)).size, "marker")} with other samples{shown.fills.length > 0 && `, ${many(shown.fills.length, "gap")} filled otherwise`}</h3>
           {shown.identities.length > 0 && <table><thead><tr><th scope="col">Was</th><th scope="col">Is</th><th scope="col">Frames</th><th scope="col">Samples</th></tr></thead><tbody>
             {shown.identities.map((d, i) => <tr key={i}><td>{d.before}</td><td><b>{d.after}</b></td><td className="number">{frames(d.first, d.last)}</td><td className="number">{count(d.samples)}</td></tr>)}
           </tbody></table>}
           {shown.samples.length > 0 && <table><thead><tr><th scope="col">Marker</th><th scope="col">Samples</th><th scope="col">Frames</th><th scope="col">At most</th></tr></thead><tbody>
             {shown.samples.map((d, i) => <tr key={i}><td><b>{d.marker}</b></td><td className="number">{count(d.samples)} {d.what}</td><td className="number">{frames(d.first, d.last)}</td><td className="number">{d.max_mm === null ? "" : `${mm(d.max_mm)} mm`}</td></tr>)}
           </tbody></table>}
-          {!shown.identities.length && !shown.samples.length && <p className="soft">Nothing differs.</p>}
+          {shown.fills.length > 0 && <table><thead><tr><th scope="col">Gap of</th><th scope="col">Frames</th><th scope="col">Was</th><th scope="col">Is</th></tr></thead><tbody>
+            {shown.fills.map((d) => <tr key={`${d.marker} ${d.first}`}><td><b>{d.marker}</b></td><td className="number">{frames(d.first, d.last)}</td><td>{filledBy(d.before)}</td><td>{filledBy(d.after)}</td></tr>)}
+          </tbody></table>}
+          {!shown.identities.length && !shown.samples.length && !shown.fills.length && <p className="soft">Nothing differs.</p>}
         </div>
       )}
     </aside>

@@ -1,7 +1,7 @@
 /** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
 import * as api from "../api/client";
 import type { Act, ActDone, GapCandidates, GapRow, Problem, Problems, SmoothingFunction } from "../api/types";
-import { many, percent } from "../model/format";
+import { many, percent, wayOf as called } from "../model/format";
 import { keptNames } from "../model/labels";
 import { inTable, sameGap } from "../model/gaps";
 import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlikely, wayOf, worthALook } from "../model/problems";
@@ -125,11 +125,20 @@ export async function choose(problem: Problem, key: string): Promise<void> {
   const done = await act(actOf(problem, taken), taken.action === "note" ? "Noted; the trial stays as it is" : `Taken: ${taken.words}`);
   if (!done || get().problem !== problem.id) return;
   set((s) => ({ problems: s.problems && without(s.problems, problem) })); // no key is for it now
+  const at = atOnce(before, problem, done);
+  if (at) lookAt(at);
   await looking;
-  if (get().problem !== problem.id) return; // the person went on
-  const next = nextAfter(before, problem.id, walked(get()));
+  const now = walked(get()), seen = at?.id ?? problem.id;
+  if (get().problem !== seen || (at && now.some((p) => p.id === seen))) return; // the person went on, or is where they should be
+  const next = nextAfter(before, problem.id, now);
   if (next) lookAt(next);
   else finishLooking();
+}
+
+/** The next problem, where what was said changed nothing of its tracks: it is there without being looked for. */
+function atOnce(before: readonly Problem[], settled: Problem, { changed, removed }: ActDone): Problem | null {
+  const next = nextAfter(before, settled.id, walked(get())), other = new Set([...changed, ...removed]);
+  return next && next.kind !== "edit" && !next.tracks.some((name) => other.has(name)) ? next : null;
 }
 
 /** The problems but for one. */
@@ -171,7 +180,7 @@ export function putOff(): void {
 export const stretch = (): { first: number | null; last: number | null } => ({ first: get().first, last: get().last });
 
 export async function claim(name: string | null, track = get().selected[0]): Promise<ActDone | null> {
-  return track ? act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`) : null;
+  return track ? act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : track.startsWith("*") ? `${track} is no marker` : `${track} has no name here`) : null;
 }
 
 /** What Delete does: the marked samples, else the way that the problem offers, else the track as a whole; null: nothing. */
@@ -238,7 +247,7 @@ export async function fillGap(method = get().method ?? "best"): Promise<void> {
   const gap = gapHere();
   if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
   const rows = tabled(get());
-  const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${many(gap.frames, "frame")} filled by ${method}`;
+  const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${many(gap.frames, "frame")} filled by ${called(method)}`;
   const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
   if (done) nextUndecided(rows, gap);
 }

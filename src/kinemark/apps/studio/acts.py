@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -59,10 +60,10 @@ def act(document: OpenDocument, body: ActBody) -> ActDone:
         document.refresh()
         if body.head != document.head:
             raise StaleJournal(STALE)
-        before = document.now.trajectories
+        before = document.now
         said = document.editing.say(*edits_of(document, body.act), why=body.why, head=body.head)
         document.refresh()
-        changed, removed = differing(before, document.now.trajectories)
+        changed, removed = changed_by(before, document.now)
         return ActDone(
             entry=said.entry.id,
             outcomes=[outcome(one) for one in said.applied],
@@ -83,9 +84,17 @@ def shown_now(document: OpenDocument, changed: Sequence[str]) -> PathsPart | Non
     return None if pending else whole_part(document, shown)
 
 
-def seen_anew(before: Trajectories, document: OpenDocument, done: ActDone) -> ActDone:
+def changed_by(before: Edited, after: Edited) -> tuple[list[str], list[str]]:
+    """Markers of other samples, or of gaps that are to be filled otherwise; and those that are there no more."""
+    changed, removed = differing(before.trajectories, after.trajectories)
+    old, new = Counter(before.choices), Counter(after.choices)
+    refilled = {choice.marker for choice in [*(old - new), *(new - old)]} - {*changed}
+    return changed + [name for name in after.trajectories.names if name in refilled], removed
+
+
+def seen_anew(before: Edited, document: OpenDocument, done: ActDone) -> ActDone:
     """What an act changed that had the trial tracked or named again: `document` is the trial opened anew."""
-    changed, removed = differing(before, document.now.trajectories)
+    changed, removed = changed_by(before, document.now)
     shown = header(document, mosaic_of(document))
     now = {"changed": changed, "removed": removed, "head": document.head, "header": shown, "paths": None}
     return done.model_copy(update=now)

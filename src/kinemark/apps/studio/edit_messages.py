@@ -299,6 +299,16 @@ class SampleChange(Message):
     max_mm: float | None
 
 
+class FillChange(Message):
+    """A gap that is filled otherwise: by these ways, null where nobody has said how."""
+
+    marker: str
+    first: int
+    last: int
+    before: str | None
+    after: str | None
+
+
 class Difference(Message):
     """Two versions of a trial, by the entry that each goes up to; 0 is before all edits."""
 
@@ -306,3 +316,4 @@ class Difference(Message):
     other: int
     identities: list[IdentityChange]
     samples: list[SampleChange]
+    fills: list[FillChange]

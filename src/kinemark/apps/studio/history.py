@@ -10,7 +10,7 @@ from ...engine.journal import hash_of_entry
 from ...report.words import edit_text, entry_text
 from .acts import outcome
 from .desk import OpenDocument
-from .edit_messages import Difference, Fault, History, HistoryRow, IdentityChange, SampleChange
+from .edit_messages import Difference, Fault, FillChange, History, HistoryRow, IdentityChange, SampleChange
 from .header import finite
 
 
@@ -56,7 +56,17 @@ def versions_apart(document: OpenDocument, of: int, other: int) -> Difference:
         other=other,
         identities=[IdentityChange(**one._asdict()) for one in found.renamed],
         samples=[SampleChange(**one._asdict() | {"max_mm": finite(one.max_mm)}) for one in found.changed],
+        fills=_refilled(before, after),
     )
+
+
+def _refilled(before: Edited, after: Edited) -> list[FillChange]:
+    """Gaps for which another way to fill them was chosen; the last word counts."""
+    old, new = ({(one.marker, one.first, one.last): one.method for one in each.choices} for each in (before, after))
+    changed = (gap for gap in {**old, **new} if old.get(gap) != new.get(gap))
+    return [
+        FillChange(marker=gap[0], first=gap[1], last=gap[2], before=old.get(gap), after=new.get(gap)) for gap in changed
+    ]
 
 
 def _version(document: OpenDocument, number: int) -> Edited:

@@ -91,7 +91,7 @@ def get_problems(document: Document) -> e.Problems:
 def post_act(trial: str, body: e.ActBody, live: TheLive, desk: TheDesk) -> Response:
     """Say something of the trial."""
     document = desk.document(trial)  # all in one turn of a thread, and no second check: somebody waits for the picture
-    before = document.now.trajectories
+    before = document.now
     done = act(document, body)
     if document.editing.outdated:
         done = seen_anew(before, desk.document(trial), done)

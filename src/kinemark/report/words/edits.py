@@ -104,12 +104,18 @@ def _whole_text(edit: Edit) -> str:
             raise ValueError(f"{edit} is no edit")
 
 
+OPEN_ENDS = {
+    (False, False): "", (False, True): " and on", (True, False): " and before", (True, True): ", the track as a whole",
+}  # fmt: skip
+"""How far a stretch goes on beyond the frames that it was seen in: before them, after them."""
+
+
 def _span(where: Stretch) -> str:
     """The frames of a stretch and where it begins."""
     seen = [witness.frame for witness in where.witnesses]
     x, y, z = where.witnesses[0].xyz
     first, last = where.first or seen[0], where.last or seen[-1]
-    follows = "" if where.first is not None and where.last is not None else " and on"
+    follows = OPEN_ENDS[where.first is None, where.last is None]
     return f"{_frames(first, last)}{follows}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"
 
 

@@ -104,6 +104,21 @@ def together_text(track: str, first: int, last: int, places: int) -> str:
     return f"{track} jumps at {places} places, {_frames(first, last)}"
 
 
+def chain_text(pieces: int, first: int, last: int) -> str:
+    """Loose pieces one after another."""
+    return f"{pieces} pieces without a name follow one another, {_frames(first, last)}: some may be one marker"
+
+
+def apart_text(pieces: int) -> str:
+    """They are of as many markers, or of none."""
+    return f"right as they are: no two of the {pieces} are one marker"
+
+
+def all_one_text(pieces: int) -> str:
+    """They are of one marker."""
+    return f"all {pieces} are one marker"
+
+
 def mend_text(track: str, erased: int, cuts: Sequence[int]) -> str:
     """What mends them: so many samples erased, and cut at these frames."""
     parts = [f"erase {_samples(erased)}"] if erased else []

@@ -89,6 +89,26 @@ def test_an_edit_does_not_go_over_to_the_marker_that_has_the_name_since():
     assert outcomes(given, [erase, claims]) == ["orphan", "held", "held"]
 
 
+def test_a_place_that_is_on_the_path_now_stands_though_the_samples_beside_it_were_wrong():
+    given = of_file()
+    wrong = given["C"].xyz.copy()
+    wrong[40:60] += 100.0
+    seen = replace(given, paths=tuple(MarkerTrajectory.measured("C", wrong) if p.name == "C" else p for p in given))
+    put = anchored(Put("C", 51, tuple(given["C"].xyz[50].tolist()), 1.0), seen, None, "")
+    assert outcomes(seen, [put]) == outcomes(given, [put]) == ["held"]
+    assert outcomes(of_file(names="ABDC"), [put]) == ["orphan"]
+
+
+def test_a_method_chosen_for_a_gap_that_is_far_longer_now_is_thin():
+    given, longer = of_file(), of_file()
+    xyz = longer["B"].xyz.copy()
+    xyz[90:150] = np.nan
+    longer = replace(longer, paths=tuple(MarkerTrajectory.measured("B", xyz) if p.name == "B" else p for p in longer))
+    for method, outcome in (("best", "thin"), ("open", "held")):
+        choice = anchored(GapChoice("B", 101, 120, method), given, None, "")
+        assert outcomes(given, [choice]) == ["held"] and outcomes(longer, [choice]) == [outcome]
+
+
 def test_images_find_samples_again_in_another_world():
     rig, detections, tracks, world = scene()
     named = replace(tracks, paths=tuple(replace(p, name=n) for p, n in zip(tracks, "ABCDE", strict=True)))

@@ -7,7 +7,9 @@ edit is of what is missing, those beside. A witness *denies* the edit where the 
 which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
 
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
-it (2). One that no witness speaks of stands: edits of older journals have none, and samples may be gone.
+it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
+been wrong (3). A method that was chosen for a gap is thin where that is LONGER times as long now (4). An edit that no
+witness speaks of stands: those of older journals have none, and samples may be gone.
 """
 
 from __future__ import annotations
@@ -20,13 +22,16 @@ import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Ints
-from ..data.edits import Edit, Erase, GapChoice, Put, Smooth, Stretch
+from ..data.edits import OPEN, Edit, Erase, GapChoice, Put, Smooth, Stretch
+from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
-from .votes import compared, witnesses_of
+from .votes import FAR_MM, compared, witnesses_of
 from .witnesses import witness_of
 
 FEW = 4
 """Witnesses of an edit of samples, a number; chosen: of a few samples, where a claim has 16 of a whole path."""
+LONGER = 2.0
+"""Times, of (4); chosen: ends of a gap move by some frames when a trial is processed again."""
 ELSEWHERE = Result("orphan", reason="the marker is elsewhere there than when this was said")
 """What becomes of an edit whose witnesses all deny it."""
 Anchored = Erase | Put | GapChoice | Smooth
@@ -68,11 +73,34 @@ def disowned(edit: Edit, path: MarkerTrajectory, of: Footage) -> Result | None:
     cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()
     said = compared(witnesses_of([edit.where], of.first_frame, cameras, of.world), path, of.detections)
     denied, found = int(said.far.sum()), int((said.known & ~said.far).sum())
+    if isinstance(edit, Put) and _goes_on(edit, path, of):
+        return None
     if denied and not found:
         return ELSEWHERE  # (1)
     if denied > found:
         return Result("thin", reason=f"of {denied + found} samples it was said of {denied} are elsewhere now")  # (2)
-    return None
+    return _longer(edit, edit.where, path, of) if isinstance(edit, GapChoice) and edit.method != OPEN else None
+
+
+def _longer(edit: GapChoice, where: Stretch, path: MarkerTrajectory, of: Footage) -> Result | None:
+    """Doubt of a method that was chosen for a gap which is far longer now (4)."""
+    frames = [witness.frame for witness in where.witnesses]
+    before, after = [f for f in frames if f < edit.first], [f for f in frames if f > edit.last]
+    first, last = edit.first - of.first_frame, edit.last - of.first_frame
+    runs = true_runs(path.origin == Origin.MISSING).tolist()
+    now = sum(stop - start for start, stop in runs if start <= last and stop > first)
+    asked = min(after) - max(before) - 1 if before and after else now
+    return (
+        Result("thin", reason=f"of {asked} frames it was said, and {now} are missing") if now > LONGER * asked else None
+    )
+
+
+def _goes_on(edit: Put, path: MarkerTrajectory, of: Footage) -> bool:
+    """Whether a place is near to the marker's samples beside its frame: it was said of that marker (3)."""
+    own, f = np.flatnonzero(path.origin != Origin.MISSING), edit.frame - of.first_frame
+    beside = np.concatenate([own[own < f][-1:], own[own > f][:1]])
+    apart = np.linalg.norm(path.xyz[beside] - np.array(edit.xyz), axis=1)
+    return edit.world == of.world and bool((apart <= FAR_MM).any())
 
 
 def with_doubt(changed: Changed, doubt: Result | None) -> Changed:

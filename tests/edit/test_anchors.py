@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Origin, same
-from kinemark.data.edits import Claim, Erase, GapChoice, Put, Smooth
+from kinemark.data.edits import AddEvent, Claim, Erase, GapChoice, Put, Smooth, Trim
 from kinemark.edit import anchored, replay, stretch_of
 from support.edited import entries, paths_without_images, scene
 
@@ -70,6 +70,18 @@ def test_good_samples_that_came_in_the_place_of_erased_ones_stay():
     whole = replace(of_file(), paths=(replace(paths_without_images().paths[0], name="A"), *of_file().paths[1:]))
     edited = replay(whole, entries(said_of(of_file())[0]))
     assert [one.outcome for one in edited.applied] == ["orphan"] and edited.trajectories is whole
+
+
+def test_a_trim_and_an_event_are_of_their_moment_whatever_its_number_is_by_now():
+    given = of_file()
+    said = [anchored(edit, given, None, "") for edit in (Trim(41, 160), AddEvent("Foot Strike", "Left", 0.5))]
+    assert all(len(edit.where.witnesses) == 4 for edit in said)
+    for again in (given, of_file(lambda xyz: xyz[45:], first_frame=46), of_file(names="BADC")):
+        assert outcomes(again, said) == ["held", "held"]
+    assert outcomes(of_file(lambda xyz: xyz[70:100], first_frame=71), said[:1]) == ["held"], "no end of it is there"
+    edited = replay(of_file(lambda xyz: xyz[30:]), entries(*said))
+    assert [one.outcome for one in edited.applied] == ["orphan", "orphan"]
+    assert edited.kept == (0, 170) and not edited.events
 
 
 def test_an_edit_most_of_whose_samples_are_elsewhere_is_thin():

@@ -8,8 +8,8 @@ All editing of identity is one operation, a claim: "this stretch of a path is th
 
 A claim is anchored by what does not change when a trial is processed again, never by the number of a track: by up to
 `MOST_WITNESSES` moments of the path, each with its frame, its place and the images behind it. The other edits name a
-marker and frames; those of samples are anchored by some of the marker's moments there as well (`where`), so that they
-are not applied to what is called so, or numbered so, by now.
+marker and frames; most are anchored by some samples there as well (`where`), so that they are not applied to what is
+called so, or numbered so, by now.
 
 Frames are numbers in the recording, counted from 1 as `Trajectories.first_frame` counts them, so that they hold for a
 trial that was cropped; first and last are both included. Pixels and mm are as everywhere.
@@ -211,11 +211,12 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True)
 class Trim:
-    """All markers begin at one frame and end at one."""
+    """All markers begin at one frame and end at one; where: samples at both ends, None in older journals."""
 
     first: int
     last: int
     kind: Literal["trim"] = "trim"
+    where: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_span(self.first, self.last)
@@ -242,12 +243,13 @@ class TrackAgain:
 
 @dataclass(frozen=True, slots=True)
 class AddEvent:
-    """An event: what, which side, and when, s from frame 1 of the recording."""
+    """An event: what, which side, when, s from frame 1 of the recording; where: samples then, None in old journals."""
 
     label: str
     side: str
     time_s: float
     kind: Literal["event"] = "event"
+    where: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_numbers([self.time_s])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Origin, same
-from kinemark.data.edits import Claim, Erase, GapChoice, Put, Smooth
+from kinemark.data.edits import AddEvent, Claim, Erase, GapChoice, Put, Smooth, Trim
 from kinemark.edit import anchored, replay, stretch_of
 from support.edited import entries, paths_without_images, scene
 
@@ -72,6 +72,18 @@ def test_good_samples_that_came_in_the_place_of_erased_ones_stay():
     assert [one.outcome for one in edited.applied] == ["orphan"] and edited.trajectories is whole
 
 
+def test_a_trim_and_an_event_are_of_their_moment_whatever_its_number_is_by_now():
+    given = of_file()
+    said = [anchored(edit, given, None, "") for edit in (Trim(41, 160), AddEvent("Foot Strike", "Left", 0.5))]
+    assert all(len(edit.where.witnesses) == 4 for edit in said)
+    for again in (given, of_file(lambda xyz: xyz[45:], first_frame=46), of_file(names="BADC")):
+        assert outcomes(again, said) == ["held", "held"]
+    assert outcomes(of_file(lambda xyz: xyz[70:100], first_frame=71), said[:1]) == ["held"], "no end of it is there"
+    edited = replay(of_file(lambda xyz: xyz[30:]), entries(*said))
+    assert [one.outcome for one in edited.applied] == ["orphan", "orphan"]
+    assert edited.kept == (0, 170) and not edited.events
+
+
 def test_an_edit_most_of_whose_samples_are_elsewhere_is_thin():
     erased, again = anchored(Erase("C", 41, 80), of_file(), None, ""), of_file()
     xyz = again["C"].xyz.copy()
@@ -87,6 +99,26 @@ def test_an_edit_does_not_go_over_to_the_marker_that_has_the_name_since():
     erase = anchored(Erase("A", 81, 84), given, None, "")
     claims = tuple(Claim(stretch_of(given, a, first=61), b) for a, b in ("AB", "BA"))
     assert outcomes(given, [erase, claims]) == ["orphan", "held", "held"]
+
+
+def test_a_place_that_is_on_the_path_now_stands_though_the_samples_beside_it_were_wrong():
+    given = of_file()
+    wrong = given["C"].xyz.copy()
+    wrong[40:60] += 100.0
+    seen = replace(given, paths=tuple(MarkerTrajectory.measured("C", wrong) if p.name == "C" else p for p in given))
+    put = anchored(Put("C", 51, tuple(given["C"].xyz[50].tolist()), 1.0), seen, None, "")
+    assert outcomes(seen, [put]) == outcomes(given, [put]) == ["held"]
+    assert outcomes(of_file(names="ABDC"), [put]) == ["orphan"]
+
+
+def test_a_method_chosen_for_a_gap_that_is_far_longer_now_is_thin():
+    given, longer = of_file(), of_file()
+    xyz = longer["B"].xyz.copy()
+    xyz[90:150] = np.nan
+    longer = replace(longer, paths=tuple(MarkerTrajectory.measured("B", xyz) if p.name == "B" else p for p in longer))
+    for method, outcome in (("best", "thin"), ("open", "held")):
+        choice = anchored(GapChoice("B", 101, 120, method), given, None, "")
+        assert outcomes(given, [choice]) == ["held"] and outcomes(longer, [choice]) == [outcome]
 
 
 def test_images_find_samples_again_in_another_world():

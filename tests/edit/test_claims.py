@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories, same
-from kinemark.data.edits import MOST_WITNESSES, Claim, Undo
+from kinemark.data.edits import FEWEST_WITNESSES, Claim, Undo
 from kinemark.data.track_trajectories import trajectories_of
 from kinemark.edit import replay, stretch_of
 from kinemark.engine.edit_makers import claim as claim_of
@@ -53,9 +53,21 @@ def test_witnesses_are_spread_over_the_stretch_with_both_ends_and_the_place_poin
     where = stretch_of(tracks, "*1", first=10, at=44, detections=detections, world=world)
     frames = [witness.frame for witness in where.witnesses]
     seen = np.flatnonzero(tracks["*1"].origin > 0) + 1
-    assert len(frames) <= MOST_WITNESSES and frames[0] == max(10, seen[0]) and frames[-1] == seen[-1] and 44 in frames
-    assert np.diff(frames).max() <= np.ceil((seen[-1] - 10) / (MOST_WITNESSES - 2))
+    assert len(frames) <= FEWEST_WITNESSES and frames[0] == max(10, seen[0]) and frames[-1] == seen[-1] and 44 in frames
+    assert np.diff(frames).max() <= np.ceil((seen[-1] - 10) / (FEWEST_WITNESSES - 2))
     assert all(len(witness.images) >= 2 for witness in where.witnesses)
+
+
+def test_a_long_path_that_comes_in_pieces_keeps_its_name_in_all_of_them():
+    whole = paths_without_images(frames=1300)
+    said = entries(Claim(stretch_of(whole, "*1"), "A"))
+    pieces = []
+    for k, first in enumerate(range(0, 1300, 30)):  # as another tracker may leave it
+        xyz = np.full((1300, 3), np.nan)
+        xyz[first : first + 27] = whole["*1"].xyz[first : first + 27]
+        pieces.append(MarkerTrajectory.measured(f"*{k + 10}", xyz))
+    found = samples(replay(replace(whole, paths=(*pieces, *whole.paths[1:])), said).trajectories)
+    assert len(found["A"]) > 0.95 * sum(np.isfinite(path.xyz[:, 0]).sum() for path in pieces)
 
 
 def test_a_name_may_be_given_to_all_to_a_part_and_taken_away():

@@ -103,6 +103,16 @@ for k in range(1, 100000):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills a process by a signal")
+def test_other_ends_of_lines_change_nothing(journal):
+    journal.append([Trim(1, 2)], by="EG")
+    journal.append([Trim(1, 3)], by="EG")
+    before = journal.read()
+    journal.path.write_bytes(journal.path.read_bytes().replace(b"\n", b"\r\n"))
+    assert journal.read() == before and not journal.faults
+    journal.append([Trim(1, 4)], by="EG", head=before.head)
+    assert said(journal) == [2, 3, 4] and not journal.faults
+
+
 def test_a_process_killed_while_it_writes_loses_nothing_that_was_answered(journal):
     with subprocess.Popen([sys.executable, "-c", WRITER, journal.path], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

@@ -7,8 +7,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
-from kinemark.edit import connection, cropped, difference, replay, stretch_of
+from kinemark.data.edits import Claim, Entry, Erase, GapChoice, Put, Stretch, Trim, Witness
+from kinemark.edit import anchored, connection, cropped, difference, replay, stretch_of
 from kinemark.edit.probable_errors import (
     Paths,
     breaks,
@@ -52,6 +52,15 @@ def trial(by):
 def _(by):
     where: Stretch = stretch_of(trial(by), "*2", first=9, at=77)
     return Answer(np.array([w.xyz for w in where.witnesses]), [w.frame for w in where.witnesses])
+
+
+@law(anchored, mm=1e-2)
+def _(by):
+    whole = trial(by)
+    whole = replace(whole, paths=tuple(replace(p, name=n) for p, n in zip(whole, "ABCD", strict=True)))
+    edits = [anchored(edit, whole, None, "") for edit in (Erase("A", 40, 60), GapChoice("B", 61, 80, "best"))]
+    found = [(one.outcome, one.samples) for one in replay(whole, entries(*edits)).applied]
+    return Answer(np.array([w.xyz for edit in edits for w in edit.where.witnesses]), found)
 
 
 @law(replay, mm=1e-6)

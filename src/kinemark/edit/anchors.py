@@ -1,4 +1,4 @@
-"""Whether an edit of samples is still of the samples that somebody saw.
+"""Whether an edit is still of what somebody saw.
 
 A marker's name may be another marker's by now: names were worked out anew, or somebody exchanged two. A frame's number
 may be another moment: the file was written again, trimmed or at another rate. And places may be in another world. So an
@@ -7,7 +7,12 @@ edit is of what is missing, those beside. A witness *denies* the edit where the 
 which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
 
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
-it (2). One that no witness speaks of stands: edits of older journals have none, and samples may be gone.
+it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
+been wrong (3). A method that was chosen for a gap is thin where that is LONGER times as long now (4). An edit that no
+witness speaks of stands: those of older journals have none, and samples may be gone.
+
+Frames to which a trial is trimmed, and times of events, are no marker's: their witnesses are samples of several
+markers, and the edit is an orphan where none of them is on any path (5).
 """
 
 from __future__ import annotations
@@ -20,16 +25,20 @@ import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Ints
-from ..data.edits import Edit, Erase, GapChoice, Put, Smooth, Stretch
+from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, Put, Smooth, Stretch, Trim
+from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
-from .votes import compared, witnesses_of
+from .votes import FAR_MM, compared, votes, witnesses_of
 from .witnesses import witness_of
 
 FEW = 4
 """Witnesses of an edit of samples, a number; chosen: of a few samples, where a claim has 16 of a whole path."""
+LONGER = 2.0
+"""Times, of (4); chosen: ends of a gap move by some frames when a trial is processed again."""
 ELSEWHERE = Result("orphan", reason="the marker is elsewhere there than when this was said")
 """What becomes of an edit whose witnesses all deny it."""
-Anchored = Erase | Put | GapChoice | Smooth
+OfMarker = Erase | Put | GapChoice | Smooth
+Anchored = OfMarker | Trim | AddEvent
 """Edits that have such witnesses; an image is a witness itself."""
 AnyEdit = TypeVar("AnyEdit", bound=Edit)
 
@@ -41,17 +50,36 @@ def anchored(edit: AnyEdit, trajectories: Trajectories, detections: Detections |
         edit: as somebody says it. trajectories: as they see them.
         detections: behind the samples; None for a file without. world: key of the cameras in whose world these are.
     """
-    if not isinstance(edit, Anchored) or edit.where is not None or edit.marker not in trajectories.names:
+    if not isinstance(edit, Anchored) or edit.where is not None:
         return edit
-    path, start = trajectories[edit.marker], trajectories.first_frame
-    frames = _spoken_of(edit, np.flatnonzero(path.origin != Origin.MISSING) + start)
-    if not len(frames):
-        return edit
-    witnesses = tuple(witness_of(path, f - start, start, detections) for f in frames.tolist())
-    return replace(edit, where=Stretch(None, None, witnesses, world))
+    start = trajectories.first_frame
+    if isinstance(edit, Trim | AddEvent):
+        found = _of_moments(edit, trajectories)
+    elif edit.marker in trajectories.names:
+        path = trajectories[edit.marker]
+        found = [(path, f) for f in _spoken_of(edit, np.flatnonzero(path.origin != Origin.MISSING) + start).tolist()]
+    else:
+        found = []
+    witnesses = tuple(witness_of(path, f - start, start, detections) for path, f in found)
+    return replace(edit, where=Stretch(None, None, witnesses, world)) if witnesses else edit
 
 
-def _spoken_of(edit: Anchored, frames: Ints) -> Ints:
+def _of_moments(edit: Trim | AddEvent, trajectories: Trajectories) -> list[tuple[MarkerTrajectory, int]]:
+    """Samples of several markers at the ends of a trim, or around an event, each in a frame of its own."""
+    at, n, found = FEW // 2, trajectories.n_frames, []
+    if isinstance(edit, Trim):
+        frames = [*range(edit.first, edit.first + at), *range(edit.last - at + 1, edit.last + 1)]
+    else:
+        middle = round(edit.time_s * trajectories.rate) + 1
+        frames = list(range(middle - at, middle + at))
+    for k, f in enumerate(sorted(set(frames))):
+        here = f - trajectories.first_frame
+        there = [path for path in trajectories if 0 <= here < n and path.origin[here] != Origin.MISSING]
+        found += [(there[k % len(there)], f)] if there else []
+    return found
+
+
+def _spoken_of(edit: OfMarker, frames: Ints) -> Ints:
     """Of the frames that a marker has, those by which an edit is found again."""
     if isinstance(edit, Erase | Smooth):
         own = frames[(frames >= edit.first) & (frames <= edit.last)]
@@ -63,16 +91,48 @@ def _spoken_of(edit: Anchored, frames: Ints) -> Ints:
 
 def disowned(edit: Edit, path: MarkerTrajectory, of: Footage) -> Result | None:
     """What becomes of an edit that is not, or hardly, of what the marker (as it is now) has there; else None."""
-    if not isinstance(edit, Anchored) or edit.where is None:
+    if not isinstance(edit, OfMarker) or edit.where is None:
         return None
     cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()
     said = compared(witnesses_of([edit.where], of.first_frame, cameras, of.world), path, of.detections)
     denied, found = int(said.far.sum()), int((said.known & ~said.far).sum())
+    if isinstance(edit, Put) and _goes_on(edit, path, of):
+        return None
     if denied and not found:
         return ELSEWHERE  # (1)
     if denied > found:
         return Result("thin", reason=f"of {denied + found} samples it was said of {denied} are elsewhere now")  # (2)
-    return None
+    return _longer(edit, edit.where, path, of) if isinstance(edit, GapChoice) and edit.method != OPEN else None
+
+
+def _longer(edit: GapChoice, where: Stretch, path: MarkerTrajectory, of: Footage) -> Result | None:
+    """Doubt of a method that was chosen for a gap which is far longer now (4)."""
+    frames = [witness.frame for witness in where.witnesses]
+    before, after = [f for f in frames if f < edit.first], [f for f in frames if f > edit.last]
+    first, last = edit.first - of.first_frame, edit.last - of.first_frame
+    runs = true_runs(path.origin == Origin.MISSING).tolist()
+    now = sum(stop - start for start, stop in runs if start <= last and stop > first)
+    asked = min(after) - max(before) - 1 if before and after else now
+    return (
+        Result("thin", reason=f"of {asked} frames it was said, and {now} are missing") if now > LONGER * asked else None
+    )
+
+
+def is_of_no_path(edit: Trim | AddEvent, trajectories: Trajectories, of: Footage) -> bool:
+    """Whether none of an edit's witnesses that lie in the trial is on a path (5); not where none lies in it."""
+    if edit.where is None:
+        return False
+    found = votes([edit.where], trajectories, of.detections, world=of.world)
+    inside = (found.frame >= 0) & (found.frame < trajectories.n_frames)
+    return bool(inside.any() and (found.path < 0).all())
+
+
+def _goes_on(edit: Put, path: MarkerTrajectory, of: Footage) -> bool:
+    """Whether a place is near to the marker's samples beside its frame: it was said of that marker (3)."""
+    own, f = np.flatnonzero(path.origin != Origin.MISSING), edit.frame - of.first_frame
+    beside = np.concatenate([own[own < f][-1:], own[own > f][:1]])
+    apart = np.linalg.norm(path.xyz[beside] - np.array(edit.xyz), axis=1)
+    return edit.world == of.world and bool((apart <= FAR_MM).any())
 
 
 def with_doubt(changed: Changed, doubt: Result | None) -> Changed:

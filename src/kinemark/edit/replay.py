@@ -34,7 +34,7 @@ from ..data.edits import (
     is_named,
     live,
 )
-from .anchors import ELSEWHERE
+from .anchors import ELSEWHERE, is_of_no_path
 from .claims import ENOUGH, Claimed, with_claims
 from .folds import Folded, ValueEdit, with_values
 from .values import Footage, Result
@@ -177,6 +177,8 @@ def _result(edit: Edit, before: Trajectories, after: Trajectories, of: Footage) 
     """What becomes of an edit that changes no values; `before` all edits, and with their names and values."""
     if isinstance(edit, Verdict):
         return _verdict_result(edit, before, of)
+    if isinstance(edit, Trim | AddEvent) and is_of_no_path(edit, before, of):
+        return Result("orphan", reason="the markers are elsewhere then than when this was said")
     if isinstance(edit, Trim):
         inside = edit.last >= of.first_frame and edit.first < of.first_frame + before.n_frames
         return Result("held") if inside else Result("orphan", reason="the trial has none of these frames")

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
 from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, SmoothingFunction, Trim, facts_of
 from ..edit import Connection, Edited, anchored, connection, replay
+from ..edit.anchors import Anchored
 from ..fill import PieceMatch, piece_matches
 from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
@@ -282,6 +283,8 @@ class Editing:
 
     def _anchored(self, edits: Sequence[Edit]) -> tuple[Edit, ...]:
         """Edits with their witnesses, of markers as they are called when the claims among these are said."""
+        if not any(isinstance(edit, Anchored) for edit in edits):
+            return tuple(edits)
         claims = [edit for edit in edits if isinstance(edit, Claim)]
         now = (self.preview(claims) if claims else self.edited()).trajectories
         return tuple(anchored(edit, now, self.detections, self.world) for edit in edits)

@@ -72,7 +72,7 @@ def hash_of(line: bytes) -> str:
 @lru_cache(maxsize=KNOWN_TEXTS)
 def parse_journal(content: bytes) -> JournalText:
     """All lines of a journal; those that are not right are named, and the rest stands."""
-    lines = content.split(b"\n")
+    lines = content.replace(b"\r\n", b"\n").split(b"\n")  # as some programs leave it, that copy or keep versions
     if lines[-1] == b"":
         lines.pop()
     entries: list[Entry] = []

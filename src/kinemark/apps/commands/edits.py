@@ -109,7 +109,7 @@ def show(trial: Path, entry: int, *, json: Json = False) -> None:
         return
     lines = [entry_line(found), f"  version {found.version}, line before {found.before[:12]}"]
     for edit in found.edits:
-        where = getattr(edit, "where", ())
+        where = getattr(edit, "where", None) or ()
         for stretch in where if isinstance(where, tuple) else (where,):
             lines += [f"  witness: frame {w.frame} at {w.xyz} mm, {len(w.images)} images" for w in stretch.witnesses]
     print_result("\n".join([*lines, *map(applied_text, applied)]))

@@ -1,5 +1,9 @@
-"""Problems of files by what their trial tells: the study counts changes in long gaps too."""
+"""Problems of files by what their trial tells: the study counts changes in long gaps too, and fits within bounds."""
 
+import numpy as np
+import pytest
+
+from kinemark.edit.probable_errors.probability import TAIL
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
@@ -14,3 +18,17 @@ def test_a_change_in_a_gap_too_long_for_motion_is_a_change(tmp_path, monkeypatch
     editing = Editing("walk", Journal.of(tmp_path, "walk"), without(clean(), 5, 60, 350), by="EG")
     (one,) = (p for p in problems(editing).items if (p.first, p.last) == (60, 351))
     assert "assumed_mm" in one.values and trial_bulk.kind_of(one) == "change"
+
+
+@pytest.mark.parametrize("c", [(1.3, 1.6), (0.0, 1.0), (1.0, 3.0)])
+def test_what_is_fitted_is_what_the_trials_tell_as_far_as_more_evidence_stays_likelier(monkeypatch, c):
+    monkeypatch.syspath_prepend(str(STUDIES))
+    import trial_bulk
+
+    rng = np.random.default_rng(1)
+    x = np.column_stack([rng.normal(0, 2, 4000), rng.exponential(1.0, 4000), rng.exponential(1.0, 4000)])
+    true = rng.random(4000) < 1 / (1 + np.exp(-(x @ [1.0, c[0], -c[1]])))
+    rows = [trial_bulk.Told("", "leap", 0.5, tuple(one), bool(y), 0) for one, y in zip(x, true, strict=True)]
+    more, common = trial_bulk.fit(rows)
+    assert abs(more - c[0]) < 0.2 or c[1] > TAIL
+    assert more >= 0 and common < TAIL and abs(common - min(c[1], TAIL)) < 0.2

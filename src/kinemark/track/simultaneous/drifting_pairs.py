@@ -229,7 +229,7 @@ def _scored(
     """Of each pair of cameras, blocks of some points (P), their rows (B, n), and the scores."""
     order = np.flatnonzero(which)
     order = order[np.lexsort([frame[order], id[order]])]
-    own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
+    own = [(of[order] >= 0) & ~images.merged[of[order]] for of in detection]
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
         return_memory()

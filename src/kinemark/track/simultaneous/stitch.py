@@ -33,6 +33,7 @@ import scipy
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.rigid_pairs import distances_from
 from ...native.image_index import ranges
+from ...numerics.runs import equal_runs
 from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, motion_from, rows_near
 from .simultaneous_method import Simultaneous
@@ -145,29 +146,47 @@ def _best_pairs(
 
 
 def best_stitches(ends: Ends, a: Ints, b: Ints, score: Floats, sd: Floats) -> list[Stitch]:
-    """Of n pairs of tracks a and b those of the greatest sum of scores, with their margins (3); sd (n) mm."""
-    n = len(ends.first)
-    table = np.zeros((n, n))
-    table[a, b] = np.maximum(score, 0.0)
-    open_ = np.zeros((n, n))
-    open_[a, b] = sd
+    """Of n pairs of tracks a and b those of the greatest sum of scores, with their margins (3); sd (n) mm.
+
+    Pairs that have nothing to do with each other are assigned by themselves: one table of all tracks would be large.
+    """
+    (some,), n = np.nonzero(score > 0), len(ends.first)
+    a, b, score, sd = a[some], b[some], score[some], sd[some]
+    graph = scipy.sparse.coo_array((np.ones(len(a)), (a, n + b)), shape=(2 * n, 2 * n))
+    group = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][a]
+    order = np.argsort(group, kind="stable")
+    parts = np.split(order, equal_runs(group[order])[1:-1]) if len(order) else []
+    found = [one for part in parts for one in _best_of_group(ends, a[part], b[part], score[part], sd[part])]
+    return sorted(found, key=lambda stitch: stitch.before)
+
+
+def _best_of_group(ends: Ends, a: Ints, b: Ints, score: Floats, sd: Floats) -> list[Stitch]:
+    """The same of pairs of scores above 0."""
+    (one, i), (other, j) = (np.unique(track, return_inverse=True) for track in (a, b))
+    table, open_ = np.zeros((2, len(one), len(other)))
+    table[i, j], open_[i, j] = score, sd
     before, after = scipy.optimize.linear_sum_assignment(table, maximize=True)
-    best, rest = table[before, after], table.copy()
+    best, rest, sd = table[before, after], table.copy(), open_[before, after]
     rest[before, after] = 0.0
     margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])
-    return [
-        Stitch(i, j, float(best[k]), float(margin[k]), float(open_[i, j]), int(ends.last[i]), int(ends.first[j]))
-        for k, (i, j) in enumerate(zip(before.tolist(), after.tolist(), strict=True))
-        if best[k] > 0
-    ]
+    before, after = one[before], other[after]
+    columns = (before, after, best, margin, sd, ends.last[before], ends.first[after])
+    found = (Stitch(*each) for each in zip(*(column.tolist() for column in columns), strict=True))
+    return [stitch for stitch in found if stitch.score > 0]
 
 
 def possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Pairs of tracks of which the second begins within the gap after the first ends, where it can be by then."""
-    gap = ends.first - ends.last[:, None]
-    a, b = np.nonzero((gap > 0) & (gap * T <= method.max_gap))
+    order = np.argsort(ends.first, kind="stable")
+    soonest, latest = ends.last, ends.last + method.max_gap / T + 1
+    low, high = (np.searchsorted(ends.first[order], at, "right") for at in (soonest, latest))
+    a, b = np.repeat(np.arange(len(order)), high - low), order[ranges(low, high - low)]
+    in_order = np.lexsort([b, a])
+    a, b = a[in_order], b[in_order]
+    gap = ends.first[b] - ends.last[a]
+    a, b, gap = (column[gap * T <= method.max_gap] for column in (a, b, gap))
     apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
-    near = apart < 3 * method.velocity_sd * T * gap[a, b] + method.uncertain_sd
+    near = apart < 3 * method.velocity_sd * T * gap + method.uncertain_sd
     return a[near], b[near]
 
 

@@ -262,6 +262,7 @@ def scores(
     run = np.cumsum(np.diff(frame, prepend=frame[0]) > LOOK)
     start = equal_runs(points.id[claims.row], points.id[claims.other], *code, run)
     run = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    return_memory()
     table, score, number = _steps(claims, points, start), np.zeros(len(start) - 1), claims.camera.sum(0)
     readings = [(sign, _read(claims, detection, images, moved=sign > 0)) for sign in (1.0, -1.0)]
     for first in range(0, len(score), RUNS_AT_ONCE):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.data.landmarks import landmarks
+from kinemark.data.marker_sides import one_sided
 from kinemark.data.model_markers import model_names
 from kinemark.label import sides_by_name
 from kinemark.label.anatomy import Anatomy
@@ -57,3 +58,18 @@ def test_wands_are_those_of_helen_hayes_too_and_plates_are_none():
     names = ["L.Thigh", "R.Thigh", "L.Shank", "R.Shank", "L.Ankle", "R.Ankle"]
     assert model_names(names) == dict(zip(("LTHI", "RTHI", "LTIB", "RTIB", "LANK", "RANK"), names, strict=True))
     assert not model_names(["L.Thigh.1", "L.Thigh.2", "R.Thigh.1", "R.Thigh.2", "L.Shank.Upper", "R.Shank.Upper"])
+
+
+@pytest.mark.parametrize(
+    ("names", "alone"),
+    [
+        (("LASI", "RASI", "RBAK", "LELB", "C7"), ("RBAK", "LELB")),
+        (("l knee", "r knee", "l mall", "sacrum"), ("l mall",)),
+        (("Left Knee", "Right Knee", "Right Toe"), ("Right Toe",)),
+        (("KNEE_L", "KNEE_R", "TOE_R", "HEAD"), ("TOE_R",)),
+        (("C7", "STRN", "LASI"), ()),
+    ],
+)
+def test_markers_of_a_side_whose_other_is_not_there_are_known_by_how_the_pairs_are_called(names, alone):
+    """Without any pair nothing says how the sides are called."""
+    assert one_sided(names) == alone

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 Rule = tuple[str, str]
@@ -51,16 +51,26 @@ def paired(names: Sequence[str]) -> tuple[Pair, ...]:
 
     The rule that pairs most names comes first, so that LFLL has its partner by how the others are spelt.
     """
-    there = set(names)
-    found = [[pair for name in names if (pair := _pair(name, rule)) and pair.right in there] for rule in RULES]
+    pairs = _one_each(_by_rule(names), set(names))
+    return tuple(pairs[name] for name in names if name in pairs)
+
+
+def _by_rule(names: Sequence[str]) -> list[list[Pair]]:
+    """What each rule makes of left names, whether or not the right one is there."""
+    return [[pair for name in names if (pair := _pair(name, rule))] for rule in RULES]
+
+
+def _one_each(found: Sequence[Sequence[Pair]], there: Collection[str]) -> dict[str, Pair]:
+    """The pairs that are there by their left names, by the rule that pairs most of them."""
+    both = [[pair for pair in rows if pair.right in there] for rows in found]
     pairs: dict[str, Pair] = {}
     used: set[str] = set()
-    for rows in sorted(found, key=len, reverse=True):
+    for rows in sorted(both, key=len, reverse=True):
         for pair in rows:
             if not {pair.left, pair.right} & used:
                 pairs[pair.left] = pair
                 used |= {pair.left, pair.right}
-    return tuple(pairs[name] for name in names if name in pairs)
+    return pairs
 
 
 def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
@@ -73,19 +83,21 @@ def one_sided(names: Sequence[str]) -> tuple[str, ...]:
 
     A marker may be worn on one side only, as RBAK is, or its partner may be lost: names do not tell which.
     """
-    alone = {*_left_alone(names)}
-    other = [re.sub("|".join(OTHER_SIDE), lambda found: OTHER_SIDE[found.group(0)], name) for name in names]
-    mirrored = {*_left_alone(other)}
-    return tuple(name for name, turned in zip(names, other, strict=True) if name in alone or turned in mirrored)
+    there, found = set(names), _by_rule(names)
+    pairs = _one_each(found, there)
+    telling = [k for k, rows in enumerate(found) if any(pair.right in there for pair in rows)]
+    rest = there - {*pairs} - {pair.right for pair in pairs.values()}
+    alone = {pair.left for k in telling for pair in found[k] if pair.right not in there} & rest
+    for name in rest:  # a right name is the left one of its mirror image
+        mirrored = (pair for k in telling if (pair := _pair(_mirrored(name), RULES[k])))
+        if any(_mirrored(pair.right) not in there for pair in mirrored):
+            alone.add(name)
+    return tuple(name for name in names if name in alone)
 
 
-def _left_alone(names: Sequence[str]) -> list[str]:
-    """Left names without a right one, by the rules that pair others."""
-    there = set(names)
-    used = {name for pair in paired(names) for name in (pair.left, pair.right)}
-    found = [[pair for name in names if (pair := _pair(name, rule))] for rule in RULES]
-    telling = [pairs for pairs in found if any(pair.right in there for pair in pairs)]
-    return [pair.left for pairs in telling for pair in pairs if pair.left not in used and pair.right not in there]
+def _mirrored(name: str) -> str:
+    """With the other side wherever a word or letter may say one."""
+    return re.sub("|".join(OTHER_SIDE), lambda found: OTHER_SIDE[found.group(0)], name)
 
 
 def without_subject(name: str) -> str:

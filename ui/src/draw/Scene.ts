@@ -1,6 +1,6 @@
 /** The trial in three dimensions. `set` a trial, `show` a frame, `dispose`. One WebGL context; nothing of React. */
 import {
-  Color, IcosahedronGeometry, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, PerspectiveCamera, Scene as Graph, SphereGeometry, Vector3, WebGLRenderer,
+  Color, Mesh, MeshBasicMaterial, PerspectiveCamera, Scene as Graph, SphereGeometry, Vector3, WebGLRenderer,
   BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, type Group,
 } from "three";
 import type { TrialHeader } from "../api/types";
@@ -9,6 +9,7 @@ import { nearestSample, type Path, type PathSet } from "../model/paths";
 import { MOST_NAMED, Names } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
+import { Balls } from "./balls";
 import { clear, room, standing, uprightOf } from "./room";
 import { soon } from "./soon";
 import { Trails, type Trail } from "./trails";
@@ -30,8 +31,6 @@ const NEAR_PX = 12;
 const BACK_S = 0.8, AHEAD_S = 0.4;
 /** mm from which a trial is seen at most at first, and share of the picture that holds it; chosen: names stand beside. */
 const FARTHEST_MM = 12000, WITHIN = 0.88;
-/** mm, radius of a marker; chosen: of 14 mm spheres, a little larger. */
-const RADIUS_MM = 11;
 
 /** mm from which two markers are looked at, and how many times as far as they are from their middle, so that all are seen; chosen. */
 const NEAR_MM = 1300, WIDE = 3.6;
@@ -43,7 +42,7 @@ export class Scene {
   private readonly camera = new PerspectiveCamera(35, 1, 10, 60000);
   private readonly renderer: WebGLRenderer;
   private readonly trails = new Trails();
-  private balls: InstancedMesh | null = null;
+  private readonly balls = new Balls(this.graph);
   private readonly cloud: Mesh;
   private readonly bones = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
   private still: Group | null = null;
@@ -56,9 +55,7 @@ export class Scene {
   private made = "";
   /** The frame that was drawn before its picture of the screen, null where anything changed since. */
   private ahead: number | null = null;
-  private readonly matrix = new Matrix4();
   private readonly spot = new Vector3();
-  private readonly hue = new Color();
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly over: HTMLCanvasElement, private readonly ask: () => void) {
     const smooth = new URLSearchParams(location.search).get("aa") !== "0";
@@ -75,7 +72,6 @@ export class Scene {
     this.header = header;
     this.paths = paths;
     this.furnish(header, paths);
-    this.count(paths.byName.size + 8);
     const pairs = (header.marker_set?.links ?? []).map(({ a, b }) => [paths.byName.get(a), paths.byName.get(b)]);
     this.links = pairs.filter((pair): pair is [Path, Path] => !!pair[0] && !!pair[1]);
     (this.bones.material as LineBasicMaterial).color.set(this.colours.faint);
@@ -172,9 +168,7 @@ export class Scene {
     (this.cloud.material as MeshBasicMaterial).dispose();
     this.bones.geometry.dispose();
     (this.bones.material as LineBasicMaterial).dispose();
-    this.balls?.geometry.dispose();
-    (this.balls?.material as MeshBasicMaterial | undefined)?.dispose();
-    this.balls?.dispose();
+    this.balls.dispose();
     if (this.still) clear(this.still);
     this.renderer.dispose();
   }
@@ -193,29 +187,17 @@ export class Scene {
     }
   }
 
-  private count(most: number): void {
-    if (this.balls && this.balls.instanceMatrix.count >= most) return;
-    if (this.balls) this.graph.remove(this.balls), this.balls.dispose();
-    this.balls = new InstancedMesh(new IcosahedronGeometry(RADIUS_MM, 1), new MeshBasicMaterial(), most);
-    this.balls.frustumCulled = false;
-    this.graph.add(this.balls);
-  }
-
   private placeBalls(drawn: readonly Path[], index: number, some: ReadonlySet<string>): void {
-    const balls = this.balls!, origins = byOrigin(this.colours), both = [...drawn, ...this.shown.instead];
-    let k = 0;
+    const balls = this.balls, origins = byOrigin(this.colours), both = [...drawn, ...this.shown.instead];
+    balls.begin(both.length);
     for (const [i, path] of both.entries()) {
       const { xyz, origin } = path;
       if (!origin[index]) continue;
       const instead = i >= drawn.length, strong = instead || some.has(path.name), size = strong ? 1.5 : 1;
-      this.matrix.makeScale(size, size, size).setPosition(xyz[3 * index]!, xyz[3 * index + 1]!, xyz[3 * index + 2]!);
-      balls.setMatrixAt(k, this.matrix);
       const own = instead ? this.colours.b : strong ? (this.shown.instead.length ? this.colours.a : this.colours.select) : path.name.startsWith("*") ? this.colours.faint : origins[origin[index]!]!;
-      balls.setColorAt(k++, this.hue.set(own));
+      balls.put(xyz[3 * index]!, xyz[3 * index + 1]!, xyz[3 * index + 2]!, size, own);
     }
-    balls.count = k;
-    balls.instanceMatrix.needsUpdate = true;
-    if (balls.instanceColor) balls.instanceColor.needsUpdate = true;
+    balls.end();
   }
 
   private placeBones(index: number, none: boolean): void {

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kinemark.data import MarkerTrajectory, Origin
 from kinemark.data.edits import (
@@ -70,6 +71,17 @@ def test_a_place_said_in_another_world_is_worked_out_from_its_images_or_is_an_or
     assert outcomes == ["held"] and np.abs(edited.trajectories["A"].xyz[30] - place).max() < 1e-6
     edited, outcomes = outcome(marked, Put("A", 31, (0.0, 0.0, 0.0), 1.0, images[:1], "another"), **there)
     assert outcomes == ["orphan"] and edited.trajectories["A"] is marked["A"]
+
+
+def test_a_place_by_two_images_is_thin_where_their_cameras_say_something_else_now():
+    rig, detections, tracks, _ = scene()
+    marked = replace(tracks, paths=(replace(tracks.paths[0], name="A"), *tracks.paths[1:]))
+    images = tuple((c.name, *project(c, tracks.paths[0].xyz[30][None])[0].tolist()) for c in rig)
+    turned = Rotation.from_rotvec([0.004, 0.0, 0.0]).as_matrix() @ rig[0].R
+    other = replace(rig, cameras=(replace(rig[0], R=turned), *rig.cameras[1:]))
+    for of, some, said in ((rig, images[:2], "held"), (other, images[:2], "thin"), (other, images, "held")):
+        put = Put("A", 31, (0.0, 0.0, 0.0), 1.0, some, "another")
+        assert outcome(marked, put, detections=detections, rig=of, world="now")[1] == [said]
 
 
 def test_a_corrected_image_moves_the_sample_to_where_the_images_say():

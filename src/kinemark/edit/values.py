@@ -15,7 +15,7 @@ import numpy as np
 from ..data import Detections, MarkerTrajectory, Origin, Rig
 from ..data.array_types import Floats
 from ..data.edits import Erase, ImagePoint, Outcome, Put, Smooth
-from ..geometry import refine, triangulate, undistort
+from ..geometry import project, refine, triangulate, undistort
 from ..numerics.runs import true_runs
 from ..signal.filters import averaged_samples, butterworth, edge_samples, moving_average
 from ..signal.woltring import woltring
@@ -76,14 +76,27 @@ def put(path: MarkerTrajectory, edit: Put, of: Footage) -> Changed:
     f = edit.frame - of.first_frame
     if not 0 <= f < len(path):
         return path, Result("moot", reason="the trial does not have this frame")
-    xyz = np.array(edit.xyz)
+    xyz, result = np.array(edit.xyz), Result("held", 1)
     if edit.world != of.world:
-        solved = solve(of, dict(_named_images(edit.images)))
+        images = dict(_named_images(edit.images))
+        solved = solve(of, images)
         if solved is None:
             return path, Result("orphan", reason="it was said in the world of other cameras, without images of these")
         xyz = solved.xyz
+        result = _of_two(of, images, xyz) or result
     cov = np.eye(3) * edit.sd_mm**2
-    return with_sample(path, f, xyz, cov), Result("held", 1)
+    return with_sample(path, f, xyz, cov), result
+
+
+def _of_two(of: Footage, images: Mapping[str, tuple[float, float]], xyz: Floats) -> Result | None:
+    """Doubt of a place that is worked out again from two images alone, by cameras that say something else now."""
+    seen = [(camera, images[camera.name]) for camera in of.rig or () if camera.name in images]
+    off = max(float(np.hypot(*(project(camera, xyz[None])[0] - np.array(uv)))) for camera, uv in seen)
+    if len(seen) > FEWEST or off <= USUAL_SD:
+        return None
+    return Result(
+        "thin", 1, f"two images alone tell of it by other cameras than then, {off:.1f} px off: it may be mm off"
+    )
 
 
 def smooth(path: MarkerTrajectory, edit: Smooth, of: Footage) -> Changed:

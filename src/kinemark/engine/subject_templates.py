@@ -6,6 +6,7 @@ import datetime
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..label.from_set import STATIC_SPREAD, figure_template, static_bystanders, 
 from ..label.pooled import contradiction, pooled, template_of_subjects
 from ..label.subject_template import SubjectTemplate, TemplateSource
 from ..report.words import advice_of, text_of
+from .naming.segments_of_clusters import set_of_clusters
 from .put_aside import put_aside
 from .template_files import is_template, load_template
 
@@ -36,6 +38,7 @@ class Known(NamedTuple):
         height_mm: of the subject, mm; None where it is not known.
         heights_mm: of the others whose files are given, mm, in their order; none where the files are of the subject.
         computed: where all names are learnt, also those of points that look computed of others.
+        clusters: markers by the segment that they sit on, as `[gait.clusters]` has them, in place of a marker set.
     """
 
     marker_set: MarkerSet | None = None
@@ -45,6 +48,7 @@ class Known(NamedTuple):
     height_mm: float | None = None
     heights_mm: tuple[float, ...] = ()
     computed: bool = False
+    clusters: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 
 
 def subject_template(files: Sequence[Path], known: Known) -> SubjectTemplate:
@@ -126,11 +130,28 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     points = [trial.trajectories if known.computed else put_aside(trial, keep=_wanted(known)).rest for trial in read]
     own = [of_subject(one, known.subject, prefixes_of(trial.source)) for one, trial in zip(points, read, strict=True)]
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
+    known = _by_clusters(trials[0], known) if known.clusters else known
     kind = "static" if known.static else "labelled"
     sources = tuple(
         TemplateSource(file.name, trial.n_frames, _today(), kind) for file, trial in zip(files, trials, strict=True)
     )
     return _named(SubjectTemplate(_learnt(trials, known), sources=sources, wider=_wider(trials, known)), known)
+
+
+def _by_clusters(static: Trajectories, known: Known) -> Known:
+    """What is known, with a marker set of all that the static trial shows, by its clusters."""
+    if known.marker_set is not None or not known.static or known.markers:
+        raise KinemarkError(
+            "Clusters tell which markers of a static trial keep their distances, where no marker set does: give "
+            "--cluster with --template and --static, and neither --marker-set nor --markers."
+        )
+    worn = set_of_clusters(known.clusters, static.names)
+    if worn is None:
+        markers = ", ".join(name for own in known.clusters.values() for name in own)
+        raise KinemarkError(
+            f"The static trial shows no cluster as a whole, of {markers}: it has {some_names(sorted(static.names))}."
+        )
+    return known._replace(marker_set=worn)
 
 
 def _wider(trials: Sequence[Trajectories], known: Known) -> Template | None:

@@ -5,11 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from kinemark.data import MarkerTrajectory, Trajectories, Trial
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
+from kinemark.engine.clusters_said import clusters_of
 from kinemark.engine.naming.segments_of_clusters import set_of_clusters
 from kinemark.engine.naming.templates import session_template
 from kinemark.engine.settings.gait_table import GaitTable
+from kinemark.engine.subject_templates import Known, subject_template
 from kinemark.gait.clusters import SEGMENTS
 from kinemark.io.trial import write_trial
 from kinemark.label import Labelling, label
@@ -78,3 +80,34 @@ def test_segments_are_the_same_with_the_subject_before_all_names_and_with_landma
     other = set_of_clusters(CLUSTERS, [f"Ann:{name}" for name in shown], markers={"LKNE": "Left knee"})
     assert other.names == tuple(f"Ann:{name}" for name in shown)
     assert dict(other.segments) == {k: tuple(f"Ann:{m}" for m in own) for k, own in plain.segments.items()}
+
+
+def test_a_file_is_named_by_a_standing_trial_and_the_clusters_that_the_command_states(session):
+    folder, tracks, truth = session
+    said = clusters_of([f"{segment.title()}={','.join(own)}" for segment, own in CLUSTERS.items()])
+    assert said == CLUSTERS
+    right = {}
+    for clusters in ({}, said):
+        template = subject_template([folder / "stand.c3d"], Known(static=True, clusters=clusters)).template
+        labels = label(tracks, template)
+        sure = [t for t, state in enumerate(labels.state) if state == "sure"]
+        right[len(clusters)] = [labels.names[t] == truth[tracks.names[t]] for t in sure]
+    assert right[len(said)] == [True] * 28 and sum(right[0]) < 28
+
+
+@pytest.mark.parametrize(
+    ("known", "words"),
+    [
+        (Known(clusters=CLUSTERS), "--static"),
+        (Known(static=True, markers=("LASI",), clusters=CLUSTERS), "neither --marker-set nor --markers"),
+        (Known(static=True, clusters={"left thigh": ("A", "B", "C")}), "no cluster as a whole, of A, B, C: it has"),
+    ],
+)
+def test_clusters_that_tell_nothing_are_refused_in_words(session, known, words):
+    with pytest.raises(KinemarkError, match=words):
+        subject_template([session[0] / "stand.c3d"], known)
+
+
+def test_a_cluster_on_no_segment_is_refused():
+    with pytest.raises(KinemarkError, match="'left ear', which is none of pelvis"):
+        clusters_of(["left ear=A,B,C"])

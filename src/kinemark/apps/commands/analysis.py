@@ -9,8 +9,8 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.angle_settings import AngleSettings
+from ...engine.clusters_said import clusters_of
 from ...engine.gait_settings import GaitSettings
-from ...gait.clusters import segment_name
 from ...io.notes import file_note_text
 from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
@@ -174,7 +174,7 @@ def gait(
 
     result = gait_of_files(
         walks, static=static, functional=functional, measures=measures, markers=_pairs(marker), reference=reference,
-        mvc=mvc, clusters=_clusters(cluster), folder=output, exports=exports, settings=settings,
+        mvc=mvc, clusters=clusters_of(cluster), folder=output, exports=exports, settings=settings,
         self_contained=self_contained,
     )  # fmt: skip
     if json:
@@ -193,16 +193,6 @@ def _pairs(markers: tuple[str, ...]) -> dict[str, str]:
             f"--marker {wrong[0]} is not understood. Write the model's name, then the file's: SACR=sacrum."
         )
     return {ours.strip(): theirs.strip() for ours, _, theirs in pairs}
-
-
-def _clusters(texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
-    """Markers by segment, of texts such as "left thigh=A,B,C"."""
-    parts = [text.partition("=") for text in texts]
-    if wrong := ["".join(part) for part in parts if not (part[0].strip() and part[2].strip())]:
-        raise KinemarkError(
-            f"--cluster {wrong[0]!r} is not understood. Write the segment, then its markers: 'left thigh=A,B,C'."
-        )
-    return {segment_name(part[0]): tuple(name.strip() for name in part[2].split(",")) for part in parts}
 
 
 def gait_compare(

@@ -28,6 +28,7 @@ def label(
     marker_set: str | None = None,
     markers: str = "",
     static: bool = False,
+    cluster: Annotated[tuple[str, ...], Parameter(negative="")] = (),
     subject: Annotated[list[str] | None, Parameter(name="--subject", negative="")] = None,
     scale: float | None = None,
     height_mm: float | None = None,
@@ -54,6 +55,8 @@ def label(
         markers: names that the template learns, as LASI,RASI,SACR; those of the marker set, or all, where none is
             given.
         static: the template's trials show no motion; with a marker set, its segments say which distances stay.
+        cluster: markers that sit on one segment, of a static trial without a marker set, as "left thigh=A,B,C"; may be
+            given again. Those and the segment's landmarks keep their distances.
         subject: of several in one volume, a name and a template or labelled trial: A=anna.template.h5; one each. The
             name stands before those of markers, as in A:LKNE.
         scale: the template is of another subject; height of this one over that of the other.
@@ -71,6 +74,7 @@ def label(
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
     from ...engine.check_files import check_files
+    from ...engine.clusters_said import clusters_of
     from ...engine.label_files import LabelledFile, label_files, label_text, template_of
     from ...engine.subject_templates import Known, templates_of_subjects
 
@@ -85,6 +89,7 @@ def label(
         height_mm=height_mm,
         heights_mm=tuple(heights_mm or ()),
         computed=computed,
+        clusters=clusters_of(cluster),
     )
     every = (source, *sources)
     if subject and (template or scale or heights_mm or check):

@@ -25,6 +25,7 @@ def learn(
     marker_set: str | None = None,
     markers: str = "",
     static: bool = False,
+    cluster: Annotated[tuple[str, ...], Parameter(negative="")] = (),
     subject: str = "",
     height_mm: float | None = None,
     heights_mm: Heights = None,
@@ -39,11 +40,14 @@ def learn(
         marker_set: what the subject wears: one of `kinemark marker-set list`, or a TOML file.
         markers: names to learn, as LASI,RASI,SACR; those of the marker set, or all, where none is given.
         static: the trials show no motion.
+        cluster: markers that sit on one segment, of a static trial without a marker set, as "left thigh=A,B,C"; may be
+            given again.
         subject: name of the subject.
         height_mm: of the subject, mm.
         heights_mm: of the other subjects, mm, one for each file.
         json: print what it holds for a machine.
     """
+    from ...engine.clusters_said import clusters_of
     from ...engine.subject_templates import Known, subject_template, template_figures, template_text
     from ...engine.template_files import save_template
 
@@ -51,7 +55,7 @@ def learn(
         raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
     worn = read_marker_set(marker_set) if marker_set else None
     names = tuple(filter(None, markers.split(",")))
-    known = Known(worn, names, static, subject, height_mm, tuple(heights_mm or ()))
+    known = Known(worn, names, static, subject, height_mm, tuple(heights_mm or ()), clusters=clusters_of(cluster))
     found = subject_template(files, known)
     save_template(output, found)
     print_result(template_figures(found) if json else template_text(found))

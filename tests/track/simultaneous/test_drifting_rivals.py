@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from kinemark.track.simultaneous import Simultaneous
+from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drift_beyond import drifting_beyond
 from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
 from kinemark.track.simultaneous.drifting_rivals import with_rivals
 from support.laboratory import observe, ring
 from support.motions import dance
+from support.scenes import make, scene, tally
 
 NOISE, MARKERS, FRAMES, RATE, METHOD = 0.1, 8, 120, 100.0, Simultaneous()
 PART, ASIDE = np.arange(40, 60), 200.0
@@ -92,3 +93,12 @@ def test_one_rival_that_fits_better_tells_where_no_three_cameras_see_the_track(a
     assert not drifting(*meeting.known(), METHOD.gate).any()
     found = (meeting.alone() if alone else meeting).given_up()
     assert found == (PART.tolist() if alone else [])
+
+
+def test_ghosts_of_images_that_have_rivals_are_not_given():
+    """Of sixty markers on four cameras: where rivals are not asked there are 10 ghosts, and as many samples."""
+    made = make(scene(141031))
+    found = tally(made, track_detections(made.detections, made.rig))
+    assert found.ghosts <= 3
+    assert found.two_found >= 7033
+    assert found.more_found == found.more

@@ -4,8 +4,8 @@ A marker's name may be another marker's by now: names were worked out anew, or s
 may be another moment: the file was written again, trimmed or at another rate. And places may be in another world. So an
 edit of samples has witnesses, as a claim has: samples of the marker as it was then, those that are wrong or, where the
 edit is of what is missing, those beside. They are as tracking or the file has them, but for what was put where nothing
-was: else an edit would be lost when one before it is taken back. A witness *denies* the edit where the marker has a sample in that frame now
-which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
+was: else an edit would be lost when one before it is taken back. A witness *denies* the edit where the marker has a
+sample in that frame now which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
 
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
 it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
@@ -102,8 +102,12 @@ def _spoken_of(edit: OfMarker, frames: Ints) -> Ints:
 
 
 def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: Footage) -> Result | None:
-    """What becomes of an edit that is not, or hardly, of what the marker has there, `before` all edits of values or, where
-    it had nothing, now (`path`); else None."""
+    """What becomes of an edit that is not, or hardly, of what the marker has there; else None.
+
+    Args:
+        edit: any. before: the marker before all edits of values. path: as it is now, where it had nothing before.
+        of: what is behind the samples.
+    """
     if not isinstance(edit, OfMarker) or edit.where is None:
         return None
     cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()

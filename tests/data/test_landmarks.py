@@ -68,6 +68,8 @@ def test_wands_are_those_of_helen_hayes_too_and_plates_are_none():
         (("Left Knee", "Right Knee", "Right Toe"), ("Right Toe",)),
         (("KNEE_L", "KNEE_R", "TOE_R", "HEAD"), ("TOE_R",)),
         (("C7", "STRN", "LASI"), ()),
+        (("KNEl", "KNEr", "SCAPl", "SCAPm", "ANKl"), ("ANKl",)),
+        (("LASI", "RASI", "LKNEL", "LKNEM"), ("LKNEL", "LKNEM")),
     ],
 )
 def test_markers_of_a_side_whose_other_is_not_there_are_known_by_how_the_pairs_are_called(names, alone):

@@ -128,6 +128,32 @@ def test_what_was_said_of_samples_is_an_orphan_where_the_file_is_another_by_now(
     assert np.array_equal(again.trajectories["A"].xyz, open_editing(source).trajectories["A"].xyz)
 
 
+def test_an_edit_is_not_lost_when_the_one_before_it_on_the_same_frames_is_taken_back(tmp_path):
+    made = paths_without_images(frames=60)
+    paths = [path.xyz.copy() for path in made]
+    paths[0][29:32] += 100.0
+    named = (MarkerTrajectory.measured(name, xyz) for name, xyz in zip("ABCD", paths, strict=True))
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", replace(made, paths=tuple(named))))
+    editing = Editing.of_file(tmp_path / "walk.c3d")
+    editing.smooth("A", 20, 40, 5.0)  # which moves the spike by more than 30 mm
+    editing.erase("A", 30, 32)
+    editing.journal.undo(1)
+    assert [one.outcome for one in editing.edited().applied] == ["held"]
+    editing.journal.redo()
+    assert [one.outcome for one in editing.edited().applied] == ["held", "held"]
+
+
+def test_a_trim_holds_though_all_samples_at_its_ends_were_put_by_hand(tmp_path):
+    given = paths_without_images(n=1, frames=60)
+    path = replace(given.paths[0], name="A")
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", replace(given, paths=(path,))))
+    editing = Editing.of_file(tmp_path / "walk.c3d")
+    for frame in (1, 2, 59, 60):
+        editing.put("A", frame, path.xyz[frame - 1] + 100.0)
+    editing.trim(1, 60)
+    assert {one.outcome for one in editing.edited().applied} == {"held"}
+
+
 def test_a_marker_that_was_given_another_name_leaves_no_empty_one(tmp_path):
     source, made = tmp_path / "walk.c3d", paths_without_images(frames=60)
     names = ("LKNE", "RKNE", "LANK", "RANK")

@@ -3,7 +3,7 @@ import { beforeEach, expect, it, vi } from "vitest";
 import type { Angles } from "../src/api/sessions";
 import { connect } from "../src/api/live";
 import { act } from "../src/state/acts";
-import { askNames, fetchHome, fresh, refetch, wantDetections } from "../src/state/load";
+import { arrive, askNames, fetchHome, fresh, refetch, wantDetections } from "../src/state/load";
 import { answer as answerBall, fetchAngles, now, put } from "../src/state/sessions";
 import { get, playhead, set, useStore } from "../src/state/store";
 import { HEADER, path, PROBLEMS, set as paths } from "./support";
@@ -13,7 +13,7 @@ const open: Record<string, ((value: unknown) => void)[]> = vi.hoisted(() => ({})
 const later = vi.hoisted(() => (name: string) => () => new Promise((done) => (open[name] ??= []).push(done)));
 const kinds = vi.hoisted(() => ["home", "trial", "paths", "labels", "gaps", "detections", "act"]);
 vi.mock("../src/api/client", async (real) => ({
-  ...(await real<object>()), ...Object.fromEntries(kinds.map((name) => [name, later(name)])), problems: () => Promise.resolve(PROBLEMS),
+  ...(await real<object>()), ...Object.fromEntries(kinds.map((name) => [name, later(name)])), problems: () => Promise.resolve(PROBLEMS), standing: () => Promise.resolve({ ready: true }),
 }));
 vi.mock("../src/api/sessions", async (real) => ({ ...(await real<object>()), angles: later("angles"), ball: later("ball") }));
 vi.stubGlobal("requestAnimationFrame", (draw: () => void) => (queueMicrotask(draw), 1));
@@ -53,6 +53,31 @@ it("keeps an act where the trial as it was before comes after it", async () => {
   await give("act", done("h2"));
   await give("trial", head("h1")), await give("paths", { ...paths([]), head: "h1" });
   expect([get().header!.head, get().paths!.byName.size]).toEqual(["h2", 1]);
+});
+
+it("opens a trial that was left and opened again while something was said of it", async () => {
+  void act({ kind: "track_again" });
+  await soon();
+  vi.stubGlobal("location", { search: "?still", hash: "#/trial/t/tracks", protocol: "http:", host: "h" });
+  set({ header: null, paths: null }); // as another trial was looked at meanwhile
+  void arrive();
+  await soon();
+  await give("act", done("h2"));
+  while (open["trial"]!.length) await give("trial", head("h2")), await give("paths", { ...paths([path("LKNE", [1, 1, 0, 0, 1, 1])]), head: "h2" });
+  expect([get().header?.head, get().paths?.head]).toEqual(["h2", "h2"]);
+});
+
+it("shows a trial that was asked for twice though the second answer is an error", async () => {
+  vi.stubGlobal("location", { search: "?still", hash: "#/trial/t/tracks", protocol: "http:", host: "h" });
+  set({ header: null, paths: null });
+  void arrive();
+  await soon();
+  set({ header: null, paths: null });
+  void arrive();
+  await soon();
+  await give("trial", Promise.reject(new Error("no")), 1);
+  await give("trial", head("h1")), await give("paths", { ...paths([]), head: "h1" });
+  expect([get().header?.head, get().paths?.head]).toEqual(["h1", "h1"]);
 });
 
 it("asks again where the journal went on between two answers of one state", async () => {

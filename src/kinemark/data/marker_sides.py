@@ -81,18 +81,29 @@ def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
 def one_sided(names: Sequence[str]) -> tuple[str, ...]:
     """Names that say a side as the names of pairs do, and whose other side is not there.
 
-    A marker may be worn on one side only, as RBAK is, or its partner may be lost: names do not tell which.
+    A marker may be worn on one side only, as RBAK is, or its partner may be lost: names do not tell which. The last
+    letter of SCAPl beside SCAPm says lateral.
     """
     there, found = set(names), _by_rule(names)
     pairs = _one_each(found, there)
     telling = [k for k, rows in enumerate(found) if any(pair.right in there for pair in rows)]
     rest = there - {*pairs} - {pair.right for pair in pairs.values()}
-    alone = {pair.left for k in telling for pair in found[k] if pair.right not in there} & rest
+    lost = (pair for k in telling for pair in found[k] if pair.right not in there and not _is_lateral(pair, there))
+    alone = {pair.left for pair in lost} & rest
     for name in rest:  # a right name is the left one of its mirror image
         mirrored = (pair for k in telling if (pair := _pair(_mirrored(name), RULES[k])))
         if any(_mirrored(pair.right) not in there for pair in mirrored):
             alone.add(name)
     return tuple(name for name in names if name in alone)
+
+
+def _is_lateral(pair: Pair, there: Collection[str]) -> bool:
+    """Whether the letter that would say left stands at the end of a name, and the medial marker is there."""
+    found = re.fullmatch(r"(.+)([Ll])(\d*)", pair.left)
+    if not found:
+        return False
+    right, medial = ("R", "M") if found[2] == "L" else ("r", "m")
+    return pair.right == f"{found[1]}{right}{found[3]}" and f"{found[1]}{medial}{found[3]}" in there
 
 
 def _mirrored(name: str) -> str:

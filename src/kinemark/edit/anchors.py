@@ -3,8 +3,9 @@
 A marker's name may be another marker's by now: names were worked out anew, or somebody exchanged two. A frame's number
 may be another moment: the file was written again, trimmed or at another rate. And places may be in another world. So an
 edit of samples has witnesses, as a claim has: samples of the marker as it was then, those that are wrong or, where the
-edit is of what is missing, those beside. A witness *denies* the edit where the marker has a sample in that frame now
-which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
+edit is of what is missing, those beside. They are as tracking or the file has them, but for what was put where nothing
+was: else an edit would be lost when one before it is taken back. A witness *denies* the edit where the marker has a
+sample in that frame now which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
 
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
 it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
@@ -17,8 +18,9 @@ markers, and the edit is an orphan where none of them is on any path (5).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TypeVar
 
 import numpy as np
@@ -43,21 +45,31 @@ Anchored = OfMarker | Trim | AddEvent
 AnyEdit = TypeVar("AnyEdit", bound=Edit)
 
 
-def anchored(edit: AnyEdit, trajectories: Trajectories, detections: Detections | None, world: str) -> AnyEdit:
+def anchored(
+    edit: AnyEdit,
+    trajectories: Trajectories,
+    detections: Detections | None,
+    world: str,
+    before: Mapping[str, MarkerTrajectory] = MappingProxyType({}),
+) -> AnyEdit:
     """An edit with its witnesses; the same where it has no use for any, or the marker has no samples to be one.
 
     Args:
         edit: as somebody says it. trajectories: as they see them.
         detections: behind the samples; None for a file without. world: key of the cameras in whose world these are.
+        before: markers before their edits of values, by name; those that have none may be absent.
     """
     if not isinstance(edit, Anchored) or edit.where is not None:
         return edit
     start = trajectories.first_frame
     if isinstance(edit, Trim | AddEvent):
-        found = _of_moments(edit, trajectories)
+        given = tuple(before.get(path.name, path) for path in trajectories)
+        found = _of_moments(edit, replace(trajectories, paths=given))
     elif edit.marker in trajectories.names:
-        path = trajectories[edit.marker]
-        found = [(path, f) for f in _spoken_of(edit, np.flatnonzero(path.origin != Origin.MISSING) + start).tolist()]
+        now = trajectories[edit.marker]
+        path = before.get(now.name, now)
+        frames = _spoken_of(edit, np.flatnonzero(now.origin != Origin.MISSING) + start).tolist()
+        found = [(now if path.origin[f - start] == Origin.MISSING else path, f) for f in frames]
     else:
         found = []
     witnesses = tuple(witness_of(path, f - start, start, detections) for path, f in found)
@@ -89,13 +101,20 @@ def _spoken_of(edit: OfMarker, frames: Ints) -> Ints:
     return np.concatenate([before, after])
 
 
-def disowned(edit: Edit, path: MarkerTrajectory, of: Footage) -> Result | None:
-    """What becomes of an edit that is not, or hardly, of what the marker (as it is now) has there; else None."""
+def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: Footage) -> Result | None:
+    """What becomes of an edit that is not, or hardly, of what the marker has there; else None.
+
+    Args:
+        edit: any. before: the marker before all edits of values. path: as it is now, where it had nothing before.
+        of: what is behind the samples.
+    """
     if not isinstance(edit, OfMarker) or edit.where is None:
         return None
     cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()
-    said = compared(witnesses_of([edit.where], of.first_frame, cameras, of.world), path, of.detections)
-    denied, found = int(said.far.sum()), int((said.known & ~said.far).sum())
+    witnesses = witnesses_of([edit.where], of.first_frame, cameras, of.world)
+    given, now = (compared(witnesses, one, of.detections) for one in (before, path))
+    far, known = np.where(given.there, given.far, now.far), np.where(given.there, given.known, now.known)
+    denied, found = int(far.sum()), int((known & ~far).sum())
     if isinstance(edit, Put) and _goes_on(edit, path, of):
         return None
     if denied and not found:

@@ -76,15 +76,15 @@ def _folded(path: MarkerTrajectory, edits: tuple[Edit, ...], of: Footage) -> Fol
     if found is None:
         alone, after, results = replace(of, corrected={}), path, []
         for edit in edits:
-            after, result = _applied(after, edit, alone)
+            after, result = _applied(path, after, edit, alone)
             results.append(result)
         _KNOWN[key] = found = Folded(path, after, tuple(results))
     return found
 
 
-def _applied(path: MarkerTrajectory, edit: Edit, of: Footage) -> Changed:
-    """A marker after one edit, where that is of what the marker has there."""
-    doubt = disowned(edit, path, of)
+def _applied(before: MarkerTrajectory, path: MarkerTrajectory, edit: Edit, of: Footage) -> Changed:
+    """A marker after one edit, where that is of what the marker has there; `before`: all of its edits."""
+    doubt = disowned(edit, before, path, of)
     if doubt is not None and doubt.outcome == "orphan":
         return path, doubt
     return with_doubt(_changed(path, edit, of), doubt)

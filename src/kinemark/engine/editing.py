@@ -286,8 +286,9 @@ class Editing:
         if not any(isinstance(edit, Anchored) for edit in edits):
             return tuple(edits)
         claims = [edit for edit in edits if isinstance(edit, Claim)]
-        now = (self.preview(claims) if claims else self.edited()).trajectories
-        return tuple(anchored(edit, now, self.detections, self.world) for edit in edits)
+        now = self.preview(claims) if claims else self.edited()
+        before = {fold.before.name: fold.before for fold in now.folds}
+        return tuple(anchored(edit, now.trajectories, self.detections, self.world, before) for edit in edits)
 
     def _replayed(self, entries: Sequence[Entry]) -> Edited:
         def replayed(entries: Sequence[Entry]) -> Edited:

@@ -8,7 +8,7 @@ import { actOf, dropOf, keepOf, nextAfter, ofWhole, proposed, stepProblem, unlik
 import { unanswered } from "./again";
 import { askedUntilThere, drawInstead } from "./instead";
 import { asking } from "./newest";
-import { again, fetchChanged, fresh, refetch, refreshProblems, say, take, takeChanged } from "./load";
+import { again, fetchChanged, fresh, refreshProblems, say, take, takeChanged } from "./load";
 import { currentProblem, get, playhead, set, still, useStore, type State } from "./store";
 
 /** s before and after a problem that playing goes round in; the design's. */
@@ -36,6 +36,7 @@ async function send(what: Act, words: string): Promise<ActDone | null> {
   try {
     const done = await api.act(id, header.head, what, why);
     if (get().id !== id) return null;
+    if (!get().paths) return await again(), null; // the trial was left, and is being opened anew
     if (!takeChanged(done)) await fetchChanged(done.changed, done.removed);
     take(done.header, what);
     set({ instead: null, detected: null, why: "", join: null, savedAt: new Date().toISOString() });
@@ -62,7 +63,7 @@ function said(done: ActDone, words: string): void {
 
 async function refused(error: unknown): Promise<void> {
   if (error instanceof api.Refused && error.status === 409) {
-    await refetch();
+    await again();
     say("refused", "The trial had gone on in another window; it is shown as it is now, and what you just did was not done. Do it again if it is still right.");
   } else say("refused", error instanceof Error ? error.message : String(error));
   unanswered(error, again); // it may have been written all the same

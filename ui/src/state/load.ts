@@ -113,7 +113,7 @@ async function openTrial(id: string): Promise<void> {
   const last = asking("trial");
   if (!(await ready(id, "trial"))) return;
   const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]))) ?? [];
-  if (!header || !paths || get().id !== id || !last()) return;
+  if (!header || !paths || get().id !== id || (!last() && get().paths)) return; // what was asked for since may fail
   playhead.set(header.first_frame, header.n_frames, header.rate);
   heads.add(header.head);
   set({ header, paths, savedAt: header.last?.at ?? null });

@@ -12,7 +12,7 @@ def clusters_of(texts: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """Markers by segment, of texts such as "left thigh=A,B,C".
 
     Raises:
-        KinemarkError: one is no such text, or of no segment that carries a cluster, or a segment or marker is said twice.
+        KinemarkError: one is no such text, or of no segment that carries a cluster, or says a thing twice.
     """
     parts = [text.partition("=") for text in texts]
     said = [(segment_name(segment), tuple(name.strip() for name in names.split(","))) for segment, _, names in parts]

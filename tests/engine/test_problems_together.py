@@ -138,3 +138,11 @@ def test_that_a_piece_is_not_the_one_before_says_nothing_of_the_one_after(tmp_pa
     before, after = (one for one in problems(editing).asked if one.tracks[0].startswith("*"))
     editing.say(*next(way for way in before.alternatives if way.action == "keep").edits)
     assert [one.id for one in problems(editing).asked if one.tracks[0].startswith("*")] == [after.id]
+
+
+def test_that_two_pieces_are_one_marker_says_nothing_of_the_piece_after_them(tmp_path):
+    editing = editing_of(loose(pieces=3), tmp_path)
+    before, after = (one for one in problems(editing).asked if one.tracks[0].startswith("*"))
+    editing.say(*next(way for way in before.alternatives if way.action == "join").edits)
+    (left,) = (one for one in problems(editing).asked if after.tracks[1] in one.tracks)
+    assert len(left.tracks) == 2 and (left.first, left.last) == (after.first, after.last)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, MarkerSet, Trajectories
+from ..data.marker_sides import without_subject
 from ..data.nearest_word import some_names
 from ..io.c3d import prefixes_of
 from ..io.trial import read_trial
@@ -63,6 +64,7 @@ def subject_template(files: Sequence[Path], known: Known) -> SubjectTemplate:
             contradicts a template.
     """
     _check_heights(known, len(files))
+    _check_clusters(files, known)
     if not files:
         return _by_set(known)
     if known.heights_mm:
@@ -90,6 +92,17 @@ def _check_heights(known: Known, n_files: int) -> None:
             f"There are {len(known.heights_mm)} heights of others and {n_files} files"
             f"{'' if known.height_mm else ', and no height of the subject'}. Give --heights-mm one for each file, and "
             "--height-mm of the one who is to be labelled."
+        )
+
+
+def _check_clusters(files: Sequence[Path], known: Known) -> None:
+    trials = [file for file in files if not is_template(file)]
+    unread = not trials or (len(trials) < len(files) and not known.heights_mm)
+    if known.clusters and (known.marker_set is not None or not known.static or known.markers or unread):
+        raise KinemarkError(
+            "Clusters tell which markers of a static trial keep their distances, where no marker set does: give "
+            "--cluster with a static trial and --static, and neither --marker-set nor --markers, nor a template that "
+            "was kept, which knows it already."
         )
 
 
@@ -140,16 +153,18 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
 
 def _by_clusters(static: Trajectories, known: Known) -> Known:
     """What is known, with a marker set of all that the static trial shows, by its clusters."""
-    if known.marker_set is not None or not known.static or known.markers:
-        raise KinemarkError(
-            "Clusters tell which markers of a static trial keep their distances, where no marker set does: give "
-            "--cluster with --template and --static, and neither --marker-set nor --markers."
-        )
+    markers = [name for own in known.clusters.values() for name in own]
+    shown = {*static.names, *map(without_subject, static.names)}
     worn = set_of_clusters(known.clusters, static.names)
     if worn is None:
-        markers = ", ".join(name for own in known.clusters.values() for name in own)
         raise KinemarkError(
-            f"The static trial shows no cluster as a whole, of {markers}: it has {some_names(sorted(static.names))}."
+            f"The static trial shows no cluster as a whole, of {', '.join(markers)}: it has "
+            f"{some_names(sorted(static.names))}."
+        )
+    if absent := [name for name in markers if name not in shown]:
+        raise KinemarkError(
+            f"The static trial has no {', '.join(absent)}, of --cluster: it has {some_names(sorted(static.names))}. "
+            "Name the markers as the file does, or leave out those that it lacks."
         )
     return known._replace(marker_set=worn)
 

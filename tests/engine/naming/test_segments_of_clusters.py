@@ -12,6 +12,7 @@ from kinemark.engine.naming.segments_of_clusters import set_of_clusters
 from kinemark.engine.naming.templates import session_template
 from kinemark.engine.settings.gait_table import GaitTable
 from kinemark.engine.subject_templates import Known, subject_template
+from kinemark.engine.template_files import save_template
 from kinemark.gait.clusters import SEGMENTS
 from kinemark.io.trial import write_trial
 from kinemark.label import Labelling, label
@@ -101,6 +102,10 @@ def test_a_file_is_named_by_a_standing_trial_and_the_clusters_that_the_command_s
         (Known(clusters=CLUSTERS), "--static"),
         (Known(static=True, markers=("LASI",), clusters=CLUSTERS), "neither --marker-set nor --markers"),
         (Known(static=True, clusters={"left thigh": ("A", "B", "C")}), "no cluster as a whole, of A, B, C: it has"),
+        (
+            Known(static=True, clusters=CLUSTERS | {"left foot": ("LFT1", "LFT2", "FT3")}),
+            "no FT3, of --cluster: it has",
+        ),
     ],
 )
 def test_clusters_that_tell_nothing_are_refused_in_words(session, known, words):
@@ -108,6 +113,29 @@ def test_clusters_that_tell_nothing_are_refused_in_words(session, known, words):
         subject_template([session[0] / "stand.c3d"], known)
 
 
+def test_clusters_are_refused_where_no_static_trial_is_looked_at(session, tmp_path):
+    known, kept = Known(static=True, clusters=CLUSTERS), tmp_path / "ann.template.h5"
+    save_template(kept, subject_template([session[0] / "stand.c3d"], known))
+    for files in ([], [kept]):
+        with pytest.raises(KinemarkError, match="nor a template that was kept"):
+            subject_template(files, known)
+
+
 def test_a_cluster_on_no_segment_is_refused():
     with pytest.raises(KinemarkError, match="'left ear', which is none of pelvis"):
         clusters_of(["left ear=A,B,C"])
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        (["left thigh=A,B,C", "Left_thigh=D,E,F"], "left thigh twice"),
+        (["left thigh=A,B,C", "right thigh=A,D,E"], "A twice"),
+        (["left thigh=A,B,B"], "B twice"),
+        (["left thigh=A,,B"], "'left thigh=A,,B' is not understood"),
+        (["left thigh=,"], "is not understood"),
+    ],
+)
+def test_what_is_said_twice_or_not_at_all_is_refused(said, words):
+    with pytest.raises(KinemarkError, match=words):
+        clusters_of(said)

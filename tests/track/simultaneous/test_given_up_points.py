@@ -6,7 +6,8 @@ from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.track.simultaneous import Simultaneous
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.given_up_points import _of_fewer_images
-from kinemark.track.simultaneous.solved_points import Solver, solved
+from kinemark.track.simultaneous.measurement_noise import Noise
+from kinemark.track.simultaneous.solved_points import Solver, Working, solved
 from support.laboratory import observe, ring
 from support.motions import dance
 
@@ -24,7 +25,9 @@ def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
     detection[images.camera, images.frame * MARKERS + marker] = np.arange(len(marker))
     frame, which = np.divmod(np.arange(FRAMES * MARKERS), MARKERS)
     guess = xyz[which, frame].T
-    solver = Solver(detections, rig, images.variance, DEFAULT_ERRORS)
+    none = np.zeros(len(rig))
+    working = Working(rig, images, Noise(none, none, none, none))
+    solver = Solver(detections, working, np.zeros(len(marker), bool), DEFAULT_ERRORS)
     before = solved(frame, detection, guess, solver)
     fewer = before.detection.copy()
     fewer[(which == 1) & np.isin(frame, LESS), 3] = -1

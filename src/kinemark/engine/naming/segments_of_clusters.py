@@ -38,6 +38,4 @@ def set_of_clusters(
         wanted = [*clusters.get(segment, ()), *(own[name] for name in landmarks_of(segment) if name in own)]
         if len(there := dict.fromkeys(full[name] for name in wanted if name in full)) > 1:
             segments[segment] = tuple(there)
-    return MarkerSet(
-        tuple(named), segments, name="of the session's clusters", rigidity=dict.fromkeys(segments, RIGIDITY)
-    )
+    return MarkerSet(tuple(named), segments, name="of clusters", rigidity=dict.fromkeys(segments, RIGIDITY))

@@ -77,10 +77,9 @@ def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
     kinds = [FAMILY.get(kind, kind) for kind in (verdict.decision, problem.kind)]
     first, last = problem.first - context.start, problem.last - context.start
     at_once = verdict.first - near <= last and verdict.last + near >= first
-    names = {context.now.names[path] for path in verdict.paths}
+    names, tracks = {context.now.names[path] for path in verdict.paths}, set(problem.tracks)
     pieces = verdict.decision == problem.kind == "join"  # of a piece between two others both may be asked
-    wanted = max(1, min(len(names), len(problem.tracks))) if pieces else 1
-    return kinds[0] == kinds[1] and at_once and len(names & set(problem.tracks)) >= wanted
+    return kinds[0] == kinds[1] and at_once and (tracks <= names if pieces else bool(names & tracks))
 
 
 def _seen_by_motion(one: Problem, seen: Sequence[Problem], context: Context) -> bool:

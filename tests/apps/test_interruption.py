@@ -63,7 +63,9 @@ def interrupted(arguments, folder, after):
 
 
 ELSEWHERE = """
-import time, types, sys
+import signal, time, types, sys
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # as above
 
 class Gone:
     def __del__(self):

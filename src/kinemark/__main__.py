@@ -42,9 +42,18 @@ def _interrupted(error: BaseException | None) -> bool:
 def _not_dropped(dropped: "sys.UnraisableHookArgs") -> None:
     """Python drops what is raised where nobody can catch it, as while a module or an object is let go."""
     if dropped.exc_type is KeyboardInterrupt:
-        threading.Timer(AGAIN_S, _thread.interrupt_main).start()
+        threading.Timer(AGAIN_S, _again).start()
     else:
         sys.__unraisablehook__(dropped)
+
+
+def _again() -> None:
+    """Ctrl-C comes again."""
+    main_thread = threading.main_thread().ident
+    if main_thread and hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(main_thread, signal.SIGINT)  # also where the command waits
+    else:
+        _thread.interrupt_main()
 
 
 if __name__ == "__main__":

@@ -55,9 +55,8 @@ def test_edits_of_samples_hold_where_these_are_what_they_were(again):
         of_file(lambda xyz: xyz[30:]),
         of_file(lambda xyz: np.repeat(xyz, 3, axis=0), rate=300.0),
         of_file(lambda xyz: xyz / 1000.0),
-        of_file(names="BADC"),
     ],
-    ids=["another origin", "numbered from another frame", "another rate", "another unit", "names exchanged"],
+    ids=["another origin", "numbered from another frame", "another rate", "another unit"],
 )
 def test_what_is_elsewhere_now_is_not_erased_put_or_smoothed_and_this_is_said(again):
     edited = replay(again, entries(*said_of(of_file())))
@@ -94,11 +93,32 @@ def test_an_edit_most_of_whose_samples_are_elsewhere_is_thin():
     assert (edited.trajectories["C"].origin[40:80] == Origin.MISSING).all()
 
 
-def test_an_edit_does_not_go_over_to_the_marker_that_has_the_name_since():
+def test_edits_go_with_their_samples_to_the_names_that_these_have_now():
+    edited = replay(of_file(names="BADC"), entries(*said_of(of_file())))
+    assert [(one.outcome, one.edit.marker) for one in edited.applied] == [("held", name) for name in "BAAD"]
+    assert [choice.marker for choice in edited.choices] == ["A"]
+    assert edited.applied[0].reason == "the samples of A are called B now"
+    assert (edited.trajectories["B"].origin == Origin.MISSING).nonzero()[0].tolist() == [80, 81, 82, 83]
+
+
+@pytest.mark.parametrize(("a", "b"), ["AB", "AE"], ids=["exchanged", "renamed"])
+def test_an_edit_does_not_go_over_to_the_marker_that_has_the_name_since(a, b):
     given = of_file()
     erase = anchored(Erase("A", 81, 84), given, None, "")
-    claims = tuple(Claim(stretch_of(given, a, first=61), b) for a, b in ("AB", "BA"))
-    assert outcomes(given, [erase, claims]) == ["orphan", "held", "held"]
+    claims = tuple(Claim(stretch_of(given, x, first=61), y) for x, y in (a + b, b + a) if x in given.names)
+    edited = replay(given, entries(erase, claims))
+    assert {one.outcome for one in edited.applied} == {"held"} and edited.applied[0].edit.marker == b
+    assert (edited.trajectories[b].origin[80:84] == Origin.MISSING).all()
+
+
+def test_samples_erased_as_they_were_another_marker_s_stay_with_that_one():
+    """A jumps onto B's path in frames 76 to 90, and what is B's is erased; then the two are exchanged there."""
+    given = of_file()
+    erase = anchored(Erase("A", 81, 84), given, None, "")
+    claims = tuple(Claim(stretch_of(given, x, first=76, last=90), y) for x, y in ("AB", "BA"))
+    edited = replay(given, entries(erase, claims))
+    assert [one.outcome for one in edited.applied] == ["orphan", "held", "held"]
+    assert (edited.trajectories["B"].origin[75:90] != Origin.MISSING).all()
 
 
 def test_a_place_that_is_on_the_path_now_stands_though_the_samples_beside_it_were_wrong():
@@ -126,10 +146,11 @@ def test_images_find_samples_again_in_another_world():
     named = replace(tracks, paths=tuple(replace(p, name=n) for p, n in zip(tracks, "ABCDE", strict=True)))
     erase = anchored(Erase("A", 31, 40), named, detections, world)
     moved = replace(named, paths=tuple(replace(p, xyz=p.xyz + 1000.0) for p in named))
-    assert len(erase.where.witnesses) == 4 and all(len(w.images) > 1 for w in erase.where.witnesses)
+    assert len(erase.where.witnesses) == 8 and all(len(w.images) > 1 for w in erase.where.witnesses)
     assert outcomes(moved, [erase], detections=detections, rig=rig, world="another") == ["held"]
     other = replace(moved, paths=tuple(replace(p, name=n) for p, n in zip(moved, "BACDE", strict=True)))
-    assert outcomes(other, [erase], detections=detections, rig=rig, world="another") == ["orphan"]
+    edited = replay(other, entries(erase), detections=detections, rig=rig, world="another")
+    assert [(one.outcome, one.edit.marker) for one in edited.applied] == [("held", "B")]
 
 
 def test_what_nobody_saw_has_no_witness_and_stands_as_in_older_journals():

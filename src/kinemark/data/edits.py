@@ -94,7 +94,11 @@ class Claim:
 
 @dataclass(frozen=True, slots=True)
 class Erase:
-    """Samples of a marker that are wrong: they become missing; where: of them, None in older journals."""
+    """Samples of a marker that are wrong: they become missing.
+
+    Attributes:
+        where: samples of them and of the marker's other frames; None in older journals.
+    """
 
     marker: str
     first: int

@@ -7,6 +7,10 @@ edit is of what is missing, those beside. They are as tracking or the file has t
 was: else an edit would be lost when one before it is taken back. A witness *denies* the edit where the marker has a
 sample in that frame now which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
 
+Where more than half of them are samples that another marker has now, the edit is of that marker, as its samples are
+called so by now (6). Of erased samples, which may have been wrong for being another marker's, it is those of the
+marker's other frames that tell: they are witnesses for nothing else.
+
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
 it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
 been wrong (3). A method that was chosen for a gap is thin where that is LONGER times as long now (4). An edit that no
@@ -27,7 +31,7 @@ import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Ints
-from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, Put, Smooth, Stretch, Trim
+from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, Put, Smooth, Stretch, Trim, is_named
 from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
 from .votes import FAR_MM, compared, votes, witnesses_of
@@ -94,11 +98,53 @@ def _of_moments(edit: Trim | AddEvent, trajectories: Trajectories) -> list[tuple
 def _spoken_of(edit: OfMarker, frames: Ints) -> Ints:
     """Of the frames that a marker has, those by which an edit is found again."""
     if isinstance(edit, Erase | Smooth):
-        own = frames[(frames >= edit.first) & (frames <= edit.last)]
-        return own[np.unique(np.linspace(0, len(own) - 1, min(len(own), FEW)).round().astype(np.int64))]
+        inside = (frames >= edit.first) & (frames <= edit.last)
+        if isinstance(edit, Smooth) or not inside.any():
+            return _spread(frames[inside])
+        return np.sort(np.concatenate([_spread(frames[inside]), _spread(frames[~inside])]))
     first, last = (edit.frame, edit.frame) if isinstance(edit, Put) else (edit.first, edit.last)
     before, after = frames[frames < first][-(FEW // 2) :], frames[frames > last][: FEW // 2]
     return np.concatenate([before, after])
+
+
+def _spread(frames: Ints) -> Ints:
+    """FEW of some frames, evenly."""
+    return frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).round().astype(np.int64))]
+
+
+def _told(edit: OfMarker, where: Stretch, *, name: bool) -> Stretch:
+    """The witnesses that tell whose an edit is now, or, where not `name`, whether it is of what is there."""
+    if not isinstance(edit, Erase):
+        return where
+    own = [edit.first <= witness.frame <= edit.last for witness in where.witnesses]
+    left = tuple(witness for witness, mine in zip(where.witnesses, own, strict=True) if mine != name)
+    return replace(where, witnesses=left)
+
+
+def followed(edit: AnyEdit, given: Trajectories, named: Trajectories, of: Footage) -> AnyEdit:
+    """An edit, of the marker that has its samples now (6).
+
+    Args:
+        edit: any. given: before all edits. named: the same samples under the names that claims give them.
+        of: what is behind the samples.
+    """
+    if not isinstance(edit, OfMarker) or edit.where is None:
+        return edit
+    said = votes([_told(edit, edit.where, name=True)], given, of.detections, world=of.world)
+    seen = said.path >= 0
+    if 2 * seen.sum() <= len(seen):
+        return edit
+    frame = said.frame[seen]
+    place = np.array([given.paths[p].xyz[f] for p, f in zip(said.path[seen], frame, strict=True)])
+
+    def has(path: MarkerTrajectory) -> int:
+        return int((path.xyz[frame] == place).all(1).sum())
+
+    if edit.marker in named.names and 2 * has(named[edit.marker]) >= len(seen):
+        return edit
+    now = max(named, key=has)
+    called = is_named(now.name) or not is_named(edit.marker)
+    return replace(edit, marker=now.name) if called and 2 * has(now) > len(seen) else edit
 
 
 def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: Footage) -> Result | None:
@@ -111,7 +157,7 @@ def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: F
     if not isinstance(edit, OfMarker) or edit.where is None:
         return None
     cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()
-    witnesses = witnesses_of([edit.where], of.first_frame, cameras, of.world)
+    witnesses = witnesses_of([_told(edit, edit.where, name=False)], of.first_frame, cameras, of.world)
     given, now = (compared(witnesses, one, of.detections) for one in (before, path))
     far, known = np.where(given.there, given.far, now.far), np.where(given.there, given.known, now.known)
     denied, found = int(far.sum()), int((known & ~far).sum())

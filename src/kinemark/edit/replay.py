@@ -34,7 +34,7 @@ from ..data.edits import (
     is_named,
     live,
 )
-from .anchors import ELSEWHERE, is_of_no_path
+from .anchors import ELSEWHERE, followed, is_of_no_path
 from .claims import ENOUGH, Claimed, with_claims
 from .folds import Folded, ValueEdit, with_values
 from .values import Footage, Result
@@ -117,9 +117,11 @@ def replay(
     """
     said = [(entry.id, edit) for entry in live(entries) for edit in entry.edits]
     tracked_by = facts_of(entries) if facts else ()
+    stated = [edit for _, edit in said]
     claims = [edit for edit in _as_tracked(said, tracked_by) if isinstance(edit, Claim)]
     claimed = with_claims(trajectories, claims, detections, world=world)
     of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
+    said = [(number, followed(edit, trajectories, claimed.trajectories, of)) for number, edit in said]
     values = [edit for _, edit in said if isinstance(edit, ValueEdit)]
     after, results, folds = with_values(claimed.trajectories, values, of)
     outcome = iter([_claim_outcome(claimed, k, facts, claims[k].name) for k in range(len(claims))])
@@ -135,10 +137,16 @@ def replay(
             if number in gone and isinstance(edit, Erase) and result == ELSEWHERE:
                 result = Result("moot", reason="tracking had it as a fact, and the marker is elsewhere there now")
             applied.append(Applied(number, edit, result.outcome, 1.0, result.samples, result.reason))
-    found = _overruled(applied)
+    found = _overruled([_of_another(one, edit) for one, edit in zip(applied, stated, strict=True)])
     verdicts = [one.edit for one in found if one.outcome == "held" and isinstance(one.edit, Verdict)]
     found_again = tuple(reviewed(edit, trajectories, of) for edit in verdicts)
     return Edited(after, tuple(found), found_again, folds)
+
+
+def _of_another(one: Applied, stated: Edit) -> Applied:
+    """What became of an edit, with the reason why it is of another marker than was stated."""
+    said, now = getattr(stated, "marker", None), getattr(one.edit, "marker", None)
+    return one if said == now or one.reason else one._replace(reason=f"the samples of {said} are called {now} now")
 
 
 def _as_tracked(said: Sequence[tuple[int, Edit]], tracked_by: Sequence[Entry]) -> list[Edit]:

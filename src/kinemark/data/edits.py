@@ -97,7 +97,7 @@ class Erase:
     """Samples of a marker that are wrong: they become missing.
 
     Attributes:
-        where: samples of them and of the marker's other frames; None in older journals.
+        where: of them. whose: of the marker's other frames; None in older journals.
     """
 
     marker: str
@@ -105,6 +105,7 @@ class Erase:
     last: int
     kind: Literal["erase"] = "erase"
     where: Stretch | None = None
+    whose: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
@@ -118,7 +119,7 @@ class Put:
     Attributes:
         images: camera, u, v, px: where the place is in the images. In another world than `world` the place is worked
             out from them.
-        where: samples of the marker beside the frame; None in older journals.
+        where: samples of the marker beside the frame. whose: of all its frames; None in older journals.
     """
 
     marker: str
@@ -129,6 +130,7 @@ class Put:
     world: str = ""
     kind: Literal["put"] = "put"
     where: Stretch | None = None
+    whose: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
@@ -144,7 +146,7 @@ class GapChoice:
     Attributes:
         method: the name of a method of filling; "best" for the least expected error; "open" for not at all. A gap that
             somebody chose a method for is filled whatever error is expected.
-        where: samples of the marker beside these frames; None in older journals.
+        where: samples of the marker beside these frames. whose: of all its frames; None in older journals.
     """
 
     marker: str
@@ -153,6 +155,7 @@ class GapChoice:
     method: str
     kind: Literal["gap"] = "gap"
     where: Stretch | None = None
+    whose: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)
@@ -164,7 +167,7 @@ class Smooth:
     """A stretch of a marker is low-pass filtered by a function, without lag; cutoff_hz: where 1/√2 is left.
 
     Attributes:
-        where: samples of the stretch; None in older journals.
+        where: samples of the stretch. whose: of the marker's other frames; None in older journals.
     """
 
     marker: str
@@ -174,6 +177,7 @@ class Smooth:
     kind: Literal["smooth"] = "smooth"
     function: SmoothingFunction = "butterworth"
     where: Stretch | None = None
+    whose: Stretch | None = None
 
     def __post_init__(self) -> None:
         _check_marker(self.marker)

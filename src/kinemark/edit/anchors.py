@@ -7,9 +7,9 @@ edit is of what is missing, those beside. They are as tracking or the file has t
 was: else an edit would be lost when one before it is taken back. A witness *denies* the edit where the marker has a
 sample in that frame now which is clearly elsewhere (`votes`, 4), and *finds* it where that sample is not.
 
-Where more than half of them are samples that another marker has now, the edit is of that marker, as its samples are
-called so by now (6). Of erased samples, which may have been wrong for being another marker's, it is those of the
-marker's other frames that tell: they are witnesses for nothing else.
+Samples of the marker's other frames tell whose the edit is: where more than half of them are samples that another
+marker has now, it is of that marker, as its samples are called so by now (6). Those of the place itself cannot tell: a
+sample is often erased for being another marker's, and trackers exchange two markers for some frames.
 
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
 it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
@@ -38,7 +38,7 @@ from .votes import FAR_MM, compared, votes, witnesses_of
 from .witnesses import witness_of
 
 FEW = 4
-"""Witnesses of an edit of samples, a number; chosen: of a few samples, where a claim has 16 of a whole path."""
+"""Witnesses of an edit of samples, and of whose it is, a number; chosen: a claim has 16 and more of a whole path."""
 LONGER = 2.0
 """Times, of (4); chosen: ends of a gap move by some frames when a trial is processed again."""
 ELSEWHERE = Result("orphan", reason="the marker is elsewhere there than when this was said")
@@ -69,15 +69,26 @@ def anchored(
     if isinstance(edit, Trim | AddEvent):
         given = tuple(before.get(path.name, path) for path in trajectories)
         found = _of_moments(edit, replace(trajectories, paths=given))
-    elif edit.marker in trajectories.names:
-        now = trajectories[edit.marker]
-        path = before.get(now.name, now)
-        frames = _spoken_of(edit, np.flatnonzero(now.origin != Origin.MISSING) + start).tolist()
-        found = [(now if path.origin[f - start] == Origin.MISSING else path, f) for f in frames]
-    else:
-        found = []
-    witnesses = tuple(witness_of(path, f - start, start, detections) for path, f in found)
-    return replace(edit, where=Stretch(None, None, witnesses, world)) if witnesses else edit
+        return replace(edit, where=_stretch(found, start, detections, world))
+    if edit.marker not in trajectories.names:
+        return edit
+    now = trajectories[edit.marker]
+    path = before.get(now.name, now)
+    frames = np.flatnonzero(now.origin != Origin.MISSING) + start
+    found, rest = (
+        [(now if path.origin[f - start] == Origin.MISSING else path, f) for f in some.tolist()]
+        for some in _spoken_of(edit, frames)
+    )
+    where, whose = (_stretch(some, start, detections, world) for some in (found, rest))
+    return replace(edit, where=where, whose=whose) if where else edit
+
+
+def _stretch(
+    samples: Sequence[tuple[MarkerTrajectory, int]], start: int, detections: Detections | None, world: str
+) -> Stretch | None:
+    """Samples, each of a path and a frame's number, as witnesses; None where there are none."""
+    witnesses = tuple(witness_of(path, f - start, start, detections) for path, f in samples)
+    return Stretch(None, None, witnesses, world) if witnesses else None
 
 
 def _of_moments(edit: Trim | AddEvent, trajectories: Trajectories) -> list[tuple[MarkerTrajectory, int]]:
@@ -95,30 +106,19 @@ def _of_moments(edit: Trim | AddEvent, trajectories: Trajectories) -> list[tuple
     return found
 
 
-def _spoken_of(edit: OfMarker, frames: Ints) -> Ints:
-    """Of the frames that a marker has, those by which an edit is found again."""
-    if isinstance(edit, Erase | Smooth):
-        inside = (frames >= edit.first) & (frames <= edit.last)
-        if isinstance(edit, Smooth) or not inside.any():
-            return _spread(frames[inside])
-        return np.sort(np.concatenate([_spread(frames[inside]), _spread(frames[~inside])]))
+def _spoken_of(edit: OfMarker, frames: Ints) -> tuple[Ints, Ints]:
+    """Of the frames that a marker has, those by which an edit is found again, and those that tell whose it is."""
     first, last = (edit.frame, edit.frame) if isinstance(edit, Put) else (edit.first, edit.last)
-    before, after = frames[frames < first][-(FEW // 2) :], frames[frames > last][: FEW // 2]
-    return np.concatenate([before, after])
+    own = (frames >= first) & (frames <= last)
+    rest = frames[~own]
+    if isinstance(edit, Erase | Smooth):
+        return _spread(frames[own]), _spread(rest)
+    return np.concatenate([rest[rest < first][-(FEW // 2) :], rest[rest > last][: FEW // 2]]), _spread(rest)
 
 
 def _spread(frames: Ints) -> Ints:
     """FEW of some frames, evenly."""
     return frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).round().astype(np.int64))]
-
-
-def _told(edit: OfMarker, where: Stretch, *, name: bool) -> Stretch:
-    """The witnesses that tell whose an edit is now, or, where not `name`, whether it is of what is there."""
-    if not isinstance(edit, Erase):
-        return where
-    own = [edit.first <= witness.frame <= edit.last for witness in where.witnesses]
-    left = tuple(witness for witness, mine in zip(where.witnesses, own, strict=True) if mine != name)
-    return replace(where, witnesses=left)
 
 
 def followed(edit: AnyEdit, given: Trajectories, named: Trajectories, of: Footage) -> AnyEdit:
@@ -128,9 +128,9 @@ def followed(edit: AnyEdit, given: Trajectories, named: Trajectories, of: Footag
         edit: any. given: before all edits. named: the same samples under the names that claims give them.
         of: what is behind the samples.
     """
-    if not isinstance(edit, OfMarker) or edit.where is None:
+    if not isinstance(edit, OfMarker) or edit.whose is None:
         return edit
-    said = votes([_told(edit, edit.where, name=True)], given, of.detections, world=of.world)
+    said = votes([edit.whose], given, of.detections, world=of.world)
     seen = said.path >= 0
     if 2 * seen.sum() <= len(seen):
         return edit
@@ -157,7 +157,7 @@ def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: F
     if not isinstance(edit, OfMarker) or edit.where is None:
         return None
     cameras: Sequence[str] = of.detections.cameras if of.detections is not None else ()
-    witnesses = witnesses_of([_told(edit, edit.where, name=False)], of.first_frame, cameras, of.world)
+    witnesses = witnesses_of([edit.where], of.first_frame, cameras, of.world)
     given, now = (compared(witnesses, one, of.detections) for one in (before, path))
     far, known = np.where(given.there, given.far, now.far), np.where(given.there, given.known, now.known)
     denied, found = int(far.sum()), int((known & ~far).sum())

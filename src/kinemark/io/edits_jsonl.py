@@ -115,8 +115,9 @@ def _plain(edits: tuple[Edit, ...]) -> Any:
     """Edits as JSON has them, without what older journals do not say: witnesses, and the usual smoothing function."""
     said = json.loads(_EDITS.dump_json(edits))
     for one in said:
-        if one.get("where", "") is None:
-            del one["where"]
+        for witnesses in ("where", "whose"):
+            if one.get(witnesses, "") is None:
+                del one[witnesses]
         if one.get("function") == SMOOTHING[0]:
             del one["function"]
     return said

@@ -319,7 +319,7 @@ def test_motion_is_counted_of_the_others_and_at_most_as_what_one_tells_itself():
     beyond = np.maximum(z[:, None] - z, 0)
     each = np.exp(np.minimum(z[:, None], z) / TAIL - beyond / BEYOND) / (1 + np.exp(z))
     np.fill_diagonal(each, 0.0)
-    np.testing.assert_allclose(as_common(z), each.sum(1), atol=1e-9)
+    np.testing.assert_allclose(as_common(z), each.sum(1), atol=1e-12)
 
 
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])

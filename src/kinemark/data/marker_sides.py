@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence, Set
 from typing import NamedTuple
 
 Rule = tuple[str, str]
@@ -71,7 +71,7 @@ def _by_rule(names: Sequence[str]) -> list[list[Pair]]:
     return [[pair for name in names if (pair := _pair(name, rule))] for rule in RULES]
 
 
-def _one_each(found: Sequence[Sequence[Pair]], there: Collection[str]) -> dict[str, Pair]:
+def _one_each(found: Sequence[Sequence[Pair]], there: Set[str]) -> dict[str, Pair]:
     """The pairs that are there by their left names, by the rule that pairs most of them.
 
     A rule that pairs none but lateral markers with radial ones, whose siblings are there too, has no sides.
@@ -88,7 +88,7 @@ def _one_each(found: Sequence[Sequence[Pair]], there: Collection[str]) -> dict[s
     return pairs
 
 
-def _on_one_limb(pair: Pair, there: Collection[str]) -> bool:
+def _on_one_limb(pair: Pair, there: Set[str]) -> bool:
     """Whether FOREl and FOREr are lateral and radial, as FOREm and FOREu are there."""
     return _has_sibling(pair.left, pair.right, there) and _has_sibling(pair.right, pair.left, there)
 
@@ -116,7 +116,7 @@ def one_sided(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in names if name in alone)
 
 
-def _says_no_side(name: str, other: str, there: Collection[str]) -> bool:
+def _says_no_side(name: str, other: str, there: Set[str]) -> bool:
     """Whether what tells a name from that of the other side, which is not there, says something else.
 
     L beside the same name with M says lateral, R beside U radial, and a last L beside U lower: SCAPl and SCAPm, STYLr
@@ -128,7 +128,7 @@ def _says_no_side(name: str, other: str, there: Collection[str]) -> bool:
     return bool(re.match(NO_SIDES, plain)) or _has_sibling(name, other, there)
 
 
-def _has_sibling(name: str, other: str, there: Collection[str]) -> bool:
+def _has_sibling(name: str, other: str, there: Set[str]) -> bool:
     """Whether a marker is there whose name has, in place of the letter of the side, that of a sibling on the limb."""
     where = [k for k, (a, b) in enumerate(zip(name, other, strict=False)) if a != b]
     if len(name) != len(other) or len(where) != 1:

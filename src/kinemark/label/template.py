@@ -47,13 +47,11 @@ KEEPS = 0.1
 trials leave 0.18 open elsewhere."""
 LEAST_VOLUME = 0.1
 """Least triple product over the product of its edges, in all frames: 6° out of one plane; chosen."""
-SMALL = 0.15
-"""Longest distance within a quadruple of one posture, as a share of the template's size; chosen with the next."""
-LEAST_STATIC_VOLUME = 0.5
-"""The same as `LEAST_VOLUME`, of the edges from the best of four corners, of quadruples of one posture; chosen on
-static trials of eight subjects against their walks: of small quadruples above it 4 % of the samples are turned, of
-those that were taken as of a trial that moves 6 %, such as of a hand with the spine. Of ten walks of five children the
-names that fit best were all right by these, and in seven without it."""
+IN_ONE_POSTURE = ((0.15, 0.5), (0.4, 0.6))
+"""Of quadruples of a single posture the longest distance, as a share of the template's size, and the least volume as
+`LEAST_VOLUME`, of the edges from the best of four corners; the second where a set has few such. Chosen on static trials
+of eight subjects against their walks: 4 and 6 % of the samples of these turn, and 12 % of all of less than 0.4. As of a
+trial that moves quadruples were those whose distances the static trial held best, a hand with the spine and a foot."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,18 +250,19 @@ def _handed_in_one_posture(xyz: Floats, mean: Floats) -> tuple[NDArray[np.int64]
     Args:
         xyz: (L, K, 3) mm. mean: (L, L) distances, mm.
     """
-    D = np.where(np.isfinite(mean), mean, np.inf)
-    near = np.argsort(D + np.diag(np.full(len(D), np.inf)), axis=1, kind="stable")[:, :NEIGHBOURS]
+    L, D = len(mean), np.where(np.isfinite(mean), mean, np.inf) / np.nanmax(mean)
+    near = np.argsort(D + np.diag(np.full(L, np.inf)), axis=1, kind="stable")[:, :NEIGHBOURS]
     quads = np.unique(
         [sorted((a, *three)) for a, row in enumerate(near) for three in combinations(row.tolist(), 3)], axis=0
     )
     longest = np.max([D[quads[:, i], quads[:, j]] for i, j in combinations(range(4), 2)], axis=0)
-    quads = quads[longest < SMALL * np.nanmax(mean)]
-    seen = np.isfinite(xyz[..., 0]).any(1)
-    place = np.full((len(xyz), 1, 3), np.nan)
+    seen, place = np.isfinite(xyz[..., 0]).any(1), np.full((L, 1, 3), np.nan)
     place[seen] = np.nanmedian(xyz[seen], axis=1, keepdims=True)
     volume = widest_corner(place, quads)
-    kept = widest(quads, np.abs(volume), np.flatnonzero(np.abs(volume) > LEAST_STATIC_VOLUME), len(xyz))
+    kept: list[int] = []
+    for most, least in IN_ONE_POSTURE:
+        if len(kept) < L:
+            kept = widest(quads, np.abs(volume), np.flatnonzero((longest < most) & (np.abs(volume) > least)), L)
     return quads[kept].reshape(-1, 4), np.where(volume[kept] > 0, 1, -1).astype(np.int64)
 
 

@@ -70,8 +70,31 @@ def test_wands_are_those_of_helen_hayes_too_and_plates_are_none():
         (("C7", "STRN", "LASI"), ()),
         (("KNEl", "KNEr", "SCAPl", "SCAPm", "ANKl"), ("ANKl",)),
         (("LASI", "RASI", "LKNEL", "LKNEM"), ("LKNEL", "LKNEM")),
+        (("KNEl", "KNEr", "STYLr", "STYLu", "ANKr"), ("ANKr",)),
+        (("KNEE_L", "KNEE_R", "WRIST_R", "WRIST_U", "HEEL_R"), ("HEEL_R",)),
+        (("A:KNEEL", "A:KNEER", "A:WRISTR", "A:WRISTU", "B:WRISTR"), ("B:WRISTR",)),
+        (("LASI", "RASI", "LE", "ME", "RS", "US", "RWRr"), ("RWRr",)),
+        (("HIPL", "HIPR", "THIU", "THIL", "ARML", "ANKL"), ("ARML", "ANKL")),
+        (("LASI", "RASI", "LARM", "UARM"), ("LARM",)),
+        (("Lknee", "Rknee", "Radius", "Ulna", "LatAnkle", "Lankle"), ("Lankle",)),
+        (("lasi", "rasi", "l5", "l3", "lateral malleolus", "lhee"), ("lhee",)),
+        (("L1", "R1", "L2", "R2", "L3"), ("L3",)),
+        (("LASI", "RASI", "T10", "L5"), ()),
     ],
 )
 def test_markers_of_a_side_whose_other_is_not_there_are_known_by_how_the_pairs_are_called(names, alone):
     """Without any pair nothing says how the sides are called."""
     assert one_sided(names) == alone
+
+
+@pytest.mark.parametrize(
+    ("names", "pairs"),
+    [
+        (("FOREl", "FOREm", "FOREr", "FOREu"), ()),
+        (("HEADl", "HEADm", "HEADr"), (("HEADl", "HEADr"),)),
+        (("HIP_L", "HIP_R", "HEAD_L", "HEAD_M", "HEAD_R", "HEAD_U"), (("HIP_L", "HIP_R"), ("HEAD_L", "HEAD_R"))),
+        (("LFOREr", "LFOREu", "RFOREr", "RFOREu"), (("LFOREr", "RFOREr"), ("LFOREu", "RFOREu"))),
+    ],
+)
+def test_lateral_and_radial_markers_of_a_limb_are_no_sides(names, pairs):
+    assert sides_by_name(names) == pairs

@@ -158,6 +158,15 @@ def test_a_cluster_that_cannot_be_is_refused_in_words(tmp_path, stated, says):
         gait_of_files(walks, static=static, measures=MEASURES, clusters=stated, folder=tmp_path / "out")
 
 
+def test_a_walk_that_lacks_landmarks_of_segments_without_a_cluster_is_told_which(tmp_path):
+    walks, static = files(tmp_path, laboratory(unworn=("LASI", "RASI", "SACR", "LKNE", "RANK", "RHEE"), seconds=1.0))
+    some = clusters(("pelvis", "left shank", "right thigh"))
+    with pytest.raises(KinemarkError, match="Clusters are stated of pelvis, left shank, right thigh alone") as told:
+        gait_of_files(walks, static=static, measures=MEASURES, clusters=some, folder=tmp_path / "out")
+    assert "(left thigh: LKNE; right shank: RANK; right foot: RHEE)" in str(told.value)
+    assert '--cluster "left thigh=A,B,C"' in str(told.value)
+
+
 def test_clusters_want_a_standing_trial_and_are_not_plug_in_gaits(tmp_path):
     walks, static = files(tmp_path, laboratory(unworn=()))
     with pytest.raises(KinemarkError, match="standing trial"):

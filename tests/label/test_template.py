@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
-from kinemark.label import learn_template
-from kinemark.label.template import between_subjects
+from kinemark.label import label, learn_template
+from kinemark.label.template import between_subjects, triple_products
 from kinemark.synth import walking, with_markers
 
 TURN = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
 TURN = TURN * np.sign(np.linalg.det(TURN))
+PARTS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 
 
 def walk(seed=1, n=15):
@@ -87,3 +88,18 @@ def test_another_subjects_distances_are_doubtful_the_more_the_longer_up_to_a_lim
     near, limb, body = (between_subjects(share * size, size) for share in (0.02, 0.2, 1.0))
     assert near < limb < body < 0.02 * size
     np.testing.assert_allclose(one.spread, 1.1 * learn_template(walk()).spread)
+
+
+@pytest.mark.parametrize(("n", "seed"), [(39, 1), (53, 3), (60, 4)])
+def test_orientations_of_a_single_posture_are_mostly_those_that_a_walk_keeps(n, seed):
+    trial = with_markers(walking(duration_s=2.0, rate=50.0, seed=seed, wobble_mm=1.0), n, seed=seed).trajectories
+    posture = learn_template(trial.frames(10, 11), relative_spread=0.14)
+    triple = triple_products(trial.select(posture.names).xyz, posture.handed)
+    assert len(triple) > 90 and (triple * posture.sign[:, None] < 0).mean() < 0.15
+
+
+def test_a_static_trial_names_a_walk_though_what_it_shows_of_orientations_turns():
+    names = ("LASI", "RASI", "SACR", *(side + part for side in "LR" for part in PARTS))
+    standing, trial = (walking(duration_s=1.0, rate=50.0, seed=seed).trajectories.select(names) for seed in (1, 11))
+    found = label(trial, learn_template(standing.frames(12, 15), relative_spread=0.18))
+    assert found.refused is None and found.names == names

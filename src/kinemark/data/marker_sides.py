@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence, Set
 from typing import NamedTuple
 
 Rule = tuple[str, str]
@@ -36,6 +36,17 @@ OTHER_SIDE = {
     "r": "l",
 }
 """Words and letters of a side, longer ones first."""
+SIBLINGS = {"L": "M", "R": "U"}
+"""Letters that tell lateral from medial, and radial from ulnar, where L and R would say a side; conventional."""
+LAST_SIBLINGS = {"L": "U"}
+"""The same of lower and upper, not at the beginning: UARM is an upper arm, and LARM a left one; conventional."""
+VERTEBRA = r"[Ll][1-5]"
+"""Of the loins; conventional."""
+NO_SIDES = (
+    r"(?:[Ll]at(?:eral)?|[Rr]ad(?:ius|ial)?|[Ll]ow(?:er)?|[Ll]umbar|[Rr]ibs?)(?![a-z])"
+    r"|(?:LAT(?:ERAL)?|RAD(?:IUS|IAL)?|LOW(?:ER)?|LUMBAR|RIBS?)(?![A-Za-z])"
+)
+"""Words at the beginning of names that say no side, though their first letter might; conventional."""
 
 
 class Pair(NamedTuple):
@@ -60,9 +71,13 @@ def _by_rule(names: Sequence[str]) -> list[list[Pair]]:
     return [[pair for name in names if (pair := _pair(name, rule))] for rule in RULES]
 
 
-def _one_each(found: Sequence[Sequence[Pair]], there: Collection[str]) -> dict[str, Pair]:
-    """The pairs that are there by their left names, by the rule that pairs most of them."""
+def _one_each(found: Sequence[Sequence[Pair]], there: Set[str]) -> dict[str, Pair]:
+    """The pairs that are there by their left names, by the rule that pairs most of them.
+
+    A rule that pairs none but lateral markers with radial ones, whose siblings are there too, has no sides.
+    """
     both = [[pair for pair in rows if pair.right in there] for rows in found]
+    both = [rows for rows in both if not all(_on_one_limb(pair, there) for pair in rows)]
     pairs: dict[str, Pair] = {}
     used: set[str] = set()
     for rows in sorted(both, key=len, reverse=True):
@@ -73,6 +88,11 @@ def _one_each(found: Sequence[Sequence[Pair]], there: Collection[str]) -> dict[s
     return pairs
 
 
+def _on_one_limb(pair: Pair, there: Set[str]) -> bool:
+    """Whether FOREl and FOREr are lateral and radial, as FOREm and FOREu are there."""
+    return _has_sibling(pair.left, pair.right, there) and _has_sibling(pair.right, pair.left, there)
+
+
 def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
     """Left and right names of all pairs (`paired`), in the order of the left ones."""
     return tuple((pair.left, pair.right) for pair in paired(names))
@@ -81,29 +101,42 @@ def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
 def one_sided(names: Sequence[str]) -> tuple[str, ...]:
     """Names that say a side as the names of pairs do, and whose other side is not there.
 
-    A marker may be worn on one side only, as RBAK is, or its partner may be lost: names do not tell which. The last
-    letter of SCAPl beside SCAPm says lateral.
+    A marker may be worn on one side only, as RBAK is, or its partner may be lost: names do not tell which. Letters and
+    words that say something else are no sides (`_says_no_side`).
     """
     there, found = set(names), _by_rule(names)
     pairs = _one_each(found, there)
     telling = [k for k, rows in enumerate(found) if any(pair.right in there for pair in rows)]
     rest = there - {*pairs} - {pair.right for pair in pairs.values()}
-    lost = (pair for k in telling for pair in found[k] if pair.right not in there and not _is_lateral(pair, there))
-    alone = {pair.left for pair in lost} & rest
+    lost = [(pair.left, pair.right) for k in telling for pair in found[k]]
     for name in rest:  # a right name is the left one of its mirror image
         mirrored = (pair for k in telling if (pair := _pair(_mirrored(name), RULES[k])))
-        if any(_mirrored(pair.right) not in there for pair in mirrored):
-            alone.add(name)
+        lost += [(name, _mirrored(pair.right)) for pair in mirrored]
+    alone = {name for name, other in lost if other not in there and not _says_no_side(name, other, there)} & rest
     return tuple(name for name in names if name in alone)
 
 
-def _is_lateral(pair: Pair, there: Collection[str]) -> bool:
-    """Whether the letter that would say left stands at the end of a name, and the medial marker is there."""
-    found = re.fullmatch(r"(.+)([Ll])(\d*)", pair.left)
-    if not found:
+def _says_no_side(name: str, other: str, there: Set[str]) -> bool:
+    """Whether what tells a name from that of the other side, which is not there, says something else.
+
+    L beside the same name with M says lateral, R beside U radial, and a last L beside U lower: SCAPl and SCAPm, STYLr
+    and STYLu, LE and ME. Some words begin like a side, and L1 to L5 are vertebrae where nothing is called R1 to R5.
+    """
+    plain = without_subject(name)
+    if re.fullmatch(VERTEBRA, plain):
+        return there.isdisjoint(name.replace(plain, f"{'R' if plain[0] == 'L' else 'r'}{k}") for k in range(1, 6))
+    return bool(re.match(NO_SIDES, plain)) or _has_sibling(name, other, there)
+
+
+def _has_sibling(name: str, other: str, there: Set[str]) -> bool:
+    """Whether a marker is there whose name has, in place of the letter of the side, that of a sibling on the limb."""
+    where = [k for k, (a, b) in enumerate(zip(name, other, strict=False)) if a != b]
+    if len(name) != len(other) or len(where) != 1:
         return False
-    right, medial = ("R", "M") if found[2] == "L" else ("r", "m")
-    return pair.right == f"{found[1]}{right}{found[3]}" and f"{found[1]}{medial}{found[3]}" in there
+    k = where[0]
+    letters = SIBLINGS.get(name[k].upper(), "") + (LAST_SIBLINGS.get(name[k].upper(), "") if k else "")
+    letters = letters if name[k].isupper() else letters.lower()
+    return any(f"{name[:k]}{letter}{name[k + 1 :]}" in there for letter in letters)
 
 
 def _mirrored(name: str) -> str:

@@ -16,7 +16,7 @@ from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
-from ..gait.clusters import CalibratedBody, Clusters, calibrated_body, with_wands
+from ..gait.clusters import CalibratedBody, Clusters, calibrated_body, uncarried, with_wands
 from ..gait.emg import Emg, emg, peak_of
 from ..gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measures, joints_by_share, mass_on_plates
 from ..gait.foot_events import foot_events
@@ -139,8 +139,23 @@ def completed(walk: Recorded, static: Recorded | None) -> Recorded:
     except KinemarkError as error:
         called = ", ".join(f"{marker} = {own}" for marker, own in sorted(renamed(walk).items()))
         taken = f" Taken for the model's were {called}." if called else ""
-        raise KinemarkError(f"{walk.name}: {error}{taken}") from None
+        raise KinemarkError(f"{walk.name}: {error}{taken}{_more_clusters(walk, static)}") from None
     return walk
+
+
+def _more_clusters(walk: Recorded, static: Recorded | None) -> str:
+    """Of which segments clusters are missing, where some are stated and do not carry all that the walk lacks."""
+    if static is None or not static.clusters:
+        return ""
+    missing = uncarried(walk.points, with_wands(static.points), static.clusters)
+    if not missing:
+        return ""
+    lacking = "; ".join(f"{segment}: {', '.join(markers)}" for segment, markers in missing.items())
+    return (
+        f" Clusters are stated of {', '.join(static.clusters)} alone; the standing trial shows what the walk lacks of "
+        f'segments without one ({lacking}). State their clusters as well: --cluster "{next(iter(missing))}=A,B,C", in '
+        "a session under [gait.clusters]."
+    )
 
 
 def renamed(*walks: Recorded) -> dict[str, str]:

@@ -13,7 +13,7 @@ has them where inner markers show the axes: beyond the outer marker, on the axis
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,7 @@ from ..data.model_markers import INSIDE
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics import body_pose
 from ..kinematics.pose import ClusterTemplate, cluster_template
-from .lower_limb import LowerLimbs, lower_limbs
+from .lower_limb import LowerLimbs, absent_markers, lower_limbs
 from .segments import Segment
 
 Clusters = Mapping[str, Sequence[str]]
@@ -192,6 +192,17 @@ def check_clusters(clusters: Clusters, points: Mapping[str, Floats], trial: str)
     every = [marker for markers in clusters.values() for marker in markers]
     if twice := sorted({marker for marker in every if every.count(marker) > 1}):
         raise KinemarkError(f"{', '.join(twice)} is said to be in two clusters. A marker is on one segment.")
+
+
+def uncarried(walk: Collection[str], static: Collection[str], clusters: Clusters) -> dict[str, tuple[str, ...]]:
+    """The model's markers that a walk lacks and the standing trial has, by their segments without a cluster.
+
+    Args:
+        walk, static: names of markers that they have. clusters: as stated.
+    """
+    absent = set(absent_markers(walk)) & set(static)
+    each = {name: tuple(m for m in landmarks_of(name) if m in absent) for name in SEGMENTS if name not in clusters}
+    return {name: markers for name, markers in each.items() if markers}
 
 
 def segment_name(text: str) -> str:

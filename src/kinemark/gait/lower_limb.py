@@ -16,7 +16,7 @@ level with a flat foot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,16 +98,22 @@ def lower_limbs(
     return LowerLimbs(pelvis_of(points)[0], left, right)
 
 
+def absent_markers(points: Collection[str]) -> list[str]:
+    """The model's markers that are not among these; the sacrum with what may stand for it, in words."""
+    wanted = ["LASI", "RASI", *(LETTER[side] + name for side in SIDES for name in LEG_MARKERS)]
+    absent = [name for name in wanted if name not in points]
+    if not ("SACR" in points or {"LPSI", "RPSI"} <= set(points)):
+        absent.append("SACR (or LPSI and RPSI)")
+    return absent
+
+
 def check_markers(points: Mapping[str, Floats]) -> None:
     """Whether all markers are there.
 
     Raises:
         KinemarkError: one is not.
     """
-    wanted = ["LASI", "RASI", *(LETTER[side] + name for side in SIDES for name in LEG_MARKERS)]
-    absent = [name for name in wanted if name not in points]
-    if not ("SACR" in points or {"LPSI", "RPSI"} <= set(points)):
-        absent.append("SACR (or LPSI and RPSI)")
+    absent = absent_markers(points)
     if absent:
         raise KinemarkError(
             f"The gait model wants the markers {', '.join(absent)}, which are not in the trial; there are "

@@ -18,7 +18,7 @@ from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats, Ints
 from ..data.nearest_word import some_names
 from .labels import Labels, State
-from .template import LEAST_VOLUME, Template, learn_template, triple_products, widest
+from .template import LEAST_VOLUME, Template, learn_template, widest, widest_corner
 
 STATIC_SPREAD = 0.18
 """Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
@@ -116,20 +116,11 @@ def _quadruples(trial: Trajectories, names: tuple[str, ...], marker_set: MarkerS
     across = {quad for markers in met for quad in combinations(markers, 4)} - alone
     xyz = np.stack([np.nanmedian(trial[name].xyz, axis=0) for name in names])[:, None]
     quads = np.array(sorted(alone | across), np.int64).reshape(-1, 4)
-    volume = _widest_corner(xyz, quads)
+    volume = widest_corner(xyz, quads)
     least = np.array([LEAST_VOLUME if tuple(quad) in alone else LEAST_ACROSS for quad in quads.tolist()])
     good = np.flatnonzero(np.abs(volume) > least)
     kept = widest(quads, np.abs(volume), good, len(names))
     return quads[kept].reshape(-1, 4), np.where(volume[kept] > 0, 1, -1).astype(np.int64)
-
-
-def _widest_corner(xyz: Floats, quads: Ints) -> Floats:
-    """(Q) triple product of quadruples over its edges from that corner where it is greatest, with the sign as given.
-
-    From the elbow a wrist and a hand lie in nearly one direction, though the four are far from one plane.
-    """
-    corners = np.stack([triple_products(xyz, np.roll(quads, k, axis=1))[:, 0] for k in range(4)])
-    return np.asarray(np.sign(corners[0]) * np.abs(corners).max(0))
 
 
 def figure_template(marker_set: MarkerSet, height_mm: float) -> Template:

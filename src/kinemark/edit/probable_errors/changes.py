@@ -6,7 +6,9 @@ itself, or as the other. What two halves cost that are one marker is
     c = 7/2 ln(1 + χ²/4) + 3/2 ln(2π σ²),      χ² = d²/σ²                                                    (1)
 
 with the distance d of their continuations and its variance σ² per axis, as of Student's t with four degrees of freedom,
-which knows outliers; a half that begins or ends costs END. The evidence of motion for an exchange is
+which knows outliers; a half that begins or ends costs END, and in files a place after a gap so long that it may be
+anywhere costs no more than both: else long gaps by themselves would speak for two markers. The evidence of motion for
+an exchange is
 
     motion = c(p₋ p₊) + c(q₋ q₊) − c(p₋ q₊) − c(q₋ p₊),                                                       (2)
 
@@ -141,7 +143,8 @@ def _met(before: Ends, after: Ends, paths: Paths) -> tuple[Floats, Floats, Float
     none_before, none_after = np.isinf(before.variance[:, 0]), np.isinf(after.variance[:, 0])
     with np.errstate(invalid="ignore"):
         squared = met.squared
-        cost = 3.5 * np.log1p(squared / 4) + 1.5 * np.log(2 * np.pi * met.variance)
+        most = np.inf if paths.images.any() else 2 * END
+        cost = 3.5 * np.log1p(squared / 4) + np.minimum(1.5 * np.log(2 * np.pi * met.variance), most)
     cost = np.where(none_before & none_after, 0.0, np.where(none_before | none_after, END, cost))
     return cost, met.off, squared, met.variance
 

@@ -44,6 +44,37 @@ def by_trial(found: Found) -> Found:
     )
 
 
+def likeliest(found: Found, near: float) -> Found:
+    """Without what files show that is not worth a look, and within `near` frames of what is likelier on its path: it is
+    looked at with that, or shows the same, which would count several times among the errors that are expected."""
+    some = [(one.place.path, *_span(found.paths, one), one.wrong) for one in found.changes]
+    some += [(one.path, one.first, one.last, one.wrong) for one in found.spikes]
+    some += [(one.path, one.before, one.after, one.wrong) for one in found.leaps]
+    with_images = [bool(row.any()) for row in found.paths.images]
+    kept = np.zeros(len(some), bool)
+    frames: dict[int, list[tuple[float, float]]] = {}
+    for k in sorted(range(len(some)), key=lambda k: -some[k][3]):
+        path, first, last, wrong = some[k]
+        beside = any(low <= last and first <= high for low, high in frames.get(path, ()))
+        kept[k] = wrong >= ASK_ABOVE or with_images[path] or not beside
+        exchanged = k < len(found.changes) and wrong >= ASK_ABOVE
+        others = (path, found.changes[k].partner.path) if exchanged else (path,)
+        for other in others if kept[k] else ():
+            frames.setdefault(other, []).append((first - near, last + near))
+    stays = iter(kept.tolist())
+    return found._replace(
+        changes=tuple(one for one in found.changes if next(stays)),
+        spikes=tuple(one for one in found.spikes if next(stays)),
+        leaps=tuple(one for one in found.leaps if next(stays)),
+    )
+
+
+def _span(paths: Paths, one: Change) -> tuple[int, int]:
+    """Frames of the samples beside a change."""
+    first, last = paths.frames[one.place.path][one.place.sample :][:2].tolist()
+    return first, last
+
+
 def not_exchanged(some: Sequence[Piece], own: Sequence[Change], near: float) -> list[Piece]:
     """The pieces of files that no likely exchange beside them, within `near` frames, joins otherwise: the path that
     ends then has another's samples."""

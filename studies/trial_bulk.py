@@ -29,7 +29,7 @@ from kinemark.data.array_types import Floats
 from kinemark.data.problems import Problem
 from kinemark.edit.probable_errors import Evidence
 from kinemark.edit.probable_errors.leaps import LeapEvidence
-from kinemark.edit.probable_errors.probability import COEFFICIENTS, TAIL, evidence_of_trial
+from kinemark.edit.probable_errors.probability import TAIL, evidence_of_trial
 from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
 OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
@@ -155,8 +155,7 @@ def main() -> None:
         alone = judged([row for row in rows if row.laboratory == place], None)
         print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(mine)}; by themselves {unsure(alone)}")
     say("By its trial, by the coefficients of all", judged(rows, c_all := fit(rows)))
-    print(f"  in_trial: {c_all[0]:.2f}, {c_all[1]:.2f} (kept: {COEFFICIENTS['in_trial']}); without one laboratory "
-          f"{spread(c, 0)}, {spread(c, 1)}")  # fmt: skip
+    print(f"  in_trial: {c_all[0]:.2f}, {c_all[1]:.2f}; without one laboratory {spread(c, 0)}, {spread(c, 1)}")
 
 
 if __name__ == "__main__":

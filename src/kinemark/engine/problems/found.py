@@ -13,6 +13,8 @@ from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, 
 
 LIKELY = 0.5
 """Probability from which on a spike, a leap or an exchange stands for what is beside it; chosen."""
+ONCE = 6
+"""Frames within which a path shows one thing twice, at most; chosen, as what filters smear (`leaps.SMEARED`)."""
 
 
 class Found(NamedTuple):
@@ -45,8 +47,9 @@ def by_trial(found: Found) -> Found:
 
 
 def likeliest(found: Found, near: float) -> Found:
-    """Without what files show that is not worth a look, and within `near` frames of what is likelier on its path: it is
-    looked at with that, or shows the same, which would count several times among the errors that are expected."""
+    """Without what files show that is not worth a look, and is on its path within `near` frames of what is, with which
+    it is looked at, or within ONCE of what is likelier: this shows the same, which would count several times among the
+    errors that are expected."""
     some = [(one.place.path, *_span(found.paths, one), one.wrong) for one in found.changes]
     some += [(one.path, one.first, one.last, one.wrong) for one in found.spikes]
     some += [(one.path, one.before, one.after, one.wrong) for one in found.leaps]
@@ -60,7 +63,8 @@ def likeliest(found: Found, near: float) -> Found:
         exchanged = k < len(found.changes) and wrong >= ASK_ABOVE
         others = (path, found.changes[k].partner.path) if exchanged else (path,)
         for other in others if kept[k] else ():
-            frames.setdefault(other, []).append((first - near, last + near))
+            reach = near if wrong >= ASK_ABOVE else min(ONCE, near)
+            frames.setdefault(other, []).append((first - reach, last + reach))
     stays = iter(kept.tolist())
     return found._replace(
         changes=tuple(one for one in found.changes if next(stays)),

@@ -136,12 +136,16 @@ def _told(context: Context) -> Iterator[Told]:
 
 
 def _not_exchanged(gone: Sequence[Leap], some: Sequence[Change]) -> list[Leap]:
-    """The leaps that are no exchange of two paths, which is likely and says more."""
+    """The leaps that are no exchange of two paths, which is as likely and says more."""
     known = [
-        (path, one.place.middle) for one in some if one.wrong >= LIKELY and one.partner.path >= 0
+        (path, one.place.middle, one.wrong) for one in some if one.wrong >= LIKELY and one.partner.path >= 0
         for path in (one.place.path, one.partner.path)
     ]  # fmt: skip
-    return [one for one in gone if not any(one.path == path and one.before <= f <= one.after for path, f in known)]
+
+    def said(leap: Leap) -> bool:
+        return any(leap.path == p and leap.before <= f <= leap.after and leap.wrong <= wrong for p, f, wrong in known)
+
+    return [one for one in gone if not said(one)]
 
 
 def _each_once(off: Sequence[Spike], gone: Sequence[Leap]) -> tuple[tuple[Spike, ...], tuple[Leap, ...]]:

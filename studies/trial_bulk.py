@@ -5,8 +5,8 @@ Each file of 16 laboratories is looked at as it is and with faults, at its own r
 is known what it is said to be by itself, and by the others of its trial (`edit/probable_errors/probability.py`, (3) and
 (4)). The two coefficients of (3) are fitted to all laboratories; what is told of each is by those fitted to the others.
 
-What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL), which is left
-out.
+What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL of
+`probable_errors`), which is left out.
 
 Run: python studies/trial_bulk.py
 """
@@ -29,7 +29,7 @@ from kinemark.data.array_types import Floats
 from kinemark.data.problems import Problem
 from kinemark.edit.probable_errors import Evidence
 from kinemark.edit.probable_errors.leaps import LeapEvidence
-from kinemark.edit.probable_errors.probability import COEFFICIENTS, TAIL, evidence_of_trial
+from kinemark.edit.probable_errors.probability import TAIL, evidence_of_trial
 from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
 OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
@@ -43,13 +43,6 @@ LABORATORIES = {
     "kinematics_racing": "wheelchair",
 }  # fmt: skip
 KINDS = {"change": Evidence._fields, "leap": LeapEvidence._fields, "spike": SpikeEvidence._fields}
-NATURAL = (
-    ("HC031A23.c3d", "RP5M", 1.90, 2.06),  # 73 mm beside its foot, filtered
-    ("PronetoRun01.c3d", "LSHP", 5.1, 5.3),  # a marker of a plate is 36 mm off the others, which end
-    ("TYPE-3.c3d", "RANK", 3.1, 3.25),  # one sample 16 mm nearer to all of its foot
-    ("HC033A22.c3d", "RAJC", 0.25, 0.5),  # a computed point whose plate was fitted to other markers, 10 mm off
-)
-"""File, what markers' names begin with, s: errors of files as they are."""
 
 
 class Told(NamedTuple):
@@ -83,24 +76,14 @@ def kind_of(one: Problem) -> str | None:
     return next((kind for kind, fields in KINDS.items() if set(fields) <= set(one.values)), None)
 
 
-def natural(known: Known, one: Problem) -> bool:
-    """Whether a problem is an error that its file has as it is."""
-    at = (np.array([one.first, one.last]) - known.trajectories.first_frame) / known.trajectories.rate
-    return any(
-        known.name == file and any(name.startswith(start) for name in one.tracks) and at[0] < high and at[1] > low
-        for file, start, low, high in NATURAL
-    )
-
-
 def told() -> list[Told]:
     rows = []
     with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
         for k, known in enumerate(trials()):
-            items = [one for one in listed(known).items if not natural(known, one)]
             some = [
                 (one, kind, true)
-                for one in items
+                for one in listed(known).items
                 if (kind := kind_of(one)) is not None and (true := truth_of(known, one)) is not None
             ]
             of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
@@ -172,8 +155,7 @@ def main() -> None:
         alone = judged([row for row in rows if row.laboratory == place], None)
         print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(mine)}; by themselves {unsure(alone)}")
     say("By its trial, by the coefficients of all", judged(rows, c_all := fit(rows)))
-    print(f"  in_trial: {c_all[0]:.2f}, {c_all[1]:.2f} (kept: {COEFFICIENTS['in_trial']}); without one laboratory "
-          f"{spread(c, 0)}, {spread(c, 1)}")  # fmt: skip
+    print(f"  in_trial: {c_all[0]:.2f}, {c_all[1]:.2f}; without one laboratory {spread(c, 0)}, {spread(c, 1)}")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import pytest
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.data.edits import is_named
 from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial, leaps, pieces, places, spikes
+from kinemark.edit.probable_errors.companion_steps import companion_steps
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
 from kinemark.edit.probable_errors.probability import BEYOND, COEFFICIENTS, TAIL, as_common, evidence_of_trial
@@ -49,6 +50,26 @@ def test_an_exchange_over_a_gap_is_told_from_a_gap_by_the_shape_of_the_body():
     hidden = without(without(trial, p, f - 15, f + 15), q, f - 15, f + 15)
     assert not likely(hidden)
     assert {(a, b) for a, b, *_ in likely(exchanged(hidden, p, q, f))} == {(p, q), (q, p)}
+
+
+@pytest.mark.parametrize("f", [21, 33, 48])
+def test_an_exchange_that_fast_motion_hides_where_frames_are_few_is_found_by_the_shape_of_the_body(f):
+    trial = every(clean(), 4)
+    p = 8
+    q = nearest(trial.xyz, p, f)
+    hidden = exchanged(trial, p, q, f)
+    paths = Paths.of(hidden)
+    assert not any(paths.index_before(one, f - 1) in paths.jumps[one] for one in (p, q))
+    assert not likely(trial) and {(a, b) for a, b, *_ in likely(hidden, 0.8)} == {(p, q), (q, p)}
+    assert all(len(steps) == 0 for steps in companion_steps(Paths.of(trial)))
+
+
+def test_a_long_gap_by_itself_does_not_speak_for_two_markers():
+    """A glove's only sample after four seconds, 3 mm from where it was, was called another marker's with 62 %."""
+    whole = clean()
+    standing = with_xyz(whole, {p: path.xyz[:1] + (path.xyz - path.xyz[:1]) / 1000 for p, path in enumerate(whole)})
+    lone = without(without(standing, 5, 7, len(whole.paths[5].xyz) - 1), 5, 0, 2)
+    assert max((wrong for p, *_, wrong in likely(lone, 0.0) if p == 5), default=0.0) < 0.05
 
 
 @pytest.mark.parametrize(("first", "stop"), [(120, 121), (120, 126), (250, 252)])
@@ -181,6 +202,17 @@ def test_two_pieces_are_one_marker_in_the_order_of_time_alone():
         found = pieces(Paths.of(replace(whole, paths=(*whole.paths[:4], *whole.paths[5:], *some))))
         names = (*whole.names[:4], *whole.names[5:], *(one.name for one in some))
         assert [(names[one.before], names[one.after]) for one in found] == [("*0", "*1")]
+
+
+@pytest.mark.parametrize(("samples", "found"), [(1, False), (3, False), (40, True)])
+def test_stray_images_long_after_each_other_are_no_pieces_of_a_marker(samples, found):
+    """A walk's list was four pairs of single points, 0.6 to 1.1 m and half a second apart, with 20 %."""
+    names, xyz = walk()
+    loose = np.full((2, *xyz.shape[1:]), np.nan)
+    for one, first in ((0, 100 - samples), (1, 200)):
+        loose[one, first : first + samples] = xyz[9, first : first + samples]
+    trial = trajectories([*np.delete(xyz, 9, 0), *loose], [*np.delete(names, 9), "*1", "*2"])
+    assert bool(pieces(Paths.of(trial))) == found
 
 
 def test_two_pieces_of_one_marker_are_likelier_one_than_two_of_two():

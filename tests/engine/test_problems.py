@@ -25,7 +25,7 @@ from kinemark.label import computed_points
 from support.computed import computed, walker, with_computed
 from support.edited import scene
 from support.shared import shared_data
-from support.walked import clean, exchanged, nearest, spiked, walk, with_xyz, without
+from support.walked import clean, every, exchanged, nearest, spiked, walk, with_xyz, without
 
 P, AT = 9, 200
 
@@ -52,6 +52,21 @@ def test_what_is_seeded_is_listed_in_the_order_of_its_cost_and_nothing_else_is_l
     assert set(found[0].tracks) == pair and found[0].frame == AT + 1
     assert (found[1].first, found[1].last, found[1].at_stake) == (101, 103, 3)
     assert all(sum(way.probability for way in one.alternatives) == pytest.approx(1) for one in found)
+
+
+def test_what_is_not_worth_a_look_is_listed_once(tmp_path):
+    """A step, a spike and a gap's edge of one stretch counted as three among the errors that are expected."""
+    trial, rng = every(clean(), 4), np.random.default_rng(1)
+    for p in range(8):
+        for f in rng.integers(8, trial.n_frames - 14, 3).tolist():
+            stop = f + int(rng.integers(1, 6))
+            trial = spiked(trial, p, f, stop, mm=float(rng.uniform(3, 12)))
+            if rng.random() < 0.6:
+                trial = without(trial, p, stop, stop + int(rng.integers(2, 9)))
+    found = problems(editing_of(trial, tmp_path), one_by_one=True).items
+    few = [one for one in found if not one.asked and one.kind in ("spike", "join") and len(one.tracks) == 1]
+    near, pairs = 0.2 * trial.rate, [(a, b) for k, a in enumerate(few) for b in few[:k] if a.tracks == b.tracks]
+    assert len(few) > 10 and not [1 for a, b in pairs if a.first - near <= b.last and b.first <= a.last + near]
 
 
 def test_taking_the_best_alternatives_gives_the_trial_back(tmp_path):

@@ -6,7 +6,9 @@ itself, or as the other. What two halves cost that are one marker is
     c = 7/2 ln(1 + χ²/4) + 3/2 ln(2π σ²),      χ² = d²/σ²                                                    (1)
 
 with the distance d of their continuations and its variance σ² per axis, as of Student's t with four degrees of freedom,
-which knows outliers; a half that begins or ends costs END. The evidence of motion for an exchange is
+which knows outliers; a half that begins or ends costs END, and in files a place after a gap so long that it may be
+anywhere costs no more than both: else long gaps by themselves would speak for two markers. The evidence of motion for
+an exchange is
 
     motion = c(p₋ p₊) + c(q₋ q₊) − c(p₋ q₊) − c(q₋ p₊),                                                       (2)
 
@@ -25,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from .carried import Leaving
 from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
 from .probability import of_source, probability
@@ -52,6 +55,9 @@ class Evidence(NamedTuple):
         near: 1 where tracking saw another come so near that either could have had the other's images. companions: nats
             / 10 that those beside it on both sides say for one marker (`shape.companions`), 0 where unknown; both 0 in
             files.
+        left: ln(1 + mm) that the path comes over the place from where its companions carry it (`carried`), 0 where
+            unknown: (3) is of a second, in which a stretch of some frames is not seen. beside: the same of what is
+            nearest to it, the median; both 0 of tracks that have images.
     """
 
     motion: float
@@ -68,6 +74,8 @@ class Evidence(NamedTuple):
     alone: float
     near: float = 0.0
     companions: float = 0.0
+    left: float = 0.0
+    beside: float = 0.0
 
 
 class Change(NamedTuple):
@@ -141,7 +149,8 @@ def _met(before: Ends, after: Ends, paths: Paths) -> tuple[Floats, Floats, Float
     none_before, none_after = np.isinf(before.variance[:, 0]), np.isinf(after.variance[:, 0])
     with np.errstate(invalid="ignore"):
         squared = met.squared
-        cost = 3.5 * np.log1p(squared / 4) + 1.5 * np.log(2 * np.pi * met.variance)
+        most = np.inf if paths.images.any() else 2 * END
+        cost = 3.5 * np.log1p(squared / 4) + np.minimum(1.5 * np.log(2 * np.pi * met.variance), most)
     cost = np.where(none_before & none_after, 0.0, np.where(none_before | none_after, END, cost))
     return cost, met.off, squared, met.variance
 
@@ -152,6 +161,7 @@ class _Windows:
     def __init__(self, paths: Paths) -> None:
         self.paths = paths
         self.spread = spread(paths)
+        self.leaving = Leaving(paths)
         self.known: dict[tuple[int, float, int], Distances] = {}
 
     def of(self, p: int, middle: float, side: int) -> Distances:
@@ -168,6 +178,12 @@ class _Windows:
     def companions(self, place: Place) -> float:
         """What those beside it say for one marker."""
         return companions(self.paths, place.path, place.sample, self.spread) / 10
+
+    def left(self, place: Place) -> tuple[float, float] | None:
+        """`Evidence.left` and `beside`; None where they are not known."""
+        p, (f, g) = place.path, self.paths.frames[place.path][place.sample :][:2].tolist()
+        mm = self.leaving.mm(p, f, g)
+        return None if np.isnan(mm) else (float(np.log1p(mm)), float(np.log1p(self.leaving.beside(p, f, g))))
 
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
@@ -197,6 +213,7 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     images = windows.images(place)
     tracked = bool(images.any())
     kept = windows.companions(place) if tracked else 0.0
+    left = None if tracked else windows.left(place)
     for n, partner in enumerate(place.partners):
         own, keep, other = windows.misfits(place, partner)
         shape = keep - (other if np.isfinite(other) else USUAL_MISFIT)
@@ -208,11 +225,11 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
             float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
             float(place.told), float(np.log(max(int(images.min()), 2))),
             float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
-            float(place.near and tracked), kept,
+            float(place.near and tracked), kept, *(left or (0.0, 0.0)),
         )  # fmt: skip
         off = costs.off[:, n]
         kind = of_source("cut" if tracked and partner.path < 0 else "change", tracked)
-        wrong = probability(kind, evidence)
+        wrong = probability(kind if tracked or left else f"{kind}_alone", evidence)
         one = Change(place, partner, evidence, wrong, _most(off[:2]), _most(off[2:]), kind)
         if best is None or _strength(one.evidence) > _strength(best.evidence):
             best = one

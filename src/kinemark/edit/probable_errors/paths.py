@@ -49,6 +49,9 @@ HALF = 2.366
 SIGNIFICANT = 11.34
 """χ² of three degrees of freedom that 1 in 100 exceeds; by definition."""
 
+UNTOLD_MM = 300.0
+"""σ from which on a distance over a gap says nothing; chosen: a limb's length, any marker of which may be meant."""
+
 JUMP, JUMP_MM = 6.0, 3.0
 """Times what is usual, and mm besides noise, of (5); chosen: noise alone reaches them once in thousands of samples."""
 USUAL_STEPS, RESTLESS = 25, 5.0

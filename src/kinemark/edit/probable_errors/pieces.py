@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .paths import Paths, ends, meeting
+from .paths import UNTOLD_MM, Paths, ends, meeting
 from .places import REACH_MM, REACH_SPEED
 from .probability import of_source, probability
-from .shape import distances, misfit
+from .shape import ENOUGH, distances, misfit
 
 LONGEST_S = 1.5
 """s between two pieces, at most; chosen: motion and shape tell little over more."""
@@ -71,6 +71,8 @@ def pieces(paths: Paths) -> list[Piece]:
             distances(paths, int(p[n]), f, -1), distances(paths, int(q[n]), g - 1, 1), (int(p[n]), int(q[n]))
         )
         known = np.isfinite(shape)
+        if met.variance[n] > UNTOLD_MM**2 and min(len(paths.frames[p[n]]), len(paths.frames[q[n]])) < ENOUGH:
+            continue  # stray images of a few frames: neither motion nor shape tells
         evidence = PieceEvidence(
             float(np.clip(motion[n], -30, 30)), shape if known else 0.0, float(known), rival,
             float(np.log(met.variance[n]) / 2),

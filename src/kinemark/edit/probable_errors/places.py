@@ -18,6 +18,7 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from ...numerics.runs import true_runs
+from .companion_steps import companion_steps
 from .paths import Paths
 
 NEAR_SD, NEAR_MM = 8.0, 3.0
@@ -87,8 +88,9 @@ def places(paths: Paths, told: Iterable[Told] = ()) -> list[Place]:
         told: what tracking was not sure of.
     """
     found = dict[tuple[int, int], set[int]]()
+    left = companion_steps(paths)
     for p, own in enumerate(paths.frames):
-        for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist()]:
+        for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist(), *left[p].tolist()]:
             found.setdefault((p, i), set())
     told = tuple(told)
     for p, frame, q in (*_near(paths), *((one.path, one.middle, one.other) for one in told)):

@@ -13,6 +13,8 @@ from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, 
 
 LIKELY = 0.5
 """Probability from which on a spike, a leap or an exchange stands for what is beside it; chosen."""
+ONCE = 6
+"""Frames within which a path shows one thing twice, at most; chosen, as what filters smear (`leaps.SMEARED`)."""
 
 
 class Found(NamedTuple):
@@ -42,6 +44,39 @@ def by_trial(found: Found) -> Found:
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),
         leaps=tuple(one._replace(wrong=next(wrong)) for one in found.leaps),
     )
+
+
+def likeliest(found: Found, near: float) -> Found:
+    """Without what files show that is not worth a look, and is on its path within `near` frames of what is, with which
+    it is looked at, or within ONCE of what is likelier: this shows the same, which would count several times among the
+    errors that are expected."""
+    some = [(one.place.path, *_span(found.paths, one), one.wrong) for one in found.changes]
+    some += [(one.path, one.first, one.last, one.wrong) for one in found.spikes]
+    some += [(one.path, one.before, one.after, one.wrong) for one in found.leaps]
+    with_images = [bool(row.any()) for row in found.paths.images]
+    kept = np.zeros(len(some), bool)
+    frames: dict[int, list[tuple[float, float]]] = {}
+    for k in sorted(range(len(some)), key=lambda k: -some[k][3]):
+        path, first, last, wrong = some[k]
+        beside = any(low <= last and first <= high for low, high in frames.get(path, ()))
+        kept[k] = wrong >= ASK_ABOVE or with_images[path] or not beside
+        exchanged = k < len(found.changes) and wrong >= ASK_ABOVE
+        others = (path, found.changes[k].partner.path) if exchanged else (path,)
+        for other in others if kept[k] else ():
+            reach = near if wrong >= ASK_ABOVE else min(ONCE, near)
+            frames.setdefault(other, []).append((first - reach, last + reach))
+    stays = iter(kept.tolist())
+    return found._replace(
+        changes=tuple(one for one in found.changes if next(stays)),
+        spikes=tuple(one for one in found.spikes if next(stays)),
+        leaps=tuple(one for one in found.leaps if next(stays)),
+    )
+
+
+def _span(paths: Paths, one: Change) -> tuple[int, int]:
+    """Frames of the samples beside a change."""
+    first, last = paths.frames[one.place.path][one.place.sample :][:2].tolist()
+    return first, last
 
 
 def not_exchanged(some: Sequence[Piece], own: Sequence[Change], near: float) -> list[Piece]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...data import MarkerTrajectory, Trajectories
 from ...data.edits import Edit, is_named
-from ...data.problems import ASK_ABOVE, Alternative, Problem, ProblemKind
+from ...data.problems import Alternative, Problem, ProblemKind
 from ...edit.probable_errors import (
     Change,
     Filling,
@@ -30,15 +30,14 @@ from ...edit.probable_errors import (
     spikes,
     unbroken,
 )
+from ...edit.probable_errors.paths import UNTOLD_MM
 from ...report.words.problems import problem_text, untold_text
 from .context import VERSIONS, Context
-from .found import LIKELY, Found, apart_from, by_trial, not_exchanged, numbered
+from .found import LIKELY, Found, apart_from, by_trial, likeliest, not_exchanged, numbered
 from .of_breaks import of_breaks
 
 TOGETHER_S = 0.2
 """s within which changes of one path are one problem; chosen: what happens once is seen at several frames."""
-UNTOLD_MM = 300.0
-"""σ from which on a distance over a gap says nothing; chosen: a limb's length, any marker of which may be meant."""
 LEAST_OFF_MM = 1.0
 """mm that a sample which nobody measured is off at least; chosen: nothing tells less where it is."""
 GHOST_MM = 20.0
@@ -103,12 +102,11 @@ def _of_each(now: Trajectories, paths: Paths, told: tuple[Told, ...]) -> Found:
     own = changes(paths, places(paths, told))
     off, gone = _each_once(spikes(paths), _not_exchanged(leaps(paths), own))
     own = _once(_not_in_others(own, off, gone, paths), paths)
-    own, off, gone = _without_beside(own, off, gone, paths)
     loose = [one for one in pieces(paths) if not all(is_named(now.names[p]) for p in (one.before, one.after))]
     loose = not_exchanged(loose, own, TOGETHER_S * paths.rate)
-    return by_trial(
-        Found(paths, off, gone, tuple(own), tuple(loose), tuple(ghosts(paths, now)), tuple(made), (), as_it_is)
-    )
+    found = Found(paths, off, gone, tuple(own), tuple(loose), tuple(ghosts(paths, now)), tuple(made), (), as_it_is)
+    near = TOGETHER_S * paths.rate
+    return likeliest(by_trial(likeliest(found, near)), near)  # no other of a trial is evidence twice
 
 
 def _measured(now: Trajectories, made: Sequence[Filling]) -> Trajectories:
@@ -138,12 +136,16 @@ def _told(context: Context) -> Iterator[Told]:
 
 
 def _not_exchanged(gone: Sequence[Leap], some: Sequence[Change]) -> list[Leap]:
-    """The leaps that are no exchange of two paths, which is likely and says more."""
+    """The leaps that are no exchange of two paths, which is as likely and says more."""
     known = [
-        (path, one.place.middle) for one in some if one.wrong >= LIKELY and one.partner.path >= 0
+        (path, one.place.middle, one.wrong) for one in some if one.wrong >= LIKELY and one.partner.path >= 0
         for path in (one.place.path, one.partner.path)
     ]  # fmt: skip
-    return [one for one in gone if not any(one.path == path and one.before <= f <= one.after for path, f in known)]
+
+    def said(leap: Leap) -> bool:
+        return any(leap.path == p and leap.before <= f <= leap.after and leap.wrong <= wrong for p, f, wrong in known)
+
+    return [one for one in gone if not said(one)]
 
 
 def _each_once(off: Sequence[Spike], gone: Sequence[Leap]) -> tuple[tuple[Spike, ...], tuple[Leap, ...]]:
@@ -166,38 +168,6 @@ def _edge_of(spike: Spike, leap: Leap) -> bool:
 def _said(gone: Sequence[Leap], path: int, first: int, last: int, wrong: float) -> bool:
     """Whether a leap that is as likely says what is seen in these frames."""
     return any(one.path == path and one.before <= last and first <= one.after and wrong <= one.wrong for one in gone)
-
-
-def _without_beside(
-    own: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], paths: Paths
-) -> tuple[list[Change], tuple[Spike, ...], tuple[Leap, ...]]:
-    """Without what files show that is not worth a look, and near to what is: it is looked at with that."""
-    telling = _worth_a_look(own, off, gone, TOGETHER_S * paths.rate)
-
-    def kept(path: int, first: float, last: float, wrong: float) -> bool:
-        near = (low <= last and first <= high for low, high in telling.get(path, ()))
-        return wrong >= ASK_ABOVE or bool(paths.images[path].any()) or not any(near)
-
-    return (
-        [one for one in own if kept(one.place.path, one.place.middle, one.place.middle, one.wrong)],
-        tuple(one for one in off if kept(one.path, one.first, one.last, one.wrong)),
-        tuple(one for one in gone if kept(one.path, one.before, one.after, one.wrong)),
-    )
-
-
-def _worth_a_look(
-    own: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], near: float
-) -> dict[int, list[tuple[float, float]]]:
-    """path → frames near to which something is worth a look."""
-    found = [(one.place.path, one.place.middle, one.place.middle, one.wrong) for one in own]
-    found += [(one.partner.path, one.place.middle, one.place.middle, one.wrong) for one in own]
-    found += [(one.path, one.first, one.last, one.wrong) for one in off]
-    found += [(one.path, one.before, one.after, one.wrong) for one in gone]
-    frames: dict[int, list[tuple[float, float]]] = {}
-    for path, first, last, wrong in found:
-        if wrong >= ASK_ABOVE:
-            frames.setdefault(path, []).append((first - near, last + near))
-    return frames
 
 
 def _not_in_others(some: Sequence[Change], off: Sequence[Spike], gone: Sequence[Leap], paths: Paths) -> list[Change]:

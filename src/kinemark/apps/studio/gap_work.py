@@ -2,8 +2,7 @@
 
 All gaps of a trial are judged together, which takes a tenth of the time of one by one, and tens of seconds where there
 are hundreds. Who opens one of them meanwhile does not wait for the others: it is judged by itself, and the judging of
-all stands still until it is done. Both stand still while the quick ways to fill one are worked out, which the page waits
-for.
+all stands still until it is done. Both stand still while the page waits for the quick ways to fill one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whose turn it is on one interpreter: what somebody waits for first, and what is done for nobody in particular last."""
+"""Whose turn it is on one interpreter: first what somebody waits for, last what is done for nobody in particular."""
 
 from __future__ import annotations
 

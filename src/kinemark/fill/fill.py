@@ -248,7 +248,7 @@ def evaluate_leading(
     answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
-        lead = {}
+        lead: dict[int, CandidateFill] = {}
         for index in left:
             tell(len(lead), len(left))
             lead[index] = best_candidate(answers, *expected_errors(answers, gaps, index), index)

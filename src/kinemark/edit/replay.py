@@ -35,7 +35,7 @@ from ..data.edits import (
     live,
 )
 from .anchors import ELSEWHERE, followed, is_of_no_path
-from .claims import ENOUGH, Claimed, with_claims
+from .claims import ENOUGH, FEW_UNSURE, UNSURE, Claimed, with_claims
 from .folds import Folded, ValueEdit, with_values
 from .values import Footage, Result
 from .votes import votes
@@ -176,6 +176,8 @@ def _claim_outcome(claimed: Claimed, k: int, facts: bool, name: str | None) -> t
         return "overruled", share, 0, "later claims have all of its samples"
     if share < ENOUGH:
         return "thin", share, samples, f"only {found} of its {asked} witnesses are on a path now"
+    if claimed.unsure[k] > max(UNSURE * samples, FEW_UNSURE):
+        return "thin", share, samples, f"{claimed.unsure[k]} of its samples may be those of a marker near by"
     if not claimed.changed[k] and not facts:
         return "moot", share, samples, "it is called so without it"
     return "held", share, samples, ""

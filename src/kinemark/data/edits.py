@@ -78,6 +78,10 @@ class Stretch:
         for witness in self.witnesses:
             _check_numbers(witness.xyz, [n for _, *uv in witness.images for n in uv])
 
+    def __hash__(self) -> int:
+        """By one witness: an act looks up all stretches of a journal, and all of theirs would take most of its time."""
+        return hash((self.first, self.last, self.witnesses[0], len(self.witnesses), self.world))
+
 
 @dataclass(frozen=True, slots=True)
 class Claim:

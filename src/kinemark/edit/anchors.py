@@ -34,7 +34,7 @@ from ..data.array_types import Ints
 from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, Put, Smooth, Stretch, Trim, is_named
 from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
-from .votes import FAR_MM, compared, votes, witnesses_of
+from .votes import FAR_MM, compared, known_votes, votes, witnesses_of
 from .witnesses import witness_of
 
 FEW = 4
@@ -130,21 +130,35 @@ def followed(edit: AnyEdit, given: Trajectories, named: Trajectories, of: Footag
     """
     if not isinstance(edit, OfMarker) or edit.whose is None:
         return edit
-    said = votes([edit.whose], given, of.detections, world=of.world)
+    stated = named[edit.marker] if edit.marker in named.names else None
+    own = {} if stated is None else known_votes(given, of.detections, of.world).own.setdefault(stated, {})
+    if id(edit) in own:
+        return edit
+    now = _owner(edit.whose, stated, given, named, of)
+    if now is stated:
+        own[id(edit)] = edit  # which is kept, so that its id stays its own
+    called = now is not None and (is_named(now.name) or not is_named(edit.marker))
+    return replace(edit, marker=now.name) if now is not None and called and now is not stated else edit
+
+
+def _owner(
+    whose: Stretch, stated: MarkerTrajectory | None, given: Trajectories, named: Trajectories, of: Footage
+) -> MarkerTrajectory | None:
+    """The marker that has the samples which tell whose an edit is; the one that is stated, or None, where none does."""
+    said = votes([whose], given, of.detections, world=of.world)
     seen = said.path >= 0
     if 2 * seen.sum() <= len(seen):
-        return edit
+        return stated
     frame = said.frame[seen]
     place = np.array([given.paths[p].xyz[f] for p, f in zip(said.path[seen], frame, strict=True)])
 
     def has(path: MarkerTrajectory) -> int:
         return int((path.xyz[frame] == place).all(1).sum())
 
-    if edit.marker in named.names and 2 * has(named[edit.marker]) >= len(seen):
-        return edit
+    if stated is not None and 2 * has(stated) >= len(seen):
+        return stated
     now = max(named, key=has)
-    called = is_named(now.name) or not is_named(edit.marker)
-    return replace(edit, marker=now.name) if called and 2 * has(now) > len(seen) else edit
+    return now if 2 * has(now) > len(seen) else stated
 
 
 def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: Footage) -> Result | None:

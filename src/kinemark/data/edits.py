@@ -194,7 +194,12 @@ class Smooth:
 
 @dataclass(frozen=True, slots=True)
 class ImagePoint:
-    """Where a marker is in one image; or, where `marker` is None, that the image there is no marker's."""
+    """Where a marker is in one image; or, where `marker` is None, that the image there is no marker's.
+
+    Attributes:
+        where: samples of the marker beside the frame. whose: of all its frames; None in older journals, and of no
+            marker's image, which is its own witness.
+    """
 
     camera: str
     frame: int
@@ -202,6 +207,8 @@ class ImagePoint:
     v: float
     marker: str | None
     kind: Literal["image"] = "image"
+    where: Stretch | None = None
+    whose: Stretch | None = None
 
     def __post_init__(self) -> None:
         if self.marker is not None:

@@ -52,12 +52,11 @@ def test_edits_of_samples_hold_where_these_are_what_they_were(again):
 @pytest.mark.parametrize(
     "again",
     [
-        of_file(lambda xyz: xyz + 1000.0),
         of_file(lambda xyz: xyz[30:]),
         of_file(lambda xyz: np.repeat(xyz, 3, axis=0), rate=300.0),
         of_file(lambda xyz: xyz / 1000.0),
     ],
-    ids=["another origin", "numbered from another frame", "another rate", "another unit"],
+    ids=["numbered from another frame", "another rate", "another unit"],
 )
 def test_what_is_elsewhere_now_is_not_erased_put_or_smoothed_and_this_is_said(again):
     edited = replay(again, entries(*said_of(of_file())))
@@ -82,6 +81,22 @@ def test_a_trim_and_an_event_are_of_their_moment_whatever_its_number_is_by_now()
     edited = replay(of_file(lambda xyz: xyz[30:]), entries(*said))
     assert [one.outcome for one in edited.applied] == ["orphan", "orphan"]
     assert edited.kept == (0, 170) and not edited.events
+
+
+@pytest.mark.parametrize("rate", [50.0, 120.0, 250.0])
+def test_an_event_is_at_its_time_at_another_rate(rate):
+    said = anchored(AddEvent("Foot Strike", "Left", 0.5), of_file(), None, "")
+    again = paths_without_images(frames=round(2 * rate), rate=rate)
+    edited = replay(again, entries(said))
+    assert [one.outcome for one in edited.applied] == ["held"] and edited.events[0].time_s == 0.5
+    late = replace(again, paths=tuple(replace(p, xyz=np.roll(p.xyz, round(rate / 4), axis=0)) for p in again))
+    assert [one.outcome for one in replay(late, entries(said)).applied] == ["orphan"]
+
+
+def test_an_event_stays_in_its_frame_where_the_rate_was_wrong():
+    said = anchored(AddEvent("Foot Strike", "Left", 0.5), of_file(), None, "")
+    edited = replay(of_file(rate=120.0), entries(said))
+    assert [one.outcome for one in edited.applied] == ["held"] and np.isclose(edited.events[0].time_s, 50 / 120)
 
 
 def test_an_edit_most_of_whose_samples_are_elsewhere_is_thin():

@@ -264,13 +264,18 @@ class TrackAgain:
 
 @dataclass(frozen=True, slots=True)
 class AddEvent:
-    """An event: what, which side, when, s from frame 1 of the recording; where: samples then, None in old journals."""
+    """An event: what, which side, when, s from frame 1 of the recording.
+
+    Attributes:
+        where: samples then. rate: Hz, of their frames; None in older journals.
+    """
 
     label: str
     side: str
     time_s: float
     kind: Literal["event"] = "event"
     where: Stretch | None = None
+    rate: float | None = None
 
     def __post_init__(self) -> None:
         _check_numbers([self.time_s])

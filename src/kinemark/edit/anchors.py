@@ -17,7 +17,8 @@ beside may have been wrong (3). A method that was chosen for a gap is thin where
 An edit that no witness speaks of stands: those of older journals have none, and samples may be gone.
 
 Frames to which a trial is trimmed, and times of events, are no marker's: their witnesses are samples of several
-markers, and the edit is an orphan where none of them is on any path (5).
+markers, and the edit is an orphan where none of them is on any path (5). At another rate an event is at the same time,
+and so are its witnesses; or in the same frames, where these find more of them: then the rate was wrong (7).
 """
 
 from __future__ import annotations
@@ -70,7 +71,9 @@ def anchored(
     if isinstance(edit, Trim | AddEvent):
         given = tuple(before.get(path.name, path) for path in trajectories)
         found = _of_moments(edit, replace(trajectories, paths=given))
-        return replace(edit, where=_stretch(found, start, detections, world))
+        where = _stretch(found, start, detections, world)
+        timed = replace(edit, rate=trajectories.rate) if isinstance(edit, AddEvent) and where else edit
+        return replace(timed, where=where)
     if edit.marker is None or edit.marker not in trajectories.names:
         return edit
     now = trajectories[edit.marker]
@@ -122,13 +125,15 @@ def _spread(frames: Ints) -> Ints:
     return frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).round().astype(np.int64))]
 
 
-def followed(edit: AnyEdit, given: Trajectories, named: Trajectories, of: Footage) -> AnyEdit:
-    """An edit, of the marker that has its samples now (6).
+def followed(edit: Edit, given: Trajectories, named: Trajectories, of: Footage) -> Edit:
+    """An edit, of the marker that has its samples now (6), and of the frames that have its time (7).
 
     Args:
         edit: any. given: before all edits. named: the same samples under the names that claims give them.
         of: what is behind the samples.
     """
+    if isinstance(edit, AddEvent):
+        return _at_rate(edit, given, of)
     if not isinstance(edit, OfMarker) or edit.marker is None or edit.whose is None:
         return edit
     stated = named[edit.marker] if edit.marker in named.names else None
@@ -205,6 +210,21 @@ def is_of_no_path(edit: Trim | AddEvent, trajectories: Trajectories, of: Footage
     found = votes([edit.where], trajectories, of.detections, world=of.world)
     inside = (found.frame >= 0) & (found.frame < trajectories.n_frames)
     return bool(inside.any() and (found.path < 0).all())
+
+
+def _at_rate(edit: AddEvent, given: Trajectories, of: Footage) -> AddEvent:
+    """An event at the rate that the trial has now (7)."""
+    if edit.where is None or edit.rate in (None, of.rate):
+        return edit
+    faster = of.rate / edit.rate
+    timed = {round((w.frame - 1) * faster) + 1: w for w in edit.where.witnesses}
+    then = replace(edit.where, witnesses=tuple(w._replace(frame=frame) for frame, w in timed.items()))
+    by_time, by_frame = (
+        int((votes([where], given, of.detections, world=of.world).path >= 0).sum()) for where in (then, edit.where)
+    )
+    if by_frame > by_time:
+        return replace(edit, time_s=edit.time_s / faster, rate=of.rate)
+    return replace(edit, where=then, rate=of.rate)
 
 
 def _goes_on(edit: Put | ImagePoint, path: MarkerTrajectory, of: Footage) -> bool:

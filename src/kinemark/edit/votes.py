@@ -81,6 +81,7 @@ class KnownVotes(dict[Stretch, Votes]):
     Attributes:
         rows: what claims made of a path, by the path and the claims; for `claims`.
         own: edits that are found to be of a marker, by their ids; for `anchors`.
+        placed: edits that find their samples, by their ids; moved: others, and what became of them; for `moves`.
     """
 
     def __init__(self, trajectories: Trajectories, detections: Detections | None, world: str) -> None:
@@ -88,6 +89,8 @@ class KnownVotes(dict[Stretch, Votes]):
         self.trajectories, self.detections, self.world = trajectories, detections, world
         self.rows: dict[object, tuple[Ints, Floats]] = {}
         self.own: WeakKeyDictionary[MarkerTrajectory, dict[int, Edit]] = WeakKeyDictionary()
+        self.placed: dict[int, Edit] = {}
+        self.moved: dict[tuple[int, ...], tuple[Sequence[Edit], list[Edit]]] = {}
         self._pieces = np.full((len(trajectories), trajectories.n_frames), -1, np.int64)
 
     def pieces(self, paths: Ints) -> Ints:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Origin, same
-from kinemark.data.edits import AddEvent, Claim, Erase, GapChoice, Put, Smooth, Trim
+from kinemark.data.edits import AddEvent, Claim, Erase, GapChoice, ImagePoint, Put, Smooth, Trim
 from kinemark.edit import anchored, replay, stretch_of
+from kinemark.geometry import project
 from support.edited import entries, paths_without_images, scene
 
 NAMES = "ABCD"
@@ -51,12 +52,11 @@ def test_edits_of_samples_hold_where_these_are_what_they_were(again):
 @pytest.mark.parametrize(
     "again",
     [
-        of_file(lambda xyz: xyz + 1000.0),
         of_file(lambda xyz: xyz[30:]),
         of_file(lambda xyz: np.repeat(xyz, 3, axis=0), rate=300.0),
         of_file(lambda xyz: xyz / 1000.0),
     ],
-    ids=["another origin", "numbered from another frame", "another rate", "another unit"],
+    ids=["numbered from another frame", "another rate", "another unit"],
 )
 def test_what_is_elsewhere_now_is_not_erased_put_or_smoothed_and_this_is_said(again):
     edited = replay(again, entries(*said_of(of_file())))
@@ -81,6 +81,22 @@ def test_a_trim_and_an_event_are_of_their_moment_whatever_its_number_is_by_now()
     edited = replay(of_file(lambda xyz: xyz[30:]), entries(*said))
     assert [one.outcome for one in edited.applied] == ["orphan", "orphan"]
     assert edited.kept == (0, 170) and not edited.events
+
+
+@pytest.mark.parametrize("rate", [50.0, 120.0, 250.0])
+def test_an_event_is_at_its_time_at_another_rate(rate):
+    said = anchored(AddEvent("Foot Strike", "Left", 0.5), of_file(), None, "")
+    again = paths_without_images(frames=round(2 * rate), rate=rate)
+    edited = replay(again, entries(said))
+    assert [one.outcome for one in edited.applied] == ["held"] and edited.events[0].time_s == 0.5
+    late = replace(again, paths=tuple(replace(p, xyz=np.roll(p.xyz, round(rate / 4), axis=0)) for p in again))
+    assert [one.outcome for one in replay(late, entries(said)).applied] == ["orphan"]
+
+
+def test_an_event_stays_in_its_frame_where_the_rate_was_wrong():
+    said = anchored(AddEvent("Foot Strike", "Left", 0.5), of_file(), None, "")
+    edited = replay(of_file(rate=120.0), entries(said))
+    assert [one.outcome for one in edited.applied] == ["held"] and np.isclose(edited.events[0].time_s, 50 / 120)
 
 
 def test_an_edit_most_of_whose_samples_are_elsewhere_is_thin():
@@ -163,6 +179,53 @@ def test_images_find_samples_again_in_another_world():
     other = replace(moved, paths=tuple(replace(p, name=n) for p, n in zip(moved, "BACDE", strict=True)))
     edited = replay(other, entries(erase), detections=detections, rig=rig, world="another")
     assert [(one.outcome, one.edit.marker) for one in edited.applied] == [("held", "B")]
+
+
+def named_scene(names="ABCDE"):
+    tracks = scene()[2]
+    return replace(tracks, paths=tuple(replace(p, name=n) for p, n in zip(tracks, names, strict=True)))
+
+
+def clicked(trajectories, marker, frame=31, camera=0):
+    """An image of a marker by hand, 2 px from where it was found, with its witnesses."""
+    rig, detections, _, world = scene()
+    u, v = project(rig.cameras[camera], trajectories[marker].xyz[frame - 1][None])[0].tolist()
+    return anchored(ImagePoint(rig.names[camera], frame, u + 2.0, v, marker), trajectories, detections, world)
+
+
+def test_an_image_by_hand_goes_with_its_marker_and_is_not_given_to_another_one():
+    rig, detections, _, world = scene()
+    behind = {"detections": detections, "rig": rig, "world": world}
+    given, said = named_scene(), clicked(named_scene(), "A")
+    assert len(said.where.witnesses) == len(said.whose.witnesses) == 4
+    assert outcomes(given, [said], **behind) == ["held"]
+    edited = replay(named_scene("BACDE"), entries(said), **behind)
+    assert [(one.outcome, one.edit.marker) for one in edited.applied] == [("held", "B")]
+    assert (
+        edited.trajectories["A"] is edited.trajectories.paths[1]
+        and edited.trajectories["B"].origin[30] == Origin.EDITED
+    )
+    elsewhere = replace(given, paths=(replace(given["B"], name="A"), *given.paths[2:]))
+    found = replay(elsewhere, entries(said), **behind)
+    assert [one.outcome for one in found.applied] == ["orphan"] and found.trajectories is elsewhere
+
+
+def test_an_image_that_shows_the_marker_now_stands_though_the_samples_beside_it_were_wrong():
+    rig, detections, _, world = scene()
+    given = named_scene()
+    wrong = given["A"].xyz.copy()
+    wrong[20:45] += 300.0
+    seen = replace(given, paths=(MarkerTrajectory.measured("A", wrong), *given.paths[1:]))
+    u, v = project(rig.cameras[0], given["A"].xyz[30][None])[0].tolist()
+    said = anchored(ImagePoint(rig.names[0], 31, u, v, "A"), seen, None, world)
+    assert outcomes(given, [said], detections=detections, rig=rig, world=world) == ["held"]
+    off = replace(said, u=u + 200.0)
+    assert outcomes(given, [off], detections=detections, rig=rig, world=world) == ["orphan"]
+
+
+def test_an_image_that_is_no_marker_s_needs_no_witness():
+    said = ImagePoint(scene()[0].names[0], 31, 3.0, 3.0, None)
+    assert anchored(said, named_scene(), scene()[1], scene()[3]) is said
 
 
 def test_what_nobody_saw_has_no_witness_and_stands_as_in_older_journals():

@@ -269,3 +269,19 @@ def test_who_claims_a_piece_for_a_name_claims_what_has_it_and_goes_on(tmp_path):
     assert [edit.name for edit in claim_of(editing, "*9", "LKNE")] == ["LKNE", "LKNE"]
     assert len(claim_of(editing, "*2", "LKNE")) == 1, "a marker elsewhere is not the same one"
     assert len(claim_of(editing, "*9", "RKNE")) == 1
+
+
+def test_a_claim_whose_path_was_another_marker_for_some_frames_is_thin():
+    """Two markers 20 mm apart were exchanged between two witnesses, where one of them was lost: no step tells of it."""
+    one = paths_without_images(n=1).paths[0]
+    other = replace(one, name="*2", xyz=one.xyz + np.array([20.0, 0, 0]))
+    given = replace(paths_without_images(n=1), paths=(one, other))
+    said = [Claim(stretch_of(given, track, at=100), name) for track, name in (("*1", "A"), ("*2", "B"))]
+    assert [one.outcome for one in replay(given, entries(*said)).applied] == ["held", "held"]
+    a, b = one.xyz.copy(), other.xyz.copy()
+    a[92:108], b[92:112] = b[92:108].copy(), np.nan
+    again = replace(given, paths=tuple(MarkerTrajectory.measured(n, x) for n, x in (("*1", a), ("*2", b))))
+    first = replay(again, entries(*said)).applied[0]
+    assert first.outcome == "thin" and first.share > 0.8 and "may be those of a marker near by" in first.reason
+    later = Claim(stretch_of(given, "*1", first=100), "C")
+    assert "thin" not in [one.outcome for one in replay(given, entries(*said, later)).applied], "spans tell the samples"

@@ -10,6 +10,7 @@ from kinemark.edit import anchored, replay, stretch_of
 from kinemark.engine.edit_files import open_editing
 from kinemark.engine.retracking import facts_of_tracks
 from kinemark.engine.session import Session
+from kinemark.geometry import project
 from kinemark.track import to_trajectories
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.facts import mended_tracks
@@ -109,6 +110,23 @@ def test_what_tracking_found_in_the_place_of_erased_samples_is_not_erased_again(
     assert [one.outcome for one in edited.applied] == ["held", "held", "moot", "moot", "held"]
     for name, number in zip("AB", ("*1", "*2"), strict=True):
         assert np.abs(edited.trajectories[name].xyz - tracks[number].xyz)[50:56].max() < 1e-3
+
+
+def test_facts_are_of_the_samples_that_they_were_said_of_whatever_these_are_called_since(right):
+    rig, detections, _, world = scene()
+    named = entries(claim(right, "*1", "A"), claim(right, "*2", "B"))
+    seen = replay(to_trajectories(right, rig), named, detections=detections, rig=rig, world=world).trajectories
+    u, v = project(rig.cameras[0], seen["A"].xyz[30][None])[0].tolist()
+    said = Erase("A", 51, 56), ImagePoint(rig.names[0], 31, u, v, "A")
+    values = entries(*(anchored(edit, seen, detections, world) for edit in said), first=3)
+    now = entries(claim(right, "*1", "B"), claim(right, "*2", "A"), first=5)
+    facts = facts_of_tracks(right, [*named, *values, *now], detections, rig)
+    assert np.unique(right.id[facts.wrong]).tolist() == [0] and facts.wrong.sum() == 6
+    number = facts.marker[right.id == 0][0]
+    assert set(facts.owner[facts.owner >= 0].tolist()) == {number}
+    assert (facts.places.frame.tolist(), facts.places.id.tolist()) == ([30], [number])
+    gone = facts_of_tracks(right, [*entries(claim(right, "*3", "A")), *values], detections, rig)
+    assert not gone.wrong.any() and not (gone.owner >= 0).any(), "of no marker that is called anything"
 
 
 def test_facts_are_what_counts_up_to_the_last_call(right):

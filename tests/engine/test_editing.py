@@ -121,6 +121,12 @@ def test_what_was_said_of_samples_is_an_orphan_where_the_file_is_another_by_now(
     assert [one.outcome for one in open_editing(source).edited().applied] == ["held"] * 4
     source.unlink()
     write_c3d(source, Trial("walk", replace(named, paths=tuple(replace(p, xyz=p.xyz + 500.0) for p in named))))
+    moved = open_editing(source).edited()
+    assert [one.outcome for one in moved.applied] == ["held"] * 4, "all places were moved, and edits go with them"
+    assert np.abs(moved.trajectories["B"].xyz[29] - named["B"].xyz[28] - 500.0).max() < 0.1
+    source.unlink()
+    others = zip(named, paths_without_images(frames=60, seed=9), strict=True)
+    write_c3d(source, Trial("walk", replace(named, paths=tuple(replace(p, xyz=q.xyz) for p, q in others))))
     again = open_editing(source).edited()
     assert [one.outcome for one in again.applied] == ["orphan"] * 4 and "edits_orphaned" in {
         finding.kind for finding in EditRecord(again).findings

@@ -78,6 +78,10 @@ class Stretch:
         for witness in self.witnesses:
             _check_numbers(witness.xyz, [n for _, *uv in witness.images for n in uv])
 
+    def __hash__(self) -> int:
+        """By one witness: an act looks up all stretches of a journal, and all of theirs would take most of its time."""
+        return hash((self.first, self.last, self.witnesses[0], len(self.witnesses), self.world))
+
 
 @dataclass(frozen=True, slots=True)
 class Claim:
@@ -190,7 +194,12 @@ class Smooth:
 
 @dataclass(frozen=True, slots=True)
 class ImagePoint:
-    """Where a marker is in one image; or, where `marker` is None, that the image there is no marker's."""
+    """Where a marker is in one image; or, where `marker` is None, that the image there is no marker's.
+
+    Attributes:
+        where: samples of the marker beside the frame. whose: of all its frames; None in older journals, and of no
+            marker's image, which is its own witness.
+    """
 
     camera: str
     frame: int
@@ -198,6 +207,8 @@ class ImagePoint:
     v: float
     marker: str | None
     kind: Literal["image"] = "image"
+    where: Stretch | None = None
+    whose: Stretch | None = None
 
     def __post_init__(self) -> None:
         if self.marker is not None:
@@ -253,13 +264,18 @@ class TrackAgain:
 
 @dataclass(frozen=True, slots=True)
 class AddEvent:
-    """An event: what, which side, when, s from frame 1 of the recording; where: samples then, None in old journals."""
+    """An event: what, which side, when, s from frame 1 of the recording.
+
+    Attributes:
+        where: samples then. rate: Hz, of their frames; None in older journals.
+    """
 
     label: str
     side: str
     time_s: float
     kind: Literal["event"] = "event"
     where: Stretch | None = None
+    rate: float | None = None
 
     def __post_init__(self) -> None:
         _check_numbers([self.time_s])

@@ -12,12 +12,13 @@ marker has now, it is of that marker, as its samples are called so by now (6). T
 sample is often erased for being another marker's, and trackers exchange two markers for some frames.
 
 An edit that is denied and not found is an orphan, and is applied to nothing (1); it is thin where more deny than find
-it (2). A place that is near to the samples beside it now stands all the same: those that it was said beside may have
-been wrong (3). A method that was chosen for a gap is thin where that is LONGER times as long now (4). An edit that no
-witness speaks of stands: those of older journals have none, and samples may be gone.
+it (2). A place, or an image, that is near to the samples beside it now stands all the same: those that it was said
+beside may have been wrong (3). A method that was chosen for a gap is thin where that is LONGER times as long now (4).
+An edit that no witness speaks of stands: those of older journals have none, and samples may be gone.
 
 Frames to which a trial is trimmed, and times of events, are no marker's: their witnesses are samples of several
-markers, and the edit is an orphan where none of them is on any path (5).
+markers, and the edit is an orphan where none of them is on any path (5). At another rate an event is at the same time,
+and so are its witnesses; or in the same frames, where these find more of them: then the rate was wrong (7).
 """
 
 from __future__ import annotations
@@ -29,12 +30,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..data import Detections, MarkerTrajectory, Origin, Trajectories
-from ..data.array_types import Ints
-from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, Put, Smooth, Stretch, Trim, is_named
+from ..data import Camera, Detections, MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Floats, Ints
+from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, ImagePoint, Put, Smooth, Stretch, Trim, is_named
+from ..geometry import project
 from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
-from .votes import FAR_MM, compared, votes, witnesses_of
+from .votes import FAR_MM, compared, known_votes, votes, witnesses_of
 from .witnesses import witness_of
 
 FEW = 4
@@ -43,9 +45,9 @@ LONGER = 2.0
 """Times, of (4); chosen: ends of a gap move by some frames when a trial is processed again."""
 ELSEWHERE = Result("orphan", reason="the marker is elsewhere there than when this was said")
 """What becomes of an edit whose witnesses all deny it."""
-OfMarker = Erase | Put | GapChoice | Smooth
+OfMarker = Erase | Put | GapChoice | Smooth | ImagePoint
 Anchored = OfMarker | Trim | AddEvent
-"""Edits that have such witnesses; an image is a witness itself."""
+"""Edits that have such witnesses; an image that is no marker's is a witness itself."""
 AnyEdit = TypeVar("AnyEdit", bound=Edit)
 
 
@@ -69,8 +71,10 @@ def anchored(
     if isinstance(edit, Trim | AddEvent):
         given = tuple(before.get(path.name, path) for path in trajectories)
         found = _of_moments(edit, replace(trajectories, paths=given))
-        return replace(edit, where=_stretch(found, start, detections, world))
-    if edit.marker not in trajectories.names:
+        where = _stretch(found, start, detections, world)
+        timed = replace(edit, rate=trajectories.rate) if isinstance(edit, AddEvent) and where else edit
+        return replace(timed, where=where)
+    if edit.marker is None or edit.marker not in trajectories.names:
         return edit
     now = trajectories[edit.marker]
     path = before.get(now.name, now)
@@ -108,7 +112,7 @@ def _of_moments(edit: Trim | AddEvent, trajectories: Trajectories) -> list[tuple
 
 def _spoken_of(edit: OfMarker, frames: Ints) -> tuple[Ints, Ints]:
     """Of the frames that a marker has, those by which an edit is found again, and those that tell whose it is."""
-    first, last = (edit.frame, edit.frame) if isinstance(edit, Put) else (edit.first, edit.last)
+    first, last = (edit.frame, edit.frame) if isinstance(edit, Put | ImagePoint) else (edit.first, edit.last)
     own = (frames >= first) & (frames <= last)
     rest = frames[~own]
     if isinstance(edit, Erase | Smooth):
@@ -121,30 +125,46 @@ def _spread(frames: Ints) -> Ints:
     return frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).round().astype(np.int64))]
 
 
-def followed(edit: AnyEdit, given: Trajectories, named: Trajectories, of: Footage) -> AnyEdit:
-    """An edit, of the marker that has its samples now (6).
+def followed(edit: Edit, given: Trajectories, named: Trajectories, of: Footage) -> Edit:
+    """An edit, of the marker that has its samples now (6), and of the frames that have its time (7).
 
     Args:
         edit: any. given: before all edits. named: the same samples under the names that claims give them.
         of: what is behind the samples.
     """
-    if not isinstance(edit, OfMarker) or edit.whose is None:
+    if isinstance(edit, AddEvent):
+        return _at_rate(edit, given, of)
+    if not isinstance(edit, OfMarker) or edit.marker is None or edit.whose is None:
         return edit
-    said = votes([edit.whose], given, of.detections, world=of.world)
+    stated = named[edit.marker] if edit.marker in named.names else None
+    own = {} if stated is None else known_votes(given, of.detections, of.world).own.setdefault(stated, {})
+    if id(edit) in own:
+        return edit
+    now = _owner(edit.whose, stated, given, named, of)
+    if now is stated:
+        own[id(edit)] = edit  # which is kept, so that its id stays its own
+    called = now is not None and (is_named(now.name) or not is_named(edit.marker))
+    return replace(edit, marker=now.name) if now is not None and called and now is not stated else edit
+
+
+def _owner(
+    whose: Stretch, stated: MarkerTrajectory | None, given: Trajectories, named: Trajectories, of: Footage
+) -> MarkerTrajectory | None:
+    """The marker that has the samples which tell whose an edit is; the one that is stated, or None, where none does."""
+    said = votes([whose], given, of.detections, world=of.world)
     seen = said.path >= 0
     if 2 * seen.sum() <= len(seen):
-        return edit
+        return stated
     frame = said.frame[seen]
     place = np.array([given.paths[p].xyz[f] for p, f in zip(said.path[seen], frame, strict=True)])
 
     def has(path: MarkerTrajectory) -> int:
         return int((path.xyz[frame] == place).all(1).sum())
 
-    if edit.marker in named.names and 2 * has(named[edit.marker]) >= len(seen):
-        return edit
+    if stated is not None and 2 * has(stated) >= len(seen):
+        return stated
     now = max(named, key=has)
-    called = is_named(now.name) or not is_named(edit.marker)
-    return replace(edit, marker=now.name) if called and 2 * has(now) > len(seen) else edit
+    return now if 2 * has(now) > len(seen) else stated
 
 
 def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: Footage) -> Result | None:
@@ -161,7 +181,7 @@ def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: F
     given, now = (compared(witnesses, one, of.detections) for one in (before, path))
     far, known = np.where(given.there, given.far, now.far), np.where(given.there, given.known, now.known)
     denied, found = int(far.sum()), int((known & ~far).sum())
-    if isinstance(edit, Put) and _goes_on(edit, path, of):
+    if isinstance(edit, Put | ImagePoint) and _goes_on(edit, path, of):
         return None
     if denied and not found:
         return ELSEWHERE  # (1)
@@ -192,12 +212,35 @@ def is_of_no_path(edit: Trim | AddEvent, trajectories: Trajectories, of: Footage
     return bool(inside.any() and (found.path < 0).all())
 
 
-def _goes_on(edit: Put, path: MarkerTrajectory, of: Footage) -> bool:
-    """Whether a place is near to the marker's samples beside its frame: it was said of that marker (3)."""
+def _at_rate(edit: AddEvent, given: Trajectories, of: Footage) -> AddEvent:
+    """An event at the rate that the trial has now (7)."""
+    if edit.where is None or edit.rate in (None, of.rate):
+        return edit
+    faster = of.rate / edit.rate
+    timed = {round((w.frame - 1) * faster) + 1: w for w in edit.where.witnesses}
+    then = replace(edit.where, witnesses=tuple(w._replace(frame=frame) for frame, w in timed.items()))
+    by_time, by_frame = (
+        int((votes([where], given, of.detections, world=of.world).path >= 0).sum()) for where in (then, edit.where)
+    )
+    if by_frame > by_time:
+        return replace(edit, time_s=edit.time_s / faster, rate=of.rate)
+    return replace(edit, where=then, rate=of.rate)
+
+
+def _goes_on(edit: Put | ImagePoint, path: MarkerTrajectory, of: Footage) -> bool:
+    """Whether a place or an image is near to the marker's samples beside its frame: it was said of that marker (3)."""
     own, f = np.flatnonzero(path.origin != Origin.MISSING), edit.frame - of.first_frame
-    beside = np.concatenate([own[own < f][-1:], own[own > f][:1]])
-    apart = np.linalg.norm(path.xyz[beside] - np.array(edit.xyz), axis=1)
-    return edit.world == of.world and bool((apart <= FAR_MM).any())
+    beside = path.xyz[np.concatenate([own[own < f][-1:], own[own > f][:1]])]
+    if isinstance(edit, ImagePoint):
+        return any(_shows(camera, edit, beside) for camera in of.rig or () if camera.name == edit.camera)
+    return edit.world == of.world and bool((np.linalg.norm(beside - np.array(edit.xyz), axis=1) <= FAR_MM).any())
+
+
+def _shows(camera: Camera, edit: ImagePoint, xyz: Floats) -> bool:
+    """Whether an image is where its camera has places (N, 3) mm, or within FAR_MM of one across its view."""
+    seen, limit = project(camera, xyz), project(camera, xyz + FAR_MM * camera.R[0])
+    apart = np.linalg.norm(seen - [edit.u, edit.v], axis=1)
+    return bool((apart <= np.linalg.norm(limit - seen, axis=1)).any())
 
 
 def with_doubt(changed: Changed, doubt: Result | None) -> Changed:

@@ -17,7 +17,7 @@ from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools
 from ..data.edits import Edit, Erase, GapChoice, ImagePoint, Put, Smooth
 from .anchors import disowned, with_doubt
-from .values import Changed, Footage, Result, erase, put, smooth, with_image, without_image
+from .values import Changed, Footage, ImagesByHand, Result, erase, put, smooth, with_image, without_image
 from .votes import nearest_images
 
 ValueEdit = Erase | Put | Smooth | ImagePoint | GapChoice
@@ -25,11 +25,12 @@ ValueEdit = Erase | Put | Smooth | ImagePoint | GapChoice
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Folded:
-    """A marker before and after edits, and what became of each; kept by the versions that it belongs to."""
+    """A marker before and after edits, what became of each, and images by hand; kept by the versions it belongs to."""
 
     before: MarkerTrajectory
     after: MarkerTrajectory
     results: tuple[Result, ...]
+    corrected: ImagesByHand
 
 
 _KNOWN: WeakValueDictionary[object, Folded] = WeakValueDictionary()
@@ -71,14 +72,16 @@ def _of_all(edit: Edit, results: Sequence[Result], of: Footage, trajectories: Tr
 
 def _folded(path: MarkerTrajectory, edits: tuple[Edit, ...], of: Footage) -> Folded:
     """A marker with all of its edits."""
-    key = path, edits, of.first_frame, of.rate, of.detections, of.rig, of.world
-    found = _KNOWN.get(key)
+    behind = of.first_frame, of.rate, of.detections, of.rig, of.world
+    found = _KNOWN.get((path, edits, *behind))
     if found is None:
-        alone, after, results = replace(of, corrected={}), path, []
-        for edit in edits:
+        start = _KNOWN.get((path, edits[:-1], *behind)) or Folded(path, path, (), {})
+        corrected = {at: dict(images) for at, images in start.corrected.items()}
+        alone, after, results = replace(of, corrected=corrected), start.after, list(start.results)
+        for edit in edits[len(results) :]:
             after, result = _applied(path, after, edit, alone)
             results.append(result)
-        _KNOWN[key] = found = Folded(path, after, tuple(results))
+        _KNOWN[path, edits, *behind] = found = Folded(path, after, tuple(results), corrected)
     return found
 
 

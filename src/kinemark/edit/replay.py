@@ -35,10 +35,14 @@ from ..data.edits import (
     live,
 )
 from .anchors import ELSEWHERE, followed, is_of_no_path
-from .claims import ENOUGH, Claimed, with_claims
+from .claims import ENOUGH, FEW_UNSURE, UNSURE, Claimed, with_claims
 from .folds import Folded, ValueEdit, with_values
+from .moves import carried_over, is_moved
 from .values import Footage, Result
 from .votes import votes
+
+MOVED = "all places of the file were moved since, and its own go with them"
+"""Why an edit has other places than it was stated with."""
 
 
 class Reviewed(NamedTuple):
@@ -115,12 +119,13 @@ def replay(
         world: key of the cameras in whose world the trial is; claims made in another one are found by images alone.
         facts: the claims were facts by which the markers were named, so that they hold where they change nothing.
     """
-    said = [(entry.id, edit) for entry in live(entries) for edit in entry.edits]
-    tracked_by = facts_of(entries) if facts else ()
-    stated = [edit for _, edit in said]
+    tracked_by, counting = facts_of(entries) if facts else (), live(entries)
+    stated = [edit for entry in counting for edit in entry.edits]
+    of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
+    numbers = [entry.id for entry in counting for _ in entry.edits]
+    said = list(zip(numbers, carried_over(stated, trajectories, of), strict=True))
     claims = [edit for edit in _as_tracked(said, tracked_by) if isinstance(edit, Claim)]
     claimed = with_claims(trajectories, claims, detections, world=world)
-    of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
     said = [(number, followed(edit, trajectories, claimed.trajectories, of)) for number, edit in said]
     values = [edit for _, edit in said if isinstance(edit, ValueEdit)]
     after, results, folds = with_values(claimed.trajectories, values, of)
@@ -144,9 +149,13 @@ def replay(
 
 
 def _of_another(one: Applied, stated: Edit) -> Applied:
-    """What became of an edit, with the reason why it is of another marker than was stated."""
+    """What became of an edit, with the reason why it is of another marker, or of other places, than was stated."""
     said, now = getattr(stated, "marker", None), getattr(one.edit, "marker", None)
-    return one if said == now or one.reason else one._replace(reason=f"the samples of {said} are called {now} now")
+    if one.reason or one.edit is stated:
+        return one
+    if said != now:
+        return one._replace(reason=f"the samples of {said} are called {now} now")
+    return one._replace(reason=MOVED) if is_moved(one.edit, stated) else one
 
 
 def _as_tracked(said: Sequence[tuple[int, Edit]], tracked_by: Sequence[Entry]) -> list[Edit]:
@@ -176,6 +185,8 @@ def _claim_outcome(claimed: Claimed, k: int, facts: bool, name: str | None) -> t
         return "overruled", share, 0, "later claims have all of its samples"
     if share < ENOUGH:
         return "thin", share, samples, f"only {found} of its {asked} witnesses are on a path now"
+    if claimed.unsure[k] > max(UNSURE * samples, FEW_UNSURE):
+        return "thin", share, samples, f"{claimed.unsure[k]} of its samples may be those of a marker near by"
     if not claimed.changed[k] and not facts:
         return "moot", share, samples, "it is called so without it"
     return "held", share, samples, ""

@@ -26,6 +26,9 @@ USUAL_SD = 0.3
 FORESHOT_S = 1.0
 """s of a marker beside a stretch that filtering it looks at, so that it has no edges of its own; chosen."""
 
+ImagesByHand: TypeAlias = dict[tuple[str, int], dict[str, tuple[float, float]]]
+"""u, v px by camera, by marker and frame (from 0)."""
+
 FEWEST_SMOOTHED = {"butterworth": edge_samples(2), "woltring": 6, "moving_average": 2}
 """Samples of a run, above which each function can smooth it; by definition of these."""
 
@@ -38,7 +41,7 @@ class Footage:
         first_frame: number of its first frame. rate: Hz.
         detections, rig: behind its samples; None for a file without.
         world: key of the cameras whose world it is in.
-        corrected: images by hand: u, v px by camera, by marker and frame (from 0).
+        corrected: images by hand.
     """
 
     first_frame: int
@@ -46,7 +49,7 @@ class Footage:
     detections: Detections | None = None
     rig: Rig | None = None
     world: str = ""
-    corrected: dict[tuple[str, int], dict[str, tuple[float, float]]] = field(default_factory=dict)
+    corrected: ImagesByHand = field(default_factory=dict)
 
 
 class Result(NamedTuple):

@@ -18,12 +18,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories, Validity
 from ..data.array_types import Bools, Floats, Ints
-from ..data.edits import Stretch
+from ..data.edits import Edit, Stretch
 from .crossings import unbroken
 
 NEAR, CROWDED = 1.5, 4.5
@@ -79,12 +80,17 @@ class KnownVotes(dict[Stretch, Votes]):
 
     Attributes:
         rows: what claims made of a path, by the path and the claims; for `claims`.
+        own: edits that are found to be of a marker, by their ids; for `anchors`.
+        placed: edits that find their samples, by their ids; moved: others, and what became of them; for `moves`.
     """
 
     def __init__(self, trajectories: Trajectories, detections: Detections | None, world: str) -> None:
         super().__init__()
         self.trajectories, self.detections, self.world = trajectories, detections, world
         self.rows: dict[object, tuple[Ints, Floats]] = {}
+        self.own: WeakKeyDictionary[MarkerTrajectory, dict[int, Edit]] = WeakKeyDictionary()
+        self.placed: dict[int, Edit] = {}
+        self.moved: dict[tuple[int, ...], tuple[Sequence[Edit], list[Edit]]] = {}
         self._pieces = np.full((len(trajectories), trajectories.n_frames), -1, np.int64)
 
     def pieces(self, paths: Ints) -> Ints:

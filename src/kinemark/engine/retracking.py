@@ -82,28 +82,40 @@ def facts_of_tracks(
     claim = of[tracks.id, frame] if len(of) else np.full(len(frame), -1)
     each = np.array([*(NO_MARKER if one.name is None else numbers[one.name] for one in claims), UNSAID])
     marker = each[claim]
+    values = [edit for edit in said if isinstance(edit, Erase | Put | ImagePoint)]
+    edited, standing = _with_standing(trajectories, claims, values, detections, rig)
     return Facts(
         marker,
         claim,
-        _erased(said, numbers, marker, frame + first_frame),
-        _owned(said, numbers, detections, first_frame),
-        _places(said, claims, trajectories, detections, rig, numbers),
+        _erased(standing, numbers, marker, frame + first_frame),
+        _owned(standing, numbers, detections, first_frame),
+        _places(standing, edited, numbers),
     )
 
 
-def _erased(said: Sequence[Edit], numbers: dict[str, int], marker: Ints, frame: Ints) -> Bools:
+def _with_standing(
+    trajectories: Trajectories, claims: Sequence[Edit], values: Sequence[Edit], detections: Detections, rig: Rig
+) -> tuple[Trajectories, list[Edit]]:
+    """The trial with claims and edits of values, and those of the latter that find their place, of their markers."""
+    entries = [Entry(k + 1, "", "", "", "", "", (edit,)) for k, edit in enumerate((*claims, *values))]
+    edited = replay(trajectories, entries, detections=detections, rig=rig, world=world_key(rig))
+    done = edited.applied[len(claims) :]
+    return edited.trajectories, [one.edit for one in done if one.outcome in ("held", "thin", "moot")]
+
+
+def _erased(standing: Sequence[Edit], numbers: dict[str, int], marker: Ints, frame: Ints) -> Bools:
     """(P) the points, of markers in frames (P), that were erased."""
     wrong = np.zeros(len(frame), bool)
-    for edit in said:
+    for edit in standing:
         if isinstance(edit, Erase) and edit.marker in numbers:
             wrong |= (marker == numbers[edit.marker]) & (frame >= edit.first) & (frame <= edit.last)
     return wrong
 
 
-def _owned(said: Sequence[Edit], numbers: dict[str, int], detections: Detections, first_frame: int) -> Ints:
+def _owned(standing: Sequence[Edit], numbers: dict[str, int], detections: Detections, first_frame: int) -> Ints:
     """(D) the marker whose an image is."""
     owner = np.full(len(detections), UNSAID)
-    for edit in said:
+    for edit in standing:
         if not isinstance(edit, ImagePoint) or edit.camera not in detections.cameras:
             continue
         at = np.array([edit.frame - first_frame])
@@ -115,26 +127,15 @@ def _owned(said: Sequence[Edit], numbers: dict[str, int], detections: Detections
     return owner
 
 
-def _places(
-    said: Sequence[Edit],
-    claims: Sequence[Claim],
-    trajectories: Trajectories,
-    detections: Detections,
-    rig: Rig,
-    numbers: dict[str, int],
-) -> TrackPoints:
+def _places(standing: Sequence[Edit], edited: Trajectories, numbers: dict[str, int]) -> TrackPoints:
     """Where markers are by hand, or by images that were corrected."""
-    spots = [edit for edit in said if isinstance(edit, Put | ImagePoint) and edit.marker in numbers]
-    acts: list[tuple[Edit, ...]] = [(one,) for one in (*claims, *spots)]
-    entries = [Entry(k + 1, "", "", "", "", "", edits) for k, edits in enumerate(acts)]
-    edited = replay(trajectories, entries, detections=detections, rig=rig, world=world_key(rig)).trajectories
     found = {}
-    for spot in spots:
-        at = spot.frame - trajectories.first_frame
-        if spot.marker in edited.names and 0 <= at < len(edited[spot.marker]):
-            path = edited[spot.marker]
-            if path.origin[at] != Origin.MISSING and np.isfinite(path.cov[at]).all():
-                found[numbers[spot.marker], at] = path.xyz[at], path.cov[at]
+    for spot in standing:
+        if not isinstance(spot, Put | ImagePoint) or spot.marker not in numbers or spot.marker not in edited.names:
+            continue
+        path, at = edited[spot.marker], spot.frame - edited.first_frame
+        if 0 <= at < len(path) and path.origin[at] != Origin.MISSING and np.isfinite(path.cov[at]).all():
+            found[numbers[spot.marker], at] = path.xyz[at], path.cov[at]
     keys = np.array(list(found), np.int64).reshape(-1, 2)
     xyz = np.array([xyz for xyz, _ in found.values()]).reshape(-1, 3)
     return TrackPoints(keys[:, 1], keys[:, 0], xyz, np.array([cov for _, cov in found.values()]).reshape(-1, 3, 3))

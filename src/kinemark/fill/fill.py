@@ -11,6 +11,7 @@ import numpy as np
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats
 from ..data.edits import OPEN, GapChoice
+from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
 from .chosen_gaps import chosen_gaps, groups
 from .edges import GapEdges, trim_edges
@@ -247,9 +248,13 @@ def evaluate_leading(
     answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
-        lead = {index: best_candidate(answers, *expected_errors(answers, gaps, index), index) for index in left}
+        lead: dict[int, CandidateFill] = {}
+        for index in left:
+            tell(len(lead), len(left))
+            lead[index] = best_candidate(answers, *expected_errors(answers, gaps, index), index)
         left = {index for index in left if lead[index].predictions[index] is NOT_PREDICTED}
         for answer in answers:
+            tell(0, len(left))
             mine = sorted(index for index in left if lead[index] is answer)
             predictions = _predictions(motion, [gaps[i] for i in mine], answer.method)
             for index, prediction in zip(mine, predictions, strict=True):

@@ -20,6 +20,7 @@ import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Floats
+from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
 from .fill import affordable, evaluate_candidates, judged_together, of_markers, without_outliers
 from .filled_gap import FilledGap
@@ -126,7 +127,11 @@ class PreparedFill:
         with one_blas_thread():
             methods = affordable(self.method.methods, len(gaps), self.trajectories.n_frames)
             answers = judged_together(self.motion, gaps, methods, seed=self.seed)
-        return tuple(self._chosen(gaps, index, answers) for index in range(len(gaps)))
+        found = []
+        for index in range(len(gaps)):
+            tell(index, len(gaps))
+            found.append(self._chosen(gaps, index, answers))
+        return tuple(found)
 
     def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
         key = gap, methods, tests

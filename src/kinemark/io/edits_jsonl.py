@@ -112,12 +112,12 @@ def _parse(number: int, line: bytes) -> Entry | Fault:
 
 
 def _plain(edits: tuple[Edit, ...]) -> Any:
-    """Edits as JSON has them, without what older journals do not say: witnesses, and the usual smoothing function."""
+    """Edits as JSON has them, without what older journals do not say: witnesses, rate, the usual smoothing function."""
     said = json.loads(_EDITS.dump_json(edits))
     for one in said:
-        for witnesses in ("where", "whose"):
-            if one.get(witnesses, "") is None:
-                del one[witnesses]
+        for unsaid in ("where", "whose", "rate"):
+            if one.get(unsaid, "") is None:
+                del one[unsaid]
         if one.get("function") == SMOOTHING[0]:
             del one["function"]
     return said

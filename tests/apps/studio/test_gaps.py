@@ -11,7 +11,7 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 
 from kinemark.apps.studio import gap_work as module
 from kinemark.data import KinemarkError, MarkerTrajectory, Trial
-from kinemark.data.progress import tell
+from kinemark.data.progress import listening, tell
 from kinemark.fill import Auto, prepare
 from kinemark.io.trial import write_trial
 from support.studio import Studio
@@ -165,6 +165,62 @@ def test_a_gap_that_nobody_looks_at_any_more_is_not_judged_before_the_others(stu
     studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}")
     slow.set()
     assert judged(studio)[0]["state"] == "fillable"
+
+
+def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, slow, monkeypatch):
+    """The best fill of the gap that was opened before took half of the processor meanwhile."""
+    ticks, end, best = [], threading.Event(), module.PreparedFill.best
+
+    def slowly(*asked):
+        while not end.wait(0.002):
+            tell(len(ticks), 1)
+            ticks.append(0)
+        return best(*asked)
+
+    monkeypatch.setattr(module.PreparedFill, "best", slowly)
+    rows = studio.page.get(f"{studio.trial}/gaps").json()["gaps"]
+    studio.page.get(f"{studio.trial}/gaps/{rows[0]['marker']}/{rows[0]['first']}")
+    candidates, meanwhile = module.PreparedFill.candidates, []
+
+    def watched(*asked):
+        time.sleep(0.01)
+        before = len(ticks)
+        time.sleep(0.05)
+        meanwhile.append(len(ticks) - before)
+        return candidates(*asked)
+
+    monkeypatch.setattr(module.PreparedFill, "candidates", watched)
+    found = studio.page.get(f"{studio.trial}/gaps/{rows[1]['marker']}/{rows[1]['first']}").json()
+    end.set()
+    assert found["candidates"] and set(meanwhile) == {0} and ticks
+    ways(studio, rows[1], lambda found: found["best"])  # nothing of this is left for the next test
+
+
+def test_the_best_fill_of_a_gap_that_was_left_is_given_up_for_the_next_one(studio, slow, monkeypatch):
+    """Who went from gap to gap waited for the best fill of each of them."""
+    best, begun = module.PreparedFill.best, []
+
+    def slowly(prepared, marker, frame):
+        begun.append(marker)
+        for _ in range(2000 if len(begun) == 1 else 0):
+            tell(0, 1)
+            time.sleep(0.005)
+        return best(prepared, marker, frame)
+
+    monkeypatch.setattr(module, "STILL_S", 0.5)
+    monkeypatch.setattr(module.PreparedFill, "best", slowly)
+    rows = studio.page.get(f"{studio.trial}/gaps").json()["gaps"]
+    studio.page.get(f"{studio.trial}/gaps/{rows[0]['marker']}/{rows[0]['first']}")
+    assert ways(studio, rows[1], lambda found: found["best"]) and begun == [rows[0]["marker"], rows[1]["marker"]]
+
+
+def test_judging_all_gaps_tells_how_far_it_is_at_each_of_them():
+    """The last of it, most of a second with hundreds of gaps, could be neither cancelled nor told to wait."""
+    heard = []
+    hidden = five_gaps()
+    with listening(lambda done, total: heard.append((done, total))):
+        found = prepare(hidden, method=QUICK).all_best()
+    assert heard[-len(found) :] == [(k, len(found)) for k in range(len(found))]
 
 
 def test_the_difference_of_two_versions_names_the_gaps_that_are_filled_otherwise(studio):

@@ -2,16 +2,15 @@
 
 All gaps of a trial are judged together, which takes a tenth of the time of one by one, and tens of seconds where there
 are hundreds. Who opens one of them meanwhile does not wait for the others: it is judged by itself, and the judging of
-all stands still until it is done.
+all stands still until it is done. Both stand still while the page waits for the quick ways to fill one.
 """
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -21,6 +20,7 @@ from ...data.progress import listening
 from ...fill.methods.stage import FILL
 from ...fill.prepared import GapFill, PreparedFill, prepare
 from .desk import OpenDocument
+from .turns import Rank, Turns
 
 POOL = ThreadPoolExecutor(1, "gaps")
 """Judges gaps, one at a time, so that edits are answered at once meanwhile."""
@@ -57,8 +57,7 @@ class GapWork:
     answers: dict[tuple[Key, str], tuple[MarkerTrajectory, Future[GapFill]]] = field(default_factory=dict)
     prepared: PreparedFill | None = None
     looked: dict[Key, float] = field(default_factory=dict)
-    waiting: int = 0
-    nobody: threading.Event = field(default_factory=threading.Event)
+    turns: Turns = field(default_factory=Turns)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def of(self, document: OpenDocument) -> PreparedFill:
@@ -71,7 +70,7 @@ class GapWork:
 
     def quick(self, document: OpenDocument, gap: Gap) -> list[GapFill]:
         """The ways to fill a gap that take no time to speak of."""
-        with self._first():
+        with self.turns.taken(Rank.ASKED):
             found = self.of(document).candidates(gap.path.name, gap.start + document.now.trajectories.first_frame)
             return [_within(gap, one) for one in found]
 
@@ -106,20 +105,6 @@ class GapWork:
         best = self._done(gap, BEST) or self._done(gap, ALONE)
         return best if method == BEST or (best is not None and best.method == method) else self._done(gap, method)
 
-    @contextmanager
-    def _first(self) -> Iterator[None]:
-        """Somebody waits: what is judged for nobody in particular stands still."""
-        with self.lock:
-            self.waiting += 1
-            self.nobody.clear()
-        try:
-            yield
-        finally:
-            with self.lock:
-                self.waiting -= 1
-                if not self.waiting:
-                    self.nobody.set()
-
     def _ask(self, document: OpenDocument, gap: Gap, method: str, pool: ThreadPoolExecutor) -> None:
         """Work out behind how a method fills a gap, once."""
         if not self._asked(gap, method):
@@ -142,7 +127,7 @@ class GapWork:
             prepared = self.of(document)
             there = set(map(id, prepared.trajectories.paths))
             still = [gap for gap, _ in asked if id(gap.path) in there]
-            with listening(self._give_way):
+            with listening(lambda *_: self.turns.give_way(Rank.BEHIND)):
                 fills = prepared.all_best(document.editing.computed) if still else ()
             found = {gap.key: one for gap in still if (one := _fill_of(gap, fills))}
         finally:  # whoever waits hears of it, whatever happened
@@ -152,16 +137,17 @@ class GapWork:
                 else:
                     answer.set_exception(KinemarkError("this gap was not judged, or its marker was edited since"))
 
-    def _give_way(self, *_: int) -> None:
-        """Stand still while somebody waits for a gap of their own."""
-        if self.waiting:
-            self.nobody.wait()
-
     def _answer_first(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
-        if method == ALONE and time.monotonic() - self.looked.get(gap.key, 0.0) > STILL_S:
-            self.answers.pop((gap.key, ALONE), None)  # who looks at it again asks again
-            raise KinemarkError("nobody looks at this gap any more")
-        with self._first():
+        """That of a gap that somebody looks at, as long as they do."""
+
+        def go_on(*_: int) -> None:
+            if method == ALONE and time.monotonic() - self.looked.get(gap.key, 0.0) > STILL_S:
+                self.answers.pop((gap.key, ALONE), None)  # who looks at it again asks again
+                raise KinemarkError("nobody looks at this gap any more")
+            self.turns.give_way(Rank.LOOKED_AT)
+
+        go_on()
+        with self.turns.taken(Rank.LOOKED_AT), listening(go_on):
             return self._answer(document, gap, BEST if method == ALONE else method)
 
     def _answer(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:

@@ -119,7 +119,8 @@ def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, se
     order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
     if tight:
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
-    for index in order:
+    for number, index in enumerate(order):
+        tell(number, len(order))
         told = source.moving.references(gaps[index])
         for start, gap, stop in _windows(source, gaps[index], per_gap, rng, occupancy if tight else None):
             own = gap.marker == gaps[index].marker

@@ -1,0 +1,157 @@
+"""Edits of a file whose places were moved as a whole: written again with another origin, or with other axes.
+
+A file without images has nothing but places to find an edit by, and in another world all of its edits would be lost.
+So where edits find nothing, a move x' = R x + t is looked for that lays the witnesses of one edit upon a path within
+CLOSE_MM (1), and upon which most of the others find their samples again (2). These go with it: their witnesses, and a
+place that was put. Where there is no such move nothing is carried over, and edits are what they would be without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..data import Trajectories
+from ..data.array_types import Floats
+from ..data.edits import Claim, Edit, Put, Stretch, Verdict
+from ..geometry import rigid_align
+from .values import Footage
+from .votes import NEAR_MM, KnownVotes, known_votes, votes
+
+CLOSE_MM = 1.0
+"""mm, RMS, of (1); chosen: a file that was moved has the same samples, rounded otherwise."""
+FEWEST = 4
+"""Witnesses that tell of a move; by definition: three always lie upon three others nearly enough."""
+MOST_TRIED = 24
+"""Moves that are tried; chosen: the first is mostly right, as few paths can be laid upon each other so closely."""
+
+
+class Move(NamedTuple):
+    """x' = R x + t, mm."""
+
+    R: Floats
+    t: Floats
+
+    def __call__(self, xyz: Any) -> Floats:
+        """Places (N, 3) mm, moved."""
+        return np.asarray(np.asarray(xyz) @ self.R.T + self.t)
+
+
+def carried_over(edits: Sequence[Edit], given: Trajectories, of: Footage) -> list[Edit]:
+    """The edits, moved where they find nothing and most of those that do not find their samples by one move.
+
+    Args:
+        edits: in their order. given: before all of them. of: what is behind the samples; with images nothing is moved.
+    """
+    if of.detections is not None:
+        return list(edits)
+    known = known_votes(given, None, of.world)
+    lost = tuple(k for k, edit in enumerate(edits) if not _placed(edit, known))
+    if not lost:
+        return list(edits)
+    key = tuple(id(edits[k]) for k in lost)
+    if key not in known.moved:
+        known.moved[key] = _all_moved([edits[k] for k in lost], known)
+    _, moved = known.moved[key]
+    found = dict(zip(lost, moved, strict=True))
+    return [found.get(k, edit) for k, edit in enumerate(edits)]
+
+
+def is_moved(edit: Edit, stated: Edit) -> bool:
+    """Whether an edit has other places than it was stated with."""
+    both = zip(_stretches(edit), _stretches(stated), strict=False)
+    return any(now.witnesses[0].xyz != then.witnesses[0].xyz for now, then in both)
+
+
+def _placed(edit: Edit, known: KnownVotes) -> bool:
+    """Whether an edit has no witness, or finds its samples as it is; found out once."""
+    if id(edit) not in known.placed:
+        if not _finds(edit, known):
+            return False
+        known.placed[id(edit)] = edit  # which is kept, so that its id stays its own
+    return True
+
+
+def _finds(edit: Edit, known: KnownVotes) -> bool:
+    """Whether half of an edit's witnesses in the trial are on a path."""
+    stretches = list(_stretches(edit))
+    said = votes(stretches, known.trajectories, None, world=known.world)
+    inside = (said.frame >= 0) & (said.frame < known.trajectories.n_frames)
+    return bool(2 * (said.path >= 0).sum() >= inside.sum())
+
+
+def _stretches(edit: Edit) -> Iterator[Stretch]:
+    """All that have witnesses of an edit."""
+    many = edit.where if isinstance(edit, Verdict) else (getattr(edit, "where", None), getattr(edit, "whose", None))
+    yield from (one for one in many if one is not None)
+
+
+def _all_moved(lost: Sequence[Edit], known: KnownVotes) -> tuple[Sequence[Edit], list[Edit]]:
+    """Edits that find nothing, and the same with their moves; files may have been moved more than once."""
+    now, left = list(lost), list(range(len(lost)))
+    while left:
+        for move in islice(_moves([lost[k] for k in left], known), MOST_TRIED):
+            found = [k for k in left if _finds(_moved(lost[k], move), known)]
+            if 2 * len(found) > len(left):  # (2)
+                break
+        else:
+            break
+        for k in found:
+            now[k] = _moved(lost[k], move)
+        left = [k for k in left if k not in found]
+    return lost, now
+
+
+def _moves(lost: Sequence[Edit], known: KnownVotes) -> Iterator[Move]:
+    """Moves that lay the witnesses of an edit, or all of those of markers that are called so now, on paths (1)."""
+    trajectories = known.trajectories
+    n, start = trajectories.n_frames, trajectories.first_frame
+    named = list[tuple[Floats, Floats]]()
+    for edit in lost:
+        witnesses = [w for stretch in _stretches(edit) for w in stretch.witnesses if 0 <= w.frame - start < n]
+        frame = np.array([w.frame - start for w in witnesses], np.int64)
+        xyz = np.array([w.xyz for w in witnesses]).reshape(-1, 3)
+        marker = edit.name if isinstance(edit, Claim) else getattr(edit, "marker", None)
+        for path in trajectories if isinstance(edit, Claim) or marker is not None else ():
+            there = np.isfinite(path.xyz[frame]).all(1)
+            pair = xyz[there], path.xyz[frame[there]]
+            if path.name == marker:
+                named.append(pair)
+            yield from _fitted(*pair)
+    if named:
+        yield from _fitted(*(np.concatenate(side) for side in zip(*named, strict=True)))
+
+
+def _fitted(source: Floats, target: Floats) -> Iterator[Move]:
+    """The move of places (N, 3) mm upon others, where there are enough to tell of it and it is close."""
+    spread = np.linalg.svd(source - source.mean(0), compute_uv=False) / np.sqrt(len(source)) if len(source) else [0, 0]
+    if len(source) < FEWEST or spread[1] < NEAR_MM:
+        return
+    move = Move(*rigid_align(source, target))
+    off = float(np.sqrt(((move(source) - target) ** 2).sum(1).mean()))
+    if off <= CLOSE_MM:
+        yield move
+
+
+def _moved(edit: Edit, move: Move) -> Edit:
+    """An edit with its witnesses, and its place, moved."""
+    if isinstance(edit, Verdict):
+        return replace(edit, where=tuple(_stretch_moved(stretch, move) for stretch in edit.where))
+    changed: dict[str, Any] = {
+        name: _stretch_moved(stretch, move)
+        for name in ("where", "whose")
+        if (stretch := getattr(edit, name, None)) is not None
+    }
+    if isinstance(edit, Put):
+        changed["xyz"] = tuple(move(edit.xyz).tolist())
+    return replace(edit, **changed)
+
+
+def _stretch_moved(stretch: Stretch, move: Move) -> Stretch:
+    xyz = move([witness.xyz for witness in stretch.witnesses]).tolist()
+    moved = (w._replace(xyz=tuple(place)) for w, place in zip(stretch.witnesses, xyz, strict=True))
+    return replace(stretch, witnesses=tuple(moved))

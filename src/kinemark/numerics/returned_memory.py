@@ -27,8 +27,9 @@ class _Figures(ctypes.Structure):
     """`struct mallinfo2` of glibc; `fordblks` are the bytes that it keeps."""
 
     _fields_ = [
-        (name, ctypes.c_size_t)
-        for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost".split()
+        *((f"other{k}", ctypes.c_size_t) for k in range(8)),
+        ("fordblks", ctypes.c_size_t),
+        ("keepcost", ctypes.c_size_t),
     ]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-WORTH = 32 << 20
+WORTH = 16 << 20
 """Bytes below which nothing is given back, as they would soon be asked for again; chosen for speed: trackers of short
 recordings ask 180 times a second, and keep 15 MB."""
 

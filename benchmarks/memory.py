@@ -49,6 +49,10 @@ def measure(path: Path) -> None:
 
 
 def _peak_mb() -> float:
+    """Of this process itself: what `getrusage` says also holds what its parent had, who made the scene."""
+    status = Path("/proc/self/status")
+    if status.is_file():
+        return next(float(line.split()[1]) * 1024 / 1e6 for line in status.open() if line.startswith("VmHWM"))
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6
 
 

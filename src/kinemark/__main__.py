@@ -1,6 +1,7 @@
 """The command `kinemark`, and `python -m kinemark`; Ctrl-C ends it at any moment, also while it is imported."""
 
 import _thread
+import gc
 import os
 import signal
 import sys
@@ -12,9 +13,14 @@ STATUS = 130
 AGAIN_S = 0.01
 """s after which a Ctrl-C that was dropped comes again; chosen, as what dropped it has long ended then."""
 
+COLLECTED = 10_000
+"""New objects after which Python looks for circles among them, 700 by itself; chosen for speed: imports make a million
+that stay, and looking through them was a tenth of the start."""
+
 
 def main() -> None:
     """The command."""
+    gc.set_threshold(COLLECTED)
     sys.unraisablehook = _not_dropped
     try:
         from .apps.cli import main as command

@@ -36,7 +36,7 @@ def test_nothing_happens_where_the_library_cannot(monkeypatch: pytest.MonkeyPatc
     def none(*_: object) -> object:
         raise OSError("no such library")
 
-    returned_memory._trim.cache_clear()
+    returned_memory._functions.cache_clear()
     monkeypatch.setattr(ctypes, "CDLL", none)
     return_memory()
-    returned_memory._trim.cache_clear()
+    returned_memory._functions.cache_clear()

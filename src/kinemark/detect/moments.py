@@ -148,7 +148,7 @@ def _undersampled(spread: Floats, area: Floats, aspect: float) -> Floats:
     a = np.sqrt(square) * NODES[:, None]
     along, between = _disc(np.pi * a), _disc(np.pi * a * np.hypot(1, aspect))
     x, sinc = np.pi * a * aspect, np.sinc(h)
-    disc = _disc(x)
+    disc = along if aspect == 1 else _disc(x)
     across = (np.cos(np.pi * h) - (1 + 4 * np.pi**2 * aspect**2 * blur) * sinc) * disc
     across -= 2 * sinc * (disc - scipy.special.j0(x))  # J₂ = 2 J₁ / x − J₀
     u = fade_u * (WEIGHTS @ along**2 + 2 * fade_v * sinc**2 * (WEIGHTS @ between**2))

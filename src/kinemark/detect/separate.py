@@ -25,7 +25,7 @@ from .overlap import CUT, ONE, UNCLEAR, ObservedGroup, explain
 from .patches import Uncut, cut_out, pixels_of, together
 from .suspicion import suspicious
 
-PIXELS = 24_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
+PIXELS = 48_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
 
 
 class Suspects(NamedTuple):

@@ -143,7 +143,7 @@ def _whose(points: TrackPoints, row: Ints, pair: Ints, images: Images) -> Ints:
     """(C, 2, n) the detections of rows (2, n) of two tracks, of pairs of images (2, 2, n), the second axis telling the
     one from the other, by (2)."""
     n = row.shape[1]
-    own = np.full((len(images.P), 2, n), -1, np.int32)
+    own = np.full((len(images.P), 2, n), -1)
     for image in pair:
         own[images.camera[image], np.arange(2)[:, None], np.arange(n)] = image
     xyz = intersect(images, own.reshape(len(own), -1)).xyz.reshape(3, 2, n)

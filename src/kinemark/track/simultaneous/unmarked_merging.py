@@ -11,8 +11,8 @@ over none; the likeliest is taken.
 
 Where a track j has no image in a camera, though another track i has one at b, about as near to the place p where j is
 expected as r / 2, either j is hidden there, or b is the image of both. That j has no point in that frame, but before
-and after it, is the same, unless b lies within OWN standard deviations of p, as its own image would. Of both, that of i alone
-would be
+and after it, is the same, unless b lies within OWN standard deviations of p, as its own image would. Of both
+the image of i alone would be
 
     b' = 2 b − p,   variance 4 s² + s_p² + (SHARE |b − p|)²                                (2)
 

@@ -15,8 +15,8 @@ MARKERS, FRAMES, NOISE = 3, 20, 0.1
 LESS, GONE = np.arange(5, 15), np.arange(8, 12)
 
 
-def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
-    """Of marker 1 in frames LESS camera 3 is left out, and in GONE of them the whole point."""
+def recorded():
+    """Markers' images, a solver of their points, and the points."""
     rig = ring(4)
     xyz = dance(n=MARKERS, frames=FRAMES, seed=2)
     detections, marker = observe(rig, xyz, noise=NOISE, seed=3)
@@ -24,11 +24,29 @@ def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
     detection = np.full((4, FRAMES * MARKERS), -1)
     detection[images.camera, images.frame * MARKERS + marker] = np.arange(len(marker))
     frame, which = np.divmod(np.arange(FRAMES * MARKERS), MARKERS)
-    guess = xyz[which, frame].T
     none = np.zeros(len(rig))
     working = Working(rig, images, Noise(none, none, none, none))
     solver = Solver(detections, working, np.zeros(len(marker), bool), DEFAULT_ERRORS)
-    before = solved(frame, detection, guess, solver)
+    return images, solver, solved(frame, detection, xyz[which, frame].T, solver), which
+
+
+def test_points_that_exchange_images_exchange_places():
+    """They are far from where they were, which is no guess then."""
+    images, solver, before, which = recorded()
+    other, changed = before.detection.copy(), (which < 2) & np.isin(before.frame, LESS)
+    one, two = np.flatnonzero(changed & (which == 0)), np.flatnonzero(changed & (which == 1))
+    other[one], other[two] = before.detection[two], before.detection[one]
+    held, _ = _of_fewer_images([before], other, np.ones(len(which), bool), images, solver, Simultaneous())
+    assert np.linalg.norm(before.xyz[one] - before.xyz[two], axis=1).min() > 100
+    np.testing.assert_allclose(held[0].xyz[one], before.xyz[two], atol=0.01)
+    np.testing.assert_allclose(held[0].xyz[two], before.xyz[one], atol=0.01)
+    np.testing.assert_array_equal(held[0].xyz[~changed], before.xyz[~changed])
+
+
+def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
+    """Of marker 1 in frames LESS camera 3 is left out, and in GONE of them the whole point."""
+    images, solver, before, which = recorded()
+    frame = before.frame
     fewer = before.detection.copy()
     fewer[(which == 1) & np.isin(frame, LESS), 3] = -1
     sound = ~((which == 1) & np.isin(frame, GONE))

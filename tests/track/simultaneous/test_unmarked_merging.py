@@ -6,12 +6,16 @@ import pytest
 from kinemark.data import Cloud, Detections
 from kinemark.geometry import project
 from kinemark.geometry.weighted_points import ImageErrors
+from kinemark.native import index_images
 from kinemark.track.simultaneous import Simultaneous, track_detections, unmarked_merging
+from kinemark.track.simultaneous.associate import predict_images
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.kalman_states import KalmanStates
 from kinemark.track.simultaneous.measurement_noise import Noise
 from kinemark.track.simultaneous.near_held import near_held
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
+from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints
+from kinemark.track.simultaneous.second_pass import expected_between
 from kinemark.track.simultaneous.solved_points import Solver, Working
 from kinemark.track.simultaneous.unmarked_merging import (
     LEAST,
@@ -65,6 +69,52 @@ def test_an_image_of_both_is_told_from_a_marker_that_is_hidden(merged):
     assert set(held[0, claims.row[first]]) == set(own)
     assert (said[first] > LEAST).all() == merged
     assert (said[first] < LEAST).all() == (not merged)
+
+
+def without_second(images, points, held, run):
+    """The same without the points of the second marker in frames of a run."""
+    kept = (points.id == 0) | ~np.isin(points.frame, np.arange(run.start, run.stop))
+    return images, points.take(kept), held[:, kept]
+
+
+@pytest.mark.parametrize("merged", [True, False])
+def test_an_image_of_both_is_told_where_the_other_has_no_point(merged):
+    run = slice(20, 27)
+    images, points, held, own, apart = two_markers(merged=merged, run=run)
+    images, points, held = without_second(images, points, held, run)
+    assert not len(possible_claims(points, held, images, 1.6 * apart).row)
+    claims = possible_claims(points, held, images, 1.6 * apart, expected_between(points, FRAMES, T, METHOD))
+    said = scores(claims, points, held, images, T, METHOD)
+    of_it = claims.camera[0]
+    assert set(held[0, claims.row[of_it]]) == set(own) and (claims.other == 1).all()
+    assert (said[of_it] > LEAST).all() == merged
+    assert (said[of_it] < LEAST).all() == (not merged)
+
+
+def test_an_image_where_a_track_without_a_point_is_expected_may_be_its_own():
+    run = slice(20, 27)
+    images, points, held, own, apart = two_markers(merged=True, run=run)
+    images, points, held = without_second(images, points, held, run)
+    unseen = expected_between(points, FRAMES, T, METHOD)
+    uv = images.uv.copy()
+    uv[own] = predict_images(images.P, KalmanStates(unseen.xyz.T, unseen.cov.transpose(1, 2, 0))).uv[0].T + 0.05
+    cell = images.frame * len(images.P) + images.camera
+    images = images._replace(uv=uv, by_cell=index_images(uv, cell, images.usable, n_cells=FRAMES * len(images.P)))
+    claims = possible_claims(points, held, images, 1.6 * apart, unseen)
+    assert not claims.camera[0].any()
+
+
+def test_tracks_are_expected_between_their_points_and_near_one_of_them():
+    xyz = dance(n=1, frames=FRAMES, seed=2)[0]
+    frame = np.delete(np.arange(5, FRAMES), np.arange(20, 20 + 2 * LOOK + 3))
+    points = TrackPoints(
+        frame, np.full(len(frame), 3), xyz[frame], np.broadcast_to(0.01 * np.eye(3), (len(frame), 3, 3))
+    )
+    found = expected_between(points, FRAMES, T, METHOD)
+    assert sorted(found.frame) == np.setdiff1d(np.arange(25, 28 + 2 * LOOK), 25 + LOOK + np.arange(3)).tolist()
+    off = found.xyz - xyz[found.frame]
+    assert (found.id == 3).all()
+    assert (np.einsum("pi,pij,pj->p", off, np.linalg.inv(found.cov), off) < 16).all()
 
 
 @pytest.mark.parametrize("merged", [True, False])

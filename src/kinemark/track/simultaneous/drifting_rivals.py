@@ -74,7 +74,7 @@ def with_rivals(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, T: float, method: Simultaneous
 ) -> Bools:
     """(P) the points of tracks id (P), of detections (C, P), that are given up for rivals; frames are T s apart."""
-    usual = _shifted(id, detection, images, usual)
+    usual = usual_of_two(id, detection, images, usual)
     stretch = stretches(frame, id, detection, LEAST)
     own = _own_scores(frame, detection, stretch, images, usual, method.gate)
     stretch = np.where(np.isfinite(np.append(own, np.nan))[stretch], stretch, -1)
@@ -92,7 +92,7 @@ def with_rivals(
     return lost[stretch]
 
 
-def _shifted(id: Ints, detection: Ints, images: Images, usual: UsualResiduals) -> UsualResiduals:
+def usual_of_two(id: Ints, detection: Ints, images: Images, usual: UsualResiduals) -> UsualResiduals:
     """What is usual where two cameras see tracks alone, by (4) of `drifting_pairs`."""
     has = (detection >= 0) & ~images.merged[detection]
     two, known = (detection >= 0).sum(0) == 2, {}
@@ -150,13 +150,25 @@ def _pieces(rivals: Rivals, detection: Ints, stretch: Ints, images: Images, T: f
 
 def _scored(pieces: _Pieces, images: Images, usual: UsualResiduals, gate: float) -> _Pieces:
     """The pieces with their scores, 0 of cameras that are not judged."""
-    out, kept, free = np.zeros(len(pieces.score)), pieces.kept[pieces.of], pieces.free[pieces.of]
-    both = np.where(kept < free, [pieces.own, pieces.image], [pieces.image, pieces.own])
+    pair, frame = np.stack([pieces.own, pieces.image]), images.frame[pieces.own]
+    return pieces._replace(score=scores_of_runs(pair, frame, pieces.of, len(pieces.score), images, usual, gate))
+
+
+def scores_of_runs(
+    pair: Ints, frame: Ints, of: Ints, n: int, images: Images, usual: UsualResiduals, gate: float
+) -> Floats:
+    """(n) the sum of (2) of `drifting_pairs` of each of n runs, 0 of cameras that are not judged.
+
+    Args:
+        pair: (2, R) images of two cameras in frame (R) of the runs `of` (R), by run and frame.
+    """
+    out, camera = np.zeros(n), images.camera[pair]
+    both = np.where(camera[0] < camera[1], pair, pair[::-1])
     for a, b in usual.of:
-        some = (np.minimum(kept, free) == a) & (np.maximum(kept, free) == b)
-        total = _scores(images.frame[pieces.own[some]], pieces.of[some], both[:, some], images, usual, (a, b), gate)
+        some = (camera.min(0) == a) & (camera.max(0) == b)
+        total = _scores(frame[some], of[some], both[:, some], images, usual, (a, b), gate)
         out[: len(total)] += total
-    return pieces._replace(score=out)
+    return out
 
 
 def _same_place(rivals: Rivals, detection: Ints, images: Images) -> Bools:

@@ -29,7 +29,7 @@ from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, predict, reversed_time, update
-from .neighbouring_points import RowsByTrack, TrackPoints, between, motion_from, parts_of_frames, rows_near
+from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, between, motion_from, parts_of_frames, rows_near
 from .passes import without_outliers
 from .simultaneous_method import Simultaneous
 
@@ -134,6 +134,21 @@ def points_between(
             break
         found, own = found.plus(new.take(good)), np.concatenate([own, associated[:, good]], 1)
     return found, own
+
+
+def expected_between(points: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> TrackPoints:
+    """Where tracks are expected in frames without a point between two of theirs, one of which is at most LOOK away."""
+    known = KnownPoints.of(points, np.ones(len(points.id), bool), points.take(np.zeros(0, np.int64)))
+    gaps = _in_question(known, n_frames, T, method)
+    gaps = gaps.take((gaps.before >= 0) & (gaps.after >= 0))
+    away = np.minimum(gaps.frame - known.frame[gaps.before], known.frame[gaps.after] - gaps.frame)
+    gaps = gaps.take(away <= LOOK)
+    found = [points.take(np.zeros(0, np.int64))]
+    for part in parts_of_frames(gaps.frame, AT_ONCE):
+        some = gaps.take(part)
+        motion = _expected(known, some, T, method)
+        found.append(TrackPoints(some.frame, some.id, motion.position.T, motion.cov.transpose(2, 0, 1)))
+    return TrackPoints(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
 
 def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:

@@ -10,7 +10,9 @@ were told apart), r has the log-likelihood
 over none; the likeliest is taken.
 
 Where a track j has no image in a camera, though another track i has one at b, about as near to the place p where j is
-expected as r / 2, either j is hidden there, or b is the image of both. In the latter case that of i alone would be
+expected as r / 2, either j is hidden there, or b is the image of both. That j has no point in that frame, but before
+and after it, is the same, unless b lies within OWN standard deviations of p, as its own image would. Of both
+the image of i alone would be
 
     b' = 2 b − p,   variance 4 s² + s_p² + (SHARE |b − p|)²                                (2)
 
@@ -53,6 +55,7 @@ from .kalman_states import KalmanStates, initial_states, predict, update
 from .likelihood import DEGREES_OF_FREEDOM, SURE
 from .near_held import NearHeld, near_held
 from .neighbouring_points import TrackPoints
+from .second_pass import expected_between
 from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
 from .solved_points import MovedImages, Solver
@@ -74,6 +77,11 @@ LEAST = -2.0
 """Of (3), a logarithm, without unit; chosen: on seeds 0 to 59 of benchmarks/tracking_scenes.py it finds 0.70 of the
 merged images of points that have two, and marks one image in eleven wrongly; 0 finds 0.62, and one in twenty."""
 
+OWN = 3.0
+"""Standard deviations of an image from where a track without a point is expected, within which it may be its own;
+chosen (eight scenes of seeds 137000 to 141129 of benchmarks/tracking_scenes.py): with 2 another 6 ghosts of 359 are
+gone, for 47 samples of markers; with 5, 7 of the 22 that are."""
+
 CLEAR = float(np.log(10_000.0))
 """Of (3), a logarithm, without unit; chosen (seeds 0 to 149 of benchmarks/tracking_scenes.py): of the points with one
 image of their own that are known to 2 to 10 mm, 81 of 89 are then a marker's; by ln 100, 112 of 129."""
@@ -92,8 +100,8 @@ RUNS_AT_ONCE = 2_000
 
 
 class Claims(NamedTuple):
-    """K claims that images of a point are of another track too: rows of the points of either (K), which cameras (C, K),
-    and what would be the image of the first alone there, uv (C, K, 2) px of variance (C, K) px²."""
+    """K claims that images of a point are of another track too: row of the point and id of the track (K), which cameras
+    (C, K), and what would be the image of the point alone there, uv (C, K, 2) px of variance (C, K) px²."""
 
     row: Ints
     other: Ints
@@ -172,7 +180,7 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
     r = 0.0 if images.merged.any() else resolution(images)
     if not r or len(points.id) < 2:
         return Merging(none, 0.0, none, none > 0, np.zeros((0, 2)), np.zeros(0), np.zeros(0))
-    claims = possible_claims(points, detection, images, r)
+    claims = possible_claims(points, detection, images, r, expected_between(points, images.n_frames, T, method))
     return_memory()
     score = scores(claims, points, detection, images, T, method)
     camera, k = np.nonzero(claims.camera & (score > LEAST))
@@ -204,21 +212,27 @@ def resolution(images: Images) -> float:
     return float(r[best]) if likely[best] > SURE else 0.0
 
 
-def possible_claims(points: TrackPoints, detection: Ints, images: Images, r: float) -> Claims:
+def possible_claims(
+    points: TrackPoints, detection: Ints, images: Images, r: float, unseen: TrackPoints | None = None
+) -> Claims:
     """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
 
-    Of tracks that one marker can make none is told (`seen_apart`). Claims on several cameras at once are
-    followed by one for each.
+    Others are also tracks without a point, expected at `unseen`, but for images that may be their own. Of tracks that
+    one marker can make none is told (`seen_apart`). Claims on several cameras at once are followed by one for each.
     """
     apart = SeenApart(points, detection, images.P, r)
-    found = near_held(points, detection, images, r)
-    parts = [_nearest(near.take(apart(points.id[near.holder], points.id[near.other])), images) for near in found]
+    every = points if unseen is None else points.plus(unseen)
+    held = np.pad(detection, ((0, 0), (0, len(every.id) - len(points.id))), constant_values=-1)
+    found = near_held(every, held, images, r)
+    parts = [_nearest(near.take(apart(every.id[near.holder], every.id[near.other])), images) for near in found]
     near = NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
     near = near.take(np.argsort(near.image, kind="stable"))
     off = np.hypot(*(near.uv - images.uv[near.image].T))
+    own = (near.other >= len(points.id)) & (off**2 < OWN**2 * (images.variance[near.image] + near.variance))
+    near, off = near.take(~own), off[~own]
     spread = 4 * images.variance[near.image] + near.variance + (SHARE * off) ** 2
     alone = 2 * images.uv[near.image] - near.uv.T  # (2)
-    return _tabled(near.holder, near.other, near.camera, alone, spread, len(images.P))
+    return _tabled(near.holder, every.id[near.other], near.camera, alone, spread, len(images.P))
 
 
 def _nearest(near: NearHeld, images: Images) -> NearHeld:
@@ -257,10 +271,10 @@ def scores(
     if not len(claims.row):
         return np.zeros(0)
     frame, code = points.frame[claims.row], np.packbits(claims.camera, axis=0)
-    order = np.lexsort([frame, *code, points.id[claims.other], points.id[claims.row]])
+    order = np.lexsort([frame, *code, claims.other, points.id[claims.row]])
     claims, frame, code = claims.take(order), frame[order], code[:, order]
     run = np.cumsum(np.diff(frame, prepend=frame[0]) > LOOK)
-    start = equal_runs(points.id[claims.row], points.id[claims.other], *code, run)
+    start = equal_runs(points.id[claims.row], claims.other, *code, run)
     run = np.repeat(np.arange(len(start) - 1), np.diff(start))
     return_memory()
     table, score, number = _steps(claims, points, start), np.zeros(len(start) - 1), claims.camera.sum(0)

@@ -105,7 +105,8 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not apart:
         return tracked
     again = _simultaneously(in_time(apart, detections), rig, method, place)
-    return again._replace(diagnostics=(*again.diagnostics, *apart))
+    seen, before = ((one.tracks.cloud.detection >= 0).sum() for one in (again, tracked))
+    return again._replace(diagnostics=(*again.diagnostics, *apart)) if seen >= before else tracked
 
 
 def _simultaneously(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:

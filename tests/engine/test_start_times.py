@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import make_finding
-from kinemark.engine.start_times import with_start_times
+from kinemark.engine.start_times import in_time, with_start_times
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import diagnose, track_simultaneously
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
@@ -55,3 +55,26 @@ def test_a_camera_that_stands_otherwise_was_not_started_apart(seen):
     turned = make_finding("camera_fits_nothing", cameras=["c1"], left_out=True)
     mirrored = replace(seen, uv=np.where((seen.camera == 1)[:, None], [1280.0, 1024.0] - seen.uv, seen.uv))
     assert with_start_times([turned], mirrored, RIG) == (turned,)
+
+
+@pytest.mark.parametrize("n", [3, -5])
+def test_images_of_a_camera_that_was_started_apart_are_put_into_the_frames_that_they_show(seen, n):
+    late = later(seen, n)
+    moved = in_time([make_finding("camera_started_apart", cameras=["c1"], images=n, delay_ms=0.0)], late)
+    np.testing.assert_array_equal(moved.uv, late.uv)  # rows stay
+    for f in range(max(n, 0) + 1, FRAMES + min(n, 0) - 1):
+        np.testing.assert_array_equal(moved[1, f], seen[1, f])
+        np.testing.assert_array_equal(moved[0, f], seen[0, f])
+    assert not diagnose(moved, RIG, track_simultaneously(moved, RIG, DEFAULT))
+
+
+@pytest.mark.parametrize("n", [2, -1, 50])
+def test_images_of_frames_that_were_not_recorded_are_not_valid(seen, n):
+    frames = seen.frames(0, 40)
+    moved = in_time([make_finding("camera_started_apart", cameras=["c2"], images=n, delay_ms=0.0)], frames)
+    own = np.flatnonzero(frames.camera == 2)
+    shown = frames.frame[own] + n
+    np.testing.assert_array_equal(moved.valid[own], (shown >= 0) & (shown < 40))
+    valid = own[moved.valid[own]]
+    np.testing.assert_array_equal(moved.frame[valid], frames.frame[valid] + n)
+    assert moved.valid[frames.camera != 2].all()

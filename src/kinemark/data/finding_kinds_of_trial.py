@@ -69,7 +69,8 @@ TRIAL_KINDS = (
          {"recorded_frames": "count"}),
     Kind("camera_started_late", "track", "amber", "A camera has no images in the first frames, though markers were in "
          "view.", {"recorded_frames": "count"}),
-    Kind("camera_moved", "track", "amber", "A camera's images fit no track any more from a frame on."),
+    Kind("camera_moved", "track", "amber", "A camera's images fit no track any more in these frames, as they "
+         "do else."),
     Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
          "where that began within the recording.", {"offset_u_px": "px", "offset_v_px": "px"}),
     Kind("calibration_off", "track", "amber", "The images of most cameras lie beside where the others expect them, by "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -38,6 +39,9 @@ class Stride(NamedTuple):
         side: whose. first, last: s of its foot strikes.
         values, sd: by the names of `UNITS`; NaN where an event or a heel is missing.
         systematic: what of sd is the same in all strides of a session, by the names of `UNITS`; 0 where none is given.
+        turned_deg: by which the pelvis turns to the left in it. facing_deg: where it faces in the mean, from the x of
+            the laboratory to the left, within half a turn; NaN where this is not known.
+        counts: in means and curves.
     """
 
     side: Side
@@ -46,3 +50,6 @@ class Stride(NamedTuple):
     values: Mapping[str, float]
     sd: Mapping[str, float]
     systematic: Mapping[str, float] = {}
+    turned_deg: float = 0.0
+    facing_deg: float = math.nan
+    counts: bool = True

@@ -65,7 +65,7 @@ def write_exports(
         if "sto" in kinds and mass_kg is not None and (moments := _of_kind(one, "moment", times=mass_kg)):
             write_storage(folder / f"{stem}_moments.sto", moments, rate=rate)
     if "gcd" in kinds:
-        strides = [stride for *_, one in walks for stride in one.strides]
+        strides = [stride for *_, one in walks for stride in one.counted]
         means: dict[str, dict[str, float]] = {
             side: {name: mean for name, (mean, _, _) in averages(strides, side).items()} for side in SIDES
         }

@@ -29,6 +29,7 @@ from ..gait.static_axes import with_knees
 from ..gait.static_checks import static_doubts
 from ..gait.time_distance import strides
 from ..gait.treadmill import floor_velocity
+from ..gait.turning import with_counts, with_facing
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
 from ..gait.way_of_walking import way_of_walking
 from ..io.c3d.subject_measures import measures_of
@@ -227,8 +228,10 @@ def subject_gait(
         own = _uncertain(walk.trial, known, static, settings)
         trials.append(gait_of_trial(walk.trial, measures, settings, own, body))
         causes = causes or own
+    told = with_counts([one.strides for one in trials])
+    trials = [one._replace(strides=strides) for one, strides in zip(trials, told, strict=True)]
     whole = _whole(trials, settings, mvc)
-    each = [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides, whole=whole))
+    each = [(*gait_curves(one.gait.signals, one.counted), *emg_curves(one.emg, one.counted, whole=whole))
             for one in trials]  # fmt: skip
     return SubjectGait(tuple(trials), joined_curves(each), causes, measures, axes, _shown(walks, static, body))
 
@@ -257,7 +260,7 @@ def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | N
     """What of each channel is 100 %; nothing of those that their own greatest value of a walk is."""
     if mvc is not None:
         return greatest_contractions(mvc, {name for one in trials for name in one.emg})
-    return dynamic_peaks([(one.emg, one.strides) for one in trials]) if settings.emg_to == "strides" else {}
+    return dynamic_peaks([(one.emg, one.counted) for one in trials]) if settings.emg_to == "strides" else {}
 
 
 def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, float]:
@@ -312,6 +315,7 @@ def gait_of_trial(
     floor = floor_velocity(events, points, rate=rate)
     placement = settings.placement_mm if settings.uncertainty else 0.0
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial), placement_mm=placement, floor=floor)
+    steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
     return GaitOfTrial(

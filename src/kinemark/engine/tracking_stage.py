@@ -33,6 +33,7 @@ from ..track.swamidas import Swamidas, diagnose_model, follow_points
 from .fill_files import angle_model
 from .graph import Records, Stage
 from .sources import OperatorIdentities
+from .start_times import in_time, with_start_times
 from .trial_inputs import TrialInputs
 
 Record = TypeVar("Record")
@@ -98,6 +99,18 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
+    tracked = _simultaneously(detections, rig, method, place)
+    found = with_start_times(tracked.diagnostics, detections, rig)
+    apart = tuple(one for one in found if one.kind == "camera_started_apart")
+    if not apart:
+        return tracked
+    again = _simultaneously(in_time(apart, detections), rig, method, place)
+    seen, before = ((one.tracks.cloud.detection >= 0).sum() for one in (again, tracked))
+    return again._replace(diagnostics=(*again.diagnostics, *apart)) if seen >= before else tracked
+
+
+def _simultaneously(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
+    """Tracks by Kinemark's own tracker, its decisions, and what it found."""
     margin = place.volume_margin if place.within_volume else None
     result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
     volume = None if np.isnan(rig.volume).any() else rig.volume

@@ -21,6 +21,7 @@ from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
 from ..gait.time_distance import averages
 from ..gait.treadmill import STILL, Floor
+from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain, quantile
@@ -60,6 +61,11 @@ class GaitOfTrial(NamedTuple):
     way: str = "level"
     first_frame: int = 1
     floor: Floor = STILL
+
+    @property
+    def counted(self) -> tuple[Stride, ...]:
+        """Strides that count in means and curves."""
+        return tuple(one for one in self.strides if one.counts)
 
 
 class HipsShown(NamedTuple):
@@ -126,7 +132,7 @@ def gait_figures(
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
     """
-    strides = [stride for trial in trials for stride in trial.strides]
+    strides = [stride for trial in trials for stride in trial.counted]
     findings = [
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
@@ -145,6 +151,7 @@ def gait_figures(
         "method": method,
         "measures": _measures(measures),
         "time_distance": {side: _averages(strides, side) for side in SIDES},
+        "ways": _ways(strides),
         "units": UNITS,
         "curves": [_curve(one) for one in curves],
         "harmonics": _harmonics(curves, strides),
@@ -198,9 +205,10 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
             for c in one.gait.contacts
         ],
         "strides": [
-            {"side": s.side, "first_s": s.first, "last_s": s.last, "values": dict(s.values), "sd": dict(s.sd)}
+            {"side": s.side, "first_s": s.first, "last_s": s.last, "values": dict(s.values), "sd": dict(s.sd),
+             "facing_deg": s.facing_deg, "turned_deg": s.turned_deg, "counts": s.counts}
             for s in one.strides
-        ],
+        ],  # fmt: skip
         "emg": {name: {"saturated_share": e.saturated, "hum_hz": e.hum_hz} for name, e in one.emg.items()},
     }
 
@@ -213,6 +221,17 @@ def _averages(strides: Sequence[Stride], side: str) -> dict[str, Any]:
                "systematic_sd": max((s.systematic.get(name, 0.0) for s in own), default=0.0)}
         for name, (mean, spread, n) in found.items()
     }  # fmt: skip
+
+
+def _ways(strides: Sequence[Stride]) -> list[dict[str, Any]]:
+    """Where the subject faces, and parameters of both sides, of each way it walks; none where it is one."""
+    each = ways(strides)
+    if len(each) < 2:
+        return []
+    return [
+        {"facing_deg": own[0].facing_deg, "time_distance": {side: _averages(own, side) for side in SIDES}}
+        for own in each
+    ]
 
 
 def _curve(one: GaitCurves) -> dict[str, Any]:
@@ -324,16 +343,33 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     mains = max(MAINS_HZ, key=lambda hz: sum(channel.hum_hz == hz for channel in trial.emg.values()))  # a place has one
     if loud := [name for name, channel in trial.emg.items() if channel.hum_hz == mains]:
         yield make_finding("emg_hums", trial=trial.name, channels_list=loud, mains=mains)
+    yield from _of_ways(trial)
+
+
+def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
+    """Whether the subject turns, what of that is left out, and which ways it walks."""
+    left_out = [one for one in trial.strides if not one.counts]
+    if left_out:
+        yield make_finding("gait_turns_left_out", trial=trial.name, left_out=len(left_out), strides=len(trial.strides))
+    if len(each := ways(trial.counted)) > 1:
+        told = [f"{own[0].facing_deg:.0f}° ({len(own)})" for own in each]
+        yield make_finding("gait_ways", trial=trial.name, ways_list=told)
     if (turned := _turned(trial)) > TURN_DEG:
         yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)
 
 
 def _turned(trial: GaitOfTrial) -> float:
-    """deg by which the pelvis faces aside, of its mean or of its direction of progression, most of the time at most."""
+    """deg by which the pelvis faces aside, of its mean or of its direction of progression, most of the time at most;
+    of the strides that count, where others were left out, and not of its mean."""
     if "LPelvisAngles" not in trial.gait.signals.names:
         return 0.0
-    off = np.abs(trial.gait.signals["LPelvisAngles"].values[:, 2])
-    return max(quantile(off, 0.9), quantile(faced_aside(trial.gait.limbs.pelvis.R[..., 0]), 0.9))
+    signal = trial.gait.signals["LPelvisAngles"]
+    off = np.abs(signal.values[:, 2])
+    if trial.counted == trial.strides:
+        return max(quantile(off, 0.9), quantile(faced_aside(trial.gait.limbs.pelvis.R[..., 0]), 0.9))
+    time = np.arange(len(off)) / signal.rate
+    inside = np.any([(time >= one.first) & (time <= one.last) for one in trial.counted], axis=0)
+    return quantile(off[inside], 0.9) if np.any(inside) else 0.0
 
 
 def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:

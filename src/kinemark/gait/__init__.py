@@ -7,7 +7,7 @@ the force plates and the feet on them, `joint_loads` inverse dynamics. `analyse_
 cut it into strides.
 """
 
-from .clinical_angles import clinical_angles, progression
+from .clinical_angles import clinical_angles
 from .clinical_moments import clinical_force, clinical_moment
 from .clusters import CalibratedBody, calibrated_body, with_wands
 from .estimated_measures import estimated_measures, mass_on_plates
@@ -20,6 +20,7 @@ from .lower_limb import Leg, LowerLimbs, lower_limbs
 from .physical import Physical
 from .plate_contacts import Contact, contacts
 from .plug_in_gait import PlugInGait
+from .progression import progression
 from .reaction import Reaction, reaction
 from .segment_inertia import INERTIAS, SegmentInertia
 from .segments import Segment

@@ -13,13 +13,14 @@ from ..data.array_types import Bools, Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
-from .clinical_angles import READINGS, clinical_angles, progression, way_walked
+from .clinical_angles import READINGS, clinical_angles
 from .clinical_moments import clinical_force, clinical_moment
 from .clusters import CalibratedBody
 from .hip_centre import HipCentre
 from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads, twice_five_point
 from .lower_limb import LowerLimbs, lower_limbs
 from .plate_contacts import Contact, contacts
+from .progression import progression, way_walked
 from .reaction import Reaction, reaction
 from .segment_inertia import SegmentInertia
 from .segments import Z_UP

@@ -2,7 +2,8 @@
 
     curves.csv          percent, then for each component mean, spread between strides, SD of measurement:
                         LKneeAngles_flexion_deg, LKneeAngles_flexion_spread, LKneeAngles_flexion_sd
-    time_distance.csv   a row a stride: side, first_s, last_s, then each parameter with its unit and its SD
+    time_distance.csv   a row a stride: side, first_s, last_s, then each parameter with its unit and its SD; where
+                        the pelvis faces, how far it turns, and whether the stride counts in means and curves (1)
 
 An empty cell is a missing value.
 """
@@ -42,8 +43,10 @@ def write_time_distance_csv(path: Path | str, strides: Sequence[Stride]) -> None
     heading = ["side", "first_s", "last_s"]
     for name, unit in UNITS.items():
         heading += [f"{name} ({unit})", f"{name} sd"]
+    heading += ["facing (deg)", "turned (deg)", "counts"]
     rows = (
-        [s.side, cell(s.first), cell(s.last), *(cell(v) for name in UNITS for v in (s.values[name], s.sd[name]))]
+        [s.side, cell(s.first), cell(s.last), *(cell(v) for name in UNITS for v in (s.values[name], s.sd[name])),
+         cell(s.facing_deg), cell(s.turned_deg), str(int(s.counts))]
         for s in strides
-    )
+    )  # fmt: skip
     write_table(path, heading, rows)

@@ -74,6 +74,7 @@ def gait_page(
         nav={k: v for k, v in NAV.items() if k != "emg" or emg},
         figures=figures,
         time_table=time_distance_table(figures),
+        ways=ways_table(figures),
         measures=measures_table(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
         kinetics=panels_figure(curves, KINETICS, reference),
@@ -100,6 +101,24 @@ def time_distance_table(figures: dict[str, Any]) -> Table:
         rows.append([*row, "–" if name == "step_width" else number(_symmetry(figures, name), 1)])
     head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
     return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")
+
+
+def ways_table(figures: dict[str, Any]) -> Table | None:
+    """A row a parameter: the means of left and right of each way that is walked; None where there is one."""
+    each = figures.get("ways")
+    if not each:
+        return None
+    head, rows = [""], []
+    for way in each:
+        head += [f"facing {number(way['facing_deg'], 0)}°: {side}" for side in ("left", "right")]
+    for name, title in NAMES.items():
+        unit, by, digits = SHOWN[figures["units"][name]]
+        means = [way["time_distance"][side][name]["mean"] for way in each for side in ("left", "right")]
+        rows.append([f"{title} ({unit})", *("–" if m is None else number(m / by, digits) for m in means)])
+    count = [way["time_distance"][side]["stride_time"]["strides"] for way in each for side in ("left", "right")]
+    rows.append(["strides", *(number(n) for n in count)])
+    note = "Each way that the subject walks by itself: where it faces, from the laboratory's x to the left."
+    return Table(head, rows, note=note)
 
 
 def _small(value: float, digits: int) -> str:

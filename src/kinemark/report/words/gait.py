@@ -172,6 +172,15 @@ GAIT_WORDS = {
         "turns on the spot (by Plug-in Gait to an axis of the laboratory, where they mean little in any turn). Lengths "
         "and widths of steps in a turn are not those of straight walking.",
     ),
+    "gait_turns_left_out": Words(
+        "{trial}: the subject turns in {left_out} of {strides} strides: they are left out of means and curves.",
+        "They stand in time_distance.csv.",
+    ),
+    "gait_ways": Words(
+        "{trial}: the subject walks {ways_list}: where it faces from the laboratory's x to the left, and in how many "
+        "strides.",
+        "Time and distance of each way stand in their section.",
+    ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
         "Lower the gain.",

@@ -119,7 +119,11 @@ def _by_images(found: Finding) -> str:
 
 
 def _started_apart(found: Finding) -> str:
-    return fill(f"{{Cameras}} was started {_by_images(found)} than the others.", found)
+    return fill(
+        f"{{Cameras}} was started {_by_images(found)} than the others. Kinemark's own tracker has put its images into "
+        "the frames that they show.",
+        found,
+    )
 
 
 def _apart_advice(found: Finding) -> str:
@@ -130,7 +134,7 @@ def _apart_advice(found: Finding) -> str:
 def _lost_images(found: Finding) -> str:
     said = f"About from frame {{first_frame}} on, {{cameras}} shows what the others show {_by_images(found)}"
     lost = "lost" if _number(found, "images") > 0 else "repeated"
-    return fill(f"{said}: it {lost} images before.", found)
+    return fill(f"{said}: it {lost} images before. The others were used.", found)
 
 
 def _number(found: Finding, name: str) -> float:
@@ -293,7 +297,7 @@ TRIAL_WORDS = {
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
     "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),
     "camera_moved": Words(
-        "The images of {cameras} fit no track from frame {first_frame} on: the camera was probably moved.",
+        "In {frames} the images of {cameras} fit no track: the camera was probably moved. The others were used.",
         LOOK_AT_CAMERA,
     ),
     "camera_shifted": Words(

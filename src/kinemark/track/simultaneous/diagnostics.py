@@ -60,9 +60,14 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
+    lost = {
+        c: [make_finding("camera_moved", cameras=[rig.names[c]], frames=[(s.first, s.stop - 1) for s in own])]
+        for c in range(len(rig))
+        if (own := [s for s in result.unfitting if s.camera == c])
+    }
     for c, name in enumerate(rig.names):
         most = max(MIN_SHIFT, STANDS_OUT * _median(np.delete(usual, c)))  # (9)
-        found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name, parts[c], most)
+        found += lost.get(c) or _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name, parts[c], most)
     found += _calibration_off(rig, usual, late)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):

@@ -24,6 +24,7 @@ from .detection_index import Images
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, TrackingResult, track_once
+from .unfitting_stretches import is_lost, unfitting_stretches, without_stretches
 
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
@@ -58,9 +59,24 @@ def track_simultaneously(
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about.
 
-    Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
+    A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`). Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
     keeps all.
     """
+    stretches = unfitting_stretches(detections, rig)
+    while stretches:
+        kept = without_stretches(detections, stretches)
+        result = _with_delays(kept, rig, method, errors, volume_margin)
+        sure = tuple(one for one in stretches if is_lost(one, result.tracks.cloud, detections, rig))
+        if sure == stretches:
+            return result._replace(unfitting=stretches)
+        stretches = sure
+    return _with_delays(detections, rig, method, errors, volume_margin)
+
+
+def _with_delays(
+    detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, volume_margin: float | None
+) -> TrackingResult:
+    """Tracks, and tracks again with what they show of the cameras' times."""
     result, found, moved = track_once(detections, rig, method, errors, volume_margin), None, detections
     for _ in range(ROUNDS if method.learn_delays else 0):
         found = time_offsets(result)

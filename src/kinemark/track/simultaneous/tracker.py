@@ -54,6 +54,7 @@ from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
 from .stitch import Stitch, Stitched, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
+from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
@@ -92,6 +93,7 @@ class TrackingResult(NamedTuple):
         images: what the cameras saw; noise: what was learned of them.
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
         times: of the cameras, by which all was tracked.
+        unfitting: stretches in which a camera fits the others no more, and was left out.
     """
 
     tracks: Tracks
@@ -103,6 +105,7 @@ class TrackingResult(NamedTuple):
     noise: Noise
     outside: Floats
     times: CameraTimes
+    unfitting: tuple[Stretch, ...] = ()
 
 
 def track_once(

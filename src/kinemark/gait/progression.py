@@ -1,0 +1,152 @@
+"""Direction of progression, from which pelvis and feet are seen.
+
+Plug-in Gait takes the horizontal axis of the laboratory nearest the way of the pelvis (1). The way itself counts where
+it is not along an axis (2), as tilt, obliquity and rotation mix as soon as they are seen from aside. Where the pelvis
+stays, as on a treadmill, it is that of the feet to and fro below it.
+
+A subject may walk there and back, or round a corner, in one trial. Each part of the way that is straight
+(`straight_passes`) has a direction of its own, as if it were a trial (3). Where the way bends, its direction is that
+from half a second before a frame to half a second after, about a stride, in which sway cancels (4). Beside a straight
+part the direction stays that part's as long as (4) is near it (5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..data.array_types import Floats
+from ..data.subject_measures import SIDES
+from .lower_limb import LowerLimbs
+from .segments import Z_UP, unit
+from .straight_passes import BEND_MM, WALKED_MM, Pass, straight_passes
+
+ALONG_DEG = 5.0
+"""Between way and axis of the laboratory, up to which the walkway is taken to lie along the axis, deg; chosen: a pelvis
+that sways 40 mm turns a way of `WALKED_MM` by 3, and 10 of tilt seen 5 from aside are 0.9 of obliquity."""
+HALF_S = 0.5
+"""Half of the time over which the direction of a way that bends is taken, s; chosen: half of a stride."""
+STANDING_MM = 250.0
+"""Of way in both halves, below which the subject stands, or drifts on a treadmill, and the direction before or after
+counts, mm; chosen: slow walkers have 400."""
+TO_AND_FRO_MM = 100.0
+"""Root mean square of the feet's way below the pelvis from which on it is walking, mm; chosen: a step of 0.4 m has
+more."""
+NEAR_DEG = 30.0
+"""Between the way at a moment and a straight part beside it, up to which that part's direction counts, deg; chosen:
+sway turns the way at a moment by up to 15."""
+
+
+def progression(limbs: LowerLimbs, up: Floats = Z_UP) -> Floats:
+    """(3, 3) forward, left and up of (1) as columns: a horizontal axis of the laboratory."""
+    ahead = _walked(limbs, up)
+    if np.linalg.norm(ahead) < WALKED_MM:
+        ahead = _faced(limbs, up)
+    return _turned_to(_nearest_axis(ahead), up)
+
+
+def way_walked(limbs: LowerLimbs, up: Floats = Z_UP, *, rate: float) -> Floats:
+    """(3, 3) forward, left and up of (2) as columns: the way, or the laboratory's axis within `ALONG_DEG` of it.
+
+    Where the way turns or bends it is (F, 3, 3), of each frame (3) to (5).
+
+    Args:
+        limbs: over frames. up: of the laboratory. rate: frames a second.
+    """
+    ahead = _walked(limbs, up)
+    if _bends(limbs, ahead, up) and (each := _at_each_moment(limbs, up, rate)) is not None:
+        return _turned_to(_with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate)), up)
+    if np.linalg.norm(ahead) < WALKED_MM:
+        ahead = _stepped(limbs, up)
+    if np.linalg.norm(ahead) == 0:
+        return progression(limbs, up)
+    return _turned_to(_along_axis(unit(ahead)), up)
+
+
+def _along_axis(ahead: Floats) -> Floats:
+    """(3) of the laboratory's axis, where a direction is that near to it."""
+    axis = _nearest_axis(ahead)
+    return axis if ahead @ axis >= np.cos(np.radians(ALONG_DEG)) else ahead
+
+
+def _with_passes(each: Floats, passes: Sequence[Pass]) -> Floats:
+    """(F, 3) directions of each moment, of straight parts theirs (3), and as far beside them as (5) has it."""
+    out, bounds = each.copy(), [0, *(edge for one in passes for edge in (one.first, one.stop)), len(each)]
+    for k, one in enumerate(passes):
+        near = np.asarray(each @ one.direction >= np.cos(np.radians(NEAR_DEG)))
+        before, after = near[bounds[2 * k] : one.first][::-1], near[one.stop : bounds[2 * k + 3]]
+        first, stop = one.first - int(before.cumprod().sum()), one.stop + int(after.cumprod().sum())
+        out[first:stop] = _along_axis(one.direction)
+    return out
+
+
+def _turned_to(forward: Floats, up: Floats) -> Floats:
+    return np.stack([forward, np.cross(up, forward), np.broadcast_to(up, forward.shape)], -1)
+
+
+def _bends(limbs: LowerLimbs, ahead: Floats, up: Floats) -> bool:
+    """Whether the pelvis walks and leaves the line between the ends of its way, or goes back along it."""
+    at = _floor(limbs.pelvis.origin, up)
+    at = at[np.isfinite(at).all(-1)]
+    if not len(at):
+        return False
+    line = unit(ahead) if np.linalg.norm(ahead) >= WALKED_MM else np.zeros(3)
+    off = at - at[0]
+    far = np.linalg.norm(off - np.outer(off @ line, line), axis=1).max()
+    back = (np.maximum.accumulate(off @ line) - off @ line).max()
+    return bool(far > (BEND_MM if line.any() else WALKED_MM) or back > WALKED_MM)
+
+
+def _at_each_moment(limbs: LowerLimbs, up: Floats, rate: float) -> Floats | None:
+    """(F, 3) direction of the way (4); None where the subject stands, or drifts."""
+    at = _floor(limbs.pelvis.origin, up)
+    frames = np.arange(len(at))
+    seen = np.flatnonzero(np.isfinite(at).all(-1))
+    early, late = (np.clip(frames + side * HALF_S * rate, seen[0], seen[-1]) for side in (-1, 1))
+    way = np.stack([np.interp(late, seen, x) - np.interp(early, seen, x) for x in at[seen].T], -1)
+    goes = np.flatnonzero(np.linalg.norm(way, axis=1) >= STANDING_MM)
+    if not len(goes):
+        return None
+    nearest = np.round(np.interp(frames, goes, np.arange(len(goes)))).astype(int)
+    return np.asarray(unit(way[goes[nearest]]))
+
+
+def _floor(v: Floats, up: Floats) -> Floats:
+    """(…, 3) without the vertical part."""
+    return np.asarray(v - (v @ up)[..., None] * up)
+
+
+def _nearest_axis(ahead: Floats) -> Floats:
+    """(3) of the laboratory."""
+    k = int(np.abs(ahead).argmax())
+    return np.asarray(np.eye(3)[k] * (np.sign(ahead[k]) or 1.0))
+
+
+def _walked(limbs: LowerLimbs, up: Floats) -> Floats:
+    """(3) mm along the floor, of the pelvis from its first to its last frame."""
+    at = limbs.pelvis.origin
+    seen = np.isfinite(at).all(-1)
+    return _floor(at[seen][-1] - at[seen][0] if seen.any() else np.zeros(3), up)
+
+
+def _faced(limbs: LowerLimbs, up: Floats) -> Floats:
+    """(3) along the floor, the mean of the pelvis' own x."""
+    x = limbs.pelvis.R[..., 0]
+    seen = np.isfinite(x).all(-1) & np.isfinite(limbs.pelvis.origin).all(-1)
+    return _floor(x[seen].mean(0) if seen.any() else np.zeros(3), up)
+
+
+def _stepped(limbs: LowerLimbs, up: Floats) -> Floats:
+    """(3) along the floor, in which feet go to and fro below the pelvis, as it faces; 0 where they stand."""
+    apart = []
+    for side in SIDES:
+        foot = _floor(limbs.leg(side).ankle - limbs.pelvis.origin, up)
+        apart.append((foot := foot[np.isfinite(foot).all(-1)]) - (foot.mean(0) if len(foot) else 0.0))
+    both = np.concatenate(apart)
+    if not len(both):
+        return np.zeros(3)
+    _, size, axes = np.linalg.svd(both, full_matrices=False)
+    if size[0] < TO_AND_FRO_MM * np.sqrt(len(both)):
+        return np.zeros(3)
+    return np.asarray(axes[0] * (np.sign(axes[0] @ _faced(limbs, up)) or 1.0))

@@ -1,0 +1,175 @@
+"""Stretches of the recording in which a camera fits the others no more: it was bumped, or its images are of other times.
+
+Of images of cameras r and s near each other's epipolar lines (`epipolar_noise`) those that meet by chance are as many
+at any distance e, those of one marker lie at 0. So
+
+    n = #{|e| < A} − A / (W − B) #{B < |e| < W}                                                            (1)
+
+counts pairs of one marker, and q = n / #, with # the pairs that there might be, says how well two cameras fit. In parts
+of the recording camera c does not fit in which
+
+    Q_c = Σ_s n / Σ_s #  is less than LOST of what it is in its best parts,  while of the others among themselves it
+    is KEPT of theirs and more                                                                              (2)
+
+Who leaves the view of two cameras by two sides takes their pairs along. So all is tracked without the camera, and it is
+lost where it has no image near the points that the others then show, though elsewhere it has (3).
+
+Cameras that do not fit in the whole recording are `measurement_noise`'s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Cloud, Detections, Rig
+from ...data.array_types import Bools, Floats, Ints
+from ...data.detections import Validity
+from ...numerics.runs import true_runs, true_runs_of_rows
+from .associate import predict_images
+from .candidate_points import fundamentals
+from .detection_index import Images, read_images
+from .epipolar_noise import WINDOW, pair_of, residuals
+from .kalman_states import KalmanStates
+
+PARTS = 20
+"""Into which a recording is cut; chosen: what is left of a part in which a camera was bumped is a twentieth."""
+LEAST_FRAMES = 5
+"""Of a part; chosen."""
+SAMPLED_IMAGES = 500
+"""Images that are looked at in a part, about; chosen: (1) of fifteen markers is known to a tenth."""
+NEAR, APART = 2.0, 4.0
+"""A and B of (1), px; chosen: images of one marker lie within 1 px, of a calibration 1 px off within 3."""
+LOST, KEPT = 0.4, 0.6
+"""Of (2); chosen on scenes 160000 to 160059 of the second generator: cameras that were bumped by 12 px or are three
+frames late keep 0.0 to 0.35, unless along the lines of all others; of good ones the least was 0.55."""
+SEEN = 0.6
+"""Of #, as of the parts in which a camera fits, that it must be where it does not: who leaves the view takes the images
+along; chosen."""
+LEAST_PARTS = 2
+"""In which a camera does not fit, chosen: one alone is chance."""
+BEST, DOUBTFUL = 0.9, 0.7
+"""Quantile of the parts that are a camera's best, and what of it is at least good; chosen."""
+LEAST_CAMERAS = 4
+"""That are left, from which on a second one is looked for; chosen: of three nobody tells which.  A first one is told of
+three."""
+FITTING = 0.4
+"""Of how well the others fit, what a camera must in its best parts, chosen: images that are late in the whole recording
+fit for moments; good cameras had 0.5 and more."""
+HALF = 0.6
+"""Of the share of points with an image in the camera, what is left where it is lost, at most (3); chosen: markers of
+others lie near by chance."""
+LEAST_POINTS = 30
+"""From which a share is taken; chosen."""
+CLEAR = 5.0
+"""Standard deviations of chance that n of a camera's good parts must be; chosen."""
+
+
+class Stretch(NamedTuple):
+    """Frames first to stop − 1 in which a camera, a number, does not fit the others."""
+
+    camera: int
+    first: int
+    stop: int
+
+
+def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]:
+    """Where cameras fit the others no more, by camera and time.
+
+    Args:
+        detections: what they saw. rig: the cameras.
+    """
+    C, n = len(rig), detections.n_frames
+    parts = min(PARTS, n // LEAST_FRAMES)
+    if C < 3 or parts < 2 or not len(detections):
+        return ()
+    edges = np.linspace(0, n, parts + 1).astype(int)
+    images = read_images(detections, rig)
+    F = fundamentals(images.P)
+    found = [_fit(images, F, detections, range(a, b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    runs = true_runs_of_rows(_lost(*(np.stack(each) for each in zip(*found, strict=True))))
+    return tuple(Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in runs)
+
+
+def without_stretches(detections: Detections, stretches: tuple[Stretch, ...]) -> Detections:
+    """The same, their detections not valid in these."""
+    if not stretches:
+        return detections
+    validity = detections.validity.copy()
+    for one in stretches:
+        validity[detections.start[one.camera, one.first] : detections.start[one.camera, one.stop]] = Validity.MASKED
+    return replace(detections, validity=validity)
+
+
+def is_lost(stretch: Stretch, cloud: Cloud, detections: Detections, rig: Rig) -> bool:
+    """Whether the camera lacks images in a stretch where points of the others are, more than in other frames (3).
+
+    Args:
+        stretch: in question. cloud: points that were tracked without it. detections, rig: of all cameras.
+    """
+    images, c = read_images(detections, rig), stretch.camera
+    uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
+    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
+    own, row = images.near(cloud.frame * len(images.P) + c, uv[:, 0], np.full(len(uv), APART))
+    there = np.zeros(len(uv), bool)
+    there[own[np.linalg.norm(images.uv[row] - uv[own], axis=1) < APART]] = True
+    during = (cloud.frame >= stretch.first) & (cloud.frame < stretch.stop)
+    shares = [there[inside & when].mean() if (inside & when).sum() >= LEAST_POINTS else np.nan
+              for when in (during, ~during)]  # fmt: skip
+    return bool(shares[0] < HALF * shares[1])
+
+
+def _fit(images: Images, F: Floats, detections: Detections, frames: range) -> tuple[Floats, Floats, Floats]:
+    """n of (1), its variance by chance, and #, (C, C) each, in some of the frames."""
+    C, counts = len(images.P), detections.counts[:, frames.start : frames.stop]
+    step = max(1, int(counts.sum() // SAMPLED_IMAGES))
+    some = residuals(images, F, list(frames[step // 2 :: step] or frames[:1]))
+    number, off = pair_of(some, C), np.abs(some.off)
+    share = NEAR / (WINDOW - APART)
+    near, far = (np.bincount(number[own], minlength=C * C).reshape(C, C) for own in (off < NEAR, off > APART))
+    counts = counts[:, step // 2 :: step] if step // 2 < len(frames) else counts[:, :1]
+    possible = np.minimum(counts[:, None], counts[None]).sum(-1) * (1.0 - np.eye(C))
+    n, chance = near - share * far, near + share**2 * far
+    return n + n.T, chance + chance.T, possible
+
+
+def _lost(n: Floats, chance: Floats, possible: Floats) -> Bools:
+    """(C, parts) by (2), of (parts, C, C): the camera that fits worst first, the others then without it."""
+    parts, C = n.shape[:2]
+    out, left = np.zeros((C, parts), bool), np.arange(C)
+    while len(left) >= min(C, LEAST_CAMERAS):
+        each = [_lost_of(c, left, n, chance, possible) for c in left]
+        worst = int(np.argmax([loss for _, loss in each]))
+        if not each[worst][0].any():
+            break
+        out[left[worst]] = each[worst][0]
+        left = np.delete(left, worst)
+    return out
+
+
+def _lost_of(c: int, left: Ints, n: Floats, chance: Floats, possible: Floats) -> tuple[Bools, float]:
+    """(parts) in which camera c of those that are left is lost, and how many pairs of one marker that makes."""
+    others = left[left != c]
+    own, seen = n[:, c, others].sum(-1), possible[:, c, others].sum(-1)
+    q = own / np.maximum(seen, 1.0)
+    rest = (each[:, others][:, :, others].sum((1, 2)) for each in (n, possible))
+    q_rest = np.divide(*(np.maximum(each, low) for each, low in zip(rest, (0.0, 1.0), strict=True)))
+    best, best_rest = max(np.quantile(q, BEST), 0.0), np.quantile(q_rest, BEST)
+    good = q > DOUBTFUL * best
+    if best < FITTING * best_rest or not own[good].sum() > CLEAR * np.sqrt(chance[good][:, c, others].sum()):
+        return np.zeros(len(n), bool), 0.0
+    lost = (q < LOST * best) & (q_rest >= KEPT * best_rest) & (seen >= SEEN * np.median(seen[good]))
+    lost = _closed(lost, ~good)
+    return lost, float(((best - q) * seen)[lost].sum())
+
+
+def _closed(lost: Bools, doubtful: Bools) -> Bools:
+    """Parts (n) that are lost, with the doubtful ones between them and up to the ends; none that stand alone."""
+    out = np.zeros(len(lost), bool)
+    for a, b in true_runs(lost | doubtful):
+        own = np.flatnonzero(lost[a:b])
+        if len(own) >= LEAST_PARTS:
+            out[a if a == 0 else a + own[0] : b if b == len(lost) else a + own[-1] + 1] = True
+    return out

@@ -1,0 +1,77 @@
+"""A camera that was bumped, or whose images are of other times for a while, is told and left out; a good one is not."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.data.detections import Validity
+from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from kinemark.track.simultaneous.unfitting_stretches import (
+    Stretch,
+    is_lost,
+    unfitting_stretches,
+    without_stretches,
+)
+from support.scenes import make, scene, tally
+
+SEEDS = {160001: 3, 160040: 1, 160056: 0}
+"""Scenes of 4 and 6 cameras, and the camera that is bumped."""
+
+
+@cache
+def made(seed):
+    return make(scene(seed))
+
+
+def bumped(detections, c, first, stop, by=(9.0, -8.0)):
+    own = (detections.camera == c) & (detections.frame >= first) & (detections.frame < stop)
+    return replace(detections, uv=detections.uv + own[:, None] * np.array(by))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_frames_in_which_a_camera_was_bumped_are_found_and_no_others(seed):
+    one, c = made(seed), SEEDS[seed]
+    n = one.detections.n_frames
+    assert unfitting_stretches(one.detections, one.rig) == ()
+    for first, stop in ((n // 2, n), (0, n // 2), (n // 3, 2 * n // 3)):
+        (found,) = unfitting_stretches(bumped(one.detections, c, first, stop), one.rig)
+        assert found.camera == c
+        assert abs(found.first - first) <= n / 20 + 1 and abs(found.stop - stop) <= n / 20 + 1
+
+
+def test_who_walks_out_of_the_view_of_a_camera_did_not_bump_it():
+    one = made(160048)
+    assert unfitting_stretches(one.detections, one.rig) == ()
+
+
+def test_a_bumped_camera_is_told_and_the_others_are_used():
+    one, c = made(160001), 3
+    n = one.detections.n_frames
+    detections = bumped(one.detections, c, n // 2, n)
+    result = track_simultaneously(detections, one.rig, DEFAULT)
+    without = without_stretches(one.detections, (Stretch(c, n // 2, n),))
+    found, best = (tally(one, r.tracks) for r in (result, track_simultaneously(without, one.rig, DEFAULT)))
+    assert found.ghosts <= best.ghosts + 5  # 202 with the images of the bumped camera
+    assert found.two_found + found.more_found >= 0.995 * (best.two_found + best.more_found)
+    told = [one for one in diagnose(detections, one.rig, result) if one.cameras]
+    assert [(f.kind, f.cameras, f.frames) for f in told] == [("camera_moved", (one.rig.names[c],), ((n // 2, n - 1),))]
+
+
+def test_a_stretch_is_only_kept_where_the_camera_lacks_images_of_points_that_others_show():
+    one, c = made(160001), 3
+    stretch = Stretch(c, 80, 160)
+    cloud = track_simultaneously(without_stretches(one.detections, (stretch,)), one.rig, DEFAULT).tracks.cloud
+    assert not is_lost(stretch, cloud, one.detections, one.rig)
+    assert is_lost(stretch, cloud, bumped(one.detections, c, 80, 160), one.rig)
+
+
+def test_detections_of_a_stretch_are_not_valid():
+    one = made(160001)
+    masked = without_stretches(one.detections, (Stretch(1, 10, 20),))
+    inside = (one.detections.camera == 1) & (one.detections.frame >= 10) & (one.detections.frame < 20)
+    assert (masked.validity[inside] == Validity.MASKED).all()
+    np.testing.assert_array_equal(masked.validity[~inside], one.detections.validity[~inside])
+    assert without_stretches(one.detections, ()) is one.detections

@@ -177,8 +177,8 @@ def margins(
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
-        template.keeps.any(1).astype(float)[a], *np.repeat([[(over == 0).sum()], [over[1]]], len(t), 1).astype(float),
-        told[a],
+        template.keeps.any(1).astype(float)[a], np.full(len(t), (over == 0).sum(), float),
+        np.full(len(t), float(over[1])), told[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second

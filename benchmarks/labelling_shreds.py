@@ -47,7 +47,7 @@ from kinemark.label import Distances, shredded
 from kinemark.label.decided_sides import at_most_even, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import GAINED, GAINED_OTHER, Margins, exchange_odds, label_features, margins
+from kinemark.label.margin import GAINED, GAINED_OTHER, Margins, first_factors, label_features, margins
 from kinemark.label.score import BINS
 from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
@@ -159,7 +159,7 @@ def shred(kind: str, seed: int) -> Shred | None:
 
 
 class Cases(NamedTuple):
-    """Of labels of shreds: features (n, k) of (4), odds (n) of its first factor, whether they are right, on what."""
+    """Of labels of shreds: features (n, k) of (4), its first two factors (n), whether they are right, on what."""
 
     x: Floats
     odds: Floats
@@ -171,7 +171,7 @@ def cases(shreds: Sequence[Shred]) -> Cases:
     """Each label of each shred, by its longest track."""
     x, odds, right, doubted = [], [], [], []
     for one in shreds:
-        features, odd = label_features(one.about), exchange_odds(one.about, GAINED_OTHER if one.doubted else GAINED)
+        features, odd = label_features(one.about), first_factors(one.about, GAINED_OTHER if one.doubted else GAINED)
         for a in np.unique(one.label[one.label >= 0]).tolist():
             own = np.flatnonzero(one.label == a)
             longest = own[one.samples[own].argmax()]

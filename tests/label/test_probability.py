@@ -214,6 +214,19 @@ def test_what_the_stiffest_distances_lack_counts_for_more_the_more_markers_have_
     assert (margins(stretches, without, template(39), pairs).nameless[without >= 0] == 2).all()
 
 
+def test_a_name_by_which_nothing_is_told_is_not_likely_and_fits_nothing():
+    """A ghost that is called as a marker of the other leg, which is absent: no distance to what is seen tells of it."""
+    standing, trial = (walking(duration_s=1.0, rate=50.0, seed=seed).trajectories for seed in (1, 3))
+    by = learn_template(standing.frames(12, 15), relative_spread=0.18)
+    ghost = MarkerTrajectory.measured("RHEE", trial["RHEE"].xyz + np.array([150.0, -150.0, 120.0]))
+    leg = [trial["L" + part] for part in ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")]
+    stretches, pairs, true = known(replace(trial, paths=(*leg, ghost)), by)
+    about = margins(stretches, true, by, pairs)
+    assert abs(about.told[-1]) < 0.1 and (about.told[:-1] > 1).all() and abs(about.fit[-1]) < 0.1
+    p = {told: probability(about._replace(told=np.full(7, told)), stretches.weight)[:-1] for told in (0.0, 2.0, 5.2)}
+    assert (p[0.0] < 0.01).all() and (p[2.0] < 0.51).all() and (p[5.2] > 1.99 * p[2.0]).all()
+
+
 def test_an_exchange_that_gains_by_another_subjects_template_tells_nothing_more_than_one_that_neither_gains_nor_loses():
     stretches, pairs, true = known(walk(7, 39), template(39))
     about = margins(stretches, true, template(39), pairs)

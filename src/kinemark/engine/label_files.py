@@ -192,51 +192,48 @@ def _figures(
 
 def label_text(found: LabelledFile) -> str:
     """The same as lines of text: what is sure in a line, the rest one by one."""
-    each = found.figures["tracks"]
-    of = {state: [one for one in each if one["state"] == state] for state in ("sure", "unsure", "unknown")}
-    names = {one["name"] for one in of["sure"]}
+    figures = found.figures
+    of = {state: [one for one in figures["tracks"] if one["state"] == state] for state in ("sure", "unsure", "unknown")}
     lines = [
-        f"sure:     {len(of['sure'])} of {len(each)} tracks, {len(names)} markers; the trial scores "
-        f"{found.labels.fit:.2f} of what the template scores on its own data",
-        *(
-            ["          by the marker set's figure alone, so that no name is sure"]
-            if found.figures["figure_alone"]
-            else []
-        ),
-        *(
-            [
-                "          its stiffest distances do not hold: the template is of another subject, this one "
-                f"{found.labels.another:.2f} times as tall, or markers were moved, so that no name is sure; "
-                "if it is another's, say so: --scale, or --heights-mm"
-            ]
-            if found.labels.another is not None
-            else []
-        ),
-        *(
-            [f"          {text_of(found.labels.undecided)} {advice_of(found.labels.undecided)}"]
-            if found.labels.undecided is not None
-            else []
-        ),
+        f"sure:     {len(of['sure'])} of {len(figures['tracks'])} tracks, {len({one['name'] for one in of['sure']})} "
+        f"markers; the trial scores {found.labels.fit:.2f} of what the template scores on its own data",
+        *(f"          {text}" for text in _why_not_sure(found)),
         *(
             f"unsure:   {one['track']} ({one['samples']} samples): {one['name']}, {100 * one['probability']:.0f} %, "
             f"or {one['runner_up'] or 'no marker'}"
             for one in of["unsure"]
         ),
         f"unknown:  {len(of['unknown'])} tracks",
-        *_displaced_lines(found.figures["displaced"]),
+        *_displaced_lines(figures["displaced"]),
         *(
             f"cut:      a track that is {one['before']}, and {one['after']} from frame {one['frame']} on"
-            for one in found.figures["switches"]
+            for one in figures["switches"]
         ),
     ]
-    if aside := found.figures["computed"]:
+    if aside := figures["computed"]:
         lines.append(
             f"aside:    {len(aside)} computed points, such as {', '.join(aside[:3])}, which are no markers and stay as "
             "they are; --computed names them too"
         )
-    if found.figures["missing"]:
-        lines.append(f"missing:  {', '.join(found.figures['missing'])}")
+    if figures["missing"]:
+        lines.append(f"missing:  {', '.join(figures['missing'])}")
     return "\n".join([*lines, f"results:  {found.written}"])
+
+
+def _why_not_sure(found: LabelledFile) -> list[str]:
+    """What keeps names of the whole trial from being sure, a line each; none where nothing does."""
+    labels, lines = found.labels, []
+    if found.figures["figure_alone"]:
+        lines.append("by the marker set's figure alone, so that no name is sure")
+    if labels.another is not None:
+        lines.append(
+            "its stiffest distances do not hold: the template is of another subject, this one "
+            f"{labels.another:.2f} times as tall, or markers were moved, so that no name is sure; "
+            "if it is another's, say so: --scale, or --heights-mm"
+        )
+    if labels.undecided is not None:
+        lines.append(f"{text_of(labels.undecided)} {advice_of(labels.undecided)}")
+    return lines
 
 
 def _displaced_lines(displaced: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -29,7 +29,7 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(k x)
+    p_label = logistic(k x) · logistic(3 (e_a − 2))
         · logistic(β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h, f', h', f_n', r, log W, s > 0, s > 1,
                         (h − 1) log(1 + N)))                                                                      (4)
 
@@ -41,7 +41,9 @@ label that keeps, as to a marker of the same segment, and 0 where all its distan
 segments. Names that moved up one place end at a label that is absent and begin at a marker without name: s is 2 where
 the trial has neither (`left_over`), 1 where it has but one of the two, 0 where it has both. Of N markers on the body
 without a name, the more there are the likelier one of them lies where the label belongs, fairly and not quite: what the
-stiffest distances lack of holding counts for more there.
+stiffest distances lack of holding counts for more there. Of a part of the body that is absent ghosts take the names,
+and nothing that is seen tells against it, nor for it: e_a, nats a frame of all tracks that are a, is less than one
+distance that keeps tells.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
 measured, over many templates and trials (`benchmarks/labelling_shreds.py`).
@@ -86,11 +88,19 @@ names that an exchange would gain by are right."""
 GAINED_OTHER = 0.0
 """The same where an exchange gains by another subject's template, as a marker that sits elsewhere changes all its
 distances alike; measured on 127 shreds: 22 of 33 such names were right, of those by 10 nats and more 7 of 11."""
+TOLD, TOLD_SLOPE = 2.0, 3.0
+"""Nats a frame of e_a below which a name is of nothing, and by how many logits a nat; chosen on legs and upper bodies
+alone of three children: right names are told by 5.2 nats and more, eight of twelve wrong ones from 0.5 on by less than
+3.3; of one leg alone by a posture of 15 markers, where no distance is known to keep, right ones by 1.6 to 5."""
 CHAIN_END = 0.5
 """Fit of a near label below which a chain of names may end at it; measured on the same shreds: one in ten right names
 of other children, and half of the wrong ones, are near such a label."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
+LEAST_EXPECTED = 5.0
+"""Nats that a fit is a share of, at least, as one distance that keeps tells; chosen: a ghost on the place of a part of
+the body that is absent, of whose distances to the rest the template expects nothing, fitted a thousand million times.
+"""
 FIT_HIGH = 1.3
 """Fits above it tell no more than it; chosen, a third above what the template expects."""
 MOST_POSES = 11.0
@@ -107,7 +117,7 @@ class Margins(NamedTuple):
         link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
         rival: y. stiff: h. poses: W.
         fit_beside, stiff_beside: f_a and h less their medians of all labels that are there. rigid: r.
-        shut: s. nameless: N.
+        shut: s. nameless: N. told: e_a.
     """
 
     track: Floats
@@ -128,6 +138,7 @@ class Margins(NamedTuple):
     rigid: Floats
     shut: Floats
     nameless: Floats
+    told: Floats
 
 
 def margins(
@@ -148,6 +159,7 @@ def margins(
     a = label[t]
     given = evidence(stretches, label, pairs)
     label_fit, present = _of_labels(stretches, t, a, _share(given, stretches, label, pairs), L)
+    told, _ = _of_labels(stretches, t, a, given[t, a], L)
     nats, share, own_fit = given, _share(given, stretches, label, pairs), label_fit
     if after is not None:
         nats = evidence(stretches, label, after)
@@ -165,7 +177,8 @@ def margins(
         label_fit[a], _worst_near(template, label_fit)[a], present[a],
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
-        template.keeps.any(1).astype(float)[a], *np.repeat([[(over == 0).sum()], [over[1]]], len(t), 1).astype(float),
+        template.keeps.any(1).astype(float)[a], np.full(len(t), (over == 0).sum(), float),
+        np.full(len(t), float(over[1])), told[a],
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
@@ -194,7 +207,7 @@ def _beside(values: Floats, there: Ints) -> Floats:
 def _share(nats: Floats, stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
     """(n) of the tracks with a label, evidence over what is expected."""
     t = np.flatnonzero(label >= 0)
-    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs)[t, label[t]], 1e-9))
+    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs)[t, label[t]], LEAST_EXPECTED))
 
 
 def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:
@@ -300,9 +313,10 @@ def label_features(found: Margins) -> Floats:
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 
 
-def exchange_odds(found: Margins, gained: float = GAINED) -> Floats:
-    """(T) first factor of (4), with k = gained where an exchange gains."""
-    return logistic(np.where(found.exchange > 0, LOST, gained) * found.exchange)
+def first_factors(found: Margins, gained: float = GAINED) -> Floats:
+    """(T) the first two factors of (4), with k = gained where an exchange gains."""
+    exchange = logistic(np.where(found.exchange > 0, LOST, gained) * found.exchange)
+    return exchange * logistic(TOLD_SLOPE * (found.told - TOLD))
 
 
 def _log(nats: Floats) -> Floats:
@@ -320,7 +334,7 @@ def probability(
     gained: float = GAINED,
 ) -> Floats:
     """(T) by (1), with δ = shift; 0 for tracks without label."""
-    p_label = exchange_odds(found, gained) * logistic(label_features(found) @ np.asarray(label))
+    p_label = first_factors(found, gained) * logistic(label_features(found) @ np.asarray(label))
     p = p_label * logistic(track_logit(found, weight, track) + shift)
     return np.where(np.isfinite(p), p, 0.0)
 

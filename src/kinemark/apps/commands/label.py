@@ -16,6 +16,7 @@ from ..progress import at_work
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
     from ...engine.check_files import CheckedNames
+    from ...engine.subject_templates import Known
 
 
 def label(
@@ -73,37 +74,22 @@ def label(
             names; status 3 where there are any.
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
-    from ...engine.check_files import check_files
     from ...engine.clusters_said import clusters_of
-    from ...engine.label_files import LabelledFile, label_files, label_text, template_of
-    from ...engine.subject_templates import Known, templates_of_subjects
+    from ...engine.subject_templates import Known
 
-    if by_location is not None:
-        _label_by_location((source, *sources), by_location, output, up=up, unsure=unsure, json=json)
-        return
-    worn = read_marker_set(marker_set) if marker_set else None
-    known = Known(
-        worn,
-        tuple(filter(None, markers.split(","))),
-        static,
-        height_mm=height_mm,
-        heights_mm=tuple(heights_mm or ()),
-        computed=computed,
-        clusters=clusters_of(cluster),
-    )
     every = (source, *sources)
+    if by_location is not None:
+        _label_by_location(every, by_location, output, up=up, unsure=unsure, json=json)
+        return
+    known = Known(
+        read_marker_set(marker_set) if marker_set else None, tuple(filter(None, markers.split(","))), static,
+        height_mm=height_mm, heights_mm=tuple(heights_mm or ()), computed=computed, clusters=clusters_of(cluster),
+    )  # fmt: skip
     if subject and (template or scale or heights_mm or check):
         raise KinemarkError("Of several subjects each has its template: give --subject alone, without --template, …")
-    with at_work() as tell:
-        tell("learning the template")
-        if subject:
-            learnt: Any = templates_of_subjects(subject, known)
-        else:
-            learnt = template_of(template or [], known, scale=scale)
-        if check:
-            checked = check_files(every, learnt, announce=lambda file: tell(f"checking the names of {file}"))
+    learnt = _learnt(template or [], subject or [], known, scale)
     if check:
-        _print_checks(checked, json)
+        _check(every, learnt, json)
         return
     if output is None:
         raise KinemarkError("There is no output. Name the file to write with -o, or --check to write none.")
@@ -112,18 +98,41 @@ def label(
         raise KinemarkError(
             "Names are stated of one file's tracks, and there are several files. Label them one by one."
         )
+    _label(every, output, learnt, json=json, unsure=unsure, stated=stated, computed=computed)
+
+
+def _learnt(template: list[Path], subject: list[str], known: Known, scale: float | None) -> Any:
+    """The template, or one of each subject."""
+    from ...engine.label_files import template_of
+    from ...engine.subject_templates import templates_of_subjects
+
     with at_work() as tell:
-        done = label_files(
-            every, output, learnt, unsure=unsure, stated=stated, computed=computed,
-            announce=lambda file: tell(f"naming the markers of {file}"),
-        )  # fmt: skip
+        tell("learning the template")
+        return templates_of_subjects(subject, known) if subject else template_of(template, known, scale=scale)
+
+
+def _label(every: tuple[Path, ...], output: Path, learnt: Any, *, json: bool, **how: Any) -> None:
+    """Name the markers of files; status 1 where one could not be read or written."""
+    from ...engine.label_files import LabelledFile, label_files, label_text
+
+    with at_work() as tell:
+        done = label_files(every, output, learnt, announce=lambda file: tell(f"naming the markers of {file}"), **how)
     found = {str(path): one for path, one in done.items() if isinstance(one, LabelledFile)}
     if json:
         figures = {path: one.figures for path, one in found.items()}
-        print_result(figures if sources else figures[str(source)])
+        print_result(figures if len(every) > 1 else figures[str(every[0])])
     else:
         print_result("\n\n".join(label_text(one) for one in found.values()))
     _exit_by_errors({str(path): one for path, one in done.items() if isinstance(one, KinemarkError)})
+
+
+def _check(every: tuple[Path, ...], learnt: Any, json: bool) -> None:
+    """Check the names that files have."""
+    from ...engine.check_files import check_files
+
+    with at_work() as tell:
+        checked = check_files(every, learnt, announce=lambda file: tell(f"checking the names of {file}"))
+    _print_checks(checked, json)
 
 
 def _label_by_location(

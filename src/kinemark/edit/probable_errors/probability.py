@@ -61,7 +61,9 @@ of leaps to files, those of errors that have a kind for files as well to scenes:
 (`change`) and without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were among the
 faults, to files (spikes in them) or to both: fitted anew to files alone, spikes would be told in clean files. Spikes of
 files then got a factor and a constant by which each recording counts the same (`levelled`). (3) is fitted by
-studies/trial_bulk.py to 16 laboratories; changes of files were as well, beside an earlier form of (3). Fillings are by
+studies/trial_bulk.py, to the laboratories of FILES there; changes of files without companions were, beside an earlier
+form of (3), to all 16, and those with companions have these times a factor, a constant, and what companions tell, by
+those of FILES. Fillings are by
 studies/filled_samples.py, lost frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are
 chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59 and
 140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left.

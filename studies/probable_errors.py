@@ -59,7 +59,7 @@ from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
 from support.scenes import make, scene
 
-TUNE, FRESH = (*range(100, 140), *range(340, 460)), range(520, 580)
+TUNE, FRESH = (*range(100, 140), *range(340, 460)), range(460, 520)
 FILES = (
     "pig_gait_child*/*.c3d", "pig_gait_3plates_emg/PiG_M*FF.c3d", "fullbody_cmu/*.c3d", "labelling/*.c3d",
     "pig_wholebody/M*.c3d", "gait_emg_ccby/*01.c3d", "opensim_gait/*walk.trc",

@@ -8,14 +8,14 @@ is known what it is said to be by itself, and by the others of its trial (`edit/
 What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL of
 `probable_errors`), which is left out.
 
-Run: python studies/trial_bulk.py
+Run: python studies/trial_bulk.py [fit]         fit: print coefficients of changes too, by the laboratories of FILES
 """
 
 from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 from unittest import mock
 
@@ -29,9 +29,10 @@ from kinemark.data.array_types import Floats
 from kinemark.data.problems import Problem
 from kinemark.edit.probable_errors import Evidence
 from kinemark.edit.probable_errors.leaps import LeapEvidence
-from kinemark.edit.probable_errors.probability import TAIL, evidence_of_trial
+from kinemark.edit.probable_errors.probability import COEFFICIENTS, TAIL, evidence_of_trial
 from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
+PROBLEMS: Any = sys.modules["kinemark.engine.problems"]
 OF_PATHS: Any = sys.modules["kinemark.engine.problems.of_paths"]
 OTHERS = (
     "arm_box_lift_gaps/*.c3d", "qualisys_gait/*.c3d", "ulema_hand_to_head/*.c3d", "wheelchair_racing_gaps/*.c3d",
@@ -46,8 +47,8 @@ KINDS = {"change": Evidence._fields, "leap": LeapEvidence._fields, "spike": Spik
 
 
 class Told(NamedTuple):
-    """A problem: its laboratory, kind, what is said of it by itself, evidence of its trial (3), whether it is one, and
-    which trial it is of."""
+    """A problem: its laboratory, kind, what is said of it by itself, evidence of its trial (3), whether it is one,
+    which trial it is of and its rate, and what tells of it."""
 
     laboratory: str
     kind: str
@@ -55,6 +56,8 @@ class Told(NamedTuple):
     of_trial: tuple[float, ...]
     true: bool
     trial: int
+    rate: float
+    values: Mapping[str, float]
 
 
 def laboratory(file: str) -> str:
@@ -62,9 +65,10 @@ def laboratory(file: str) -> str:
     return next((name for start, name in LABORATORIES.items() if file.startswith(start)), file)
 
 
-def trials() -> Iterator[Known]:
+def trials(patterns: Sequence[str]) -> Iterator[Known]:
     """Each as it is; with up to two faults of each kind; and with one or two in all."""
-    some = (known for patterns in (FILES, OTHERS) for part in (0, 1) for known in labelled(part, patterns))
+    groups = [[one for one in patterns if one in some] for some in (FILES, OTHERS)]
+    some = (known for group in groups for part in (0, 1) for known in labelled(part, group))
     for k, known in enumerate(some):
         rng = np.random.default_rng([k, 5])
         few = dict(Counter(rng.choice(list(FAULTS), size=int(rng.integers(1, 3))).tolist()))
@@ -76,11 +80,12 @@ def kind_of(one: Problem) -> str | None:
     return next((kind for kind, fields in KINDS.items() if set(fields) <= set(one.values)), None)
 
 
-def told() -> list[Told]:
+def told(patterns: Sequence[str] = (*FILES, *OTHERS)) -> list[Told]:
     rows = []
-    with mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
+    names = mock.patch.object(PROBLEMS, "of_names", lambda *_: ())  # they are another matter, and take longest
+    with names, mock.patch.object(OF_PATHS, "by_trial", lambda found: found):
         OF_PATHS._found.cache_clear()
-        for k, known in enumerate(trials()):
+        for k, known in enumerate(trials(patterns)):
             some = [
                 (one, kind, true)
                 for one in listed(known).items
@@ -88,7 +93,8 @@ def told() -> list[Told]:
             ]
             of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
             for (one, kind, true), its in zip(some, of, strict=True):
-                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), true, k))
+                rate = known.trajectories.rate
+                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), true, k, rate, one.values))
     return rows
 
 
@@ -103,6 +109,37 @@ def fit(rows: Sequence[Told]) -> Floats:
 
     some = scipy.optimize.minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0, None), (0, 0.99 * TAIL)])
     return np.asarray(some.x)
+
+
+def fit_changes(rows: Sequence[Told]) -> Floats:
+    """Constant, factor of what is said without companions, and coefficients of `Evidence.left` and `beside`, as likely
+    as they can be beside (3), which is worked out anew with them."""
+    alone, b = COEFFICIENTS["change_in_file_alone"], np.array([0.0, 1.0, 0.0, 0.0])
+    mine = [k for k, row in enumerate(rows) if row.kind == "change" and row.values["left"] > 0]
+    of = np.array([[rows[k].values[name] for name in Evidence._fields] for k in mine])
+    x = np.column_stack([np.ones(len(mine)), alone[0] + of @ np.array(alone[1:]), of[:, -2:]])
+    y, rows = np.array([float(rows[k].true) for k in mine]), list(rows)
+    for _ in range(4):
+        for k, wrong in zip(mine, scipy.special.expit(x @ b), strict=True):
+            rows[k] = rows[k]._replace(wrong=float(wrong))
+        for trial in {row.trial for row in rows}:
+            own = [k for k, row in enumerate(rows) if row.trial == trial]
+            its = evidence_of_trial(np.array([rows[k].wrong for k in own]), rows[own[0]].rate)
+            for k, one in zip(own, its, strict=True):
+                rows[k] = rows[k]._replace(of_trial=tuple(one))
+        beside = np.array([rows[k].of_trial[1:] for k in mine]) @ (fit(rows) * np.array([1.0, -1.0]))
+        b = _likeliest(x, y, beside, b)
+    return b
+
+
+def _likeliest(x: Floats, y: Floats, known: Floats, first: Floats) -> Floats:
+    """Coefficients of a logistic function beside log-odds that are known."""
+
+    def cost(b: Floats) -> tuple[float, Floats]:
+        z = known + x @ b
+        return float((np.logaddexp(0, z) - y * z).sum()), x.T @ (scipy.special.expit(z) - y)
+
+    return np.asarray(scipy.optimize.minimize(cost, first, jac=True, method="L-BFGS-B").x)
 
 
 def judged(rows: Sequence[Told], c: Floats | None) -> list[Judged]:
@@ -141,7 +178,9 @@ def spread(c: dict[str, Floats], k: int) -> str:
     return f"{min(one[k] for one in c.values()):.2f} to {max(one[k] for one in c.values()):.2f}"
 
 
-def main() -> None:
+def main(*what: str) -> None:
+    if "fit" in what:
+        print("changes of files:", fit_changes(told(FILES)).round(3))
     rows = told()
     places = sorted({row.laboratory for row in rows})
     c = {place: fit([row for row in rows if row.laboratory != place]) for place in places}
@@ -159,4 +198,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -64,6 +64,24 @@ def test_an_exchange_that_fast_motion_hides_where_frames_are_few_is_found_by_the
     assert all(len(steps) == 0 for steps in companion_steps(Paths.of(trial)))
 
 
+@pytest.mark.parametrize(("p", "f"), [(4, 120), (6, 160), (8, 280), (15, 240)])
+def test_a_stretch_of_some_frames_that_ends_in_a_gap_is_told_by_how_the_path_leaves_its_companions(p, f):
+    """Over a second, in which the body's shape was compared, it does not show: it was told with 1 %."""
+    whole = without(clean(), p, f + 3, f + 9)
+    told = []
+    for trial in (whole, spiked(whole, p, f, f + 3, mm=40.0)):
+        found, _ = changes_of(trial)
+        told.append(max(one.wrong for one in found if one.place.path == p and abs(one.place.middle - f - 5.5) < 1))
+    assert told[0] < 0.05 and told[1] > 0.2
+
+
+@pytest.mark.parametrize(("frames", "tells"), [(1, True), (14, True), (16, False), (60, False)])
+def test_over_a_gap_in_which_a_body_bends_companions_do_not_tell(frames, tells):
+    found, _ = changes_of(without(clean(), 6, 160, 160 + frames - 1) if frames > 1 else spiked(clean(), 6, 160, 170))
+    (one,) = (one for one in found if one.place.path == 6 and 159 <= one.place.middle - (frames - 1) / 2 <= 160)
+    assert (one.evidence.left > 0) == tells
+
+
 def test_a_long_gap_by_itself_does_not_speak_for_two_markers():
     """A glove's only sample after four seconds, 3 mm from where it was, was called another marker's with 62 %."""
     whole = clean()

@@ -56,8 +56,8 @@ class Evidence(NamedTuple):
             / 10 that those beside it on both sides say for one marker (`shape.companions`), 0 where unknown; both 0 in
             files.
         left: ln(1 + mm) that the path comes over the place from where its companions carry it (`carried`), 0 where
-            unknown: (3) is of a second, in which a stretch of some frames is not seen. beside: the same of what is
-            nearest to it, the median; both 0 of tracks that have images.
+            unknown, or over more than STIFF_S: (3) is of a second, in which a stretch of some frames is not seen.
+            beside: the same of what is nearest to it, the median; both 0 of tracks that have images.
     """
 
     motion: float
@@ -180,9 +180,9 @@ class _Windows:
         return companions(self.paths, place.path, place.sample, self.spread) / 10
 
     def left(self, place: Place) -> tuple[float, float] | None:
-        """`Evidence.left` and `beside`; None where they are not known."""
+        """`Evidence.left` and `beside`; None where they are not known, or over a gap in which a body bends."""
         p, (f, g) = place.path, self.paths.frames[place.path][place.sample :][:2].tolist()
-        mm = self.leaving.mm(p, f, g)
+        mm = self.leaving.mm(p, f, g) if g - f <= max(1, STIFF_S * self.paths.rate) else np.nan
         return None if np.isnan(mm) else (float(np.log1p(mm)), float(np.log1p(self.leaving.beside(p, f, g))))
 
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
@@ -237,6 +237,9 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     return best
 
 
+STIFF_S = 0.15
+"""s over which companions carry a path, at most; chosen, as a leap may be smeared: in longer gaps bodies bend, and a
+recording with 224 gaps had eight problems for none."""
 USUAL_MM = 10.0
 """mm beside which distances are told apart; chosen."""
 USUAL_MISFIT = 1.0

@@ -8,12 +8,11 @@ besides noise, as of jumps (`paths`, (5)).
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 import scipy
 
 from ...data.array_types import Floats, Ints
+from ...numerics.row_quantiles import row_medians
 from .carried import COMPANIONS, NEAR
 from .paths import JUMP, JUMP_MM, RESTLESS, USUAL_STEPS, Paths
 
@@ -34,9 +33,7 @@ def _nearest(paths: Paths) -> Ints:
     """(M, ≤ NEAR) of each path, the nearest first; −1 where there is none."""
     frames = np.unique(np.linspace(0, paths.xyz.shape[1] - 1, LOOKED_AT).astype(np.int64))
     xyz = paths.xyz[:, frames]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        far = np.array([np.nanmedian(np.linalg.norm(xyz - own, axis=2), axis=1) for own in xyz])
+    far = np.array([row_medians(np.linalg.norm(xyz - own, axis=2)) for own in xyz])
     np.fill_diagonal(far, np.nan)
     order = np.argsort(far, axis=1, kind="stable")[:, :NEAR]
     return np.where(np.isfinite(np.take_along_axis(far, order, axis=1)), order, -1)
@@ -58,8 +55,5 @@ def _change(paths: Paths, p: int, near: Ints) -> Floats:
     own = paths.frames[p]
     off = paths.xyz[near][:, own] - paths.xyz[p, own]
     change = np.abs(np.diff(np.sqrt(np.einsum("mfk,mfk->mf", off, off)), axis=1))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        steady = np.argsort(np.nanmedian(change, axis=1), kind="stable")[:COMPANIONS]
-        middle = np.nanmedian(change[steady], axis=0)
-    return np.asarray(np.where(np.isfinite(change[steady]).sum(0) >= FEWEST, middle, np.nan))
+    steady = change[np.argsort(row_medians(change), kind="stable")[:COMPANIONS]]
+    return np.where(np.isfinite(steady).sum(0) >= FEWEST, row_medians(steady.T), np.nan)

@@ -39,7 +39,7 @@ LEAST = 1e-6
 COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "change": (-3.31, 0.23, 0.56, 0.67, -0.40, -0.17, -0.24, 0.06, 0.02, 1.06, -0.26, 0.12, 0.0, 1.30, -0.95, 0.0, 0.0),
     "cut": (-3.69, 0.28, 0.35, 0.15, -0.20, -0.04, 0.14, -0.06, 0.22, -0.43, 0.23, 0.0, 0.0, 0.96, -1.30, 0.0, 0.0),
-    "change_in_file": (-8.6, 0.16, 0.56, -0.11, 0.43, 0, -0.03, -0.13, -0.04, 0, 0, 0.11, 0.75, 0, 0, 2.66, -1.32),
+    "change_in_file": (-9.07, 0.19, 0.67, -0.13, 0.51, 0, -0.03, -0.15, -0.04, 0, 0, 0.13, 0.89, 0, 0, 2.64, -1.19),
     "change_in_file_alone": (-4.73, 0.41, 1.41, -0.28, 1.09, 0, -0.07, -0.32, -0.09, 0, 0, 0.28, 1.88, 0, 0, 0, 0),
     "spike": (-0.37, 0.39, 0.12, 0.60, 0.28, -0.04, 0.24),
     "spike_in_file": (1.13, 0.76, -0.42, 1.83, 2.35, 0.18, 1.87),
@@ -51,7 +51,7 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-7.58, -0.70, -0.11, 1.09, 1.00),
-    "in_trial": (1.31, 1.67),
+    "in_trial": (1.46, 1.98),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
@@ -61,7 +61,9 @@ of leaps to files, those of errors that have a kind for files as well to scenes:
 (`change`) and without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were among the
 faults, to files (spikes in them) or to both: fitted anew to files alone, spikes would be told in clean files. Spikes of
 files then got a factor and a constant by which each recording counts the same (`levelled`). (3) is fitted by
-studies/trial_bulk.py to 16 laboratories; changes of files were as well, beside an earlier form of (3). Fillings are by
+studies/trial_bulk.py, to the laboratories of FILES there; changes of files without companions were, beside an earlier
+form of (3), to all 16, and those with companions have these times a factor, a constant, and what companions tell, by
+those of FILES. Fillings are by
 studies/filled_samples.py, lost frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are
 chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59 and
 140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left.

@@ -72,6 +72,16 @@ def test_a_single_edit_goes_too_and_those_said_since_stay_where_they_are():
     assert outcomes(edited) == ["held", "held"] and edited.applied[1].edit is new and not edited.applied[1].reason
 
 
+def test_edits_of_somebody_who_stands_still_go_too_though_two_names_were_exchanged_since():
+    """The places of one marker do not tell how the file was turned; those of all do."""
+    given = of_file(change=lambda xyz: xyz[:1] + np.random.default_rng(2).normal(0, 0.2, xyz.shape))
+    said = entries(*(anchored(Erase(name, 41, 44), given, None, "") for name in "ABCDEF"))
+    t = np.array([0, 900.0, 0])
+    moved = (MarkerTrajectory.measured(n, given[m].xyz @ TURNED.T + t) for n, m in zip("ABCDEF", "BACDEF", strict=True))
+    edited = replay(replace(given, paths=tuple(moved)), said)
+    assert [(one.outcome, one.edit.marker) for one in edited.applied] == [("held", n) for n in "BACDEF"]
+
+
 @pytest.mark.parametrize(
     "again",
     [

@@ -95,3 +95,11 @@ describe("marks that somebody made on a problem", () => {
     expect((await does("drop")).acts).toEqual([{ kind: "erase", marker: "LKNE", first: 13, last: 14 }]);
   });
 });
+
+describe("while problems are looked for", () => {
+  it("does not say that none is left", () => {
+    show("spike", ["LKNE"]);
+    set({ problems: null, problem: null });
+    expect(footLine(get()).find((one) => one.id === "next")!.words).toBe("problems are being looked for …");
+  });
+});

@@ -2,7 +2,7 @@
 
 A file without images has nothing but places to find an edit by, and in another world all of its edits would be lost.
 So where edits find nothing, a move x' = R x + t is looked for that lays the witnesses of one edit upon a path within
-CLOSE_MM (1), and upon which most of the others find their samples again (2). These go with it: their witnesses, and a
+CLOSE_MM (1), and by which most of the others find their samples again (2). These go with it: their witnesses, and a
 place that was put. Where there is no such move nothing is carried over, and edits are what they would be without.
 """
 
@@ -16,11 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import Trajectories
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from ..data.edits import Claim, Edit, Put, Stretch, Verdict
 from ..geometry import rigid_align
+from .claims import ENOUGH
 from .values import Footage
-from .votes import NEAR_MM, KnownVotes, known_votes, votes
+from .votes import NEAR_MM, KnownVotes, known_votes
 
 CLOSE_MM = 1.0
 """mm, RMS, of (1); chosen: a file that was moved has the same samples, rounded otherwise."""
@@ -28,6 +29,11 @@ FEWEST = 4
 """Witnesses that tell of a move; by definition: three always lie upon three others nearly enough."""
 MOST_TRIED = 24
 """Moves that are tried; chosen: the first is mostly right, as few paths can be laid upon each other so closely."""
+
+
+TRIES = 60
+"""Moves by three places each, of which the one that most others agree with is taken; chosen: where a third of these are
+another marker's, one of four tries has none of them."""
 
 
 class Move(NamedTuple):
@@ -76,12 +82,28 @@ def _placed(edit: Edit, known: KnownVotes) -> bool:
     return True
 
 
-def _finds(edit: Edit, known: KnownVotes) -> bool:
-    """Whether half of an edit's witnesses in the trial are on a path."""
-    stretches = list(_stretches(edit))
-    said = votes(stretches, known.trajectories, None, world=known.world)
-    inside = (said.frame >= 0) & (said.frame < known.trajectories.n_frames)
-    return bool(2 * (said.path >= 0).sum() >= inside.sum())
+def _finds(edit: Edit, known: KnownVotes, share: float = 0.5) -> bool:
+    """Whether such a share of an edit's witnesses in the trial have a sample of any path within NEAR_MM."""
+    frame, xyz = _witnesses(edit, known.trajectories)
+    near = np.isfinite(_nearest(frame, xyz, known)[:, 0])
+    return bool(near.sum() >= share * len(frame))
+
+
+def _nearest(frame: Ints, xyz: Floats, known: KnownVotes) -> Floats:
+    """(W, 3) mm, the sample of any path that is nearest to each place, NaN where none is within NEAR_MM."""
+    least, found = np.full(len(frame), NEAR_MM), np.full((len(frame), 3), np.nan)
+    for path in known.trajectories if len(frame) else ():
+        apart = np.linalg.norm(path.xyz[frame] - xyz, axis=1)
+        nearer = apart <= least
+        least[nearer], found[nearer] = apart[nearer], path.xyz[frame[nearer]]
+    return found
+
+
+def _witnesses(edit: Edit, trajectories: Trajectories) -> tuple[Ints, Floats]:
+    """Frames (W), from 0, and places (W, 3) mm of an edit's witnesses that lie in the trial."""
+    n, start = trajectories.n_frames, trajectories.first_frame
+    inside = [w for stretch in _stretches(edit) for w in stretch.witnesses if 0 <= w.frame - start < n]
+    return np.array([w.frame - start for w in inside], np.int64), np.array([w.xyz for w in inside]).reshape(-1, 3)
 
 
 def _stretches(edit: Edit) -> Iterator[Stretch]:
@@ -95,35 +117,55 @@ def _all_moved(lost: Sequence[Edit], known: KnownVotes) -> tuple[Sequence[Edit],
     now, left = list(lost), list(range(len(lost)))
     while left:
         for move in islice(_moves([lost[k] for k in left], known), MOST_TRIED):
-            found = [k for k in left if _finds(_moved(lost[k], move), known)]
+            found = [k for k in left if _finds(_moved(lost[k], move), known, ENOUGH)]
             if 2 * len(found) > len(left):  # (2)
                 break
         else:
             break
+        exact = _by_all([lost[k] for k in found], move, known)
         for k in found:
-            now[k] = _moved(lost[k], move)
+            now[k] = _moved(lost[k], exact)
         left = [k for k in left if k not in found]
     return lost, now
 
 
+def _by_all(edits: Sequence[Edit], move: Move, known: KnownVotes) -> Move:
+    """A move by all witnesses of edits that find their samples with it: those of one leave its turn a little open."""
+    frame, xyz = (
+        np.concatenate(parts) for parts in zip(*(_witnesses(e, known.trajectories) for e in edits), strict=True)
+    )
+    target = _nearest(frame, move(xyz), known)
+    return Move(*rigid_align(xyz, target)) if np.isfinite(target[:, 0]).sum() >= FEWEST else move
+
+
 def _moves(lost: Sequence[Edit], known: KnownVotes) -> Iterator[Move]:
     """Moves that lay the witnesses of an edit, or all of those of markers that are called so now, on paths (1)."""
-    trajectories = known.trajectories
-    n, start = trajectories.n_frames, trajectories.first_frame
     named = list[tuple[Floats, Floats]]()
     for edit in lost:
-        witnesses = [w for stretch in _stretches(edit) for w in stretch.witnesses if 0 <= w.frame - start < n]
-        frame = np.array([w.frame - start for w in witnesses], np.int64)
-        xyz = np.array([w.xyz for w in witnesses]).reshape(-1, 3)
-        marker = edit.name if isinstance(edit, Claim) else getattr(edit, "marker", None)
-        for path in trajectories if isinstance(edit, Claim) or marker is not None else ():
+        frame, xyz = _witnesses(edit, known.trajectories)
+        marker = getattr(edit, "marker", None)
+        for path in known.trajectories if isinstance(edit, Claim) or marker is not None else ():
             there = np.isfinite(path.xyz[frame]).all(1)
             pair = xyz[there], path.xyz[frame[there]]
             if path.name == marker:
                 named.append(pair)
             yield from _fitted(*pair)
     if named:
-        yield from _fitted(*(np.concatenate(side) for side in zip(*named, strict=True)))
+        yield from _fitted(*_agreeing(*(np.concatenate(side) for side in zip(*named, strict=True))))
+
+
+def _agreeing(source: Floats, target: Floats) -> tuple[Floats, Floats]:
+    """Of places (N, 3) mm and where markers of their names are, those that agree about a move: the most of some tries.
+
+    The others may have another marker's name by now.
+    """
+    rng, kept = np.random.default_rng(0), np.zeros(len(source), bool)
+    for _ in range(TRIES if len(source) >= FEWEST else 0):
+        three = rng.choice(len(source), 3, replace=False)
+        move = Move(*rigid_align(source[three], target[three]))
+        near = np.linalg.norm(move(source) - target, axis=1) <= NEAR_MM
+        kept = near if near.sum() > kept.sum() else kept
+    return source[kept], target[kept]
 
 
 def _fitted(source: Floats, target: Floats) -> Iterator[Move]:

@@ -91,7 +91,7 @@ const SIDES = 4;
 export const COMMANDS: readonly Command[] = [
   // Problems
   { id: "accept", keys: ["Enter"], title: "Accept what is proposed", group: "Problems", screens: ["tracks"], when: onProblem, foot: 1, hint: (s) => proposed(currentProblem(s)!)?.words ?? "accept", run: acts.acceptProposal },
-  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : acts.walked(s).length ? (acts.walked(s).length === 1 ? "look at the problem" : `look at the first of ${many(acts.walked(s).length, "problem")}`) : s.problems?.problems.length ? "nothing is left that is worth a look" : "no problem is left"), run: () => acts.step(1) },
+  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : acts.walked(s).length ? (acts.walked(s).length === 1 ? "look at the problem" : `look at the first of ${many(acts.walked(s).length, "problem")}`) : !s.problems ? "problems are being looked for …" : s.problems.problems.length ? "nothing is left that is worth a look" : "no problem is left"), run: () => acts.step(1) },
   { id: "previous", keys: ["Shift+N"], title: "Previous problem", group: "Problems", screens: ["tracks"], when: hasTrial, run: () => acts.step(-1) },
   { id: "unlikely", keys: ["Shift+U"], title: "Show problems that are not worth a look, or hide them", group: "Problems", screens: ["tracks"], when: (s) => (s.problems?.problems.length ?? 0) > (s.problems?.worth_looking ?? 0), run: () => set((s) => ({ unlikely: !s.unlikely })) },
   ...[1, 2, 3, 4, 5].map(taken),

@@ -23,6 +23,7 @@ export function ProblemList(): React.JSX.Element {
     <section className={styles.section} aria-label="Problems">
       <header className={styles.head}><h2>Problems</h2><span className="soft number">{problems && `${worth} worth a look`}</span></header>
       <div ref={list} className={styles.list} tabIndex={0} role="region" aria-label="List of problems">
+        {!problems && <p className={styles.none} role="status">Problems are being looked for …</p>}
         {problems && !worth && <p className={styles.none}><CircleCheck size={26} aria-hidden />{rest.length ? "Nothing is left that is worth a look." : "Nothing is left to look at."}</p>}
         <ol>
           {shown.map((p, i) => (

@@ -177,11 +177,8 @@ def _trial(inputs: TrialInputs, records: Records) -> Trial:
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], last_tracked(records), inputs.source.of
-    first = of.first_frame
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
-    cloud, how = tracked.tracks.cloud, {"matching": s.match, "placing": s.reconstruct}
-    swapped = swapped_cameras(detections, inputs.rig, cloud, **how)  # a mirrored ring is one with cameras swapped
     figures = quality(
         session=s.name,
         trial=inputs.name,
@@ -194,15 +191,11 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *inputs.source.contradictions(),
             *subtracted(detections),
             *_channels(beside, filled.trajectories),
-            *swapped,
-            *pixel_axes(detections, inputs.rig, cloud, **how),
-            *(one.numbered(first) for one in with_start_times(_diagnostics(tracked, records), detections, inputs.rig)),
-            *(one.numbered(first) for one in (records["label"].findings if "label" in records else ())),
-            *(records["edit"].findings if "edit" in records else ()),
-            *(found_by_angles(records["angles"]) if "angles" in records else ()),
+            *_cameras(inputs, detections, tracked.tracks.cloud),
+            *_of_stages(inputs, records, detections, tracked),
         ),
         ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
-        first_frame=first,
+        first_frame=of.first_frame,
         track_names=records["label"].tracker_names if "label" in records else None,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, cropped(edited.trajectories, edited)),
@@ -216,6 +209,22 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     if operated is not None:
         figures["digitising"] = dict(operated.figures)
     return figures
+
+
+def _cameras(inputs: TrialInputs, detections: Detections, cloud: Cloud) -> Iterator[Finding]:
+    """What is wrong with whole cameras."""
+    how: dict[str, Any] = {"matching": inputs.settings.match, "placing": inputs.settings.reconstruct}
+    yield from swapped_cameras(detections, inputs.rig, cloud, **how)  # a mirrored ring is one with cameras swapped
+    yield from pixel_axes(detections, inputs.rig, cloud, **how)
+
+
+def _of_stages(inputs: TrialInputs, records: Records, detections: Detections, tracked: Tracked) -> Iterator[Finding]:
+    """What tracking, naming, editing and joint angles found."""
+    found = [*with_start_times(_diagnostics(tracked, records), detections, inputs.rig)]
+    found += records["label"].findings if "label" in records else ()
+    yield from (one.numbered(inputs.source.of.first_frame) for one in found)
+    yield from records["edit"].findings if "edit" in records else ()
+    yield from found_by_angles(records["angles"]) if "angles" in records else ()
 
 
 def _diagnostics(tracked: Tracked, records: Records) -> tuple[Finding, ...]:

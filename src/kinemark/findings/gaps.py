@@ -40,9 +40,6 @@ def filling_figures(
     """
     after = filled.trajectories
     gaps = [_gap(gap, after) for gap in filled.gaps]
-    done = [gap for gap in gaps if gap["method"]]
-    known = [gap for gap in done if np.isfinite(gap["expected_mm"])]
-    tested = [gap["expected_mm"] for gap in known if gap["method"] != STATIC]
     figures: dict[str, Any] = {
         "kinemark": __version__,
         "schema_version": SCHEMA_VERSION,
@@ -52,18 +49,10 @@ def filling_figures(
         "rate_hz": before.rate,
         "frames": before.n_frames,
         "markers": len(before),
-        "gaps": len(gaps),
-        "filled": len(done),
-        "open": len(gaps) - len(done),
+        **_counts(gaps),
         "missing_samples": _missing(before),
         "missing_after": _missing(after),
         "beyond": sum(_beyond(path) for path in after) - sum(_at_an_end(gap, before) for gap in filled.gaps),
-        "replaced": sum(len(gap["trimmed"]) for gap in done),
-        "suspicious": len({(gap["marker"], frame) for gap in gaps for frame in gap["suspicious"]}),
-        "expected_median_mm": float(np.median(tested)) if tested else None,
-        "expected_max_mm": max((gap["expected_mm"] for gap in known), default=None),
-        "unknown": len(done) - len(known),
-        "by_method": dict(Counter(gap["method"] for gap in done).most_common()),
         "never_seen": [path.name for path in after if (path.origin == Origin.MISSING).all()],
         "much_filled": [path.name for path in after if (path.origin == Origin.FILLED).mean() > MUCH],
         "far_away": _far_away(before),
@@ -75,6 +64,24 @@ def filling_figures(
     figures["findings"] = [found.as_dict() for found in findings]
     figures["verdict"] = verdict_of(findings, _statements(figures)).as_dict()
     return figures
+
+
+def _counts(gaps: list[dict[str, Any]]) -> dict[str, Any]:
+    """How many gaps there are and what became of them."""
+    done = [gap for gap in gaps if gap["method"]]
+    known = [gap for gap in done if np.isfinite(gap["expected_mm"])]
+    tested = [gap["expected_mm"] for gap in known if gap["method"] != STATIC]
+    return {
+        "gaps": len(gaps),
+        "filled": len(done),
+        "open": len(gaps) - len(done),
+        "replaced": sum(len(gap["trimmed"]) for gap in done),
+        "suspicious": len({(gap["marker"], frame) for gap in gaps for frame in gap["suspicious"]}),
+        "expected_median_mm": float(np.median(tested)) if tested else None,
+        "expected_max_mm": max((gap["expected_mm"] for gap in known), default=None),
+        "unknown": len(done) - len(known),
+        "by_method": dict(Counter(gap["method"] for gap in done).most_common()),
+    }
 
 
 def _missing(trajectories: Trajectories) -> int:

@@ -77,7 +77,7 @@ def assign_pairs(start: Ints, a: Ints, b: Ints, score: Floats) -> Bools:
 def _of_scipy(cost: Floats, maximize: bool) -> tuple[Ints, Ints]:
     import scipy  # only where there is no compiled library, and no command may wait for it
 
-    return scipy.optimize.linear_sum_assignment(cost, maximize=maximize)  # type: ignore[no-any-return]
+    return scipy.optimize.linear_sum_assignment(cost, maximize=maximize)
 
 
 def _pairs_of_scipy(start: Ints, a: Ints, b: Ints, score: Floats) -> Bools:

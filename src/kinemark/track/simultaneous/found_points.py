@@ -69,6 +69,7 @@ def with_rigid_pass(
     held: Held, ids: Ints, images: Images, solver: Solver, method: Simultaneous
 ) -> tuple[Held, Ints, Ints]:
     """The points and their tracks after the pass over rigid bodies, and what each track became."""
+    return_memory()
     again = _rigid_pass(held[0], ids, images, method)
     kept = again.id >= 0
     if not len(again.found.id) and (again.id == ids).all():

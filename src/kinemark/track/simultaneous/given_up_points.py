@@ -100,14 +100,16 @@ def _without_drifting(
     detection = without_strangers(frame, ids, cloud.detection.T, images, usual, gate)
     return_memory()
     sound = ~drifting(frame, ids, detection, images, usual, gate)
-    rest = np.flatnonzero(sound)
-    two = frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate
-    sound[rest] = ~drifting_beyond(*two)
+    rest = np.flatnonzero(sound)  # of these copies none outlives its call
+    sound[rest] = ~drifting_beyond(frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate)
+    return_memory()
     rest = np.flatnonzero(sound)
     detection[:, rest] = with_exchanged(TrackPoints.of(cloud, ids).take(rest), detection[:, rest], images, usual, gate)
-    left = frame[rest], ids[rest], detection[:, rest], images, usual, 1 / cloud.rate, method
-    sound[rest] = ~with_rivals(*left)
-    return np.ascontiguousarray(detection.T), ~with_rest(~sound, ids, (detection >= 0).sum(0))
+    sound[rest] = ~with_rivals(frame[rest], ids[rest], detection[:, rest], images, usual, 1 / cloud.rate, method)
+    del frame, rest
+    return_memory()
+    sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
+    return np.ascontiguousarray(detection.T), sound
 
 
 def _of_fewer_images(

@@ -146,7 +146,7 @@ def near_rivals(
 ) -> Rivals:
     """All pairs of an image of a stretch (S), of detection (C, S), and a free one that lie near each other's lines."""
     rows = np.flatnonzero(stretch >= 0)
-    row_of = np.full(len(images.uv), -1)
+    row_of = np.full(len(images.uv), -1, np.int32)  # in four bytes: long recordings have many images
     for camera in detection[:, rows]:
         row_of[camera[camera >= 0]] = rows[camera >= 0]
     some = free | (row_of >= 0)
@@ -158,7 +158,7 @@ def near_rivals(
     point = intersect(images, pair, images.camera[pair])
     squared = point.squared.sum(0)
     good = (squared < gate**2) & np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1))
-    return Rivals(row_of[pair[0]], pair[0], pair[1], squared, point.xyz, point.cov).take(good)
+    return Rivals(row_of[pair[0]].astype(np.int64), pair[0], pair[1], squared, point.xyz, point.cov).take(good)
 
 
 def _chains(

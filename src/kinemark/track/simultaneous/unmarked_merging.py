@@ -79,8 +79,8 @@ merged images of points that have two, and marks one image in eleven wrongly; 0 
 
 OWN = 3.0
 """Standard deviations of an image from where a track without a point is expected, within which it may be its own;
-chosen (eight scenes of seeds 137000 to 141129 of benchmarks/tracking_scenes.py): with 2 another 6 ghosts of 359 are
-gone, for 47 samples of markers; with 5, 7 of the 22 that are."""
+chosen: of the 359 ghosts of eight scenes (of seeds 137000 to 141129 of benchmarks/tracking_scenes.py) 22 are gone with
+3, 28 with 2, which finds 47 samples fewer, and 7 with 5."""
 
 CLEAR = float(np.log(10_000.0))
 """Of (3), a logarithm, without unit; chosen (seeds 0 to 149 of benchmarks/tracking_scenes.py): of the points with one

@@ -104,7 +104,7 @@ def _without_drifting(
     two = frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate
     sound[rest] = ~drifting_beyond(*two)
     rest = np.flatnonzero(sound)
-    detection[:, rest] = with_exchanged(TrackPoints.of(cloud, ids).take(rest), detection[:, rest], images, usual, gate)
+    detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
     left = frame[rest], ids[rest], detection[:, rest], images, usual, 1 / cloud.rate, method
     sound[rest] = ~with_rivals(*left)
     return np.ascontiguousarray(detection.T), ~with_rest(~sound, ids, (detection >= 0).sum(0))

@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drift_beyond import drifting_beyond
 from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
 from kinemark.track.simultaneous.drifting_rivals import with_rivals
 from kinemark.track.simultaneous.exchanged_images import with_exchanged
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally
@@ -47,9 +45,7 @@ class Exchange:
 
     def changed(self):
         """The detections (4, P) after it."""
-        place = intersect(self.images, self.held)
-        points = TrackPoints(self.frame, self.id, place.xyz.T, place.cov.transpose(2, 0, 1))
-        return with_exchanged(points, self.held, self.images, self.usual, METHOD.gate)
+        return with_exchanged(*self.known, self.usual, METHOD.gate)
 
 
 def test_images_that_two_tracks_have_exchanged_are_changed_back():

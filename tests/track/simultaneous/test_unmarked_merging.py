@@ -213,6 +213,15 @@ def test_ghosts_of_merged_images_that_are_not_marked():
     assert count.more_found > 0.999 * count.more
 
 
+def test_ghosts_of_merged_images_are_fewer_where_the_other_marker_has_no_point():
+    """13 ghosts where only tracks with a point in that frame count."""
+    made = make(scene(137060))
+    count = tally(made, track_detections(made.detections, made.rig))
+    assert count.ghosts <= 6
+    assert count.more_found == count.more
+    assert count.two_found >= 1193
+
+
 def test_what_a_file_marks_is_believed():
     images, points, held, *_ = two_markers(merged=True)
     marks = images._replace(merged=np.arange(len(images.uv)) == 0)

@@ -24,7 +24,6 @@ from .candidate_points import intersect
 from .detection_index import Images
 from .drifting_pairs import UsualResiduals, residual
 from .drifting_rivals import CERTAIN, LEAST, scores_of_runs, usual_of_two
-from .neighbouring_points import TrackPoints
 from .rival_pairs import stretches
 
 
@@ -56,22 +55,22 @@ class _Exchanges(NamedTuple):
         return _Exchanges(self.stretch[:, which], self.first[which], self.last[which], self.straight[which])
 
 
-def with_exchanged(points: TrackPoints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Ints:
-    """The detections (C, P) of points, those of tracks that have exchanged images changed back."""
-    usual = usual_of_two(points.id, detection, images, usual)
-    number = stretches(points.frame, points.id, detection, LEAST)
+def with_exchanged(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Ints:
+    """The detections (C, P) of points of tracks id (P), those of tracks that have exchanged images changed back."""
+    usual = usual_of_two(id, detection, images, usual)
+    number = stretches(frame, id, detection, LEAST)
     rows = np.flatnonzero(number >= 0)
-    rows = rows[np.lexsort([points.frame[rows], number[rows]])]
+    rows = rows[np.lexsort([frame[rows], number[rows]])]
     if not len(rows):
         return detection
     begin = np.flatnonzero(begins(number[rows]))
     end = np.append(begin[1:], len(rows)) - 1
-    each = _Stretches(rows, begin, points.frame[rows[begin]], points.frame[rows[end]])
+    each = _Stretches(rows, begin, frame[rows[begin]], frame[rows[end]])
     held = np.sort(np.argsort(detection[:, rows] < 0, axis=0, kind="stable")[:2], axis=0)
     two = np.full((2, detection.shape[1]), -1)
     two[:, rows] = np.take_along_axis(detection[:, rows], held, 0)
-    possible = _possible(each, two, points.id, images, usual, gate)
-    return _changed(points, detection, two, each, possible, images, usual, gate)
+    possible = _possible(each, two, id, images, usual, gate)
+    return _changed(frame, id, detection, two, each, possible, images, usual, gate)
 
 
 def _possible(each: _Stretches, two: Ints, id: Ints, images: Images, usual: UsualResiduals, gate: float) -> _Exchanges:
@@ -108,7 +107,8 @@ def _fit(pair: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bool
 
 
 def _changed(
-    points: TrackPoints,
+    frame: Ints,
+    id: Ints,
     detection: Ints,
     two: Ints,
     each: _Stretches,
@@ -122,11 +122,11 @@ def _changed(
         return detection
     many = possible.last - possible.first + 1
     of = np.repeat(np.arange(len(many)), many)
-    frame = possible.first[of] + np.arange(len(of)) - np.repeat(np.cumsum(many) - many, many)
-    row, other = (each.row(stretch[of], frame) for stretch in possible.stretch)
+    common = possible.first[of] + np.arange(len(of)) - np.repeat(np.cumsum(many) - many, many)
+    row, other = (each.row(stretch[of], common) for stretch in possible.stretch)
     (a, b), (c, d) = two[:, row], np.where(possible.straight[of], two[:, other], two[::-1, other])
     pairs = [np.stack(pair) for pair in ((a, b), (c, d), (a, c), (b, d))]
-    own, its, new, rest = (scores_of_runs(pair, frame, of, len(many), images, usual, gate) for pair in pairs)
+    own, its, new, rest = (scores_of_runs(pair, common, of, len(many), images, usual, gate) for pair in pairs)
     merged = np.bincount(of, images.merged[np.stack([a, b, c, d])].any(0)) > 0
     S = np.where((new < 0) & (rest < 0) & ~merged, own + its - new - rest, -np.inf)  # (1)
     out, used = detection.copy(), np.zeros(detection.shape[1], bool)
@@ -135,11 +135,12 @@ def _changed(
         both = np.stack([row[some], other[some]])
         if not used[both].any():
             used[both] = True
-            out[:, both] = _whose(points, both, np.stack([pairs[2][:, some], pairs[3][:, some]], 1), images)
+            new_pairs = np.stack([pairs[2][:, some], pairs[3][:, some]], 1)
+            out[:, both] = _whose(frame, id, detection, both, new_pairs, images)
     return out
 
 
-def _whose(points: TrackPoints, row: Ints, pair: Ints, images: Images) -> Ints:
+def _whose(frame: Ints, id: Ints, detection: Ints, row: Ints, pair: Ints, images: Images) -> Ints:
     """(C, 2, n) the detections of rows (2, n) of two tracks, of pairs of images (2, 2, n), the second axis telling the
     one from the other, by (2)."""
     n = row.shape[1]
@@ -147,16 +148,21 @@ def _whose(points: TrackPoints, row: Ints, pair: Ints, images: Images) -> Ints:
     for image in pair:
         own[images.camera[image], np.arange(2)[:, None], np.arange(n)] = image
     xyz = intersect(images, own.reshape(len(own), -1)).xyz.reshape(3, 2, n)
-    far = np.array([[_apart(points, one, place) for place in xyz.swapaxes(0, 1)] for one in row])
+    beside = [_beside(frame, id, one) for one in row]
+    far = np.array([[_apart(images, detection, near, place) for place in xyz.swapaxes(0, 1)] for near in beside])
     return own if far.trace() <= far[::-1].trace() else own[:, ::-1]
 
 
-def _apart(points: TrackPoints, row: Ints, xyz: Floats) -> float:
-    """mm from places (3, n) of a track in the frames of its rows (n), at either end, to its points before and after."""
-    track = np.flatnonzero(points.id == points.id[row[0]])
-    frame, total = points.frame[track], 0.0
-    for beside, end, nearest in ((frame < points.frame[row[0]], 0, -1), (frame > points.frame[row[-1]], -1, 0)):
-        if beside.any():
-            near = track[beside][np.argsort(frame[beside])[nearest]]
-            total += float(np.linalg.norm(points.xyz[near] - xyz[:, end]))
-    return total
+def _beside(frame: Ints, id: Ints, row: Ints) -> list[Ints]:
+    """The row, if any, of the last point of a track before its rows (n), and of the first after them."""
+    track = np.flatnonzero(id == id[row[0]])
+    track = track[np.argsort(frame[track])]
+    return [track[frame[track] < frame[row[0]]][-1:], track[frame[track] > frame[row[-1]]][:1]]
+
+
+def _apart(images: Images, detection: Ints, beside: list[Ints], xyz: Floats) -> float:
+    """mm from places (3, n) at either end to the points `beside` them."""
+    ends = [
+        intersect(images, detection[:, near]).xyz - xyz[:, [end]] for near, end in zip(beside, (0, -1), strict=True)
+    ]
+    return float(sum(np.linalg.norm(off, axis=0).sum() for off in ends))

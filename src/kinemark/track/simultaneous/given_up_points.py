@@ -104,7 +104,7 @@ def _without_drifting(
     sound[rest] = ~drifting_beyond(frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate)
     return_memory()
     rest = np.flatnonzero(sound)
-    detection[:, rest] = with_exchanged(TrackPoints.of(cloud, ids).take(rest), detection[:, rest], images, usual, gate)
+    detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
     sound[rest] = ~with_rivals(frame[rest], ids[rest], detection[:, rest], images, usual, 1 / cloud.rate, method)
     del frame, rest
     return_memory()

@@ -40,9 +40,11 @@ class NearHeld(NamedTuple):
         return NearHeld(row[which], other[which], camera[which], image[which], uv[:, which], variance[which])
 
 
-def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) -> Iterator[NearHeld]:
+def near_held(
+    points: TrackPoints, detection: Ints, images: Images, r: float, unseen: TrackPoints | None = None
+) -> Iterator[NearHeld]:
     """The images of points, of detections (C, P), that lie where another point, which lacks one, is expected: part by
-    part, an image being in one part alone."""
+    part, an image being in one part alone. In other parts, where `unseen` ones are, whose rows come after those (P)."""
     holder = np.full(len(images.uv), -1, np.int32)  # half the memory of a column that long recordings make long
     for camera in detection:
         holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
@@ -50,6 +52,11 @@ def near_held(points: TrackPoints, detection: Ints, images: Images, r: float) ->
     for part in parts_of_frames(points.frame, AT_ONCE) or [np.arange(0)]:
         near = _near_held(points.take(part), detection[:, part], images, held, r)
         yield near._replace(holder=holder[near.image].astype(np.int64), other=part[near.other])
+    unseen = points.take(np.zeros(0, np.int64)) if unseen is None else unseen
+    for part in parts_of_frames(unseen.frame, AT_ONCE):
+        near = _near_held(unseen.take(part), np.full((len(detection), len(part)), -1), images, held, r)
+        other = len(points.id) + part[near.other]
+        yield near._replace(holder=holder[near.image].astype(np.int64), other=other)
 
 
 def _near_held(points: TrackPoints, detection: Ints, images: Images, held: ImageIndex, r: float) -> NearHeld:

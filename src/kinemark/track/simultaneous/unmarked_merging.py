@@ -79,8 +79,8 @@ merged images of points that have two, and marks one image in eleven wrongly; 0 
 
 OWN = 3.0
 """Standard deviations of an image from where a track without a point is expected, within which it may be its own;
-chosen (eight scenes of seeds 137000 to 141129 of benchmarks/tracking_scenes.py): with 2 another 6 ghosts of 359 are
-gone, for 47 samples of markers; with 5, 7 of the 22 that are."""
+chosen: of the 359 ghosts of eight scenes (of seeds 137000 to 141129 of benchmarks/tracking_scenes.py) 22 are gone with
+3, 28 with 2, which finds 47 samples fewer, and 7 with 5."""
 
 CLEAR = float(np.log(10_000.0))
 """Of (3), a logarithm, without unit; chosen (seeds 0 to 149 of benchmarks/tracking_scenes.py): of the points with one
@@ -221,18 +221,16 @@ def possible_claims(
     one marker can make none is told (`seen_apart`). Claims on several cameras at once are followed by one for each.
     """
     apart = SeenApart(points, detection, images.P, r)
-    every = points if unseen is None else points.plus(unseen)
-    held = np.pad(detection, ((0, 0), (0, len(every.id) - len(points.id))), constant_values=-1)
-    found = near_held(every, held, images, r)
-    parts = [_nearest(near.take(apart(every.id[near.holder], every.id[near.other])), images) for near in found]
-    near = NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
-    near = near.take(np.argsort(near.image, kind="stable"))
+    id = points.id if unseen is None else np.concatenate([points.id, unseen.id])
+    found = near_held(points, detection, images, r, unseen)
+    parts = [_nearest(near.take(apart(id[near.holder], id[near.other])), images) for near in found]
+    near = _nearest(NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True))), images)
     off = np.hypot(*(near.uv - images.uv[near.image].T))
     own = (near.other >= len(points.id)) & (off**2 < OWN**2 * (images.variance[near.image] + near.variance))
     near, off = near.take(~own), off[~own]
     spread = 4 * images.variance[near.image] + near.variance + (SHARE * off) ** 2
     alone = 2 * images.uv[near.image] - near.uv.T  # (2)
-    return _tabled(near.holder, every.id[near.other], near.camera, alone, spread, len(images.P))
+    return _tabled(near.holder, id[near.other], near.camera, alone, spread, len(images.P))
 
 
 def _nearest(near: NearHeld, images: Images) -> NearHeld:

@@ -12,7 +12,8 @@ of the recording camera c does not fit in which
     is KEPT of theirs and more                                                                              (2)
 
 Who leaves the view of two cameras by two sides takes their pairs along. So all is tracked without the camera, and it is
-lost where it has no image near the points that the others then show, though elsewhere it has (3).
+lost where it has no image near the points that the others then show, though elsewhere it has of so many that this is no
+chance (3).
 
 Cameras that do not fit in the whole recording are `measurement_noise`'s.
 """
@@ -46,8 +47,7 @@ LOST, KEPT = 0.4, 0.6
 """Of (2); chosen on scenes 160000 to 160059 of the second generator: cameras that were bumped by 12 px or are three
 frames late keep 0.0 to 0.35, unless along the lines of all others; of good ones the least was 0.55."""
 SEEN = 0.6
-"""Of #, as of the parts in which a camera fits, that it must be where it does not: who leaves the view takes the images
-along; chosen."""
+"""Of the usual #, from which on a part tells: who leaves the view takes the images along; chosen."""
 LEAST_PARTS = 2
 """In which a camera does not fit, chosen: one alone is chance."""
 BEST, DOUBTFUL = 0.9, 0.7
@@ -59,8 +59,10 @@ FITTING = 0.4
 """Of how well the others fit, what a camera must in its best parts, chosen: images that are late in the whole recording
 fit for moments; good cameras had 0.5 and more."""
 HALF = 0.6
-"""Of the share of points with an image in the camera, what is left where it is lost, at most (3); chosen: markers of
-others lie near by chance."""
+"""Of the share of points with an image in the camera, what is left where it is lost, at most (3); chosen: other markers
+lie near by chance, of 0.0 to 0.03 of the points in 24 scenes."""
+CHANCE = 0.05
+"""That a camera in place has no image of any of the markers that the others show, as it hides many (3); chosen."""
 LEAST_POINTS = 30
 """From which a share is taken; chosen."""
 CLEAR = 5.0
@@ -118,7 +120,8 @@ def is_lost(stretch: Stretch, cloud: Cloud, detections: Detections, rig: Rig) ->
     during = (cloud.frame >= stretch.first) & (cloud.frame < stretch.stop)
     shares = [there[inside & when].mean() if (inside & when).sum() >= LEAST_POINTS else np.nan
               for when in (during, ~during)]  # fmt: skip
-    return bool(shares[0] < HALF * shares[1])
+    markers = (inside & during).sum() / (stretch.stop - stretch.first)
+    return bool(shares[0] < HALF * shares[1] and (1 - shares[1]) ** markers < CHANCE)
 
 
 def _fit(images: Images, F: Floats, detections: Detections, frames: range) -> tuple[Floats, Floats, Floats]:
@@ -156,12 +159,14 @@ def _lost_of(c: int, left: Ints, n: Floats, chance: Floats, possible: Floats) ->
     q = own / np.maximum(seen, 1.0)
     rest = (each[:, others][:, :, others].sum((1, 2)) for each in (n, possible))
     q_rest = np.divide(*(np.maximum(each, low) for each, low in zip(rest, (0.0, 1.0), strict=True)))
-    best, best_rest = max(np.quantile(q, BEST), 0.0), np.quantile(q_rest, BEST)
+    if not seen.any():
+        return np.zeros(len(n), bool), 0.0
+    enough = seen >= SEEN * np.median(seen[seen > 0])
+    best, best_rest = max(np.quantile(q[enough], BEST), 0.0), np.quantile(q_rest[enough], BEST)
     good = q > DOUBTFUL * best
     if best < FITTING * best_rest or not own[good].sum() > CLEAR * np.sqrt(chance[good][:, c, others].sum()):
         return np.zeros(len(n), bool), 0.0
-    lost = (q < LOST * best) & (q_rest >= KEPT * best_rest) & (seen >= SEEN * np.median(seen[good]))
-    lost = _closed(lost, ~good)
+    lost = _closed(enough & (q < LOST * best) & (q_rest >= KEPT * best_rest), ~good)
     return lost, float(((best - q) * seen)[lost].sum())
 
 

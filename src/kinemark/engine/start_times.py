@@ -2,8 +2,8 @@
 
 Delays below one frame the tracker learns. By more, a camera's images belong to other frames: few of them fit, and those
 that fit by chance tell a wrong delay. `match.start_offsets` asks at which offset they fit best. A camera that fits
-from one frame on no more, and does at another offset, has lost images there. Who is apart in the whole trial is moved in
-time by whole images, and all is tracked again (`in_time`).
+from one frame on no more, and does at another offset, has lost images there. Who is apart in the whole trial
+is moved in time by whole images, and all is tracked again (`in_time`).
 """
 
 from __future__ import annotations

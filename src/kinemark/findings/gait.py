@@ -216,7 +216,7 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
                 "counts": s.counts,
             }
             for s in one.strides
-        ],  # fmt: skip
+        ],
         "emg": {name: {"saturated_share": e.saturated, "hum_hz": e.hum_hz} for name, e in one.emg.items()},
     }
 

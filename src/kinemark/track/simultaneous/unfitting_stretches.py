@@ -1,4 +1,4 @@
-"""Stretches of the recording in which a camera fits the others no more: it was bumped, or its images are of other times.
+"""Stretches of a recording in which a camera does not fit the others: it was bumped, or its images are of other times.
 
 Of images of cameras r and s near each other's epipolar lines (`epipolar_noise`) those that meet by chance are as many
 at any distance e, those of one marker lie at 0. So
@@ -21,6 +21,7 @@ Cameras that do not fit in the whole recording are `measurement_noise`'s.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +64,8 @@ HALF = 0.6
 lie near by chance, of 0.0 to 0.03 of the points in 24 scenes."""
 CHANCE = 0.05
 """That a camera in place has no image of any of the markers that the others show, as it hides many (3); chosen."""
+EDGE = 0.1
+"""Of the image's size, at its edges, where images are not missed (3); chosen: lenses bend markers out of it."""
 LEAST_POINTS = 30
 """From which a share is taken; chosen."""
 CLEAR = 5.0
@@ -90,7 +93,7 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     edges = np.linspace(0, n, parts + 1).astype(int)
     images = read_images(detections, rig)
     F = fundamentals(images.P)
-    found = [_fit(images, F, detections, range(a, b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    found = [_fit(images, F, detections, range(a, b)) for a, b in pairwise(edges)]
     runs = true_runs_of_rows(_lost(*(np.stack(each) for each in zip(*found, strict=True))))
     return tuple(Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in runs)
 
@@ -113,7 +116,8 @@ def is_lost(stretch: Stretch, cloud: Cloud, detections: Detections, rig: Rig) ->
     """
     images, c = read_images(detections, rig), stretch.camera
     uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
-    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
+    middle = np.abs(uv / images.size[c] - 0.5) < 0.5 - EDGE
+    inside = middle.all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
     own, row = images.near(cloud.frame * len(images.P) + c, uv[:, 0], np.full(len(uv), APART))
     there = np.zeros(len(uv), bool)
     there[own[np.linalg.norm(images.uv[row] - uv[own], axis=1) < APART]] = True
@@ -143,7 +147,7 @@ def _lost(n: Floats, chance: Floats, possible: Floats) -> Bools:
     parts, C = n.shape[:2]
     out, left = np.zeros((C, parts), bool), np.arange(C)
     while len(left) >= min(C, LEAST_CAMERAS):
-        each = [_lost_of(c, left, n, chance, possible) for c in left]
+        each = [_lost_of(c, left, n, chance, possible) for c in left.tolist()]
         worst = int(np.argmax([loss for _, loss in each]))
         if not each[worst][0].any():
             break

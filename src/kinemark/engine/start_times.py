@@ -29,7 +29,7 @@ GOOD = 0.6
 images three and twenty late had 0.75 to 0.86, a camera that is calibrated 12 px off at its best 0.35."""
 BETTER = 1.2
 """Times the agreement that a camera has as it is, what it must have with its images in time; chosen: images three late
-of 17 scenes had 1.21 to 10, a camera in time that a crawling subject seems to be one image apart 0.98."""
+of 16 scenes had 1.21 to 10, a camera in time that a crawling subject seems to be one image apart 0.98."""
 FEW = 20
 """Frames, from which on offsets are looked for; chosen."""
 

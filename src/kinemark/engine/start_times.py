@@ -61,7 +61,7 @@ def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
     """
     start, validity, last = detections.start.copy(), detections.validity.copy(), detections.n_frames
     for one in (found for found in findings if found.kind == "camera_started_apart"):
-        late = int(one.values["images"])
+        late = round(float(np.asarray(one.values["images"], np.float64)))
         for c in map(detections.cameras.index, one.cameras):
             begin, end = (detections.start[c, int(np.clip(edge, 0, last))] for edge in (-late, last - late))
             start[c, 1:-1] = detections.start[c, np.clip(np.arange(1, last) - late, 0, last)]

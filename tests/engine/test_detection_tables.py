@@ -1,5 +1,6 @@
 """Sessions whose trials are tables of 2D points."""
 
+import csv
 import json
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from kinemark.engine.recordings import size_of_cameras
 from kinemark.engine.session import Session
 from kinemark.geometry import project
 from kinemark.io.c3d import read_c3d
-from kinemark.io.detections_csv import write_detections_csv
+from kinemark.io.detections_csv import read_long, write_detections_csv
 from kinemark.io.masks_toml import write_masks
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.synth.score import score
@@ -105,9 +106,18 @@ def test_cameras_of_different_sizes_are_stated_by_name(tmp_path):
         size_of_cameras(folder, settings, ("c1", "c3"))
 
 
-@pytest.mark.parametrize(("mark", "word"), [(";", "semicolons"), ("\t", "tabs")])
-def test_what_separates_cells_is_named(tmp_path, mark, word):
-    session = table_of(tmp_path, lambda seen: seen)
-    (tmp_path / "one.csv").write_text((tmp_path / "one.csv").read_text().replace(",", mark))
-    with pytest.raises(KinemarkError, match=f"separated by {word}. Save it with commas"):
-        session.run()
+@pytest.mark.parametrize(("mark", "decimal"), [(";", ","), (";", "."), ("\t", ",")])
+def test_tables_of_spreadsheets_that_write_decimal_commas_are_read(tmp_path, mark, decimal):
+    cells = [
+        ["camera", "frame", "u_px", "v_px", "marker"],
+        ["c,1", "0", "1.25", "-2.5", "a,b"],
+        ["c2", "3", "7", "8.5", ""],
+    ]
+    plain, other = tmp_path / "plain.csv", tmp_path / "other.csv"
+    with plain.open("w", newline="") as file:
+        csv.writer(file).writerows(cells)
+    rows = [[c if c in ("c,1", "a,b") else c.replace(".", decimal) for c in row] for row in cells]
+    other.write_text("\ufeff" + "\r\n".join(mark.join(row) for row in rows) + "\r\n;\r\n".replace(";", mark * 4))
+    a, b = (read_long(path, rate=50.0) for path in (plain, other))
+    np.testing.assert_array_equal(a.detections.uv, b.detections.uv)
+    assert (a.names, a.detections.cameras) == (b.names, b.detections.cameras) == (("a,b",), ("c,1", "c2"))

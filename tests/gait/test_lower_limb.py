@@ -8,8 +8,8 @@ import pytest
 from kinemark.data import KinemarkError
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.gait import Physical, PlugInGait, clinical_angles, lower_limbs, progression, with_static_offsets
-from kinemark.gait.progression import way_walked
 from kinemark.gait.gait_trial import Inputs, gait_of
+from kinemark.gait.progression import way_walked
 from kinemark.gait.segments import joint_centre, unit
 from kinemark.kinematics import turned
 from kinemark.synth import WalkingBody

@@ -99,7 +99,9 @@ def test_who_turns_in_every_stride_keeps_all_of_them():
 
 
 def test_ways_are_told_apart_also_across_half_a_turn():
-    strides = [Stride("left", k, k + 1.0, {}, {}, facing_deg=deg) for k, deg in enumerate((178, 2, -177, -4, 181 - 360))]
+    strides = [
+        Stride("left", k, k + 1.0, {}, {}, facing_deg=deg) for k, deg in enumerate((178, 2, -177, -4, 181 - 360))
+    ]
     assert [len(own) for own in ways(strides)] == [3, 2]
 
 

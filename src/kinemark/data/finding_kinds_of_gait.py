@@ -50,10 +50,10 @@ GAIT_KINDS = (
          "count from it.", {"trial": "text", "speed": "m/s"}),
     Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "
          "from its mean direction, or from that of progression.", {"trial": "text", "turned_deg": "deg"}),
-    Kind("gait_turns_left_out", "gait", "info", "Strides in which the subject turns, of all; they are left out of means "
-         "and curves.", {"trial": "text", "left_out": "count", "strides": "count"}),
-    Kind("gait_ways", "gait", "info", "The subject walks more ways than one: where the pelvis faces in each, from the x "
-         "of the laboratory to the left, and how many strides.", {"trial": "text", "ways_list": "text"}),
+    Kind("gait_turns_left_out", "gait", "info", "Strides in which the subject turns, of all; they are left out of "
+         "means and curves.", {"trial": "text", "left_out": "count", "strides": "count"}),
+    Kind("gait_ways", "gait", "info", "The subject walks more ways than one: where the pelvis faces in each, from the "
+         "x of the laboratory to the left, and how many strides.", {"trial": "text", "ways_list": "text"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..data import Detections, Finding, KinemarkError, Matches, Tracks
+from ..data import Detections, Finding, KinemarkError, Matches, Rig, Tracks
 from ..digitise import identified_matches, identified_tracks
 from ..geometry.ideal_pixels import check_cameras
 from ..geometry.weighted_points import inside_volume

@@ -205,10 +205,18 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
             for c in one.gait.contacts
         ],
         "strides": [
-            {"side": s.side, "first_s": s.first, "last_s": s.last, "values": dict(s.values), "sd": dict(s.sd),
-             "facing_deg": s.facing_deg, "turned_deg": s.turned_deg, "counts": s.counts}
+            {
+                "side": s.side,
+                "first_s": s.first,
+                "last_s": s.last,
+                "values": dict(s.values),
+                "sd": dict(s.sd),
+                "facing_deg": s.facing_deg,
+                "turned_deg": s.turned_deg,
+                "counts": s.counts,
+            }
             for s in one.strides
-        ],  # fmt: skip
+        ],
         "emg": {name: {"saturated_share": e.saturated, "hum_hz": e.hum_hz} for name, e in one.emg.items()},
     }
 

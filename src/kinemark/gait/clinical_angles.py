@@ -23,6 +23,7 @@ from .lower_limb import FOOT_SEQUENCE, LowerLimbs
 from .progression import progression
 from .segments import Z_UP, relative, within_half_turn
 
+
 class Reading(NamedTuple):
     """How an angle follows from a, b, c: which of them, with which sign on the left, and plus what in deg."""
 

@@ -101,7 +101,8 @@ def _stride(
             first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
         ),
     } | _distances(begin, end, heels, rate, heel_sd, floor_sd, up)  # fmt: skip
-    return Stride(begin.side, begin.time, end.time, *({name: values[name][k] for name in UNITS} for k in (0, 1)))
+    value, sd = ({name: values[name][k] for name in UNITS} for k in (0, 1))
+    return Stride(begin.side, begin.time, end.time, value, sd)
 
 
 def _distances(

@@ -26,7 +26,8 @@ def with_facing(strides: Sequence[Stride], x: Floats, *, rate: float) -> tuple[S
     """The strides with where the pelvis faces in them, and how far it turns.
 
     Args:
-        strides: of a trial. x: (F, 3) forward axis of the pelvis, z up; NaN where it is not known. rate: frames a second.
+        strides: of a trial. x: (F, 3) forward axis of the pelvis, z up; NaN where it is not known.
+        rate: frames a second.
     """
     known = np.flatnonzero(np.isfinite(x).all(-1))
     if len(known) < 2:

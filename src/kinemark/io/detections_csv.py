@@ -1,6 +1,7 @@
 """Detections as CSV: `camera, frame, u_px, v_px`, optionally `marker`, `area_px2`, `var_u_px2`, `var_v_px2`.
 
 Frames count from 0. `u` and `v` may stand for `u_px` and `v_px`. With `marker` it says which marker each point is.
+Spreadsheets of countries that write 2,5 save such a table with semicolons or tabs and decimal commas: read too.
 """
 
 from __future__ import annotations
@@ -17,14 +18,13 @@ from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
 from .files import replacing
-from .number_text import AGAIN, bad_line, numbers, plain, read_text, whole
+from .number_text import AGAIN, bad_line, numbers, plain, read_text, separator, whole
 
 NEEDED = ("camera", "frame", "u_px", "v_px")
 VARIANCES = ("var_u_px2", "var_v_px2")
 OPTIONAL = ("area_px2", *VARIANCES)
 MARKER = "marker"
 SHORT = {"u": "u_px", "v": "v_px"}
-OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 ROWS_AT_ONCE = 65536  # rows turned to numbers in one go; chosen for memory
 MOST_COUNTS = 10_000_000  # cameras times frames that a sparse file may claim; chosen for memory
 
@@ -64,13 +64,17 @@ def read_long(
     path: Path | str, *, rate: float, cameras: Sequence[str] | None = None, n_frames: int | None = None
 ) -> NamedDetections:
     """The same with the markers of the rows, -1 where the file does not name them; see `read_detections_csv`."""
-    reader = csv.reader(io.StringIO(read_text(path), newline=""))
+    text = read_text(path)
+    mark = separator(text)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
     names: dict[str, int] = {name: c for c, name in enumerate(cameras or ())}
     markers: dict[str, int] = {}
     try:
         heading = [SHORT.get(cell.strip(), cell.strip()) for cell in next(reader, [])]
         check_heading(path, heading)
-        rows = ((reader.line_num, row) for row in reader if row)
+        rows = ((reader.line_num, row) for row in reader if any(row))
+        if mark != ",":
+            rows = ((line, _with_points(row, heading)) for line, row in rows)
         parts = list(chunks(path, rows, heading, names, cameras is None, markers))
     except csv.Error as error:
         raise bad_line(path, reader.line_num, f"{error}") from error
@@ -93,10 +97,14 @@ def read_long(
     return NamedDetections(found, marker[order], tuple(markers))
 
 
+def _with_points(row: list[str], heading: list[str]) -> list[str]:
+    """A row's numbers with points where it has decimal commas; names stay."""
+    named = [k for k, name in enumerate(heading) if name in ("camera", MARKER)]
+    return [cell if k in named else cell.replace(",", ".") for k, cell in enumerate(row)]
+
+
 def check_heading(path: Path | str, heading: list[str]) -> None:
     """The columns that must be there, and no unknown one."""
-    if len(heading) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in heading[0]), "")):
-        raise bad_line(path, 1, f"cells are separated by {other}. Save it with commas, and points in numbers.")
     known = (*NEEDED, MARKER, *OPTIONAL)
     if unknown := [cell for cell in heading if cell not in known]:
         raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(known)}. Remove it.")

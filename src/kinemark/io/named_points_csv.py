@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
 from .detections_csv import MARKER, NamedDetections, read_detections_csv, read_long
-from .number_text import bad_line, numbers, whole
-from .trajectories_csv import csv_rows, separator
+from .number_text import bad_line, numbers, separator, whole
+from .trajectories_csv import csv_rows
 
 LIKELY = 0.6  # likelihood below which DeepLabCut's own plots leave a point out (its `pcutoff`); convention
 DEEPLABCUT = ("scorer", "bodyparts", "coords")

@@ -38,6 +38,11 @@ def bad_line(path: Path | str, line: int, what: str) -> KinemarkError:
     return KinemarkError(f"{path}, line {line}: {what}")
 
 
+def separator(text: str) -> str:
+    """The comma, semicolon or tab that comes first in a table."""
+    return next((character for character in text[:1000] if character in ",;\t"), ",")
+
+
 def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str]], width: int) -> NDArray[np.float64]:
     """(N, width) the cells of N lines as numbers; an empty cell is NaN.
 

@@ -17,7 +17,7 @@ from ..data import KinemarkError, Trajectories
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
 from .files import replacing
-from .number_text import bad_line, numbers, plain, read_text, whole
+from .number_text import bad_line, numbers, plain, read_text, separator, whole
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
 UNEVEN, ROUNDED = 1.5, 0.01
@@ -63,11 +63,6 @@ def csv_rows(path: Path | str) -> list[tuple[int, list[str]]]:
     if mark == "," or any("." in cell for _, cells in rows[1:] for cell in cells):
         return rows
     return rows[:1] + [(line, [cell.replace(",", ".") for cell in cells]) for line, cells in rows[1:]]
-
-
-def separator(text: str) -> str:
-    """The comma, semicolon or tab that comes first in a table."""
-    return next((character for character in text[:1000] if character in ",;\t"), ",")
 
 
 def markers(path: Path | str, heading: list[str]) -> list[str]:

@@ -29,6 +29,8 @@ SMALL = 20.0
 """Extent of all markers, in the unit of a file that does not say it, below which it is m and not mm; chosen."""
 SAME_RATE = 0.05
 """Share by which the rate of the heading and that of the times may differ without a note; chosen, times are rounded."""
+NOWHERE = 9_999_999.0
+"""What stands in all three cells of a marker that is missing, in the file's unit; conventional (Motion Analysis)."""
 OFF_ORIGIN = 1e-6
 """mm from (0, 0, 0) at which a sample at the very origin is written, because zeros say missing; chosen."""
 
@@ -36,7 +38,7 @@ OFF_ORIGIN = 1e-6
 def read_trc(
     path: Path | str, *, length_unit: str | None = None, rate_hz: float | None = None, partial: bool = False
 ) -> Trajectories:
-    """Markers of a TRC file in mm, on the axes of the file; empty, NaN and (0, 0, 0) samples are missing.
+    """Markers of a TRC file in mm, on the axes of the file; empty, NaN, (0, 0, 0) and 9999999 are missing.
 
     Args:
         path: the file.
@@ -55,6 +57,8 @@ def read_trc_trial(
 ) -> Trial:
     """As `read_trc`, with what was odd in the file as the notes of the trial."""
     found = parse_trc(path, read_text(path), partial=partial)
+    places = found.table[:, 2:].reshape(len(found.table), len(found.names), 3)
+    places[(places == NOWHERE).all(2)] = np.nan
     complete = _complete(path, found, partial)
     mm, unit = _unit(path, found, length_unit)
     rate, timing = _rate(path, found, rate_hz)

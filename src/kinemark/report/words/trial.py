@@ -297,7 +297,8 @@ TRIAL_WORDS = {
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
     "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),
     "camera_moved": Words(
-        "In {frames} the images of {cameras} fit no track: the camera was probably moved. The others were used.",
+        "The images of {cameras} fit no track from frame {first_frame} to {last_frame}: the camera was probably moved. "
+        "The others were used.",
         LOOK_AT_CAMERA,
     ),
     "camera_shifted": Words(

@@ -67,7 +67,12 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     }
     for c, name in enumerate(rig.names):
         most = max(MIN_SHIFT, STANDS_OUT * _median(np.delete(usual, c)))  # (9)
-        found += lost.get(c) or _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name, parts[c], most)
+        found += (
+            lost.get(c)
+            or _without_images(detections, result, c)
+            or late.get(c)
+            or _shifted(result, c, name, parts[c], most)
+        )
     found += _calibration_off(rig, usual, late)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):

@@ -59,8 +59,8 @@ def track_simultaneously(
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about.
 
-    A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`). Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
-    keeps all.
+    A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`). Points
+    farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all.
     """
     stretches = unfitting_stretches(detections, rig)
     while stretches:

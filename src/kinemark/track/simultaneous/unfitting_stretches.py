@@ -1,4 +1,4 @@
-"""Stretches of the recording in which a camera fits the others no more: it was bumped, or its images are of other times.
+"""Stretches of a recording in which a camera does not fit the others: it was bumped, or its images are of other times.
 
 Of images of cameras r and s near each other's epipolar lines (`epipolar_noise`) those that meet by chance are as many
 at any distance e, those of one marker lie at 0. So
@@ -12,7 +12,8 @@ of the recording camera c does not fit in which
     is KEPT of theirs and more                                                                              (2)
 
 Who leaves the view of two cameras by two sides takes their pairs along. So all is tracked without the camera, and it is
-lost where it has no image near the points that the others then show, though elsewhere it has (3).
+lost where it has no image near the points that the others then show, though elsewhere it has of so many that this is no
+chance (3).
 
 Cameras that do not fit in the whole recording are `measurement_noise`'s.
 """
@@ -20,6 +21,7 @@ Cameras that do not fit in the whole recording are `measurement_noise`'s.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -43,24 +45,26 @@ SAMPLED_IMAGES = 500
 NEAR, APART = 2.0, 4.0
 """A and B of (1), px; chosen: images of one marker lie within 1 px, of a calibration 1 px off within 3."""
 LOST, KEPT = 0.4, 0.6
-"""Of (2); chosen on scenes 160000 to 160059 of the second generator: cameras that were bumped by 12 px or are three
-frames late keep 0.0 to 0.35, unless along the lines of all others; of good ones the least was 0.55."""
+"""Of (2); chosen on scenes 160000 to 160059 of the second generator: of 26 cameras that were bumped by 12 px 23
+kept −0.2 to 0.25, those bumped along the lines of others 0.5 to 0.7; good ones mostly had 0.5 and more in all parts."""
 SEEN = 0.6
-"""Of #, as of the parts in which a camera fits, that it must be where it does not: who leaves the view takes the images
-along; chosen."""
+"""Of the usual #, from which on a part tells: who leaves the view takes the images along; chosen."""
 LEAST_PARTS = 2
 """In which a camera does not fit, chosen: one alone is chance."""
 BEST, DOUBTFUL = 0.9, 0.7
 """Quantile of the parts that are a camera's best, and what of it is at least good; chosen."""
 LEAST_CAMERAS = 4
-"""That are left, from which on a second one is looked for; chosen: of three nobody tells which.  A first one is told of
-three."""
+"""That are left, from which on a second one is looked for; chosen: of three nobody tells which."""
 FITTING = 0.4
 """Of how well the others fit, what a camera must in its best parts, chosen: images that are late in the whole recording
 fit for moments; good cameras had 0.5 and more."""
 HALF = 0.6
-"""Of the share of points with an image in the camera, what is left where it is lost, at most (3); chosen: markers of
-others lie near by chance."""
+"""Of the share of points with an image in the camera, what is left where it is lost, at most (3); chosen: other markers
+lie near by chance, of 0.0 to 0.03 of the points in 24 scenes."""
+CHANCE = 0.05
+"""That a camera in place has no image of any of the markers that the others show, as it hides many (3); chosen."""
+EDGE = 0.1
+"""Of the image's size, at its edges, where images are not missed (3); chosen: lenses bend markers out of it."""
 LEAST_POINTS = 30
 """From which a share is taken; chosen."""
 CLEAR = 5.0
@@ -88,7 +92,7 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     edges = np.linspace(0, n, parts + 1).astype(int)
     images = read_images(detections, rig)
     F = fundamentals(images.P)
-    found = [_fit(images, F, detections, range(a, b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    found = [_fit(images, F, detections, range(a, b)) for a, b in pairwise(edges)]
     runs = true_runs_of_rows(_lost(*(np.stack(each) for each in zip(*found, strict=True))))
     return tuple(Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in runs)
 
@@ -111,14 +115,16 @@ def is_lost(stretch: Stretch, cloud: Cloud, detections: Detections, rig: Rig) ->
     """
     images, c = read_images(detections, rig), stretch.camera
     uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
-    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
+    middle = np.abs(uv / images.size[c] - 0.5) < 0.5 - EDGE
+    inside = middle.all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
     own, row = images.near(cloud.frame * len(images.P) + c, uv[:, 0], np.full(len(uv), APART))
     there = np.zeros(len(uv), bool)
     there[own[np.linalg.norm(images.uv[row] - uv[own], axis=1) < APART]] = True
     during = (cloud.frame >= stretch.first) & (cloud.frame < stretch.stop)
     shares = [there[inside & when].mean() if (inside & when).sum() >= LEAST_POINTS else np.nan
               for when in (during, ~during)]  # fmt: skip
-    return bool(shares[0] < HALF * shares[1])
+    markers = (inside & during).sum() / (stretch.stop - stretch.first)
+    return bool(shares[0] < HALF * shares[1] and (1 - shares[1]) ** markers < CHANCE)
 
 
 def _fit(images: Images, F: Floats, detections: Detections, frames: range) -> tuple[Floats, Floats, Floats]:
@@ -140,7 +146,7 @@ def _lost(n: Floats, chance: Floats, possible: Floats) -> Bools:
     parts, C = n.shape[:2]
     out, left = np.zeros((C, parts), bool), np.arange(C)
     while len(left) >= min(C, LEAST_CAMERAS):
-        each = [_lost_of(c, left, n, chance, possible) for c in left]
+        each = [_lost_of(c, left, n, chance, possible) for c in left.tolist()]
         worst = int(np.argmax([loss for _, loss in each]))
         if not each[worst][0].any():
             break
@@ -156,12 +162,14 @@ def _lost_of(c: int, left: Ints, n: Floats, chance: Floats, possible: Floats) ->
     q = own / np.maximum(seen, 1.0)
     rest = (each[:, others][:, :, others].sum((1, 2)) for each in (n, possible))
     q_rest = np.divide(*(np.maximum(each, low) for each, low in zip(rest, (0.0, 1.0), strict=True)))
-    best, best_rest = max(np.quantile(q, BEST), 0.0), np.quantile(q_rest, BEST)
+    if not seen.any():
+        return np.zeros(len(n), bool), 0.0
+    enough = seen >= SEEN * np.median(seen[seen > 0])
+    best, best_rest = max(np.quantile(q[enough], BEST), 0.0), np.quantile(q_rest[enough], BEST)
     good = q > DOUBTFUL * best
     if best < FITTING * best_rest or not own[good].sum() > CLEAR * np.sqrt(chance[good][:, c, others].sum()):
         return np.zeros(len(n), bool), 0.0
-    lost = (q < LOST * best) & (q_rest >= KEPT * best_rest) & (seen >= SEEN * np.median(seen[good]))
-    lost = _closed(lost, ~good)
+    lost = _closed(enough & (q < LOST * best) & (q_rest >= KEPT * best_rest), ~good)
     return lost, float(((best - q) * seen)[lost].sum())
 
 

@@ -9,7 +9,6 @@ from setuptools.command.build_ext import build_ext
 from setuptools.command.build_py import build_py
 
 FOLDER = "src/kinemark/native"
-SOURCES = "assignment", "clusters", "library", "motion", "pixels", "shapes", "views"
 
 
 class BuildLibrary(build_ext):
@@ -75,7 +74,7 @@ setup(
     ext_modules=[
         Extension(
             "kinemark.native._native",
-            sources=[f"{FOLDER}/{name}.c" for name in SOURCES],
+            sources=[f"{FOLDER}/{name}.c" for name in ("clusters", "library", "motion", "pixels", "shapes", "views")],
             depends=[f"{FOLDER}/{name}.h" for name in ("native", "pixels_by_depth", "shape_light", "symmetric3")],
             # nobody asks for errno or for exceptions of floating point; a compiler without these flags goes on
             extra_compile_args=["-O3", "-fno-math-errno", "-fno-trapping-math"],

@@ -75,8 +75,7 @@ NO_POSITIONS = {
         report.advice_of report.headline_of report.open_gap_text
         report.edit_text report.entry_text report.reason_text report.sentences_of report.text_of report.with_words""",
     "compiled parts of functions that have a case": """
-        native.assign native.assign_pairs native.candidates native.cluster_pixels native.cut_pixels native.find_runs
-        native.group_peaks native.group_runs
+        native.candidates native.cluster_pixels native.cut_pixels native.find_runs native.group_peaks native.group_runs
         native.index_images native.information native.intersect native.inverse native.library native.predict
         native.project native.status native.sum_peaks native.sum_pixels native.update""",
     "motions at places of their own": """

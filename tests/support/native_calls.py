@@ -207,23 +207,6 @@ def cluster_pixels(rng):
     return Call(native.cluster_pixels, asked, {"turns": int(rng.integers(0, 8))})
 
 
-def assign(rng):
-    """Costs of which some are equal, rows or columns that are missing."""
-    n, m = rng.integers(0, 7, 2)
-    cost = rng.integers(0, 4, (n, m)).astype(float) if rng.random() < 0.5 else rng.normal(size=(n, m))
-    return Call(native.assign, {"cost": cost}, {"maximize": bool(rng.random() < 0.5)})
-
-
-def assign_pairs(rng):
-    """Groups of pairs, some without any, some with equal scores."""
-    sizes = rng.integers(0, 9, rng.integers(0, 5))
-    cells = [rng.choice(20, size, replace=False) for size in sizes]  # no pair is twice in a group
-    a, b = np.concatenate([np.zeros(0, np.int64), *cells]) // np.array([[5], [1]]) % np.array([[4], [5]])
-    score = rng.integers(1, 4, len(a)).astype(float) if rng.random() < 0.5 else rng.random(len(a)) + 0.1
-    asked = {"start": np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), "a": a, "b": b, "score": score}
-    return Call(native.assign_pairs, asked, {})
-
-
 SHAPES = {
     "discs": [0.3, -0.2, 3.1],
     "ellipse": [0.2, 0.1, 0.3, 0.02, 0.4],
@@ -254,8 +237,7 @@ CALLS = {
     made.__name__: made
     for made in (
         find_runs, group_runs, sum_pixels, cut_pixels, group_peaks, sum_peaks, predict, update, project, information,
-        index_images, image_index, near, candidates, intersect, cluster_pixels, fit_shapes, assign,
-        assign_pairs,
+        index_images, image_index, near, candidates, intersect, cluster_pixels, fit_shapes,
     )
 }  # fmt: skip
 

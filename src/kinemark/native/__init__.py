@@ -4,7 +4,6 @@ Every function checks dtypes, shapes and indices in one declaration, so that no 
 calls the compiled library or, where that is absent or `KINEMARK_PLAIN` is set, does the same with NumPy.
 """
 
-from .assignment import assign, assign_pairs
 from .compiled_library import PLAIN, Status, library, status
 from .group_pixels import GroupPixels, cut_pixels, group_peaks, sum_peaks
 from .image_index import ImageIndex, candidates, index_images
@@ -22,8 +21,6 @@ __all__ = [
     "GroupPixels",
     "ImageIndex",
     "Status",
-    "assign",
-    "assign_pairs",
     "candidates",
     "cluster_pixels",
     "cut_pixels",

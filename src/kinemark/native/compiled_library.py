@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-VERSION = 6
+VERSION = 5
 """Of the functions' meaning, as in library.c: a library left over from another version is not used; by definition."""
 
 PLAIN = "KINEMARK_PLAIN"
@@ -72,8 +72,6 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {
     ),
     "cluster_pixels": (*4 * [_SIZE], *2 * [_FLOATS], _BOOLS, *3 * [_FLOATS]),
     "fit_shapes": (*5 * [_SIZE], *15 * [_FLOATS]),
-    "assign": (*2 * [_SIZE], *2 * [_FLOATS], _INTS),
-    "assign_pairs": (*4 * [_SIZE], *3 * [_INTS], *3 * [_FLOATS], _INTS, _BOOLS),
     "intersect": (*4 * [_SIZE], *3 * [_FLOATS], *2 * [_INTS], *3 * [_FLOATS]),
 }  # fmt: skip
 """The arguments of each C function."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-
-from .. import native
 
 
 def assign(cost: NDArray[np.float64], limit: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -18,7 +17,7 @@ def assign(cost: NDArray[np.float64], limit: NDArray[np.float64]) -> tuple[NDArr
     if not allowed.any():
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     forbidden = 1.0 + cost[allowed].sum()
-    rows, columns = native.assign(np.where(allowed, cost, forbidden))
+    rows, columns = scipy.optimize.linear_sum_assignment(np.where(allowed, cost, forbidden))
     good = allowed[rows, columns]
     return rows[good], columns[good]
 

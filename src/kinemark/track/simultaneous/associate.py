@@ -28,6 +28,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from ... import native
 from ...data.array_types import Bools, Floats, Ints
@@ -111,7 +112,8 @@ def _best_pairs(own: Ints, image: Ints, score: Floats, cell: Ints) -> Ints:
         rest = rest[left]
         if not simple.any():
             rest = rest[np.argsort(cell[rest], kind="stable")]
-            won.append(rest[native.assign_pairs(equal_runs(cell[rest]), own[rest], image[rest], score[rest])])
+            cuts = equal_runs(cell[rest])[1:-1]
+            won += [_assigned(own[part], image[part], score[part], part) for part in np.split(rest, cuts)]
             break
     return np.concatenate([np.zeros(0, np.int64), *won])
 
@@ -134,6 +136,17 @@ def _simple(own: Ints, image: Ints, score: Floats) -> tuple[Bools, Bools]:
     for i in (own, image):
         gone |= np.bincount(i, simple)[i] > 0
     return simple, ~gone
+
+
+def _assigned(own: Ints, image: Ints, score: Floats, pair: Ints) -> Ints:
+    """Of `pair` those of the greatest sum of scores."""
+    tracks = {t: i for i, t in enumerate(dict.fromkeys(own.tolist()))}
+    rows = {r: j for j, r in enumerate(dict.fromkeys(image.tolist()))}
+    i, j = [tracks[t] for t in own.tolist()], [rows[r] for r in image.tolist()]
+    gain, which = np.zeros((len(tracks), len(rows))), np.full((len(tracks), len(rows)), -1)
+    gain[i, j], which[i, j] = score, pair
+    chosen = which[scipy.optimize.linear_sum_assignment(gain, maximize=True)]
+    return np.asarray(chosen[chosen >= 0])
 
 
 def share(images: Images, frame: Ints, expected: PredictedImages, association: Association, gate: float) -> Association:

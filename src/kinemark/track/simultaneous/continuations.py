@@ -10,10 +10,10 @@ as two. Nothing is joined: a name given to both does that, or a decision of the 
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from ...data import Tracks
 from ...data.array_types import Ints
-from ...native import assign
 from .neighbouring_points import TrackPoints
 from .stitch import scores_by_distance
 
@@ -41,7 +41,7 @@ def continuations(tracks: Tracks) -> Ints:
         return np.zeros((0, 2), np.int64)
     table = np.zeros((len(tracks), len(tracks)))
     table[a, b] = np.maximum(scores_by_distance(points, a, b, np.zeros(len(a))), 0.0)
-    before, after = assign(table, maximize=True)
+    before, after = scipy.optimize.linear_sum_assignment(table, maximize=True)
     good = table[before, after] > LIKELY
     pairs = np.column_stack([before, after])[good]
     return np.asarray(pairs[np.argsort(first[pairs[:, 1]], kind="stable")])

@@ -22,10 +22,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
-from ...native import assign
 from .associate import associate, information, predict_images
 from .body_poses import GATE, InPlace, body_poses, by_tracks, in_place, member_places
 from .candidate_points import find_candidate_points, fundamentals, intersect
@@ -135,7 +135,7 @@ def _owners(placed: InPlace, points: TrackPoints, K: int, n: int) -> Ints:
     count = np.zeros((K, n))
     some = placed.member >= 0
     np.add.at(count, (placed.member[some], points.id[some]), 1.0)
-    member, track = assign(count, maximize=True)
+    member, track = scipy.optimize.linear_sum_assignment(count, maximize=True)
     out = np.full(K, -1)
     out[member] = np.where(count[member, track] > 0, track, -1)
     return out
@@ -168,12 +168,10 @@ def _identities(placed: InPlace, points: TrackPoints, poses: Poses, of_body: Boo
 
 def _most(ids: Ints, former: Ints, became: Ints) -> Ints:
     """(N) what most points of each former track now are; as before for those without any."""
-    some, out = ids >= 0, became.copy()
-    pair, count = np.unique(former[some].astype(np.int64) * len(became) + ids[some], return_counts=True)
-    of, now = pair // len(became), pair % len(became)
-    order = np.lexsort([-now, count])  # what is written last is the most, and of equal ones the first track
-    out[of[order]] = now[order]
-    return out
+    some = ids >= 0
+    count = scipy.sparse.coo_array((np.ones(some.sum()), (former[some], ids[some])), (len(became), len(became))).tocsr()
+    has = np.diff(count.indptr) > 0
+    return np.where(has, np.asarray(count.argmax(axis=1)).ravel(), became)
 
 
 def _short(ids: Ints) -> Bools:

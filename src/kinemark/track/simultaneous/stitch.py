@@ -28,12 +28,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.rigid_pairs import distances_from
-from ...native import assign
 from ...native.image_index import ranges
-from ...numerics.components import components
 from ...numerics.runs import equal_runs
 from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, RowsByTrack, TrackPoints, motion_from, rows_near
@@ -153,7 +152,8 @@ def best_stitches(ends: Ends, a: Ints, b: Ints, score: Floats, sd: Floats) -> li
     """
     (some,), n = np.nonzero(score > 0), len(ends.first)
     a, b, score, sd = a[some], b[some], score[some], sd[some]
-    group = components(a, n + b, 2 * n)[a]
+    graph = scipy.sparse.coo_array((np.ones(len(a)), (a, n + b)), shape=(2 * n, 2 * n))
+    group = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][a]
     order = np.argsort(group, kind="stable")
     parts = np.split(order, equal_runs(group[order])[1:-1]) if len(order) else []
     found = [one for part in parts for one in _best_of_group(ends, a[part], b[part], score[part], sd[part])]
@@ -165,7 +165,7 @@ def _best_of_group(ends: Ends, a: Ints, b: Ints, score: Floats, sd: Floats) -> l
     (one, i), (other, j) = (np.unique(track, return_inverse=True) for track in (a, b))
     table, open_ = np.zeros((2, len(one), len(other)))
     table[i, j], open_[i, j] = score, sd
-    before, after = assign(table, maximize=True)
+    before, after = scipy.optimize.linear_sum_assignment(table, maximize=True)
     best, rest, sd = table[before, after], table.copy(), open_[before, after]
     rest[before, after] = 0.0
     margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])

@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.report.words import text_of
 from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_points, track_simultaneously
+from kinemark.track.simultaneous.diagnostics_of_points import points_left_out
 from support.laboratory import observe, ring
 from support.motions import dance
 
@@ -80,3 +81,11 @@ def test_a_volume_in_another_unit_is_named_and_the_frame_rate_is_not_blamed(unit
     assert found.values["unit"] == unit
     assert ("probably not written in mm" in text_of(found)) == (unit is not None)
     assert "nothing_goes_on" not in [one.kind for one in diagnose(detections, rig, result)]
+
+
+def test_a_volume_of_metres_that_the_subject_left_is_in_no_other_unit():
+    """A walk of 14 m through a volume of 4: in metres it would be 4 km."""
+    volume = np.array([[0.0, -600, -100], [4000, 600, 2000]])
+    far = np.stack([np.linspace(4200, 9000, 50), np.zeros(50), np.full(50, 900.0)], axis=1)
+    assert points_left_out(far, 20, 100.0, volume).values["unit"] is None
+    assert points_left_out(far - [4000, 0, 0], 20, 100.0, volume / 1000).values["unit"] == "m"

@@ -21,6 +21,9 @@ UNITS = {"m": 1000.0, "cm": 10.0}
 """mm in the units in which a volume may have been written by mistake; by definition."""
 HELD = 0.5
 """Share of the points left out that the volume must hold in another unit for that to be said; chosen: most."""
+HALL_MM = 30_000.0
+"""As large as a volume may be in another unit for that to be said; chosen: a hall. A volume of metres in mm that a subject
+left is not too small for anybody."""
 
 
 def diagnose_points(
@@ -75,6 +78,6 @@ def points_left_out(
 def _written_in(outside: Floats, volume: Floats) -> str | None:
     """The unit in which the volume would hold most of the points that it leaves out."""
     for unit, mm in UNITS.items():
-        if inside_volume(outside, volume * mm).mean() > HELD:
+        if np.ptp(volume, 0).max() * mm <= HALL_MM and inside_volume(outside, volume * mm).mean() > HELD:
             return unit
     return None

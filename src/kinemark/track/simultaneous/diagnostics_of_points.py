@@ -22,7 +22,7 @@ UNITS = {"m": 1000.0, "cm": 10.0}
 HELD = 0.5
 """Share of the points left out that the volume must hold in another unit for that to be said; chosen: most."""
 HALL_MM = 30_000.0
-"""As large as a volume may be in another unit for that to be said; chosen: a hall. A volume of metres in mm that a subject
+"""As large as a volume may be in another unit for that to be said; chosen: a hall. One of metres that a subject
 left is not too small for anybody."""
 
 

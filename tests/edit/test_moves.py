@@ -119,9 +119,7 @@ def alike(paths, t=0.0):
     """Three markers of one body that does not turn, by the ways (F, 3) mm that each goes."""
     places = np.array([[0, 0, 1000.0], [250, 0, 1010], [125, 180, 1030]])
     xyz = (place + way + t for place, way in zip(places, paths, strict=True))
-    return replace(
-        of_file(), paths=tuple(MarkerTrajectory.measured(n, one) for n, one in zip("ABC", xyz, strict=True))
-    )
+    return replace(of_file(), paths=tuple(MarkerTrajectory.measured(n, one) for n, one in zip("ABC", xyz, strict=True)))
 
 
 def sledge(t=0.0):

@@ -34,6 +34,8 @@ FEWEST = 4
 SWAY = 0.25
 """Times how far witnesses are from the middle of their marker, the median, that they may be off, of (4); chosen: those
 of another recording are off by more than once that."""
+ROUNDED_MM = 0.02
+"""mm that they may be off however still they are; chosen: twice what files are rounded to that give 0.01 mm."""
 MOST_TRIED = 24
 """Moves that are tried; chosen: the first is mostly right, as few paths can be laid upon each other so closely."""
 TRIES = 60
@@ -153,7 +155,8 @@ def _is_same(edits: Sequence[Edit], move: Move, known: KnownVotes) -> bool:
         apart = np.linalg.norm(_nearest(frame, move(xyz), known) - move(xyz), axis=1)
         off.append(apart[np.isfinite(apart)])
         sway.append(np.linalg.norm(xyz - xyz.mean(0), axis=1))
-    return bool(np.median(np.concatenate(off)) <= min(CLOSE_MM, SWAY * np.median(np.concatenate(sway))))
+    most = min(CLOSE_MM, max(ROUNDED_MM, SWAY * float(np.median(np.concatenate(sway)))))
+    return bool(np.median(np.concatenate(off)) <= most)
 
 
 def _is_only_one(edits: Sequence[Edit], move: Move, tried: Sequence[Tried], known: KnownVotes) -> bool:

@@ -233,3 +233,26 @@ def test_what_nobody_saw_has_no_witness_and_stands_as_in_older_journals():
     for edit in (Erase("A", 900, 950), Erase("no such", 1, 5), Claim(stretch_of(given, "A"), "E")):
         assert anchored(edit, given, None, "") is edit
     assert outcomes(of_file(names="BADC"), [Erase("A", 81, 84)]) == ["held"]
+
+
+def test_whose_an_edit_is_follows_later_claims_where_nobody_had_most_of_its_samples_before():
+    given = of_file()
+    erase = anchored(Erase("A", 81, 84), given, None, "")
+    first, second, _, fourth = (w.frame for w in erase.whose.witnesses)
+    parts = tuple(
+        Claim(stretch_of(given, "A", first=a, last=b), name)
+        for name, a, b in (("X", first + 5, second + 5), ("Y", second + 6, fourth))
+    )
+    said = entries(erase, parts)
+    before = replay(given, said)
+    assert before.applied[0].edit.marker == "A", "one of its four samples is A's, one X's, two Y's"
+    joined = Claim(stretch_of(before.trajectories, "X", first=first + 5, last=second + 5), "Y")
+    after = replay(given, [*said, *entries(joined, first=3)])
+    assert after.applied[0].edit.marker == "Y"
+    assert replay(given, said).applied[0].edit.marker == "A", "as it was, where the claim is undone"
+
+
+@pytest.mark.parametrize("rate", [0.0, -100.0, np.nan, np.inf])
+def test_an_event_is_at_no_such_rate(rate):
+    with pytest.raises(ValueError, match="wanted above 0"):
+        AddEvent("Foot Strike", "Left", 0.5, rate=rate)

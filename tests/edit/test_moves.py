@@ -113,3 +113,37 @@ def test_edits_that_find_their_samples_are_the_same_values():
     said = [edit for entry in said_of(given) for edit in entry.edits]
     found = carried_over(said, given, Footage(1, given.rate))
     assert all(a is b for a, b in zip(found, said, strict=True))
+
+
+def alike(paths, t=0.0):
+    """Three markers of one body that does not turn, by the ways (F, 3) mm that each goes."""
+    places = np.array([[0, 0, 1000.0], [250, 0, 1010], [125, 180, 1030]])
+    xyz = (place + way + t for place, way in zip(places, paths, strict=True))
+    return replace(of_file(), paths=tuple(MarkerTrajectory.measured(n, one) for n, one in zip("ABC", xyz, strict=True)))
+
+
+def sledge(t=0.0):
+    s = np.linspace(0, 1, 200)
+    return alike([np.column_stack([800 * s, 150 * np.sin(6 * s), 0 * s])] * 3, t)
+
+
+def standing(seed, t=0.0):
+    """Somebody who stands still: a plate of markers that sways by a mm."""
+    rng = np.random.default_rng(seed)
+    return alike(np.cumsum(rng.normal(0, 0.05, (200, 3)), 0) + rng.normal(0, 0.05, (3, 200, 3)), t)
+
+
+def test_where_all_markers_move_alike_an_edit_goes_to_its_name_s_and_a_claim_nowhere():
+    moved = sledge(t=np.array([900.0, 200, 0]))
+    erased = anchored(Erase("C", 41, 44), sledge(), None, "")
+    (one,) = replay(moved, entries(erased)).applied
+    assert (one.outcome, one.edit.marker) == ("held", "C")
+    claimed = Claim(stretch_of(sledge(), "C", at=60), "LKNE")
+    assert outcomes(replay(moved, entries(claimed))) == ["orphan"], "it would be of A, B or C"
+
+
+def test_edits_of_somebody_who_stands_still_do_not_go_to_another_recording():
+    said = entries(*(anchored(Erase(name, 41, 44), standing(1), None, "") for name in "ABC"))
+    t = np.array([300.0, 200, 0])
+    assert outcomes(replay(standing(1, t), said)) == ["held"] * 3
+    assert outcomes(replay(standing(2, t), said)) == ["orphan"] * 3

@@ -129,6 +129,20 @@ def test_facts_are_of_the_samples_that_they_were_said_of_whatever_these_are_call
     assert not gone.wrong.any() and not (gone.owner >= 0).any(), "of no marker that is called anything"
 
 
+def test_images_of_a_marker_that_is_missing_are_its_own_though_the_first_alone_is_no_place(right):
+    rig, detections, tracks, world = scene()
+    hole = (right.id == 0) & (right.cloud.frame >= 50) & (right.cloud.frame < 56)
+    wrong = Tracks(right.cloud, np.where(hole, right.id.max() + 1, right.id))
+    named = entries(claim(wrong, "*1", "A"))
+    seen = replay(to_trajectories(wrong, rig), named, detections=detections, rig=rig, world=world).trajectories
+    some = [k for k in range(4) if tracks["*1"].detection[52, k] >= 0][:2]
+    uv = [detections.uv[tracks["*1"].detection[52, k]].tolist() for k in some]
+    images = [ImagePoint(rig.names[k], 53, u, v, "A") for k, (u, v) in zip(some, uv, strict=True)]
+    said = [*named, *entries(*(anchored(one, seen, detections, world) for one in images), first=2)]
+    facts = facts_of_tracks(wrong, said, detections, rig)
+    assert np.flatnonzero(facts.owner >= 0).tolist() == sorted(tracks["*1"].detection[52, some].tolist())
+
+
 def test_facts_are_what_counts_up_to_the_last_call(right):
     said = entries(Erase("A", 1, 2), TrackAgain(), Erase("A", 3, 4))
     assert [entry.id for entry in facts_of(said)] == [1, 2]

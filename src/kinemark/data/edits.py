@@ -279,6 +279,8 @@ class AddEvent:
 
     def __post_init__(self) -> None:
         _check_numbers([self.time_s])
+        if self.rate is not None and not 0 < self.rate < math.inf:
+            raise ValueError(f"rate is {self.rate}, wanted above 0")
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,31 +140,27 @@ def followed(edit: Edit, given: Trajectories, named: Trajectories, of: Footage) 
     own = {} if stated is None else known_votes(given, of.detections, of.world).own.setdefault(stated, {})
     if id(edit) in own:
         return edit
-    now = _owner(edit.whose, stated, given, named, of)
-    if now is stated:
-        own[id(edit)] = edit  # which is kept, so that its id stays its own
-    called = now is not None and (is_named(now.name) or not is_named(edit.marker))
-    return replace(edit, marker=now.name) if now is not None and called and now is not stated else edit
-
-
-def _owner(
-    whose: Stretch, stated: MarkerTrajectory | None, given: Trajectories, named: Trajectories, of: Footage
-) -> MarkerTrajectory | None:
-    """The marker that has the samples which tell whose an edit is; the one that is stated, or None, where none does."""
-    said = votes([whose], given, of.detections, world=of.world)
-    seen = said.path >= 0
-    if 2 * seen.sum() <= len(seen):
-        return stated
-    frame = said.frame[seen]
-    place = np.array([given.paths[p].xyz[f] for p, f in zip(said.path[seen], frame, strict=True)])
+    frame, place = _whose_samples(edit.whose, given, of)
 
     def has(path: MarkerTrajectory) -> int:
         return int((path.xyz[frame] == place).all(1).sum())
 
-    if stated is not None and 2 * has(stated) >= len(seen):
-        return stated
+    if stated is not None and 2 * has(stated) >= len(frame):
+        own[id(edit)] = edit  # which is kept, so that its id stays its own; whatever others have by the next version
+        return edit
     now = max(named, key=has)
-    return now if 2 * has(now) > len(seen) else stated
+    called = is_named(now.name) or not is_named(edit.marker)
+    return replace(edit, marker=now.name) if called and 2 * has(now) > len(frame) else edit
+
+
+def _whose_samples(whose: Stretch, given: Trajectories, of: Footage) -> tuple[Ints, Floats]:
+    """Frames (N) from 0 and places (N, 3) mm that tell whose an edit is; none where half of them or less are found."""
+    said = votes([whose], given, of.detections, world=of.world)
+    seen = said.path >= 0
+    if 2 * seen.sum() <= len(seen):
+        return np.zeros(0, np.int64), np.zeros((0, 3))
+    frame = said.frame[seen]
+    return frame, np.array([given.paths[p].xyz[f] for p, f in zip(said.path[seen], frame, strict=True)])
 
 
 def disowned(edit: Edit, before: MarkerTrajectory, path: MarkerTrajectory, of: Footage) -> Result | None:

@@ -4,6 +4,10 @@ A file without images has nothing but places to find an edit by, and in another 
 So where edits find nothing, a move x' = R x + t is looked for that lays the witnesses of one edit upon a path within
 CLOSE_MM (1), and by which most of the others find their samples again (2). These go with it: their witnesses, and a
 place that was put. Where there is no such move nothing is carried over, and edits are what they would be without.
+
+Where all markers move alike, as on a sledge, the path of any is that of any other, moved: a move by markers of the same
+name goes first then, and one beside which another finds as much elsewhere is none (3). And somebody who stands still
+in two recordings stands so by some move: samples are the same only where the witnesses also sway alike (4).
 """
 
 from __future__ import annotations
@@ -27,10 +31,13 @@ CLOSE_MM = 1.0
 """mm, RMS, of (1); chosen: a file that was moved has the same samples, rounded otherwise."""
 FEWEST = 4
 """Witnesses that tell of a move; by definition: three always lie upon three others nearly enough."""
+SWAY = 0.25
+"""Times how far witnesses are from the middle of their marker, the median, that they may be off, of (4); chosen: those
+of another recording are off by more than once that."""
+ROUNDED_MM = 0.02
+"""mm that they may be off however still they are; chosen: twice what files are rounded to that give 0.01 mm."""
 MOST_TRIED = 24
 """Moves that are tried; chosen: the first is mostly right, as few paths can be laid upon each other so closely."""
-
-
 TRIES = 60
 """Moves by three places each, of which the one that most others agree with is taken; chosen: where a third of these are
 another marker's, one of four tries has none of them."""
@@ -45,6 +52,13 @@ class Move(NamedTuple):
     def __call__(self, xyz: Any) -> Floats:
         """Places (N, 3) mm, moved."""
         return np.asarray(np.asarray(xyz) @ self.R.T + self.t)
+
+
+class Tried(NamedTuple):
+    """A move, and whether it lays samples on those of markers that are called so now."""
+
+    of: Move
+    by_name: bool
 
 
 def carried_over(edits: Sequence[Edit], given: Trajectories, of: Footage) -> list[Edit]:
@@ -116,17 +130,43 @@ def _all_moved(lost: Sequence[Edit], known: KnownVotes) -> tuple[Sequence[Edit],
     """Edits that find nothing, and the same with their moves; files may have been moved more than once."""
     now, left = list(lost), list(range(len(lost)))
     while left:
-        for move in islice(_moves([lost[k] for k in left], known), MOST_TRIED):
-            found = [k for k in left if _finds(_moved(lost[k], move), known, ENOUGH)]
+        tried = list(islice(_moves([lost[k] for k in left], known), MOST_TRIED))
+        for move in tried:
+            found = [k for k in left if _finds(_moved(lost[k], move.of), known, ENOUGH)]
             if 2 * len(found) > len(left):  # (2)
                 break
         else:
             break
-        exact = _by_all([lost[k] for k in found], move, known)
+        own = [lost[k] for k in found]
+        exact = _by_all(own, move.of, known)
+        if not _is_same(own, exact, known) or not (move.by_name or _is_only_one(own, move.of, tried, known)):
+            break
         for k in found:
             now[k] = _moved(lost[k], exact)
         left = [k for k in left if k not in found]
     return lost, now
+
+
+def _is_same(edits: Sequence[Edit], move: Move, known: KnownVotes) -> bool:
+    """Whether the samples that edits find by a move are those which they were said of (4)."""
+    off, sway = [np.zeros(0)], [np.zeros(0)]
+    for edit in (one for one in edits if _is_of_marker(one)):
+        frame, xyz = _witnesses(edit, known.trajectories)
+        apart = np.linalg.norm(_nearest(frame, move(xyz), known) - move(xyz), axis=1)
+        off.append(apart[np.isfinite(apart)])
+        sway.append(np.linalg.norm(xyz - xyz.mean(0), axis=1))
+    most = min(CLOSE_MM, max(ROUNDED_MM, SWAY * float(np.median(np.concatenate(sway)))))
+    return bool(np.median(np.concatenate(off)) <= most)
+
+
+def _is_only_one(edits: Sequence[Edit], move: Move, tried: Sequence[Tried], known: KnownVotes) -> bool:
+    """Whether no other move that was tried lays all of some edits on other samples (3)."""
+    xyz = np.concatenate([_witnesses(edit, known.trajectories)[1] for edit in edits])
+    for other, _ in tried:
+        elsewhere = np.median(np.linalg.norm(move(xyz) - other(xyz), axis=1)) > 2 * NEAR_MM
+        if elsewhere and all(_finds(_moved(edit, other), known, ENOUGH) for edit in edits):
+            return False
+    return True
 
 
 def _by_all(edits: Sequence[Edit], move: Move, known: KnownVotes) -> Move:
@@ -138,20 +178,26 @@ def _by_all(edits: Sequence[Edit], move: Move, known: KnownVotes) -> Move:
     return Move(*rigid_align(xyz, target)) if np.isfinite(target[:, 0]).sum() >= FEWEST else move
 
 
-def _moves(lost: Sequence[Edit], known: KnownVotes) -> Iterator[Move]:
-    """Moves that lay the witnesses of an edit, or all of those of markers that are called so now, on paths (1)."""
-    named = list[tuple[Floats, Floats]]()
-    for edit in lost:
+def _is_of_marker(edit: Edit) -> bool:
+    """Whether all witnesses of an edit are of one marker."""
+    return isinstance(edit, Claim) or getattr(edit, "marker", None) is not None
+
+
+def _moves(lost: Sequence[Edit], known: KnownVotes) -> Iterator[Tried]:
+    """Moves that lay the witnesses of an edit on paths (1): first on those of their names, one by one and together."""
+    named, others = list[tuple[Floats, Floats]](), list[tuple[Floats, Floats]]()
+    for edit in filter(_is_of_marker, lost):
         frame, xyz = _witnesses(edit, known.trajectories)
         marker = getattr(edit, "marker", None)
-        for path in known.trajectories if isinstance(edit, Claim) or marker is not None else ():
+        for path in known.trajectories:
             there = np.isfinite(path.xyz[frame]).all(1)
-            pair = xyz[there], path.xyz[frame[there]]
-            if path.name == marker:
-                named.append(pair)
-            yield from _fitted(*pair)
+            (named if path.name == marker else others).append((xyz[there], path.xyz[frame[there]]))
     if named:
-        yield from _fitted(*_agreeing(*(np.concatenate(side) for side in zip(*named, strict=True))))
+        together = _agreeing(*(np.concatenate(side) for side in zip(*named, strict=True)))
+        for pair in (*named, together):
+            yield from (Tried(move, True) for move in _fitted(*pair))
+    for pair in others:
+        yield from (Tried(move, False) for move in _fitted(*pair))
 
 
 def _agreeing(source: Floats, target: Floats) -> tuple[Floats, Floats]:

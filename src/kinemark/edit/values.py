@@ -60,6 +60,8 @@ class Result(NamedTuple):
     reason: str = ""
 
 
+ALONE = Result("orphan", reason="one image alone is no place: give that of another camera too")
+"""What becomes of an image of a marker that nothing else shows."""
 Changed: TypeAlias = tuple[MarkerTrajectory, Result]
 """A marker after an edit, and what became of the edit."""
 
@@ -219,7 +221,7 @@ def _again(path: MarkerTrajectory, f: int, of: Footage, by_hand: Mapping[str, tu
     images |= by_hand
     solved = solve(of, images, {name: c for name, c in cov.items() if name not in by_hand})
     if solved is None:
-        return path, Result("orphan", reason="one image alone is no place: give that of another camera too")
+        return path, ALONE
     edited = with_sample(path, f, solved.xyz, solved.cov)
     detection = path.detection.copy()
     if of.detections is not None:

@@ -19,6 +19,7 @@ from ..data.array_types import Bools, Ints
 from ..data.edits import Claim, Edit, Entry, Erase, ImagePoint, Put, TrackAgain, facts_of
 from ..edit import replay
 from ..edit.claims import claims_that_hold
+from ..edit.values import ALONE
 from ..edit.votes import nearest_images
 from ..reconstruct import LeastSquares, image_errors
 from ..track import to_trajectories
@@ -96,11 +97,15 @@ def facts_of_tracks(
 def _with_standing(
     trajectories: Trajectories, claims: Sequence[Edit], values: Sequence[Edit], detections: Detections, rig: Rig
 ) -> tuple[Trajectories, list[Edit]]:
-    """The trial with claims and edits of values, and those of the latter that find their place, of their markers."""
+    """The trial with claims and edits of values, and those of the latter that find their place, of their markers.
+
+    An image alone is no place, and is its marker's all the same: tracking may have others, or the next one was given.
+    """
     entries = [Entry(k + 1, "", "", "", "", "", (edit,)) for k, edit in enumerate((*claims, *values))]
     edited = replay(trajectories, entries, detections=detections, rig=rig, world=world_key(rig))
     done = edited.applied[len(claims) :]
-    return edited.trajectories, [one.edit for one in done if one.outcome in ("held", "thin", "moot")]
+    kept = (one for one in done if one.outcome in ("held", "thin", "moot") or one.reason == ALONE.reason)
+    return edited.trajectories, [one.edit for one in kept]
 
 
 def _erased(standing: Sequence[Edit], numbers: dict[str, int], marker: Ints, frame: Ints) -> Bools:

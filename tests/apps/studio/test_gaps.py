@@ -196,6 +196,34 @@ def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, 
     ways(studio, rows[1], lambda found: found["best"])  # nothing of this is left for the next test
 
 
+def test_a_few_gaps_that_are_judged_one_by_one_stand_still_too(studio, monkeypatch):
+    ticks, end, best, candidates = [], threading.Event(), module.PreparedFill.best, module.PreparedFill.candidates
+
+    def slowly(*asked):
+        while not end.wait(0.002):
+            tell(len(ticks), 1)
+            ticks.append(0)
+        return best(*asked)
+
+    def watched(*asked):
+        time.sleep(0.01)
+        before = len(ticks)
+        time.sleep(0.05)
+        meanwhile.append(len(ticks) - before)
+        return candidates(*asked)
+
+    meanwhile = list[int]()
+    module.POOL.submit(lambda: None).result()  # what other tests left is done
+    for name, value in (("FEW", 9), ("STILL_S", -1.0)):
+        monkeypatch.setattr(module, name, value)
+    for name, method in (("best", slowly), ("candidates", watched)):
+        monkeypatch.setattr(module.PreparedFill, name, method)
+    row = studio.page.get(f"{studio.trial}/gaps").json()["gaps"][0]
+    studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}")
+    end.set()
+    assert meanwhile == [0] and judged(studio)
+
+
 def test_the_best_fill_of_a_gap_that_was_left_is_given_up_for_the_next_one(studio, slow, monkeypatch):
     """Who went from gap to gap waited for the best fill of each of them."""
     best, begun = module.PreparedFill.best, []

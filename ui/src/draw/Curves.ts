@@ -174,7 +174,6 @@ function lastingRange(): uPlot.Range.Function {
 /** Whether a curve has its 95 % band in a plot. */
 const banded = (curve: Curve, view: CurveView, k: number): boolean => k < 3 && view.bands && curve.band !== false && hasSd(curve.path);
 
-/** The columns of a plot, in the order of its series. */
 /** The places of values with none on either side, of which a line draws nothing; null where there are none. */
 export function alone(values: ArrayLike<number | null | undefined>): number[] | null {
   const found: number[] = [];
@@ -182,6 +181,7 @@ export function alone(values: ArrayLike<number | null | undefined>): number[] | 
   return found.length ? found : null;
 }
 
+/** The columns of a plot, in the order of its series. */
 function dataOf(view: CurveView, frames: number[], k: number): uPlot.AlignedData {
   const data: uPlot.AlignedData = [frames];
   for (const curve of view.curves) {

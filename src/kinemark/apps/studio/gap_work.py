@@ -2,7 +2,8 @@
 
 All gaps of a trial are judged together, which takes a tenth of the time of one by one, and tens of seconds where there
 are hundreds. Who opens one of them meanwhile does not wait for the others: it is judged by itself, and the judging of
-all stands still until it is done. Both stand still while the page waits for the quick ways to fill one.
+all, or of a few one by one, stands still until it is done. All of these stand still while the page waits for the quick
+ways to fill one.
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ class GapWork:
     def _ask(self, document: OpenDocument, gap: Gap, method: str, pool: ThreadPoolExecutor) -> None:
         """Work out behind how a method fills a gap, once."""
         if not self._asked(gap, method):
-            work = self._answer if pool is POOL else self._answer_first
+            work = self._answer_behind if pool is POOL else self._answer_first
             self.answers[gap.key, method] = gap.path, pool.submit(work, document, gap, method)
 
     def _asked(self, gap: Gap, method: str) -> bool:
@@ -149,6 +150,11 @@ class GapWork:
         go_on()
         with self.turns.taken(Rank.LOOKED_AT), listening(go_on):
             return self._answer(document, gap, BEST if method == ALONE else method)
+
+    def _answer_behind(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
+        """That of one of a few gaps, after what somebody waits for or looks at."""
+        with listening(lambda *_: self.turns.give_way(Rank.BEHIND)):
+            return self._answer(document, gap, method)
 
     def _answer(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
         if gap.path not in document.now.trajectories.paths:

@@ -1,4 +1,4 @@
-"""A camera that was started apart by whole images: what comes after tracking sees its images where tracking put them."""
+"""A camera that was started apart by whole images: after tracking its images stay where that put them."""
 
 import numpy as np
 import pytest

@@ -82,8 +82,8 @@ class Editing:
         decisions = last_tracked(records).ambiguous_decisions
         facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
         return cls(
-            trial.name, journal, measured_of(inputs, records), detections_of(records), inputs.rig, by, decisions=decisions,
-            facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
+            trial.name, journal, measured_of(inputs, records), detections_of(records), inputs.rig, by,
+            decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
         )  # fmt: skip
 
     @property

@@ -1,12 +1,15 @@
 """Cameras that were started apart by whole images, or lost some, are told so, and not something else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from kinemark.data import make_finding
 from kinemark.engine.start_times import in_time, with_start_times
+from kinemark.engine.tracking_stage import from_detections
+from kinemark.reconstruct import LeastSquares
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import diagnose, track_simultaneously
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
@@ -78,3 +81,18 @@ def test_images_of_frames_that_were_not_recorded_are_not_valid(seen, n):
     valid = own[moved.valid[own]]
     np.testing.assert_array_equal(moved.frame[valid], frames.frame[valid] + n)
     assert moved.valid[frames.camera != 2].all()
+
+
+@pytest.mark.parametrize("late", [{0: 6}, {1: 4, 2: -7}, {1: 4, 2: 4}])
+def test_cameras_that_were_started_apart_are_put_in_time_and_make_no_points_of_their_own(late):
+    rig, n, points = ring(5 if 0 in late else 6), 80, dance(n=12, frames=100)
+    each = [observe(rig, points[:, 10 + by : 10 + by + n], noise=0.1)[0] for by in (late.get(c, 0) for c in range(6))]
+    own = [one.uv[one.camera == c] for c, one in enumerate(each[: len(rig)])]
+    counts = [one.counts[c] for c, one in enumerate(each[: len(rig)])]
+    seen = type(each[0]).build(rig.names, 100.0, counts, np.concatenate(own))
+    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares())
+    tracked = from_detections(SimpleNamespace(rig=rig, settings=settings), {"detect": seen})
+    told = {int(c.cameras[0][1:]): c.values["images"] for c in tracked.diagnostics if c.kind == "camera_started_apart"}
+    assert told == late
+    images = (tracked.tracks.cloud.detection >= 0).sum(1)
+    assert len(images) == 12 * n and images.mean() > len(rig) - 0.4

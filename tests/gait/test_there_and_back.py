@@ -1,5 +1,6 @@
 """A subject who walks there and back in one trial is measured on both ways as on one."""
 
+import time
 from functools import cache
 
 import numpy as np
@@ -103,6 +104,9 @@ def test_ways_are_told_apart_also_across_half_a_turn():
         Stride("left", k, k + 1.0, {}, {}, facing_deg=deg) for k, deg in enumerate((178, 2, -177, -4, 181 - 360))
     ]
     assert [len(own) for own in ways(strides)] == [3, 2]
+    unknown = Stride("left", 0.0, 1.0, {}, {})
+    assert ways([unknown, *strides]) == [[*strides[::2], unknown], strides[1::2]]
+    assert ways([unknown]) == [[unknown]] and ways([]) == []
 
 
 def test_a_stride_faces_where_the_pelvis_does():
@@ -123,3 +127,11 @@ def test_straight_parts_of_a_way_are_found():
     assert straight_passes(np.full((9, 3), np.nan), rate=100.0) == ()
     angle = np.linspace(0, 2 * np.pi, 900)
     assert straight_passes(1500 * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), rate=100.0) == ()
+
+
+def test_long_recordings_are_cut_into_straight_parts_in_a_time_that_grows_as_they_do():
+    t = np.arange(0, 600.0, 0.05)
+    there_and_back = np.column_stack([4000 * np.abs((t / 8) % 2 - 1), 0 * t, 0 * t])
+    begin = time.process_time()
+    assert len(straight_passes(there_and_back, rate=20.0)) == 75
+    assert time.process_time() - begin < 2.5

@@ -103,3 +103,12 @@ def test_a_static_trial_names_a_walk_though_what_it_shows_of_orientations_turns(
     standing, trial = (walking(duration_s=1.0, rate=50.0, seed=seed).trajectories.select(names) for seed in (1, 11))
     found = label(trial, learn_template(standing.frames(12, 15), relative_spread=0.18))
     assert found.refused is None and found.names == names
+
+
+def test_static_trials_that_face_opposite_ways_show_the_same_orientations_as_one():
+    standing = walk().frames(0, 5)
+    turned = changed(standing, lambda x: x @ np.diag([-1.0, -1.0, 1.0]) + [3000.0, 100.0, 0.0])
+    one, both = (learn_template(*trials, relative_spread=0.18) for trials in ((standing,), (standing, turned)))
+    assert len(one.handed) > 10
+    np.testing.assert_array_equal(both.handed, one.handed)
+    np.testing.assert_array_equal(both.sign, one.sign)

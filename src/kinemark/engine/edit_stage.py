@@ -25,6 +25,7 @@ from ..track.simultaneous import AmbiguousDecision
 from .graph import Records, Stage
 from .journal import Journal
 from .keys import world_key
+from .trial_inputs import detections_of
 
 OUTCOMES = "edits.json"
 _APPLIED: TypeAdapter[Any] = TypeAdapter(tuple[Applied, ...])
@@ -156,7 +157,7 @@ def _compute(
     check_methods([edit for entry in entries for edit in entry.edits])
     rig = inputs.rig
     edited = replay(
-        named(inputs, records), entries, detections=records["detect"], rig=rig, world=world_key(rig),
+        named(inputs, records), entries, detections=detections_of(records), rig=rig, world=world_key(rig),
         facts=claims_are_facts(records),
     )  # fmt: skip
     return EditRecord(edited, faults)

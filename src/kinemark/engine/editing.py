@@ -30,7 +30,7 @@ from .naming.claims import claims_of
 from .open_trial import OpenTrial
 from .put_aside import computed_names
 from .replays import Replays
-from .trial_inputs import TrialInputs, last_tracked, measured_of
+from .trial_inputs import TrialInputs, detections_of, last_tracked, measured_of
 
 
 class Said(NamedTuple):
@@ -82,8 +82,8 @@ class Editing:
         decisions = last_tracked(records).ambiguous_decisions
         facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
         return cls(
-            trial.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions,
-            facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
+            trial.name, journal, measured_of(inputs, records), detections_of(records), inputs.rig, by,
+            decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
         )  # fmt: skip
 
     @property

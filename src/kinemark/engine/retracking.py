@@ -31,6 +31,7 @@ from .journal import Journal
 from .keys import world_key
 from .sources import TrialSource
 from .tracking_stage import Tracked, load_tracked, save_tracked
+from .trial_inputs import detections_of
 
 FILES = ("retracked.h5", "retracked.json")
 
@@ -47,7 +48,7 @@ def retrack_stage(source: TrialSource, trial: str, rig: Rig, track: Any, reconst
 
 def _compute(entries: tuple[Entry, ...], inputs: Any, records: Records) -> Tracked:
     """The stage."""
-    detections, tracked, rig = records["detect"], records["track"], inputs.rig
+    detections, tracked, rig = detections_of(records), records["track"], inputs.rig
     method, place = inputs.settings.track, inputs.settings.reconstruct
     method = method if isinstance(method, Simultaneous) else Simultaneous()
     place = place if isinstance(place, LeastSquares) else LeastSquares()

@@ -59,8 +59,11 @@ def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
     Args:
         findings: with those about these cameras. detections: as recorded.
     """
+    apart = [found for found in findings if found.kind == "camera_started_apart"]
+    if not apart:
+        return detections
     start, validity, last = detections.start.copy(), detections.validity.copy(), detections.n_frames
-    for one in (found for found in findings if found.kind == "camera_started_apart"):
+    for one in apart:
         late = round(float(np.asarray(one.values["images"], np.float64)))
         for c in map(detections.cameras.index, one.cameras):
             begin, end = (detections.start[c, int(np.clip(edge, 0, last))] for edge in (-late, last - late))

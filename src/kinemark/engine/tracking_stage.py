@@ -105,8 +105,13 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not apart:
         return tracked
     again = _simultaneously(in_time(apart, detections), rig, method, place)
-    seen, before = ((one.tracks.cloud.detection >= 0).sum() for one in (again, tracked))
-    return again._replace(diagnostics=(*again.diagnostics, *apart)) if seen >= before else tracked
+    better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
+    return again._replace(diagnostics=(*again.diagnostics, *apart)) if better else tracked
+
+
+def _confirmed(tracks: Tracks) -> int:
+    """Images beyond the two that make a point, which say that it is one: cameras apart make points of their own."""
+    return int(np.maximum((tracks.cloud.detection >= 0).sum(1) - 2, 0).sum())
 
 
 def _simultaneously(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:

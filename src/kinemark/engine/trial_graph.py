@@ -71,7 +71,16 @@ from .tracking_stage import (
     reader,
     with_angle_model,
 )
-from .trial_inputs import TrialInputs, edits_of, filled_of, last_tracked, measured_of, tracks_of, with_placed
+from .trial_inputs import (
+    TrialInputs,
+    detections_of,
+    edits_of,
+    filled_of,
+    last_tracked,
+    measured_of,
+    tracks_of,
+    with_placed,
+)
 
 GAPS, REPORT, QUALITY = "gaps.html", "report.html", "quality.json"
 IN_TRACKS = ("match", "reconstruct")
@@ -147,14 +156,16 @@ def _label(claims: tuple[Claim, ...], inputs: TrialInputs, records: Records) -> 
         named = None
     else:  # what an operator said are facts
         named = measured_of(inputs, {key: record for key, record in records.items() if key != "label"})
-    return name_trial(inputs.source.of, last_tracked(records).tracks, inputs.earlier, named, claims, records["detect"])
+    return name_trial(
+        inputs.source.of, last_tracked(records).tracks, inputs.earlier, named, claims, detections_of(records)
+    )
 
 
 def _fill(inputs: TrialInputs, records: Records) -> Fills:
     """What filling adds, by `[fill]`."""
     method, edited = inputs.settings.fill, edits_of(inputs, records)
     assert method is not None  # else there is no such stage
-    rays = Rays.left_by(tracks_of(records), records["detect"], inputs.rig)
+    rays = Rays.left_by(tracks_of(records), detections_of(records), inputs.rig)
     measured = edited.trajectories
     static = static_of(inputs.earlier, inputs.settings.subjects_of(inputs.source.of.entry))
     filled = fill_recording(measured, rays, method=method, static=static, choices=edited.choices)
@@ -176,7 +187,7 @@ def _trial(inputs: TrialInputs, records: Records) -> Trial:
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
-    s, detections, tracked, of = inputs.settings, records["detect"], last_tracked(records), inputs.source.of
+    s, detections, tracked, of = inputs.settings, detections_of(records), last_tracked(records), inputs.source.of
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
     figures = quality(

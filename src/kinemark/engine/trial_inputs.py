@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Fills, MarkerTrajectory, Rig, Tracks, Trajectories
+from ..data import Detections, Fills, MarkerTrajectory, Rig, Tracks, Trajectories
 from ..digitise import called
 from ..edit import Edited
 from ..fill import Filled, FilledGap
@@ -21,6 +21,7 @@ from .graph import Records
 from .naming import Earlier
 from .settings import Settings
 from .sources import TrialSource
+from .start_times import in_time
 from .store import Store
 
 
@@ -58,6 +59,11 @@ class TrialInputs:
 def last_tracked(records: Records) -> Any:
     """What tracking gave, `tracking_stage.Tracked`: with what people said as facts, where they asked for it."""
     return records["retrack"] if "retrack" in records else records["track"]
+
+
+def detections_of(records: Records) -> Detections:
+    """What the cameras saw, in the frames by which it was tracked: those of cameras that were started apart moved."""
+    return in_time(last_tracked(records).diagnostics, records["detect"])
 
 
 def tracks_of(records: Records) -> Tracks:

@@ -51,9 +51,10 @@ def with_counts(trials: Sequence[Sequence[Stride]]) -> list[tuple[Stride, ...]]:
 
 
 def ways(strides: Sequence[Stride]) -> list[list[Stride]]:
-    """Strides by the way they go, in the order of the first of each; those of unknown facing go the first way."""
+    """Strides by the way they go, in the order of the first of each; those of unknown facing stand at the end of
+    the first way."""
     found: list[list[Stride]] = []
-    for one in strides:
+    for one in sorted(strides, key=lambda one: bool(np.isnan(one.facing_deg))):
         off = [abs(_wrapped(one.facing_deg - other[0].facing_deg)) for other in found]
         near = [k for k, deg in enumerate(off) if not deg > WAY_DEG]
         if near:

@@ -176,10 +176,12 @@ def learn_template(
     spread = np.sqrt(np.nansum((d - sums[..., None]) ** 2, 2) / np.maximum(n, 1))  # (1)
     rigid = _rigid(known, segments or {})
     wide = np.where(rigid, spread, np.hypot(spread, relative_spread * mean))
-    every = np.concatenate([xyz for xyz, _ in parts], axis=1)
-    handed, sign = _handed(every, spread, n) if relative_spread == 0 else _handed_in_one_posture(every, mean)
+    places = [xyz for xyz, _ in parts]
+    handed, sign = (
+        _handed_in_one_posture(places, mean) if relative_spread else _handed(np.concatenate(places, axis=1), spread, n)
+    )
     whole = Template(known, mean, wide, _short_spread(parts, known), handed, sign, n)
-    return replace(whole, own_fit=own_fit([xyz for xyz, _ in parts], whole))
+    return replace(whole, own_fit=own_fit(places, whole))
 
 
 def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:
@@ -244,11 +246,11 @@ def _handed(xyz: Floats, spread: Floats, n: NDArray[np.int64]) -> tuple[NDArray[
     return quads[kept].reshape(-1, 4), np.array(sign, np.int64)
 
 
-def _handed_in_one_posture(xyz: Floats, mean: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The same of a static trial, which does not show what turns: those that are small and far out of one plane.
+def _handed_in_one_posture(parts: Sequence[Floats], mean: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The same of static trials, which do not show what turns: those that are small and far out of one plane in all.
 
     Args:
-        xyz: (L, K, 3) mm. mean: (L, L) distances, mm.
+        parts: (L, K, 3) mm of each trial, in which subjects may face otherwise. mean: (L, L) distances, mm.
     """
     L, D = len(mean), np.where(np.isfinite(mean), mean, np.inf) / np.nanmax(mean)
     near = np.argsort(D + np.diag(np.full(L, np.inf)), axis=1, kind="stable")[:, :NEIGHBOURS]
@@ -256,14 +258,22 @@ def _handed_in_one_posture(xyz: Floats, mean: Floats) -> tuple[NDArray[np.int64]
         [sorted((a, *three)) for a, row in enumerate(near) for three in combinations(row.tolist(), 3)], axis=0
     )
     longest = np.max([D[quads[:, i], quads[:, j]] for i, j in combinations(range(4), 2)], axis=0)
-    seen, place = np.isfinite(xyz[..., 0]).any(1), np.full((L, 1, 3), np.nan)
-    place[seen] = np.nanmedian(xyz[seen], axis=1, keepdims=True)
-    volume = widest_corner(place, quads)
+    each = np.stack([widest_corner(_middle(xyz), quads) for xyz in parts])
+    total, known = np.nan_to_num(each).sum(0), np.isfinite(each).sum(0)
+    same = np.abs(total) == np.abs(np.nan_to_num(each)).sum(0)
+    volume = np.where(same, total / np.maximum(known, 1), 0.0)
     kept: list[int] = []
     for most, least in IN_ONE_POSTURE:
         if len(kept) < L:
             kept = widest(quads, np.abs(volume), np.flatnonzero((longest < most) & (np.abs(volume) > least)), L)
     return quads[kept].reshape(-1, 4), np.where(volume[kept] > 0, 1, -1).astype(np.int64)
+
+
+def _middle(xyz: Floats) -> Floats:
+    """(L, 1, 3) the median place of each marker in a trial (L, K, 3), NaN where it is not seen."""
+    seen, place = np.isfinite(xyz[..., 0]).any(1), np.full((len(xyz), 1, 3), np.nan)
+    place[seen] = np.nanmedian(xyz[seen], axis=1, keepdims=True)
+    return place
 
 
 def widest_corner(xyz: Floats, quads: NDArray[np.int64]) -> Floats:

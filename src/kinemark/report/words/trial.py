@@ -120,8 +120,8 @@ def _by_images(found: Finding) -> str:
 
 def _started_apart(found: Finding) -> str:
     return fill(
-        f"{{Cameras}} was started {_by_images(found)} than the others. Kinemark's own tracker has put its images into "
-        "the frames that they show.",
+        f"{{Cameras}} was started {_by_images(found)} than the others. Kinemark's own tracker puts its images into "
+        "the frames that they show, if more of them then fit.",
         found,
     )
 
@@ -297,8 +297,7 @@ TRIAL_WORDS = {
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
     "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),
     "camera_moved": Words(
-        "The images of {cameras} fit no track from frame {first_frame} to {last_frame}: the camera was probably moved. "
-        "The others were used.",
+        "The images of {cameras} fit no track in {frames}: the camera was probably moved. The others were used.",
         LOOK_AT_CAMERA,
     ),
     "camera_shifted": Words(

@@ -72,6 +72,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
             or _without_images(detections, result, c)
             or late.get(c)
             or _shifted(result, c, name, parts[c], most)
+            or _in_no_track(result, c, name)
         )
     found += _calibration_off(rig, usual, late)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
@@ -207,6 +208,15 @@ def _images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:
     images, used = result.images, result.tracks.cloud.detection[:, c]
     own = np.flatnonzero(images.usable & (images.camera == c) & (images.frame >= since))
     return len(own) >= FEW and bool(np.isin(own, used).mean() < 0.1)
+
+
+def _in_no_track(result: TrackingResult, c: int, name: str) -> list[Finding]:
+    """About a camera that has images, about as many as markers that it should see, and hardly any in a track (2)."""
+    if c in result.noise.inconsistent or not _images_fit_nothing(result, c, 0):
+        return []
+    should = _in_view(result, c, _expected(result, c), 2).sum()
+    has = (result.images.usable & (result.images.camera == c)).sum()
+    return [make_finding("camera_fits_nothing", cameras=[name], left_out=False)] if has > should / 2 > FEW / 2 else []
 
 
 def _parts_of_recording(result: TrackingResult, c: int) -> Parts:

@@ -28,7 +28,7 @@ def test_what_is_fitted_is_what_the_trials_tell_as_far_as_more_evidence_stays_li
     rng = np.random.default_rng(1)
     x = np.column_stack([rng.normal(0, 2, 4000), rng.exponential(1.0, 4000), rng.exponential(1.0, 4000)])
     true = rng.random(4000) < 1 / (1 + np.exp(-(x @ [1.0, c[0], -c[1]])))
-    rows = [trial_bulk.Told("", "leap", 0.5, tuple(one), bool(y), 0) for one, y in zip(x, true, strict=True)]
+    rows = [trial_bulk.Told("", "leap", 0.5, tuple(one), bool(y), 0, 100.0, {}) for one, y in zip(x, true, strict=True)]
     more, common = trial_bulk.fit(rows)
     assert abs(more - c[0]) < 0.2 or c[1] > TAIL
     assert more >= 0 and common < TAIL and abs(common - min(c[1], TAIL)) < 0.2

@@ -75,7 +75,7 @@ def test_strides_that_turn_are_left_out_and_both_ways_are_told(name):
         mean = figures["time_distance"][side]
         assert mean["stride_length"]["mean"] == pytest.approx(length, rel=0.01)
         assert mean["step_width"]["mean"] < 60.0
-        assert mean["step_length"]["mean"] == pytest.approx(length / 2, rel=0.12)
+        assert mean["step_length"]["mean"] == pytest.approx(length / 2, rel=0.02)
         for way in figures["ways"]:
             assert way["time_distance"][side]["stride_length"]["mean"] == pytest.approx(length, rel=0.02)
     kinds = {one["kind"]: one for one in figures["findings"]}

@@ -65,3 +65,22 @@ def test_a_missing_event_leaves_what_hangs_on_it_missing():
     one = strides(without, points, rate=RATE)[0]
     assert np.isnan(one.values["foot_off"]) and np.isnan(one.values["single_support"])
     assert one.values["stride_length"] == pytest.approx(TRUE["stride_length"], rel=1e-3)
+
+
+def test_steps_end_where_feet_struck_though_the_other_heel_has_left_the_floor():
+    """Heels go on by 60 mm from 45 % of the stride on, as they rise; steps of both sides make a stride all the same."""
+    events, points = walk()
+    t = np.arange(600) / RATE
+    for letter, phase in (("L", 0.0), ("R", 0.5)):
+        risen = ((t / PERIOD - phase) % 1.0 > 0.45) & ((t / PERIOD - phase) % 1.0 < 0.62)
+        points[letter + "HEE"][risen, 0] += 60.0
+    for side in ("left", "right"):
+        found = averages(strides(events, points, rate=RATE), side)
+        assert found["step_length"][0] == pytest.approx(TRUE["step_length"], rel=2e-3)
+
+
+def test_a_strike_that_nobody_knows_leaves_its_step_open():
+    events, points = walk()
+    one = strides([e for e in events if e.side == "left"], points, rate=RATE)[0]
+    assert np.isnan([one.values[name] for name in ("step_length", "step_width", "step_time")]).all()
+    assert one.values["stride_length"] == pytest.approx(TRUE["stride_length"], rel=1e-3)

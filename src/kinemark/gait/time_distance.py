@@ -1,14 +1,17 @@
 """Time-distance parameters of strides: speed, cadence, lengths, width, supports.
 
 A stride of a side goes from one of its foot strikes, t₀, to the next, t₁. With h the heel of this foot and g that of
-the other, on the floor, d the direction from h(t₀) to h(t₁), and the events of the other foot in between,
+the other, on the floor, d the direction from h(t₀) to h(t₁), and s the strike of the other foot in between,
 
     stride length  ℓ = |h(t₁) − h(t₀)|,   speed ℓ / (t₁ − t₀),   cadence 120 / (t₁ − t₀)                     (1)
-    step length    (h(t₁) − g(t₁)) · d,   step width  the part of h(t₁) − g(t₁) beside d                      (2)
-    step time      t₁ − strike of the other foot                                                             (3)
+    step length    (h(t₁) − g(s)) · d,   step width  the part of h(t₁) − g(s) beside d                        (2)
+    step time      t₁ − s                                                                                    (3)
     foot off, opposite foot off, opposite foot strike: as % of the stride                                     (4)
     double support = from t₀ to the other's foot off and from the other's strike to this foot off,
     single support = from the other's foot off to its strike                                                 (5)
+
+Each foot is where it struck (2), as in Plug-in Gait: at t₁ the other heel has left the floor and gone on by some
+centimetres. So steps of both sides make a stride.
 
 Standard uncertainties follow from those of the events and of the heels, each independent: of a time √(σ₀² + σ₁²), of
 a length the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of
@@ -100,7 +103,7 @@ def _stride(
         "double_support": (
             first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
         ),
-    } | _distances(begin, end, heels, rate, heel_sd, floor_sd, up)  # fmt: skip
+    } | _distances(begin, end, other_strike, heels, rate, heel_sd, floor_sd, up)  # fmt: skip
     value, sd = ({name: values[name][k] for name in UNITS} for k in (0, 1))
     return Stride(begin.side, begin.time, end.time, value, sd)
 
@@ -108,15 +111,20 @@ def _stride(
 def _distances(
     begin: FootEvent,
     end: FootEvent,
+    struck: FootEvent | None,
     heels: tuple[Floats, Floats],
     rate: float,
     heel_sd: float,
     floor_sd: float,
     up: Floats,
 ) -> dict[str, tuple[float, float]]:
-    """Lengths and width, mm, and speed of a stride, each with its standard uncertainty."""
+    """Lengths and width, mm, and speed of a stride, each with its standard uncertainty; steps where the other foot
+    `struck` in between."""
     T, sd_T = _between(begin, end)
-    first, last, other = _at(heels[0], begin, rate), _at(heels[0], end, rate), _at(heels[1], end, rate)
+    first, last = _at(heels[0], begin, rate), _at(heels[0], end, rate)
+    other, other_sd = np.full(3, np.nan), np.nan
+    if struck is not None:
+        other, other_sd = _at(heels[1], struck, rate), _heel_sd(heels[1], struck, rate, heel_sd)
     path, step = _floor(last - first, up), _floor(last - other, up)
     length, along = float(np.linalg.norm(path)), unit(path)
     first_sd, last_sd = (_heel_sd(heels[0], event, rate, heel_sd) for event in (begin, end))
@@ -124,7 +132,7 @@ def _distances(
     return {
         "stride_length": (length, float(np.linalg.norm([first_sd, last_sd, belt]))),
         "speed": _ratio((length, float(np.hypot(both_heels, belt))), (T, sd_T)),
-        "step_length": (float(step @ along), float(np.hypot(last_sd, _heel_sd(heels[1], end, rate, heel_sd)))),
+        "step_length": (float(step @ along), float(np.hypot(last_sd, other_sd))),
         "step_width": (float(abs(step @ np.cross(up, along))), float(both_heels)),
     }
 

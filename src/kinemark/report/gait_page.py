@@ -117,7 +117,7 @@ def ways_table(figures: dict[str, Any]) -> Table | None:
         rows.append([f"{title} ({unit})", *("–" if m is None else number(m / by, digits) for m in means)])
     count = [way["time_distance"][side]["stride_time"]["strides"] for way in each for side in ("left", "right")]
     rows.append(["strides", *(number(n) for n in count)])
-    note = "Each way that the subject walks by itself: where it faces, from the laboratory's x to the left."
+    note = "Each direction of walking by itself; its angle is from the laboratory's x to the left."
     return Table(head, rows, note=note)
 
 

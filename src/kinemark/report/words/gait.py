@@ -177,9 +177,8 @@ GAIT_WORDS = {
         "They stand in time_distance.csv.",
     ),
     "gait_ways": Words(
-        "{trial}: the subject walks {ways_list}: where it faces from the laboratory's x to the left, and in how many "
-        "strides.",
-        "Time and distance of each way stand in their section.",
+        "{trial}: the subject walks in more than one direction, from the laboratory's x to the left: {ways_list}.",
+        "Time and distance of each direction stand in their section.",
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from probable_errors import fitted
+from probable_errors_fits import fitted
 from probable_errors_tables import Judged, classes, table
 from recordings import FOLDER as DATA
 

@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 from probable_errors_faults import Faulty, owners, seeded
+from probable_errors_fits import fitted, levelled, rescaled
 from probable_errors_tables import Judged, classes, interval, ratio, table
 from recordings import FOLDER as DATA
 
@@ -49,7 +49,6 @@ from kinemark.edit.probable_errors import (
     places,
     spikes,
 )  # fmt: skip
-from kinemark.edit.probable_errors.probability import COEFFICIENTS
 from kinemark.engine.editing import Editing
 from kinemark.engine.journal import Journal
 from kinemark.engine.problems import problems
@@ -71,7 +70,7 @@ SMEARED = 3  # frames to each side of an exchange over which it is smeared
 LONGEST = 1500  # frames of a file that are looked at
 EVERY, LEAST_HZ = (1, 2, 4, 8), 20.0  # frames of a file, and the rate that is left at least
 RESCALED = ("change", "cut", "ghost", "piece_in_file")  # kinds of `rescaled`
-LEVELLED, LOOK = ("spike_in_file",), -2.94  # kinds of `levelled`, and log-odds of what is worth a look
+LEVELLED = ("spike_in_file",)  # kinds of `levelled`
 KINDS = (
     "change", "cut", "spike", "spike_in_file", "leap", "piece", "piece_in_file", "filling", "ghost",
 )  # fmt: skip
@@ -258,46 +257,6 @@ def said(spike: Spike, leap: Leap) -> bool:
 def _told(kind: str, of: Sequence[float], wrong: bool | None) -> Iterator[tuple[str, tuple[float, ...], bool]]:
     if wrong is not None:
         yield kind, tuple(of), wrong
-
-
-def fitted(x: Floats, y: Floats, known: Floats | float = 0.0) -> Floats:
-    """Coefficients of the likeliest logistic function beside log-odds that are known, slightly drawn to 0."""
-    one = np.column_stack([np.ones(len(x)), x])
-
-    def cost(c: Floats) -> tuple[float, Floats]:
-        z = known + one @ c
-        slope = one.T @ (scipy.special.expit(z) - y) + 2e-4 * len(x) * np.append(0, c[1:])
-        return float((np.logaddexp(0, z) - y * z).sum() + 1e-4 * len(x) * (c[1:] ** 2).sum()), slope
-
-    return scipy.optimize.minimize(cost, np.zeros(one.shape[1]), jac=True, method="L-BFGS-B").x
-
-
-def rescaled(kind: str, x: Floats, y: Floats) -> Floats:
-    """The coefficients that are kept, all times a factor and with another constant: what they say of each other was
-    fitted to more errors than there are, and holds; how many there are changes with the tracker."""
-    old = np.array(COEFFICIENTS[kind])
-    z = old[0] + x @ old[1:]
-    a, more = fitted(z[:, None], y, z)
-    out: Floats = (1 + more) * old
-    out[0] += a
-    return out
-
-
-def levelled(kind: str, x: Floats, y: Floats, of: Sequence[str]) -> Floats:
-    """The coefficients that are kept, all times a factor and with another constant, each recording (n) counting the
-    same by what it has that is worth a look: else the one that shakes most decides for all."""
-    z = np.column_stack([np.ones(len(x)), x]) @ np.array(COEFFICIENTS[kind])
-    count = {name: sum(a == name and b > LOOK for a, b in zip(of, z, strict=True)) for name in set(of)}
-    weight = np.array([1 / max(count[name], 1) for name in of])
-
-    def cost(c: Floats) -> float:
-        u = c[0] + np.exp(c[1]) * z
-        return float((weight * (np.logaddexp(0, u) - y * u)).sum() * len(y) / weight.sum() + (c**2).sum() / 2)
-
-    a, b = scipy.optimize.minimize(cost, np.zeros(2)).x
-    out: Floats = np.exp(b) * np.array(COEFFICIENTS[kind])
-    out[0] += a
-    return out
 
 
 def fit(some: Iterator[Known]) -> None:

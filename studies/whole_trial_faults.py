@@ -32,8 +32,8 @@ from unittest import mock
 import numpy as np
 import scipy
 from filled_samples import NATURAL, files, of, written
-from probable_errors import fitted
 from probable_errors_faults import smeared_over
+from probable_errors_fits import fitted
 from probable_errors_tables import Judged, classes, table
 
 from kinemark.data import Trajectories

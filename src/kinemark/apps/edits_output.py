@@ -6,7 +6,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..data import KinemarkError
-from ..data.edits import Applied, Entry
+from ..data.edit_outcomes import Applied
+from ..data.edits import Entry
 from ..io.edits_jsonl import JournalText
 from .output import print_result
 

@@ -337,32 +337,6 @@ class Entry:
     edits: tuple[Edit, ...]
 
 
-Outcome = Literal["held", "thin", "moot", "overruled", "orphan"]
-"""What became of an edit: it stands; it stands on few of its witnesses; there is nothing left to do; a later one says
-otherwise; it no longer finds its place."""
-
-WORST_FIRST: tuple[Outcome, ...] = ("orphan", "thin", "held", "overruled", "moot")
-"""The order in which the outcome of an entry follows from those of its edits."""
-
-
-class Applied(NamedTuple):
-    """What became of one edit of an entry.
-
-    Attributes:
-        entry: its number. edit: the edit. outcome: of it.
-        share: of its witnesses that were found; 1 of edits without.
-        samples: how many it is about now.
-        reason: in words, where it does not stand; else empty.
-    """
-
-    entry: int
-    edit: Edit
-    outcome: Outcome
-    share: float = 1.0
-    samples: int = 0
-    reason: str = ""
-
-
 def counting(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The entries that were not undone, in order; undoing ones are among them."""
     undone = set[int]()
@@ -387,11 +361,6 @@ def facts_of(entries: Sequence[Entry]) -> tuple[Entry, ...]:
 def is_named(name: str) -> bool:
     """Whether a trajectory has a marker's name."""
     return not name.startswith(UNNAMED)
-
-
-def entry_outcome(applied: Sequence[Applied]) -> Outcome:
-    """Of an entry, from those of its edits."""
-    return min((one.outcome for one in applied), key=WORST_FIRST.index)
 
 
 def _check_marker(name: str) -> None:

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import Detections, Rig, Trajectories
+from ..data.edit_outcomes import Applied, Outcome
 from ..data.edits import (
     AddEvent,
-    Applied,
     Claim,
     DropUnnamed,
     Edit,
@@ -26,7 +26,6 @@ from ..data.edits import (
     Erase,
     GapChoice,
     ImagePoint,
-    Outcome,
     Put,
     Trim,
     Verdict,

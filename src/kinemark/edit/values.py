@@ -14,7 +14,8 @@ import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Rig
 from ..data.array_types import Floats
-from ..data.edits import Erase, ImagePoint, Outcome, Put, Smooth
+from ..data.edit_outcomes import Outcome
+from ..data.edits import Erase, ImagePoint, Put, Smooth
 from ..geometry import project, refine, triangulate, undistort
 from ..numerics.runs import true_runs
 from ..signal.filters import averaged_samples, butterworth, edge_samples, moving_average

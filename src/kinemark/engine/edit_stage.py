@@ -12,7 +12,8 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from ..data import Finding, KinemarkError, Rig, Trajectories, Trial
-from ..data.edits import AddEvent, Applied, Edit, Entry, GapChoice, Signed, live
+from ..data.edit_outcomes import Applied
+from ..data.edits import AddEvent, Edit, Entry, GapChoice, Signed, live
 from ..data.events import Events
 from ..edit import Edited, Reviewed, cropped, replay
 from ..fill import Filled, FilledGap

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
-from ..data.edits import AddEvent, Applied, Claim, Edit, Entry, Signed, SmoothingFunction, Trim, facts_of
+from ..data.edit_outcomes import Applied
+from ..data.edits import AddEvent, Claim, Edit, Entry, Signed, SmoothingFunction, Trim, facts_of
 from ..edit import Connection, Edited, anchored, connection, replay
 from ..edit.anchors import Anchored
 from ..fill import PieceMatch, piece_matches

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -17,7 +17,6 @@ from ..data.subject_measures import SIDES, SubjectMeasures
 from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ..gait import with_static_offsets
 from ..gait.clusters import CalibratedBody, Clusters, calibrated_body, uncarried, with_wands
-from ..gait.emg import Emg, emg, peak_of
 from ..gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measures, joints_by_share, mass_on_plates
 from ..gait.foot_events import foot_events
 from ..gait.functional_hip import functional_hip, with_hips_of
@@ -33,6 +32,7 @@ from ..gait.turning import with_counts, with_facing
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
 from ..gait.way_of_walking import way_of_walking
 from ..io.c3d.subject_measures import measures_of
+from .gait_emg import emg_of, greatest_contractions
 from .gait_settings import GaitSettings
 
 WIDTH_MM = 2.0
@@ -263,21 +263,6 @@ def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | N
     return dynamic_peaks([(one.emg, one.counted) for one in trials]) if settings.emg_to == "strides" else {}
 
 
-def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, float]:
-    """Greatest value of the envelope of each channel of a trial of greatest contractions.
-
-    Raises:
-        KinemarkError: a channel of the walks is not in it.
-    """
-    found = {name: peak_of(one.envelope) for name, one in _emg(mvc).items()}
-    if absent := sorted(set(wanted) - set(found)):
-        raise KinemarkError(
-            f"{mvc.name}: the trial of greatest contractions lacks the channels {', '.join(absent)}; it has "
-            f"{', '.join(sorted(found)) or 'none'}. Give one that has all, or leave it out."
-        )
-    return found
-
-
 def _standing(
     stated: SubjectMeasures, static: Recorded, settings: GaitSettings
 ) -> tuple[SubjectMeasures, StaticAxes | None]:
@@ -319,7 +304,7 @@ def gait_of_trial(
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
     return GaitOfTrial(
-        trial.name, found, events, steps, trial.events, (first - 1) / rate, _emg(trial), way, first, floor
+        trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor
     )
 
 
@@ -398,16 +383,3 @@ def _heel_sd(trial: Trial) -> float:
     known = np.concatenate(variances) if variances else np.zeros(0)
     known = known[np.isfinite(known)]
     return float(np.sqrt(np.median(known))) if len(known) else 0.0
-
-
-def _emg(trial: Trial) -> dict[str, Emg]:
-    """Of each channel in volts, or whose name says EMG, that is no plate's."""
-    plates = {name for plate in trial.plates for name in plate.channels}
-    found: dict[str, Emg] = {}
-    for record in trial.analog:
-        for name, unit in zip(record.names, record.units, strict=True):
-            letters = "".join(c for c in unit.upper() if c.isalpha())
-            is_emg = "EMG" in name.upper() or letters in ("V", "MV", "UV", "ΜV")
-            if name not in plates and is_emg and np.ptp(record[name]) > 0:
-                found[name] = emg(record[name], rate=record.rate, start=record.start)
-    return found

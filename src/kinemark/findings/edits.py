@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ..data import Finding, make_finding
-from ..data.edits import Applied, Claim, Verdict, entry_outcome
+from ..data.edit_outcomes import Applied, entry_outcome
+from ..data.edits import Claim, Verdict
 from ..io.edits_jsonl import Fault
 
 

@@ -14,16 +14,15 @@ from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
 from ..gait.foot_events import UNLIKE_MS
-from ..gait.gait_cycles import most_typical, movement_analysis_profile, scaled_score
+from ..gait.gait_cycles import most_typical
 from ..gait.gait_trial import GaitTrial
-from ..gait.harmonics import curve_harmonics
 from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
-from ..gait.time_distance import averages
 from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
+from .gait_numbers import averages_of, curve, harmonics, measures_of, profile, uncertainty_by_cause, ways_walked
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -141,7 +140,7 @@ def gait_figures(
         *_findings(trials, strides, measures, static),
         *_of_gaps(curves),
     ]
-    uncertainty = _uncertainty(causes)
+    uncertainty = uncertainty_by_cause(causes)
     figures = {
         "kinemark": __version__,
         "schema_version": SCHEMA_VERSION,
@@ -149,48 +148,18 @@ def gait_figures(
         "trials": [_trial(one) for one in trials],
         "static": static,
         "method": method,
-        "measures": _measures(measures),
-        "time_distance": {side: _averages(strides, side) for side in SIDES},
-        "ways": _ways(strides),
+        "measures": measures_of(measures),
+        "time_distance": {side: averages_of(strides, side) for side in SIDES},
+        "ways": ways_walked(strides),
         "units": UNITS,
-        "curves": [_curve(one) for one in curves],
-        "harmonics": _harmonics(curves, strides),
+        "curves": [curve(one) for one in curves],
+        "harmonics": harmonics(curves, strides),
         "typical_stride": {side: most_typical(curves, side) for side in SIDES},
-        "profile": None if reference is None else _profile(curves, reference),
+        "profile": None if reference is None else profile(curves, reference),
         "uncertainty": uncertainty,
         "findings": [found.as_dict() for found in findings],
     }
     return plain(figures | {"verdict": _verdict(findings, strides, uncertainty).as_dict()})
-
-
-def _harmonics(curves: Sequence[GaitCurves], strides: Sequence[Stride]) -> dict[str, Any]:
-    """Frequency of the stride of both sides, Hz, and the harmonics of the mean curve of each angle."""
-    each = [
-        {"name": c.name, "component": axis, **curve_harmonics(c.mean[:, k])._asdict()}
-        for c in curves if c.unit == "deg" for k, axis in enumerate(c.axes)
-    ]  # fmt: skip
-    return {"stride_hz": {side: _frequency(strides, side) for side in SIDES}, "angles": each}
-
-
-def _frequency(strides: Sequence[Stride], side: str) -> float:
-    """Hz, of the mean stride of a side; NaN where there is none."""
-    times = [s.values["stride_time"] for s in strides if s.side == side]
-    return float(1 / np.mean(times)) if times else float("nan")
-
-
-def _profile(curves: Sequence[GaitCurves], reference: GaitReference) -> dict[str, Any]:
-    """Of both sides, and what they were compared with."""
-    found: dict[str, Any] = {"source": reference.source, "subjects": reference.subjects}
-    for side in SIDES:
-        variables, score = movement_analysis_profile(curves, reference, side)
-        found[side] = {"variables": variables, "score": score, "scaled_score": scaled_score(score, reference)}
-    return found
-
-
-def _measures(measures: SubjectMeasures) -> dict[str, Any]:
-    legs = {side: {k: getattr(measures.leg(side), k) for k in measures.leg(side).__slots__} for side in SIDES}
-    whole = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm")
-    return {name: getattr(measures, name) for name in whole} | legs
 
 
 def _trial(one: GaitOfTrial) -> dict[str, Any]:
@@ -219,49 +188,6 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
         ],
         "emg": {name: {"saturated_share": e.saturated, "hum_hz": e.hum_hz} for name, e in one.emg.items()},
     }
-
-
-def _averages(strides: Sequence[Stride], side: str) -> dict[str, Any]:
-    found = averages(strides, "left" if side == "left" else "right")
-    own = [stride for stride in strides if stride.side == side]
-    return {
-        name: {"mean": mean, "spread": spread, "strides": n, "sd": quantile(np.array([s.sd[name] for s in own]), 0.5),
-               "systematic_sd": max((s.systematic.get(name, 0.0) for s in own), default=0.0)}
-        for name, (mean, spread, n) in found.items()
-    }  # fmt: skip
-
-
-def _ways(strides: Sequence[Stride]) -> list[dict[str, Any]]:
-    """Where the subject faces, and parameters of both sides, of each way it walks; none where it is one."""
-    each = ways(strides)
-    if len(each) < 2:
-        return []
-    return [
-        {"facing_deg": own[0].facing_deg, "time_distance": {side: _averages(own, side) for side in SIDES}}
-        for own in each
-    ]
-
-
-def _curve(one: GaitCurves) -> dict[str, Any]:
-    return {
-        "name": one.name, "side": one.side, "unit": one.unit, "axes": one.axes, "strides": int(one.whole.sum()),
-        "mean": np.round(one.mean, 4), "spread": np.round(one.spread, 4), "sd": np.round(one.measurement_sd, 4),
-        "consistency": np.round(one.consistency, 4), "foot_off": float(np.nanmean(one.foot_off))
-        if np.isfinite(one.foot_off).any() else None,
-    }  # fmt: skip
-
-
-def _uncertainty(causes: Mapping[str, Mapping[str, Floats]]) -> list[dict[str, Any]]:
-    """A row a quantity: root mean square by cause, in its own unit."""
-    names = sorted({name for cause in causes.values() for name in cause})
-    return [
-        {"name": name, "by_cause": {c: _rms_each(of[name]) for c, of in causes.items() if name in of}} for name in names
-    ]
-
-
-def _rms_each(sd: Floats) -> list[float]:
-    known = np.asarray(np.isfinite(sd).any(axis=0))
-    return [float(np.sqrt(np.nanmean(sd[:, k] ** 2))) if known[k] else float("nan") for k in range(sd.shape[1])]
 
 
 def _of_files(

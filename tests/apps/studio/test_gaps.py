@@ -167,20 +167,17 @@ def test_a_gap_that_nobody_looks_at_any_more_is_not_judged_before_the_others(stu
     assert judged(studio)[0]["state"] == "fillable"
 
 
-def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, slow, monkeypatch):
-    """The best fill of the gap that was opened before took half of the processor meanwhile."""
-    ticks, end, best = [], threading.Event(), module.PreparedFill.best
+def judged_meanwhile(monkeypatch):
+    """(ticks, meanwhile, end): ticks of a best fill that lasts until `end` is set, and how many came during each call
+    for candidates."""
+    ticks, meanwhile, end = list[int](), list[int](), threading.Event()
+    best, candidates = module.PreparedFill.best, module.PreparedFill.candidates
 
     def slowly(*asked):
         while not end.wait(0.002):
             tell(len(ticks), 1)
             ticks.append(0)
         return best(*asked)
-
-    monkeypatch.setattr(module.PreparedFill, "best", slowly)
-    rows = studio.page.get(f"{studio.trial}/gaps").json()["gaps"]
-    studio.page.get(f"{studio.trial}/gaps/{rows[0]['marker']}/{rows[0]['first']}")
-    candidates, meanwhile = module.PreparedFill.candidates, []
 
     def watched(*asked):
         time.sleep(0.01)
@@ -189,7 +186,17 @@ def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, 
         meanwhile.append(len(ticks) - before)
         return candidates(*asked)
 
+    monkeypatch.setattr(module.PreparedFill, "best", slowly)
     monkeypatch.setattr(module.PreparedFill, "candidates", watched)
+    return ticks, meanwhile, end
+
+
+def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, slow, monkeypatch):
+    """The best fill of the gap that was opened before took half of the processor meanwhile."""
+    ticks, meanwhile, end = judged_meanwhile(monkeypatch)
+    rows = studio.page.get(f"{studio.trial}/gaps").json()["gaps"]
+    studio.page.get(f"{studio.trial}/gaps/{rows[0]['marker']}/{rows[0]['first']}")
+    meanwhile.clear()
     found = studio.page.get(f"{studio.trial}/gaps/{rows[1]['marker']}/{rows[1]['first']}").json()
     end.set()
     assert found["candidates"] and set(meanwhile) == {0} and ticks
@@ -197,27 +204,10 @@ def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, 
 
 
 def test_a_few_gaps_that_are_judged_one_by_one_stand_still_too(studio, monkeypatch):
-    ticks, end, best, candidates = [], threading.Event(), module.PreparedFill.best, module.PreparedFill.candidates
-
-    def slowly(*asked):
-        while not end.wait(0.002):
-            tell(len(ticks), 1)
-            ticks.append(0)
-        return best(*asked)
-
-    def watched(*asked):
-        time.sleep(0.01)
-        before = len(ticks)
-        time.sleep(0.05)
-        meanwhile.append(len(ticks) - before)
-        return candidates(*asked)
-
-    meanwhile = list[int]()
     module.POOL.submit(lambda: None).result()  # what other tests left is done
     for name, value in (("FEW", 9), ("STILL_S", -1.0)):
         monkeypatch.setattr(module, name, value)
-    for name, method in (("best", slowly), ("candidates", watched)):
-        monkeypatch.setattr(module.PreparedFill, name, method)
+    _, meanwhile, end = judged_meanwhile(monkeypatch)
     row = studio.page.get(f"{studio.trial}/gaps").json()["gaps"][0]
     studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}")
     end.set()

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...data import KinemarkError, Origin, Trajectories
-from ...data.edits import AddEvent, Applied, Claim, Edit, Signed, Trim, Undo
+from ...data.edit_outcomes import Applied
+from ...data.edits import AddEvent, Claim, Edit, Signed, Trim, Undo
 from ...edit import Edited
 from ...engine import edit_makers as make
 from ...engine.editing import Editing

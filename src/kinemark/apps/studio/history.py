@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...data import KinemarkError
-from ...data.edits import Applied, Entry, Signed, counting, entry_outcome
+from ...data.edit_outcomes import Applied, entry_outcome
+from ...data.edits import Entry, Signed, counting
 from ...edit import Edited
 from ...edit.difference import difference
 from ...engine.journal import hash_of_entry

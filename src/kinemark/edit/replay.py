@@ -42,6 +42,8 @@ from .votes import votes
 
 MOVED = "all places of the file were moved since, and its own go with them"
 """Why an edit has other places than it was stated with."""
+TRACKED_ELSEWHERE = Result("moot", reason="tracking had it as a fact, and the marker is elsewhere there now")
+"""What becomes of samples erased from a path that tracking, told of them, did not make again."""
 
 
 class Reviewed(NamedTuple):
@@ -128,23 +130,22 @@ def replay(
     said = [(number, followed(edit, trajectories, claimed.trajectories, of)) for number, edit in said]
     values = [edit for _, edit in said if isinstance(edit, ValueEdit)]
     after, results, folds = with_values(claimed.trajectories, values, of)
-    outcome = iter([_claim_outcome(claimed, k, facts, claims[k].name) for k in range(len(claims))])
-    result_of_value = iter(results)
-    gone = {entry.id for entry in tracked_by}
-    applied = []
-    for number, edit in said:
+    of_claims = iter([_claim_outcome(claimed, k, facts, claim.name) for k, claim in enumerate(claims)])
+    of_values = iter(results)
+    tracked = {entry.id for entry in tracked_by}
+
+    def applied(number: int, edit: Edit) -> Applied:
         if isinstance(edit, Claim):
-            applied.append(Applied(number, edit, *next(outcome)))
-        else:
-            of_value = isinstance(edit, ValueEdit)
-            result = next(result_of_value) if of_value else _result(edit, trajectories, after, of)
-            if number in gone and isinstance(edit, Erase) and result == ELSEWHERE:
-                result = Result("moot", reason="tracking had it as a fact, and the marker is elsewhere there now")
-            applied.append(Applied(number, edit, result.outcome, 1.0, result.samples, result.reason))
-    found = _overruled([_of_another(one, edit) for one, edit in zip(applied, stated, strict=True)])
+            return Applied(number, edit, *next(of_claims))
+        result = next(of_values) if isinstance(edit, ValueEdit) else _result(edit, trajectories, after, of)
+        if number in tracked and isinstance(edit, Erase) and result == ELSEWHERE:
+            result = TRACKED_ELSEWHERE
+        return Applied(number, edit, result.outcome, 1.0, result.samples, result.reason)
+
+    outcomes = [applied(number, edit) for number, edit in said]
+    found = _overruled([_of_another(one, edit) for one, edit in zip(outcomes, stated, strict=True)])
     verdicts = [one.edit for one in found if one.outcome == "held" and isinstance(one.edit, Verdict)]
-    found_again = tuple(reviewed(edit, trajectories, of) for edit in verdicts)
-    return Edited(after, tuple(found), found_again, folds)
+    return Edited(after, tuple(found), tuple(reviewed(edit, trajectories, of) for edit in verdicts), folds)
 
 
 def _of_another(one: Applied, stated: Edit) -> Applied:

@@ -15,7 +15,7 @@ from ...data import MarkerSet, Trajectories
 from ...io.c3d import prefixes_of
 from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
-from ...label import Template, learn_template
+from ...label import Labelling, Template, learn_template
 from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders, static_template
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ..put_aside import put_aside
@@ -106,21 +106,34 @@ def session_template(
     if label is None:
         return None
     names = label.markers or (marker_set.moving if marker_set else ())
-    files = [file for file in label.template if not is_template(file)]
-    given = [_shown(root, file, subject, names) for file in files]
-    learnt = [(one, load_learnt(one.folder)) for one in earlier if one.key != ABSENT]
-    named = [(one.kind, Shown(one.name, markers_of(trial, subject))) for one, trial in learnt]
-    moved = [shown for kind, shown in named if kind != "static"]
-    still = [shown for kind, shown in named if kind == "static"]
+    given = [_shown(root, file, subject, names) for file in label.template if not is_template(file)]
+    moved, still = _shown_earlier(earlier, subject)
     still += [_shown(root, file, subject, names) for file in label.static]
     own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set, settings.gait)
-    kept = [_kept(root / file) for file in label.template if is_template(file)]
-    if label.scale is not None and (other := _learnt(given, names)):
-        kept.append(other._replace(template=other.template.of_another(label.scale), wider=None))
-    if marker_set is not None and label.height_mm is not None and not given and not kept:
-        kept.append(SessionTemplate(figure_template(marker_set, label.height_mm), (f"marker set {marker_set.name}",)))
-    best = max(kept, key=lambda one: len(one.template), default=None)
+    best = max(_of_others(root, label, given, names, marker_set), key=lambda one: len(one.template), default=None)
     return best if own is None or (best and len(best.template) > len(own.template)) else own
+
+
+def _shown_earlier(earlier: Sequence[Earlier], subject: str) -> tuple[list[Shown], list[Shown]]:
+    """A subject's markers in earlier trials that have names: where they move, and where they stand still."""
+    moved, still = list[Shown](), list[Shown]()
+    for one in earlier:
+        if one.key != ABSENT:
+            shown = Shown(one.name, markers_of(load_learnt(one.folder), subject))
+            (still if one.kind == "static" else moved).append(shown)
+    return moved, still
+
+
+def _of_others(
+    root: Path, label: Labelling, given: Sequence[Shown], names: Sequence[str], marker_set: MarkerSet | None
+) -> list[SessionTemplate]:
+    """By what was kept, by another subject who is scaled, and where nothing was given by the set's figure alone."""
+    found = [_kept(root / file) for file in label.template if is_template(file)]
+    if label.scale is not None and (other := _learnt(given, names)):
+        found.append(other._replace(template=other.template.of_another(label.scale), wider=None))
+    if marker_set is not None and label.height_mm is not None and not given and not found:
+        found.append(SessionTemplate(figure_template(marker_set, label.height_mm), (f"marker set {marker_set.name}",)))
+    return found
 
 
 def _of_static(

@@ -64,10 +64,8 @@ def _chains(some: Sequence[Problem]) -> Iterator[list[Problem]]:
 
 def _chain(context: Context, some: Sequence[Problem]) -> Problem:
     """Joins of loose pieces in one: none of them is one marker with another, or all are."""
-    worst, tracks = (
-        max(some, key=lambda one: one.cost),
-        tuple(dict.fromkeys(name for one in some for name in one.tracks)),
-    )
+    worst = max(some, key=lambda one: one.cost)
+    tracks = tuple(dict.fromkeys(name for one in some for name in one.tracks))
     first, last = min(one.first for one in some), max(one.last for one in some)
     wrong = max(one.wrong for one in some)
     kept, joined = [_way(one, keeps=True) for one in some], [_way(one, keeps=False) for one in some]

@@ -8,8 +8,9 @@ in px. If both are one marker, e has the variance
 
     v = w σ_r² + w′ σ_s²,   w = 2 |l|² / (|l|² + |l′|²),   w + w′ = 2                         (2)
 
-with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within the window W.
-So the residuals of two cameras are a mixture,
+with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within a window W: each
+image lies within WINDOW of the other's line, which leaves |e| < W = WINDOW √min(w, w′) (6), half of it and less where a
+marker is much nearer to one camera than to the other. So the residuals of two cameras are a mixture,
 
     p(e) = π [(1 − ε) N(e; 0, v) + ε N(e; 0, k² v)] + (1 − π) / 2W                            (3)
 
@@ -41,7 +42,7 @@ from .candidate_points import batches, near_lines
 from .detection_index import Images
 
 WINDOW = 10.0
-"""W in px of (3): farther from the line, no image is the one that belongs to it; chosen
+"""In px, of (6): farther from the line, no image is the one that belongs to it; chosen
 (see benchmarks/tracking_scenes.py)."""
 
 WIDER_SHARE, WIDER = 0.1, 4.0
@@ -93,6 +94,11 @@ class Residuals(NamedTuple):
     detection: Ints
     line: Floats
 
+    @property
+    def window(self) -> Floats:
+        """(H) px, the W of (3) by (6)."""
+        return np.asarray(WINDOW * np.sqrt((self.line**2).sum(-1).min(0)))
+
 
 class Mixture(NamedTuple):
     """v (n) px² of (3), and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual
@@ -143,12 +149,13 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     return Residuals((line * other).sum(1) / np.sqrt(both), np.array([r, s]), np.array([i, j]), lines)  # (1)
 
 
-def mixture(off: Floats, group: Ints, n: int) -> Mixture:
-    """(3) of residuals (H) px in n groups (H); where none has a peak at 0, about those that they have elsewhere."""
-    usual = _mixture(off, group, n, np.zeros(n), (WINDOW / 4) ** 2)
+def mixture(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
+    """(3) of residuals (H) px in n groups (H), each within its window (H) px; where none has a peak at 0, about those
+    that they have elsewhere."""
+    usual = _mixture(off, group, window, np.zeros(n), (WINDOW / 4) ** 2)
     if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
         return usual
-    other = _mixture(off - aside[group], group, n, aside, PEAK**2)
+    other = _mixture(off - aside[group], group, window, aside, PEAK**2)
     which = (aside != 0, aside != 0, aside[group] != 0, aside != 0)
     return Mixture(*(np.where(*each) for each in zip(which, other, usual, strict=True)))
 
@@ -167,8 +174,9 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
     return out
 
 
-def _mixture(off: Floats, group: Ints, n: int, about: Floats, begin: float) -> Mixture:
+def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: float) -> Mixture:
     """(3) of residuals (H) px less what they are about (n) px, v being `begin` px² at first."""
+    n = len(about)
     total = np.maximum(np.bincount(group, minlength=n), 1)
     variance, share, count = np.full(n, begin), np.full(n, 0.5), np.zeros(n)
     squared = off * off
@@ -178,7 +186,7 @@ def _mixture(off: Floats, group: Ints, n: int, about: Floats, begin: float) -> M
         height = p / np.sqrt(2 * np.pi * v)
         core = height * (1 - WIDER_SHARE) * root**WIDER**2
         wider = height * WIDER_SHARE / WIDER * root
-        whole = core + wider + (1 - p) / (2 * WINDOW)
+        whole = core + wider + (1 - p) / (2 * window)
         core, wider = core / whole, wider / whole
         count = np.asarray(np.bincount(group, core + wider, n), np.float64)
         moment = np.bincount(group, (core + wider / WIDER**2) * squared, n)

@@ -88,7 +88,7 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
         return images, nothing
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
     some = residuals(stated, F, frames)
-    added = _missing(stated, camera_noise(some, mixture(some.off, pair_of(some, C), C * C), C))
+    added = _missing(stated, camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C))
     known = np.isfinite(added)
     if not known.any():
         return images, nothing

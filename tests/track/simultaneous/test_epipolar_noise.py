@@ -9,10 +9,19 @@ from kinemark.track.simultaneous import Simultaneous, track_simultaneously
 from kinemark.track.simultaneous.adjusted_rig import adjusted_rig
 from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.epipolar_noise import WINDOW, camera_noise, mixture, pair_of, peaked, residuals
+from kinemark.track.simultaneous.epipolar_noise import (
+    WINDOW,
+    Residuals,
+    camera_noise,
+    mixture,
+    mixture_of_cameras,
+    pair_of,
+    peaked,
+    residuals,
+)
 from kinemark.track.simultaneous.measurement_noise import learn_noise, sampled_frames
-from support.laboratory import observe, ring
-from support.motions import dance
+from support.laboratory import camera, observe, ring
+from support.motions import dance, swarm
 from support.scenes import make, scene, tally
 from support.scenes.imaging import Optics
 from support.scenes.placements import off
@@ -22,7 +31,7 @@ def learned(rig, detections):
     """Standard deviation (C) px of the images of each camera."""
     images, C = read_images(detections, rig), len(rig)
     some = residuals(images, fundamentals(images.P), sampled_frames(images))
-    return np.sqrt(camera_noise(some, mixture(some.off, pair_of(some, C), C * C), C).variance)
+    return np.sqrt(camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C).variance)
 
 
 @pytest.mark.parametrize("cameras", [2, 3, 4, 8])
@@ -48,12 +57,24 @@ def test_one_camera_that_is_worse_is_told_from_the_others():
     assert np.delete(found, 2) == pytest.approx(0.1, rel=0.5)
 
 
+def among_uniform(sd, share, window):
+    """The mixture of 4000 residuals, a share of them normal and the others anywhere within the window."""
+    rng = np.random.default_rng(1)
+    off = np.where(rng.random(4000) < share, sd * rng.normal(size=4000), rng.uniform(-window, window, 4000))
+    return mixture(off, np.zeros(4000, int), 1, np.full(4000, window))
+
+
+@pytest.mark.parametrize("sd", [0.05, 0.3, 0.6])
+def test_residuals_that_end_at_less_than_the_window_are_not_one_wide_normal_distribution(sd):
+    fit = among_uniform(sd, 0.3, 0.6 * WINDOW)
+    assert np.sqrt(fit.variance[0]) == pytest.approx(sd, rel=0.15)
+    assert fit.number[0] / 4000 == pytest.approx(0.3, abs=0.06)
+
+
 @pytest.mark.parametrize("sd", [0.05, 0.3, 1.5])
 @pytest.mark.parametrize("share", [0.3, 0.8])
 def test_a_normal_distribution_among_uniform_residuals(sd, share):
-    rng = np.random.default_rng(1)
-    off = np.where(rng.random(4000) < share, sd * rng.normal(size=4000), rng.uniform(-WINDOW, WINDOW, 4000))
-    fit = mixture(off, np.zeros(4000, int), 1)
+    fit = among_uniform(sd, share, WINDOW)
     assert np.sqrt(fit.variance[0]) == pytest.approx(sd, rel=0.15)
     assert fit.number[0] / 4000 == pytest.approx(share, abs=0.06)
 
@@ -64,7 +85,7 @@ def test_a_peak_aside_is_found_where_none_is_at_0(place, sd):
     """The variance is that about 0, as the images are off by that; what weighs is near the peak."""
     rng = np.random.default_rng(1)
     off = np.where(rng.random(4000) < 0.3, place + sd * rng.normal(size=4000), rng.uniform(-WINDOW, WINDOW, 4000))
-    fit = mixture(off, np.zeros(4000, int), 1)
+    fit = mixture(off, np.zeros(4000, int), 1, np.full(4000, WINDOW))
     assert peaked(fit).all()
     assert np.sqrt(fit.variance[0]) == pytest.approx(np.hypot(place, sd), rel=0.1)
     assert fit.number[0] / 4000 == pytest.approx(0.3, abs=0.06)
@@ -74,7 +95,61 @@ def test_a_peak_aside_is_found_where_none_is_at_0(place, sd):
 @pytest.mark.parametrize("seed", range(5))
 def test_chance_alone_has_no_peak(seed):
     off = np.random.default_rng(seed).uniform(-WINDOW, WINDOW, 1000)
-    assert not mixture(off, np.zeros(1000, int), 1).about.any()
+    assert not mixture(off, np.zeros(1000, int), 1, np.full(1000, WINDOW)).about.any()
+
+
+def crowd():
+    """Sixty markers and four cameras, the last about half as far from them as the others; images of 0.3 px."""
+    rig = ring(3)
+    rig = replace(rig, cameras=(*rig, camera("near", [1500.0, 100.0, 1800.0])))
+    return rig, observe(rig, swarm(n=60, frames=40), noise=0.3, cov=False)[0]
+
+
+def test_residuals_lie_anywhere_within_their_windows():
+    """Those by chance, which are most of a crowd's: as many in each half of the window."""
+    rig, detections = crowd()
+    images = read_images(detections, rig)
+    some = residuals(images, fundamentals(images.P), sampled_frames(images))
+    assert (np.abs(some.off) < some.window).all()
+    assert np.median(some.window[some.camera[1] == 3]) < 0.7 * WINDOW
+    outer = np.abs(some.off) > 0.7 * some.window
+    assert outer[np.abs(some.off) > 0.4 * some.window].mean() == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_camera_that_stands_near_a_crowd_is_not_taken_for_noisier():
+    """Its residuals end at half of the window; taken for one wide peak they were of a noise several times too great."""
+    rig, detections = crowd()
+    assert learned(rig, detections) == pytest.approx(0.3, rel=0.3)
+
+
+def by_pairs(C, **offs):
+    """Residuals of the pairs of C cameras, by name as p01, whose lines in both images are alike."""
+    pair = np.repeat([[int(name[1]), int(name[2])] for name in offs], [len(off) for off in offs.values()], axis=0).T
+    off = np.concatenate(list(offs.values()))
+    return Residuals(off, pair, pair, np.broadcast_to([0.0, 1.0], (2, len(off), 2)))
+
+
+def test_neighbours_that_make_a_wide_peak_do_not_hide_the_narrow_one():
+    """Of a child's foot: markers 25 mm apart lie near each other's lines, in two of the cameras more than elsewhere."""
+    rng = np.random.default_rng(2)
+    narrow = {name: 0.05 * rng.normal(size=100) for name in ("p01", "p02", "p12")}
+    chance = {name: rng.uniform(-WINDOW, WINDOW, 300) for name in narrow}
+    chance["p01"] = np.append(chance["p01"], 2.5 * rng.normal(size=350))
+    some = by_pairs(3, **{name: np.append(narrow[name], chance[name]) for name in narrow})
+    assert mixture(some.off, pair_of(some, 3), 9, some.window).variance[1] > 1.0
+    fit = mixture_of_cameras(some, 3)
+    assert np.sqrt(fit.variance[[1, 2, 5]]) == pytest.approx(0.05, rel=0.25)
+    assert np.sqrt(camera_noise(some, fit, 3).variance) == pytest.approx(0.05 / 2**0.5, rel=0.3)
+
+
+def test_a_camera_whose_file_is_off_more_in_some_places_has_the_mean_of_all():
+    """Of `gait9`: the mean of logarithms is less, and images of markers were then left out."""
+    rng = np.random.default_rng(3)
+    sd = {"p01": 0.17, "p02": 0.26, "p03": 0.31, "p12": 0.1, "p13": 0.1, "p23": 0.1}
+    some = by_pairs(4, **{name: own * rng.normal(size=300) for name, own in sd.items()})
+    fit = mixture_of_cameras(some, 4)
+    variance = camera_noise(some, fit, 4).variance
+    assert variance[0] > 0.8 * (fit.variance[[1, 2, 3]].mean() - variance[1:].mean())  # of logarithms: 0.74
 
 
 def test_two_cameras_whose_lines_are_several_px_off_are_adjusted():

@@ -43,7 +43,7 @@ def adjusted_rig(images: Images, rig: Rig, frames: list[int]) -> Rig:
         moved = _moved(rig, theta)
         some = residuals(images, fundamentals(moved.P), frames)
         group = pair_of(some, C)
-        fit = mixture(some.off, group, C * C)
+        fit = mixture(some.off, group, C * C, some.window)
         weight = np.where(peaked(fit)[group], np.sqrt(fit.weight / fit.variance[group]), 0.0)
         J = _jacobian(images, moved, some) * weight[:, None]
         prior = 1 / np.tile(USUAL_ERROR, C)

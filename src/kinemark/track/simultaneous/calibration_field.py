@@ -100,7 +100,7 @@ def _field(images: Images, some: Residuals, used: Bools) -> tuple[CalibrationFie
     C = len(images.P)
     group, own, index = pair_of(some, C), _jacobian(images, some), _index(C)
     columns = index[some.camera.T].reshape(len(own), -1)
-    fit = mixture(some.off, group, C * C)
+    fit = mixture(some.off, group, C * C, some.window)
     for _ in range(ROUNDS):
         spread = fit.variance * np.maximum(fit.number / MOST_RESIDUALS, 1.0)
         weight = np.where(used & peaked(fit)[group], fit.weight / spread[group], 0.0)
@@ -109,7 +109,7 @@ def _field(images: Images, some: Residuals, used: Bools) -> tuple[CalibrationFie
         s1, s0 = np.exp(LOG_VARIANCES[list(np.unravel_index(posterior.argmax(), posterior.shape))])
         expected = np.repeat([s0, s1], [2 * C, len(b) - 2 * C])
         theta = expected * np.linalg.solve(np.eye(len(b)) + A * expected, b)
-        fit = mixture(some.off - (own * theta[columns]).sum(1), group, C * C)
+        fit = mixture(some.off - (own * theta[columns]).sum(1), group, C * C, some.window)
     return CalibrationField(_of_sum(posterior), fit), theta[: 2 * C].reshape(C, 2)
 
 

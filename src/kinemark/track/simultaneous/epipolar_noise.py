@@ -8,8 +8,9 @@ in px. If both are one marker, e has the variance
 
     v = w σ_r² + w′ σ_s²,   w = 2 |l|² / (|l|² + |l′|²),   w + w′ = 2                         (2)
 
-with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within the window W.
-So the residuals of two cameras are a mixture,
+with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within a window W: each
+image lies within WINDOW of the other's line, which leaves |e| < W = WINDOW √min(w, w′) (6), half of it and less where a
+marker is much nearer to one camera than to the other. So the residuals of two cameras are a mixture,
 
     p(e) = π [(1 − ε) N(e; 0, v) + ε N(e; 0, k² v)] + (1 − π) / 2W                            (3)
 
@@ -18,10 +19,15 @@ normal). v and π follow by expectation and maximisation (Dempster, Laird & Rubi
 the residuals of two cameras together, so their v is known no better than by a factor, τ in its logarithm; and cameras
 of one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a minimises
 
-    Σ (ln v − ln(w exp a_r + w′ exp a_s))² / (τ² + 2/n) + Σ (a_c − ā)² / ρ²                   (4)
+    Σ D(v, w exp a_r + w′ exp a_s) / (τ² + 2/n) + Σ (a_c − ā)² / ρ²,   D(v, f) = 2 (v/f − 1 − ln v/f)      (4)
 
-over the pairs of cameras, each with n residuals. No image is grouped, no camera needs another's noise first, and two
-cameras suffice.
+over the pairs of cameras, each with n residuals, D being the deviance of a variance: a camera whose file is off more in
+some places than in others has the mean of its v, which its images need, and not the mean of their logarithms. v/f
+counts up to MOST_FACTOR. No image is grouped, no camera needs another's noise first, and two cameras suffice.
+
+Where markers stand so close that residuals of neighbours make a wide peak of their own, that of two cameras may be
+found in place of the narrow one. Where v of two cameras is FAR times what (4) expects by all others, it is begun again
+at that, and taken where it stays that much less (7).
 
 With two cameras, many markers and a calibration that is off, no peak may be seen at 0. Where that is so in all pairs of
 cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5).
@@ -41,7 +47,7 @@ from .candidate_points import batches, near_lines
 from .detection_index import Images
 
 WINDOW = 10.0
-"""W in px of (3): farther from the line, no image is the one that belongs to it; chosen
+"""In px, of (6): farther from the line, no image is the one that belongs to it; chosen
 (see benchmarks/tracking_scenes.py)."""
 
 WIDER_SHARE, WIDER = 0.1, 4.0
@@ -61,11 +67,20 @@ PEAK, CLEAR = 0.5, 2.0
 """Of (5): px, a third of the width in which residuals are counted, and how many times as many there are than anywhere
 else, chosen: pairs of images that meet by chance stay for many frames, and make lesser peaks."""
 
+FAR, BEGUN_AGAIN = 4.0, 2
+"""Of (7), a ratio of variances, and times at most; chosen: of a child's foot (`studies/child_foot.py`) two of fifteen
+pairs of cameras are far; of 1619 pairs of 85 scenes (seeds 147000 to 147092 of benchmarks/tracking_scenes.py) three,
+which stay wide."""
+
 PAIR_LOG_SD = 0.5
 """τ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
 
 CAMERA_LOG_SD = 1.0
 """ρ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
+
+MOST_FACTOR = 2.0
+"""Of (4), the most that v counts as a ratio to what is expected; chosen: of a child's foot (`studies/child_foot.py`,
+seed 1, 50 Hz from 4.2 m) one wide pair of 15 makes a camera of 0.05 px one of 1.0 with 3, and of 0.05 with 2."""
 
 STEPS = 20
 """Gauss–Newton steps to the least of (4), a number; chosen: it hardly moves after ten."""
@@ -93,6 +108,11 @@ class Residuals(NamedTuple):
     detection: Ints
     line: Floats
 
+    @property
+    def window(self) -> Floats:
+        """(H) px, the W of (3) by (6)."""
+        return np.asarray(WINDOW * np.sqrt((self.line**2).sum(-1).min(0)))
+
 
 class Mixture(NamedTuple):
     """v (n) px² of (3), and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual
@@ -111,16 +131,43 @@ def pair_of(some: Residuals, C: int) -> Ints:
 
 def camera_noise(some: Residuals, fit: Mixture, C: int) -> CameraNoise:
     """The noise of C cameras by (4), from the mixtures (C²) that their residuals are."""
-    number = pair_of(some, C)
     usable = np.flatnonzero(peaked(fit))
-    share = (
-        np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
-    )
+    share = _shares(some, C)[usable]
     out = np.full((2, C), np.nan)
     known, own = np.unique(np.array(divmod(usable, C)), return_inverse=True)
     if len(known):
         out[:, known] = _by_camera(fit.variance[usable], fit.number[usable], share, own.reshape(2, -1))
     return CameraNoise(*out)
+
+
+def _shares(some: Residuals, C: int) -> Floats:
+    """(C²) the mean of w of (2) of two cameras; 0 of those without residuals."""
+    number = pair_of(some, C)
+    return np.bincount(number, (some.line[0] ** 2).sum(-1), C * C) / np.maximum(np.bincount(number, minlength=C * C), 1)
+
+
+def mixture_of_cameras(some: Residuals, C: int) -> Mixture:
+    """(3) of the residuals of each two of C cameras, begun again (7) where these are far noisier than they are with
+    others."""
+    group = pair_of(some, C)
+    fit = mixture(some.off, group, C * C, some.window)
+    for _ in range(BEGUN_AGAIN):
+        sigma2, w = camera_noise(some, fit, C).variance, _shares(some, C)
+        expected = w * np.repeat(sigma2, C) + (2 - w) * np.tile(sigma2, C)
+        far = (w > 0) & (fit.about == 0) & (FAR * expected < fit.variance)
+        if not far.any():
+            return fit
+        begin = np.where(far, expected, fit.variance)
+        other = _mixture(some.off - fit.about[group], group, some.window, fit.about, begin)
+        far &= (other.number >= MIN_PAIRS) & (FAR * other.variance < fit.variance)
+        fit = _chosen(far, group, other, fit)
+    return fit
+
+
+def _chosen(which: Bools, group: Ints, some: Mixture, others: Mixture) -> Mixture:
+    """The mixtures of `which` (n) groups, and the others; (H) the group of each residual."""
+    columns = (which, which, which[group], which)
+    return Mixture(*(np.where(*each) for each in zip(columns, some, others, strict=True)))
 
 
 def peaked(fit: Mixture) -> Bools:
@@ -143,14 +190,14 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     return Residuals((line * other).sum(1) / np.sqrt(both), np.array([r, s]), np.array([i, j]), lines)  # (1)
 
 
-def mixture(off: Floats, group: Ints, n: int) -> Mixture:
-    """(3) of residuals (H) px in n groups (H); where none has a peak at 0, about those that they have elsewhere."""
-    usual = _mixture(off, group, n, np.zeros(n), (WINDOW / 4) ** 2)
+def mixture(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
+    """(3) of residuals (H) px in n groups (H), each within its window (H) px; where none has a peak at 0, about those
+    that they have elsewhere."""
+    usual = _mixture(off, group, window, np.zeros(n), (WINDOW / 4) ** 2)
     if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
         return usual
-    other = _mixture(off - aside[group], group, n, aside, PEAK**2)
-    which = (aside != 0, aside != 0, aside[group] != 0, aside != 0)
-    return Mixture(*(np.where(*each) for each in zip(which, other, usual, strict=True)))
+    other = _mixture(off - aside[group], group, window, aside, PEAK**2)
+    return _chosen(aside != 0, group, other, usual)
 
 
 def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
@@ -167,10 +214,11 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
     return out
 
 
-def _mixture(off: Floats, group: Ints, n: int, about: Floats, begin: float) -> Mixture:
-    """(3) of residuals (H) px less what they are about (n) px, v being `begin` px² at first."""
+def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> Mixture:
+    """(3) of residuals (H) px less what they are about (n) px, v being `begin` (n) px² at first."""
+    n = len(about)
     total = np.maximum(np.bincount(group, minlength=n), 1)
-    variance, share, count = np.full(n, begin), np.full(n, 0.5), np.zeros(n)
+    variance, share, count = np.zeros(n) + begin, np.full(n, 0.5), np.zeros(n)
     squared = off * off
     for _ in range(ROUNDS):
         v, p = variance[group], share[group]
@@ -178,7 +226,7 @@ def _mixture(off: Floats, group: Ints, n: int, about: Floats, begin: float) -> M
         height = p / np.sqrt(2 * np.pi * v)
         core = height * (1 - WIDER_SHARE) * root**WIDER**2
         wider = height * WIDER_SHARE / WIDER * root
-        whole = core + wider + (1 - p) / (2 * WINDOW)
+        whole = core + wider + (1 - p) / (2 * window)
         core, wider = core / whole, wider / whole
         count = np.asarray(np.bincount(group, core + wider, n), np.float64)
         moment = np.bincount(group, (core + wider / WIDER**2) * squared, n)
@@ -191,21 +239,21 @@ def _mixture(off: Floats, group: Ints, n: int, about: Floats, begin: float) -> M
 
 def _by_camera(variance: Floats, count: Floats, share: Floats, pair: Ints) -> tuple[Floats, Floats]:
     """(n) px² by (4) and their standard errors, from v, n and w (K) of pairs of n cameras (2, K)."""
-    a = _solved(np.log(variance), PAIR_LOG_SD**2 + 2 / count, share, pair)
+    a = _solved(variance, PAIR_LOG_SD**2 + 2 / count, share, pair)
     return np.exp(a), np.exp(a) * np.sqrt(4 / np.bincount(pair.ravel(), np.tile(count, 2)))
 
 
-def _solved(log_v: Floats, log_variance: Floats, share: Floats, pair: Ints) -> Floats:
-    """a (n) of (4), from ln v (K) of pairs of n cameras (2, K), its variance (K), and w (K)."""
-    (r, s), k, n = pair, np.arange(len(log_v)), int(pair.max()) + 1
+def _solved(v: Floats, log_variance: Floats, share: Floats, pair: Ints) -> Floats:
+    """a (n) of (4), from v (K) of pairs of n cameras (2, K), the variance (K) of its logarithm, and w (K)."""
+    (r, s), k, n = pair, np.arange(len(v)), int(pair.max()) + 1
     certain = 1 / np.sqrt(log_variance)
     alike = (np.eye(n) - 1 / n) / CAMERA_LOG_SD
-    a = np.full(n, np.median(log_v) - np.log(2))
+    a = np.full(n, np.log(np.median(v) / 2))
     for _ in range(STEPS):
         parts = np.array([share * np.exp(a[r]), (2 - share) * np.exp(a[s])])
         J = np.zeros((len(k), n))
         J[k, r], J[k, s] = parts / parts.sum(0)
-        missing = log_v - np.log(parts.sum(0))
+        missing = np.minimum(v / parts.sum(0), MOST_FACTOR) - 1
         A = np.vstack([J * certain[:, None], alike])
         a = a + np.linalg.lstsq(A, np.concatenate([missing * certain, -alike @ a]), rcond=None)[0]
     return a

@@ -95,7 +95,7 @@ def parse_journal(content: bytes) -> JournalText:
 
 @lru_cache(maxsize=KNOWN_LINES)
 def _parse(number: int, line: bytes) -> tuple[Entry | Fault, str]:
-    """The entry of one line, or what is wrong with it, and its hash; its lines never change, and are read at each edit."""
+    """The entry of one line, or what is wrong with it, and its hash; lines never change, and are read at each edit."""
     return _entry(number, line), hash_of(line)
 
 

@@ -1202,7 +1202,7 @@ export interface components {
             header: components["schemas"]["TrialHeader"];
             /** Outcomes */
             outcomes: components["schemas"]["Outcome"][];
-            paths?: components["schemas"]["PathsPart"] | null;
+            paths?: components["schemas"]["ChangedPaths"] | null;
             /** Removed */
             removed: string[];
         };
@@ -1634,6 +1634,28 @@ export interface components {
                 number,
                 number
             ][];
+        };
+        /**
+         * ChangedPaths
+         * @description Trajectories that an act changed, in the frames in which they differ from `bases`.
+         *
+         *     A base is the name of a trajectory as it was before the act; where that is empty, it has no sample in other frames.
+         */
+        ChangedPaths: {
+            /** Bases */
+            bases: string[];
+            /** First Frame */
+            first_frame: number;
+            /** N Frames */
+            n_frames: number;
+            /** Names */
+            names: string[];
+            /** Origin */
+            origin: string;
+            /** Sd */
+            sd: string;
+            /** Xyz */
+            xyz: string;
         };
         /**
          * ClaimAct

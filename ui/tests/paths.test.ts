@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { decodeDetections, detectedIn } from "../src/model/detections";
-import { besideCurves, decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed, straightAcross, whole } from "../src/model/paths";
+import { besideCurves, changedPaths, decodePaths, exchanged, gapsOf, jump, leftOpen, mergePaths, runs, speed, straightAcross, whole } from "../src/model/paths";
 import { path, set } from "./support";
 import type { GapRow } from "../src/api/types";
 
@@ -32,6 +32,20 @@ describe("a set of paths", () => {
     const a = path("A", [1, 1, 1, 1, 1, 1]), b = path("B", [1, 1, 1, 1, 1, 1]), now = mergePaths(set([a, b]), set([path("A", [1, 0, 1, 1, 1, 1])]), ["gone"]);
     expect(now.byName.get("B")).toBe(b);
     expect(now.byName.get("A")).not.toBe(a);
+  });
+
+  it("takes what an act changed: samples laid over others, the same ones under another name, and new ones", () => {
+    const text = (...values: (Float32Array | Uint8Array)[]): string => btoa(String.fromCharCode(...new Uint8Array(body(...values))));
+    const a = path("A", [1, 1, 1, 1, 1, 1]), whole = { ...set([a, path("B", [1, 1, 0, 0, 1, 1])]), firstFrame: 11 }, nothing = { xyz: "", sd: "", origin: "" };
+    const renamed = changedPaths(whole, { names: ["C"], bases: ["A"], first_frame: 11, n_frames: 0, ...nothing }).byName.get("C")!;
+    expect([renamed.name, renamed.xyz, renamed.origin]).toEqual(["C", a.xyz, a.origin]);
+    expect(renamed.xyz).toBe(a.xyz);
+    const two = { xyz: text(Float32Array.from({ length: 12 }, (_, i) => i)), sd: text(Float32Array.from([1, 2, 3, 4])), origin: text(Uint8Array.from([3, 0, 2, 2])) };
+    const laid = changedPaths(whole, { names: ["A", "D"], bases: ["A", ""], first_frame: 13, n_frames: 2, ...two }).byName;
+    expect([...laid.get("A")!.origin]).toEqual([1, 1, 3, 0, 1, 1]);
+    expect([...laid.get("A")!.xyz.subarray(3, 12)]).toEqual([...a.xyz.subarray(3, 6), 0, 1, 2, 3, 4, 5]);
+    expect([...laid.get("D")!.origin]).toEqual([0, 0, 2, 2, 0, 0]);
+    expect([...a.origin]).toEqual([1, 1, 1, 1, 1, 1]);
   });
 
   it("exchanged twice is as it was", () => {

@@ -342,13 +342,18 @@ def counting(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     undone = set[int]()
     for entry in reversed(entries):
         if entry.id not in undone:
-            undone.update(edit.of for edit in entry.edits if isinstance(edit, Undo))
-    return tuple(entry for entry in entries if entry.id not in undone)
+            undone.update(_undone_by(entry))
+    return tuple([entry for entry in entries if entry.id not in undone])
 
 
 def live(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The entries that are applied, in order: neither undone nor undoing."""
-    return tuple(e for e in counting(entries) if not any(isinstance(edit, Undo) for edit in e.edits))
+    return tuple([entry for entry in counting(entries) if not _undone_by(entry)])
+
+
+def _undone_by(entry: Entry) -> list[int]:
+    """The entries that it takes back."""
+    return [edit.of for edit in entry.edits if isinstance(edit, Undo)]
 
 
 def facts_of(entries: Sequence[Entry]) -> tuple[Entry, ...]:

@@ -25,7 +25,7 @@ from ..data.edits import Claim, Edit, Put, Stretch, Verdict
 from ..geometry import rigid_align
 from .claims import ENOUGH
 from .values import Footage
-from .votes import NEAR_MM, KnownVotes, known_votes
+from .votes import NEAR_MM, KnownVotes, known_votes, votes
 
 CLOSE_MM = 1.0
 """mm, RMS, of (1); chosen: a file that was moved has the same samples, rounded otherwise."""
@@ -99,6 +99,10 @@ def _placed(edit: Edit, known: KnownVotes) -> bool:
 def _finds(edit: Edit, known: KnownVotes, share: float = 0.5) -> bool:
     """Whether such a share of an edit's witnesses in the trial have a sample of any path within NEAR_MM."""
     frame, xyz = _witnesses(edit, known.trajectories)
+    if isinstance(edit, Claim):  # whose witnesses vote in any case: one that is on a path has a sample of it so near
+        on = votes([edit.where], known.trajectories, None, world=known.world).path >= 0
+        if on.sum() >= share * len(frame):
+            return True
     near = np.isfinite(_nearest(frame, xyz, known)[:, 0])
     return bool(near.sum() >= share * len(frame))
 

@@ -79,7 +79,7 @@ def parse_journal(content: bytes) -> JournalText:
     faults: list[Fault] = []
     before, ids = NOTHING, set[int]()
     for number, line in enumerate(lines, 1):
-        found = _parse(number, line)
+        found, own = _parse(number, line)
         if isinstance(found, Fault):
             faults.append(found)
         elif found.id in ids:
@@ -89,13 +89,18 @@ def parse_journal(content: bytes) -> JournalText:
                 faults.append(Fault(number, "broken", "the line before it was changed, removed or added"))
             entries.append(found)
             ids.add(found.id)
-        before = hash_of(line)
+        before = own
     return JournalText(tuple(entries), tuple(faults), len(lines), before)
 
 
 @lru_cache(maxsize=KNOWN_LINES)
-def _parse(number: int, line: bytes) -> Entry | Fault:
-    """The entry of one line, or what is wrong with it; a journal is read at every edit, and its lines never change."""
+def _parse(number: int, line: bytes) -> tuple[Entry | Fault, str]:
+    """The entry of one line, or what is wrong with it, and its hash; lines never change, and are read at each edit."""
+    return _entry(number, line), hash_of(line)
+
+
+def _entry(number: int, line: bytes) -> Entry | Fault:
+    """The entry of one line, or what is wrong with it."""
     sealed = SEAL.fullmatch(line)
     if sealed is None:
         return Fault(number, "damaged", "it is cut off or was written over")

@@ -70,6 +70,18 @@ def as_brought(part):
     return {name: [column[i] for column in columns] for i, name in enumerate(part["names"])}
 
 
+def laid_over(held, part):
+    """The paths of an act on those that the page has, as it lays them: (paths, samples that were sent)."""
+    n, at = len(next(iter(held.values()))[2]), part["first_frame"] - 1
+    blank = [np.full((n, 3), np.nan, "<f4"), np.full(n, np.nan, "<f4"), np.zeros(n, "u1")]
+    found = {}
+    for base, (name, own) in zip(part["bases"], as_brought(part).items(), strict=True):
+        found[name] = [column.copy() for column in (held[base] if base else blank)]
+        for column, values in zip(found[name], own, strict=True):
+            column[at : at + len(values)] = values
+    return found, len(part["names"]) * part["n_frames"]
+
+
 def as_asked(studio):
     answer = studio.page.get(f"{studio.trial}/paths?view=filled")
     about = json.loads(answer.headers["x-kinemark-paths"])
@@ -92,14 +104,18 @@ def test_what_acts_bring_kept_by_the_page_is_what_it_would_be_given_anew(studio,
         *[{"kind": "undo"}] * 3,
         {"kind": "redo"},
     ]
+    sent = []
     for act in acts:
         done = studio.act(**act).json()
-        held = {name: path for name, path in held.items() if name not in done["removed"]} | as_brought(done["paths"])
+        brought, n = laid_over(held, done["paths"])
+        sent.append(n)
+        held = {name: path for name, path in held.items() if name not in done["removed"]} | brought
         now = as_asked(studio)
         assert held.keys() == now.keys()
         for name, path in now.items():
             assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(held[name], path, strict=True)), (act, name)
-    monkeypatch.setattr("kinemark.apps.studio.acts.MOST_SAMPLES", 0)
+    assert (sent[0], sent[2], sent[4]) == (0, 10, 1), "no samples but those that are others"
+    monkeypatch.setattr("kinemark.apps.studio.changed_paths.MOST_SAMPLES", 0)
     assert studio.act(kind="undo").json()["paths"] is None  # then it asks
 
 

@@ -38,6 +38,7 @@ export type SmoothingFunction = NonNullable<Schemas["SmoothAct"]["function"]>;
 export type Live = Schemas["Live"]["said"];
 export type PathsHeader = Schemas["PathsHeader"];
 export type PathsPart = Schemas["PathsPart"];
+export type ChangedPaths = Schemas["ChangedPaths"];
 export type DetectionsHeader = Schemas["DetectionsHeader"];
 export type Detection = Schemas["Detection"];
 export type DetectDraft = Schemas["DetectDraft"];

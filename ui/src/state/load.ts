@@ -1,7 +1,7 @@
 /** Getting what a screen shows, and going from one to another. The place is kept in the fragment of the address. */
 import * as api from "../api/client";
 import type { Act, ActDone, Gaps, TrialHeader } from "../api/types";
-import { decodePart, mergePaths } from "../model/paths";
+import { changedPaths, mergePaths } from "../model/paths";
 import { answered, unanswered } from "./again";
 import { asking } from "./newest";
 import { loadDetect } from "./detect";
@@ -213,11 +213,11 @@ export function take(header: TrialHeader, said?: Act): void {
   set((s) => ({ header, savedAt: header.last?.at ?? s.savedAt, selected: [...new Set(s.selected.map(now))].filter((name) => samples.has(name)) }));
 }
 
-/** The paths that an act brought with its answer; whether it brought them. */
+/** The paths that an act brought with its answer; whether it brought them, for what is shown. */
 export function takeChanged({ paths, removed, head }: ActDone): boolean {
-  const whole = get().paths;
-  if (!paths || !whole || whole.pending || paths.first_frame !== whole.firstFrame || paths.n_frames !== whole.frames) return false;
-  set({ paths: mergePaths(whole, { ...decodePart(paths), head }, removed) });
+  const { paths: whole, header } = get();
+  if (!paths || !whole || whole.pending || whole.head !== header?.head) return false;
+  set({ paths: mergePaths(whole, { ...changedPaths(whole, paths), head }, removed) });
   return true;
 }
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
 
 import numpy as np
 
-from ...data import KinemarkError, Origin, Trajectories
+from ...data import KinemarkError, Origin
 from ...data.edit_outcomes import Applied
 from ...data.edits import AddEvent, Claim, Edit, Signed, Trim, Undo
 from ...edit import Edited
 from ...engine import edit_makers as make
-from ...engine.editing import Editing
+from ...engine.editing import Editing, Said
 from ...engine.journal import StaleJournal, last_undo
 from ...report.words import edit_text
 from .acts_messages import (
@@ -36,18 +34,15 @@ from .acts_messages import (
     TrimAct,
     UndoAct,
 )
+from .changed_paths import bases_of, changed_by, shown_now, span_of
 from .desk import OpenDocument
-from .edit_messages import ActBody, ActDone, Join, Outcome, PathsPart, Preview
-from .gaps import chosen_fills
+from .edit_messages import ActBody, ActDone, Join, Outcome, Preview
 from .header import header, next_undo, pairs_of
 from .images import mosaic_of
-from .paths import differing, forget_others, part, whole_part
+from .paths import differing, part
 from .problems import alternative_edits, verdict_on
 
 STALE = "Somebody else has said something of this trial since. It is shown anew: look, and decide again."
-
-MOST_SAMPLES = 200_000
-"""Of trajectories that are in the answer to an act; chosen: 20 markers of 10 000 frames are 4.5 MB of text."""
 
 
 def act(document: OpenDocument, body: ActBody) -> ActDone:
@@ -62,43 +57,31 @@ def act(document: OpenDocument, body: ActBody) -> ActDone:
         if body.head != document.head:
             raise StaleJournal(STALE)
         before = document.now
-        said = document.editing.say(*edits_of(document, body.act), why=body.why, head=body.head)
-        document.refresh()
-        changed, removed = changed_by(before, document.now)
-        return ActDone(
-            entry=said.entry.id,
-            outcomes=[outcome(one) for one in said.applied],
-            head=document.head,
-            changed=changed,
-            removed=removed,
-            paths=shown_now(document, changed),
-            header=header(document, mosaic_of(document)),
-        )
+        with document.editing.saying(*edits_of(document, body.act), why=body.why, head=body.head) as said:
+            document.refresh()
+            return done(document, said, before)  # which is answered when the disk has it
 
 
-def shown_now(document: OpenDocument, changed: Sequence[str]) -> PathsPart | None:
-    """Trajectories as the page shows them, so that it need not ask again; None where it must."""
-    if len(changed) * document.now.trajectories.n_frames > MOST_SAMPLES:
-        return None
-    shown, pending = chosen_fills(document, set(changed))
-    forget_others(document, (document.editing.trajectories, document.now.trajectories, shown))
-    return None if pending else whole_part(document, shown)
+def done(document: OpenDocument, said: Said, before: Edited) -> ActDone:
+    """What an act that was said changed since `before`."""
+    changed, removed = changed_by(before, document.now)
+    return ActDone(
+        entry=said.entry.id,
+        outcomes=[outcome(one) for one in said.applied],
+        head=document.head,
+        changed=changed,
+        removed=removed,
+        paths=shown_now(document, before, changed, removed),
+        header=header(document, mosaic_of(document)),
+    )
 
 
-def changed_by(before: Edited, after: Edited) -> tuple[list[str], list[str]]:
-    """Markers of other samples, or of gaps that are to be filled otherwise; and those that are there no more."""
-    changed, removed = differing(before.trajectories, after.trajectories)
-    old, new = Counter(before.choices), Counter(after.choices)
-    refilled = {choice.marker for choice in [*(old - new), *(new - old)]} - {*changed}
-    return changed + [name for name in after.trajectories.names if name in refilled], removed
-
-
-def seen_anew(before: Edited, document: OpenDocument, done: ActDone) -> ActDone:
+def seen_anew(before: Edited, document: OpenDocument, said: ActDone) -> ActDone:
     """What an act changed that had the trial tracked or named again: `document` is the trial opened anew."""
     changed, removed = changed_by(before, document.now)
     shown = header(document, mosaic_of(document))
     now = {"changed": changed, "removed": removed, "head": document.head, "header": shown, "paths": None}
-    return done.model_copy(update=now)
+    return said.model_copy(update=now)
 
 
 def preview(document: OpenDocument, said: Act) -> Preview:
@@ -108,7 +91,8 @@ def preview(document: OpenDocument, said: Act) -> Preview:
         before, after = document.now, previewed(document, said)
     changed, removed = differing(before.trajectories, after.trajectories)
     outcomes = [outcome(one) for one in after.applied[len(before.applied) :]]
-    first, stop = _differs(before.trajectories, after.trajectories, changed)
+    bases = bases_of(before.trajectories, after.trajectories, changed, ())
+    first, stop = span_of(before, after, bases)
     shown = part(changed, after.trajectories, first, stop)
     return Preview(outcomes=outcomes, changed=changed, removed=removed, paths=shown, join=_join(document.editing, said))
 
@@ -235,15 +219,3 @@ def _join(of: Editing, said: Act) -> Join | None:
         return None
     apart = max(found.gap, 1) / of.trajectories.rate
     return Join(**found._asdict(), speed_mm_s=found.off_mm / apart)
-
-
-def _differs(before: Trajectories, after: Trajectories, names: Sequence[str]) -> tuple[int, int]:
-    """First frame and last-plus-one, from 0, in which any of these markers has other samples."""
-    old = {path.name: path for path in before}
-    differs = np.zeros(after.n_frames, bool)
-    for name in names:
-        new = after[name].xyz
-        was = old[name].xyz if name in old else np.full_like(new, np.nan)
-        differs |= ~((new == was) | (np.isnan(new) & np.isnan(was))).all(1)
-    at = np.flatnonzero(differs)
-    return (int(at[0]), int(at[-1]) + 1) if len(at) else (0, 0)

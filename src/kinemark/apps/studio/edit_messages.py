@@ -99,6 +99,15 @@ class PathsPart(Message):
     origin: str
 
 
+class ChangedPaths(PathsPart):
+    """Trajectories that an act changed, in the frames in which they differ from `bases`.
+
+    A base is the name of a trajectory as it was before the act; where that is empty, it has no sample in other frames.
+    """
+
+    bases: list[str]
+
+
 class ActDone(Message):
     """An act that stands in the journal: what changed since the head that the page had seen.
 
@@ -110,7 +119,7 @@ class ActDone(Message):
     head: str
     changed: list[str] = Field(description="Trajectories that are new or have other samples.")
     removed: list[str]
-    paths: PathsPart | None = None
+    paths: ChangedPaths | None = None
     header: TrialHeader
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from ...data.edits import BEST, OPEN, GapChoice, is_named
+from ...edit import Edited
 from ...engine.last_fill import last_filled
 from ...fill import LIMIT, Filled, FilledGap
 from ...fill.prepared import GapFill
@@ -139,6 +140,13 @@ def chosen_fills(document: OpenDocument, names: Collection[str] | None = None) -
             paths[gap.path.name] = _with(paths[gap.path.name], gap, fill.xyz, fill.cov)
     work.ask_chosen(document, unknown)
     return replace(now, paths=tuple(paths[path.name] for path in now)), bool(unknown)
+
+
+def may_show_fills(document: OpenDocument, of: Edited, names: Collection[str]) -> bool:
+    """Whether some of these markers have gaps of which fills may be shown: chosen, or of the last run."""
+    chosen = {choice.marker for choice in of.choices}
+    some = [path for path in of.trajectories if path.name in names and path.gaps]
+    return any(path.name in chosen for path in some) or (bool(some) and _last(document) is not None)
 
 
 def _as_run_before(document: OpenDocument, now: Trajectories) -> dict[str, MarkerTrajectory]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...data import Camera, KinemarkError, MarkerSet, Rig
+from ...data import Camera, KinemarkError, MarkerSet, MarkerTrajectory, Rig
 from ...data.edits import Signed, counting, is_named, live
 from ...data.marker_sides import one_sided, sides_by_name
 from ...engine.journal import last_undo
@@ -30,6 +30,8 @@ def header(document: OpenDocument, mosaic: Mosaic | None) -> TrialHeader:
     editing, text, trial = document.editing, document.text, document.trial
     trajectories, rig = document.now.trajectories, editing.rig
     start, (low, stop) = trajectories.first_frame, document.now.kept
+    tracks = _tracks(document)
+    there = _there(tracks)
     return TrialHeader(
         id=document.place.id,
         name=editing.name,
@@ -38,13 +40,13 @@ def header(document: OpenDocument, mosaic: Mosaic | None) -> TrialHeader:
         rate=trajectories.rate,
         first_frame=start,
         n_frames=trajectories.n_frames,
-        tracks=_tracks(document),
+        tracks=tracks,
         cameras=[] if rig is None else [camera_row(camera) for camera in rig],
         volume=_volume(rig),
         up=_up(document),
         marker_set=None if document.marker_set is None else _marker_set(document.marker_set),
-        pairs=pairs_of(document),
-        one_sided=_one_sided(document),
+        pairs=_pairs(document, there),
+        one_sided=_one_sided(document, there),
         events=_events(document),
         trim=(low + start, stop - 1 + start),
         named_only=document.now.named_only,
@@ -76,63 +78,61 @@ def _next_redo(text: JournalText) -> int | None:
 
 def _tracks(document: OpenDocument) -> list[TrackRow]:
     """A row for each trajectory, with what automatic labelling thinks of its name."""
-    names = document.records["label"].figures["markers"] if "label" in document.records else []
-    sure = {one["name"]: one for one in names}
-    start, computed = document.now.trajectories.first_frame, document.editing.computed
-    rows = []
-    for path in document.now.trajectories:
-        first, last, n = _samples(document, path)
-        one: dict[str, Any] = sure.get(path.name, {})
-        rows.append(
-            TrackRow(
-                name=path.name,
-                named=is_named(path.name),
-                first=first + start if n else None,
-                last=last + start if n else None,
-                samples=n,
-                probability=one.get("probability"),
-                runner_up=one.get("runner_up"),
-                computed=path.name in computed,
-            )
+    return [_track(document, path) for path in document.now.trajectories]
+
+
+def _track(document: OpenDocument, path: MarkerTrajectory) -> TrackRow:
+    """Of a trajectory, made once for each record."""
+    known = document.blobs.setdefault(id(path), (path, {}))[1]
+    if "row" not in known:
+        start, (first, last, n) = document.now.trajectories.first_frame, samples(path)
+        one = _likely(document).get(path.name, {})
+        known["row"] = TrackRow(
+            name=path.name,
+            named=is_named(path.name),
+            first=first + start if n else None,
+            last=last + start if n else None,
+            samples=n,
+            probability=one.get("probability"),
+            runner_up=one.get("runner_up"),
+            computed=path.name in document.editing.computed,
         )
-    return rows
+    found: TrackRow = known["row"]
+    return found
+
+
+def _likely(document: OpenDocument) -> dict[str, dict[str, Any]]:
+    """What automatic labelling says of each name."""
+    names = document.records["label"].figures["markers"] if "label" in document.records else []
+    return {one["name"]: one for one in names}
 
 
 def pairs_of(document: OpenDocument) -> list[tuple[str, str]]:
     """Left and right markers that are both there: as the marker set pairs them, else as they are called."""
-    there = _there(document)
+    return _pairs(document, _there(_tracks(document)))
+
+
+def _pairs(document: OpenDocument, there: tuple[str, ...]) -> list[tuple[str, str]]:
     if document.marker_set is not None:
         return [pair for pair in document.marker_set.pairs if set(there).issuperset(pair)]
     return list(_called_alike(there))
 
 
-def _one_sided(document: OpenDocument) -> list[str]:
+def _one_sided(document: OpenDocument, there: tuple[str, ...]) -> list[str]:
     """Markers of a side of which the other is not there."""
-    there = _there(document)
     if document.marker_set is not None:
         return [name for pair in document.marker_set.pairs if len(own := {*pair} & {*there}) == 1 for name in own]
     return list(_alone(there))
 
 
-def _there(document: OpenDocument) -> tuple[str, ...]:
+def _there(rows: list[TrackRow]) -> tuple[str, ...]:
     """Names of the markers that have samples."""
-    away = document.editing.computed
-    seen = (path for path in document.now.trajectories if is_named(path.name) and path.name not in away)
-    return tuple(path.name for path in seen if _samples(document, path)[2])
+    return tuple(row.name for row in rows if row.samples and row.named and not row.computed)
 
 
 _called_alike = lru_cache(maxsize=8)(sides_by_name)
 _alone = lru_cache(maxsize=8)(one_sided)
 """Worked out once, as the header is made anew at every act."""
-
-
-def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:
-    """Of a trajectory, counted once for each record."""
-    known = document.blobs.setdefault(id(path), (path, {}))[1]
-    if "samples" not in known:
-        known["samples"] = samples(path)
-    found: tuple[int, int, int] = known["samples"]
-    return found
 
 
 def camera_row(camera: Camera) -> CameraRow:

@@ -72,7 +72,8 @@ TRIAL_KINDS = (
     Kind("camera_moved", "track", "amber", "A camera's images fit no track any more in these frames, as they "
          "do else."),
     Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
-         "where that began within the recording.", {"offset_u_px": "px", "offset_v_px": "px"}),
+         "where that began within the recording; left_out where it lies so far beside that none of them was used.",
+         {"offset_u_px": "px", "offset_v_px": "px", "left_out": "flag"}),
     Kind("calibration_off", "track", "amber", "The images of most cameras lie beside where the others expect them, by "
          "offset_px in the median camera.", {"offset_px": "px"}),
     Kind("camera_takes_place_of_other", "track", "amber", "The first camera sees what the second should see.",

@@ -157,7 +157,7 @@ def _shifted(found: Finding) -> str:
     offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.1f") for axis in "uv")
     return fill(
         f"The images of {{cameras}} lie ({offset})\u00a0px beside where the other cameras expect them{since}.", found
-    )
+    ) + _left_out(found)
 
 
 def _other(found: Finding) -> str:

@@ -61,7 +61,8 @@ def track_simultaneously(
     """Tracks of all markers, their points by the `errors` of images, and how they came about.
 
     A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`), or of all where it
-    fits them nowhere (`misfitting_cameras`). Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all.
+    fits them nowhere (`misfitting_cameras`). Points farther than `volume_margin` mm outside the rig's volume, where it
+    has one, are left out and listed; None keeps all.
     """
     suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
     while True:

@@ -80,7 +80,7 @@ def beside_tracks(tracks: Tracks, images: Images) -> list[int]:
 
 
 def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
-    """(2) px by which the images of a camera lie beside the points; NaN where they lie nowhere; None where they fit (2).
+    """(2) px by which a camera's images lie beside the points; NaN where they lie nowhere; None where they fit, by (2).
 
     Args:
         c: the camera. tracks: of the other cameras. images: of all cameras.

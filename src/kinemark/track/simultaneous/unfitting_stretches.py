@@ -102,7 +102,8 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     by_part = [np.stack(each) for each in zip(*found, strict=True)]
     lost = _lost(*by_part)
     runs = [Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in true_runs_of_rows(lost)]
-    whole = misfitting(*(each.sum(0) for each in by_part), np.flatnonzero(~lost.any(1)))
+    in_all, chance, possible = (each.sum(0) for each in by_part)
+    whole = misfitting(in_all, chance, possible, np.flatnonzero(~lost.any(1)))
     return tuple(sorted([*runs, *(Stretch(c, 0, n) for c in whole)]))
 
 

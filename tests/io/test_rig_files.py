@@ -109,7 +109,8 @@ def test_an_edited_rotation_counts(tmp_path):
         ("600.0, 0.0, 319.5", "0.0, 0.0, 319.5", "K must be finite"),
         ('"left"', '"int_right"', "names must differ"),
         ('"left"', '"left', "not valid TOML"),
-        ("matrix", "intrinsic", "has 0 cameras"),
+        ("matrix", "intrinsic", r"\[cam_0\]: matrix is 'absent'"),
+        ("matrix = [ [ 600.0, 0.0, 319.5,], [ 0.0, 610.0, 239.5,], [ 0.0, 0.0, 1.0,],]\n", "", r"\[cam_0\]: matrix is"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path, old, new, says):

@@ -1,7 +1,8 @@
-"""Whether the images of a trial count their pixels along other axes than the calibration does.
+"""Whether the images of a trial count their pixels otherwise than the calibration does.
 
-Some programs count v from the bottom of an image, others name the row before the column. Nothing then agrees: rays
-pass each other, and what meets, meets by chance. Where little of what the cameras saw became part of a point on three
+Some programs count v from the bottom of an image, others name the row before the column, and images may be recorded,
+or saved, at half or twice the size that was calibrated. Nothing then agrees: rays pass each other, and what meets, meets
+by chance. Where little of what the cameras saw became part of a point on three
 of them, the other ways to count are tried on some frames, and the way is named by which most then does.
 """
 
@@ -32,6 +33,8 @@ WAYS: dict[str, Callable[[Floats, Floats], Floats]] = {
     "u_left": lambda uv, size: np.stack([size[0] - 1 - uv[:, 0], uv[:, 1]], -1),
     "turned": lambda uv, size: size - 1 - uv,
     "exchanged": lambda uv, size: uv[:, ::-1],
+    "half_size": lambda uv, size: 2 * uv + 0.5,
+    "double_size": lambda uv, size: uv / 2 - 0.25,
 }
 """Pixels (n, 2) as the calibration counts them, in an image of size (2) px, by how they are counted; by definition."""
 

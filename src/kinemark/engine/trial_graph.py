@@ -50,6 +50,7 @@ from .edit_stage import cropped_fill, edit_stage, unreviewed, with_edits
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
+from .length_unit import length_unit
 from .naming import FILES, Earlier, NamedTracks, load_named, save_named
 from .naming.claims import claims_of
 from .naming.label_stage import given_of, name_trial, static_of
@@ -227,6 +228,7 @@ def _cameras(inputs: TrialInputs, detections: Detections, cloud: Cloud) -> Itera
     how: dict[str, Any] = {"matching": inputs.settings.match, "placing": inputs.settings.reconstruct}
     yield from swapped_cameras(detections, inputs.rig, cloud, **how)  # a mirrored ring is one with cameras swapped
     yield from pixel_axes(detections, inputs.rig, cloud, **how)
+    yield from length_unit(detections, inputs.rig, cloud)
 
 
 def _of_stages(inputs: TrialInputs, records: Records, detections: Detections, tracked: Tracked) -> Iterator[Finding]:

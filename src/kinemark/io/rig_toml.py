@@ -23,6 +23,7 @@ from .number_text import read_text
 from .units import CALLERS, USUAL_UNITS, mm_per
 
 NOT_CAMERAS = ("metadata", "kinemark")
+OF_CAMERAS = ("matrix", "rotation", "translation")
 SAME_TURN = 1e-9  # of a rotation's entries; closer, the file's angles are of this matrix; conventional: rounding
 LARGEST = 1e100  # what may be squared without overflow; chosen
 MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
@@ -46,7 +47,8 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"{path} is not valid TOML: {error}. Correct that line.") from error
     metadata, ours = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
-    tables = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS and "matrix" in v}
+    own = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS}
+    tables = {k: v for k, v in own.items() if any(key in v for key in OF_CAMERAS)}  # one that lacks some is told below
     if not 0 < len(tables) <= MOST_CAMERAS:
         raise KinemarkError(
             f"{path} has {len(tables)} cameras, wanted tables with `matrix`, `rotation`, `translation`."

@@ -80,6 +80,8 @@ COUNTED = {
     "u_left": "u is counted from the right of the images",
     "turned": "pixels are counted from the bottom right corner of the images",
     "exchanged": "u and v are exchanged",
+    "half_size": "the images have half the size of those that were calibrated",
+    "double_size": "the images have twice the size of those that were calibrated",
 }
 
 
@@ -87,6 +89,15 @@ def _pixel_axes(found: Finding) -> str:
     way = COUNTED.get(str(found.values["way"]), "pixels are counted along other axes than the calibration's")
     return f"It seems that {way}" + fill(
         ": so {other_share} of what a camera saw agrees with two more cameras, and {as_is_share} as it is.", found
+    )
+
+
+def _scale(found: Finding) -> str:
+    wide = " and are {marker_mm:1} wide" if found.values["marker_mm"] is not None else ""
+    return fill(
+        "By the calibration's unit of length the markers are {distance_mm:0} from the cameras, lie within "
+        f"{{extent_mm:0}} of each other{wide}.",
+        found,
     )
 
 
@@ -157,7 +168,7 @@ def _shifted(found: Finding) -> str:
     offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.1f") for axis in "uv")
     return fill(
         f"The images of {{cameras}} lie ({offset})\u00a0px beside where the other cameras expect them{since}.", found
-    )
+    ) + _left_out(found)
 
 
 def _other(found: Finding) -> str:
@@ -245,6 +256,11 @@ TRIAL_WORDS = {
         "another one.",
         "Correct length_unit in [calibration], or the lengths that calibrated: all positions are as wrong.",
     ),
+    "length_unit_doubtful": Words(
+        _scale,
+        "If a whole person was recorded, the calibration has another unit of length: correct length_unit in "
+        "[calibration], or units in its file. If it was a hand or a face, all is well.",
+    ),
     "pixels_not_square": Words(
         "The pixels of {cameras} would not be square by this calibration.",
         "Check the coordinates of the control points, unless the sensor has such pixels.",
@@ -267,7 +283,9 @@ TRIAL_WORDS = {
         "All else was read. Export the recording again where these parts are wanted.",
     ),
     "pixel_axes_differ": Words(
-        _pixel_axes, "Write the points with pixel 0, 0 in the top left corner, u to the right and v downwards."
+        _pixel_axes,
+        "Write the points with pixel 0, 0 in the top left corner, u to the right and v downwards, and in the size of "
+        "image that was calibrated.",
     ),
     "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
     "camera_out_of_sync": Words(

@@ -26,10 +26,11 @@ import numpy as np
 from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
-from .detection_index import Images
+from .detection_index import Images, read_images
 from .initiate import LEAST_FRAMES
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
+from .misfitting_cameras import image_offset
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
 from .tracker import CameraTimes, TrackingResult
 
@@ -60,11 +61,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
-    lost = {
-        c: [make_finding("camera_moved", cameras=[rig.names[c]], frames=[(s.first, s.stop - 1) for s in own])]
-        for c in range(len(rig))
-        if (own := [s for s in result.unfitting if s.camera == c])
-    }
+    lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
     for c, name in enumerate(rig.names):
         most = max(MIN_SHIFT, STANDS_OUT * _median(np.delete(usual, c)))  # (9)
         found += (
@@ -75,10 +72,24 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
             or _in_no_track(result, c, name)
         )
     found += _calibration_off(rig, usual, late)
-    found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
+    told = {*lost, *np.flatnonzero(detections.counts.sum(1) == 0).tolist()}
+    found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist() if c not in told]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):
         return [*found, make_finding("too_few_frames", frame_count=detections.n_frames, least=LEAST_FRAMES)]
     return found + _learned_delays(rig, result) + _too_fast(result, detections.rate)
+
+
+def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) -> list[Finding]:
+    """About a camera that was left out as it fits the others in some frames, or in none."""
+    own, name = [one for one in result.unfitting if one.camera == c], rig.names[c]
+    if not own[0].whole(detections.n_frames):
+        return [make_finding("camera_moved", cameras=[name], frames=[(one.first, one.stop - 1) for one in own])]
+    images = read_images(detections, rig)
+    offset = image_offset(c, result.tracks, images)
+    if offset is None or np.isnan(offset).any():
+        return [_inconsistent_camera(result._replace(images=images), rig, c)]
+    u, v = offset
+    return [make_finding("camera_shifted", cameras=[name], offset_u_px=u, offset_v_px=v, left_out=True)]
 
 
 def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
@@ -192,7 +203,8 @@ def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: floa
         return []
     began = [] if whole else [(parts.first[wrong[0]], end)]
     u, v = np.nanmedian(parts.off[wrong], axis=0)
-    return [make_finding("camera_shifted", cameras=[name], frames=began, offset_u_px=u, offset_v_px=v)]
+    offset = {"offset_u_px": u, "offset_v_px": v}
+    return [make_finding("camera_shifted", cameras=[name], frames=began, **offset, left_out=False)]
 
 
 def _stepped(off: Floats, k: int, most: float) -> bool:

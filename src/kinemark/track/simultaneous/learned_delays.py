@@ -21,10 +21,11 @@ from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
 from .detection_index import Images
+from .misfitting_cameras import beside_tracks
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, TrackingResult, track_once
-from .unfitting_stretches import is_lost, unfitting_stretches, without_stretches
+from .unfitting_stretches import Stretch, is_lost, unfitting_stretches, without_stretches
 
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
@@ -59,18 +60,19 @@ def track_simultaneously(
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about.
 
-    A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`). Points
-    farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all.
+    A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`), or of all where it
+    fits them nowhere (`misfitting_cameras`). Points farther than `volume_margin` mm outside the rig's volume, where it
+    has one, are left out and listed; None keeps all.
     """
-    stretches = unfitting_stretches(detections, rig)
-    while stretches:
-        kept = without_stretches(detections, stretches)
-        result = _with_delays(kept, rig, method, errors, volume_margin)
-        sure = tuple(one for one in stretches if is_lost(one, result.tracks.cloud, detections, rig))
-        if sure == stretches:
-            return result._replace(unfitting=stretches)
-        stretches = sure
-    return _with_delays(detections, rig, method, errors, volume_margin)
+    suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
+    while True:
+        result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)
+        tried |= {*suspected}
+        sure = tuple(one for one in suspected if is_lost(one, result.tracks, detections, rig))
+        beside = {Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)} - tried
+        if sure == suspected and not beside:
+            return result._replace(unfitting=suspected)
+        suspected = sure if sure != suspected else tuple(sorted({*sure, *beside}))
 
 
 def _with_delays(

@@ -55,11 +55,13 @@ def of_tracks(
     working = working._replace(images=working.images.unplaced()) if aside else working
     moved, noise = with_noise(read_images(detections, rig, images.timing, other=images), method)
     moved = moved.noisier(-excess(cloud.detection.T, moved))
-    if np.median(moved.variance) > OF_TRACKS_RATIO * np.median(working.images.variance):
+    usable = working.images.usable
+    if np.median(moved.variance[usable]) > OF_TRACKS_RATIO * np.median(working.images.variance[usable]):
         del moved
         images = working.images.placed(detections, working.rig, order, first) if aside else working.images
         return working._replace(images=images), False
     del working
-    usual = [np.median(own) if len(own := moved.variance[moved.camera == c]) else 0.0 for c in range(len(rig))]
+    of_camera = [moved.variance[usable & (moved.camera == c)] for c in range(len(rig))]
+    usual = [np.median(own) if len(own) else 0.0 for own in of_camera]
     moved = moved.noisier((HEAVY_TAILS - 1) * np.array(usual))
     return Working(rig, moved.without(noise.inconsistent), noise), True

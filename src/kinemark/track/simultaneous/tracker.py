@@ -306,12 +306,13 @@ def _working(
     Cameras whose images fit nothing are left out.
     """
     given = Working(rig, images.without(noise.inconsistent), noise)
-    if not len(images.by_cell.order) or (images.stated and not noise.added.any()):
+    if not given.images.usable.any() or (images.stated and not noise.added.any()):
         return given, None  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted, images.timing, other=images)
     moved, left = with_noise(moved, method)
-    if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
+    usable = given.images.usable
+    if np.median(moved.variance[usable]) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance[usable]):
         return given, None
     working = Working(adjusted, moved.without(left.inconsistent), left)
     by_given, seen = (in_windows(one.images, detections.rate, method) for one in (given, working))

@@ -15,7 +15,7 @@ Who leaves the view of two cameras by two sides takes their pairs along. So all 
 lost where it has no image near the points that the others then show, though elsewhere it has of so many that this is no
 chance (3).
 
-Cameras that do not fit in the whole recording are `measurement_noise`'s.
+Who does not fit in the whole recording has no best parts (`misfitting_cameras`).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Cloud, Detections, Rig
+from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.detections import Validity
 from ...numerics.runs import true_runs, true_runs_of_rows
@@ -35,6 +35,7 @@ from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .epipolar_noise import WINDOW, pair_of, residuals
 from .kalman_states import KalmanStates
+from .misfitting_cameras import image_offset, misfitting
 
 PARTS = 20
 """Into which a recording is cut; chosen: what is left of a part in which a camera was bumped is a twentieth."""
@@ -79,6 +80,10 @@ class Stretch(NamedTuple):
     first: int
     stop: int
 
+    def whole(self, n_frames: int) -> bool:
+        """Whether it is all of a recording of so many frames."""
+        return self.first == 0 and self.stop == n_frames
+
 
 def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]:
     """Where cameras fit the others no more, by camera and time.
@@ -94,8 +99,12 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     images = read_images(detections, rig)
     F = fundamentals(images.P)
     found = [_fit(images, F, detections, range(a, b)) for a, b in pairwise(edges)]
-    runs = true_runs_of_rows(_lost(*(np.stack(each) for each in zip(*found, strict=True))))
-    return tuple(Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in runs)
+    by_part = [np.stack(each) for each in zip(*found, strict=True)]
+    lost = _lost(*by_part)
+    runs = [Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in true_runs_of_rows(lost)]
+    in_all, chance, possible = (each.sum(0) for each in by_part)
+    whole = misfitting(in_all, chance, possible, np.flatnonzero(~lost.any(1)))
+    return tuple(sorted([*runs, *(Stretch(c, 0, n) for c in whole)]))
 
 
 def without_stretches(detections: Detections, stretches: tuple[Stretch, ...]) -> Detections:
@@ -108,13 +117,15 @@ def without_stretches(detections: Detections, stretches: tuple[Stretch, ...]) ->
     return replace(detections, validity=validity)
 
 
-def is_lost(stretch: Stretch, cloud: Cloud, detections: Detections, rig: Rig) -> bool:
+def is_lost(stretch: Stretch, tracks: Tracks, detections: Detections, rig: Rig) -> bool:
     """Whether the camera lacks images in a stretch where points of the others are, more than in other frames (3).
 
     Args:
-        stretch: in question. cloud: points that were tracked without it. detections, rig: of all cameras.
+        stretch: in question. tracks: without it. detections, rig: of all cameras.
     """
-    images, c = read_images(detections, rig), stretch.camera
+    images, c, cloud = read_images(detections, rig), stretch.camera, tracks.cloud
+    if stretch.whole(detections.n_frames):
+        return image_offset(c, tracks, images) is not None
     uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
     middle = np.abs(uv / images.size[c] - 0.5) < 0.5 - EDGE
     inside = middle.all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)

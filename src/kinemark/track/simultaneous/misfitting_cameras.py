@@ -1,0 +1,128 @@
+"""Cameras whose images fit no other's in the whole recording: bumped, of another calibration, or of other times.
+
+With n of the pairs of images of one marker and # of those that there might be (`unfitting_stretches` (1)), camera c is
+suspected where
+
+    Q_c = Σ_s n_cs / Σ_s #_cs  is less than MISFIT of what it is of the other cameras among themselves     (1)
+
+Who sees a side of the subject that no other camera sees has a small Q_c as well. So all is tracked without the camera.
+Then S(d) is the share of the points in its view that have an image at d px from where they should, within a box. Images
+of these markers make a peak of S where they lie, those of others a floor all over. With S' the highest of S farther
+than BESIDE from 0, and S'' the next that is as far from that, the camera lies beside by the d of S', or nowhere, where
+
+    S' > STANDS_OUT · max(S'', S(0)),   or   S(0) < STANDS_OUT · S' < STANDS_OUT² · S''                    (2)
+
+As images that are up to a frame late or early are where the points were or will be, S(0) is the highest at such times:
+delays are learned. A camera that was bumped along the lines of the others has a high Q_c, and is suspected where it
+lies beside by (2) of the tracks that its own images have led astray.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from ...data import Tracks
+from ...data.array_types import Bools, Floats, Ints
+from .associate import predict_images
+from .detection_index import Images
+from .kalman_states import KalmanStates
+
+MISFIT = 0.45
+"""Of (1); chosen on scenes 160000 to 160059 of the second generator: 26 good rigs had 0.59 and more, of cameras that
+were bumped by 12 px 23 had -0.15 to 0.32, those bumped along the lines of others 0.6 to 0.8."""
+SURE = 5.0
+"""Standard deviations of chance that n of the other cameras must be; chosen."""
+STEP, MIDDLE = 2.0, 30
+"""px between the d that are looked at, chosen: a box of three by three holds the images of one marker; and how many
+there are to either side, chosen: by a turn of some 3°."""
+BESIDE = 5.0
+"""px in either axis, up to which boxes are one peak; chosen: boxes that overlap less than a third."""
+STANDS_OUT = 2.0
+"""Of (2); chosen on scenes 160000 to 160029: S(0) of good cameras was 2.8 to 98 times S', of bumped ones 0.0 to 0.2."""
+TIMES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Frames, at which S(0) is looked for; chosen: what `learned_delays` can learn."""
+LEAST_POINTS, LEAST_MARKERS, MOST_POINTS = 100, 5, 5000
+"""Points in view, and tracks, from which on S tells, chosen: of one marker that hides, another's image is beside; and
+points that are looked at, chosen: more say the same."""
+
+
+def misfitting(n: Floats, chance: Floats, possible: Floats, left: Ints) -> list[int]:
+    """Of cameras that are left those by (1), each time the one without which the others agree best.
+
+    Args:
+        n, chance, possible: (C, C) n, its variance by chance and # in the whole recording.
+    """
+    found = list[int]()
+    while len(left) > 2:
+        agreeing = {c: _agreement(c, left[left != c].tolist(), n, chance, possible) for c in left.tolist()}
+        suspected = [c for c, (own, others) in agreeing.items() if own < MISFIT * others]
+        if not suspected:
+            break
+        found.append(max(suspected, key=lambda c: agreeing[c][1]))
+        left = left[left != found[-1]]
+    return found
+
+
+def _agreement(c: int, others: list[int], n: Floats, chance: Floats, possible: Floats) -> tuple[float, float]:
+    """Q_c, and that of the others; 0 for both where these agree no better than by chance, or c sees nothing."""
+    own, rest = possible[c, others].sum(), np.ix_(others, others)
+    if not own or n[rest].sum() <= SURE * np.sqrt(chance[rest].sum()):
+        return 0.0, 0.0
+    return float(n[c, others].sum() / own), float(n[rest].sum() / possible[rest].sum())
+
+
+def beside_tracks(tracks: Tracks, images: Images) -> list[int]:
+    """Cameras whose images, many, lie beside the points of tracks that were made with them."""
+    C = len(images.P)
+    offsets = [image_offset(c, tracks, images) for c in range(C)] if C > 2 else []
+    return [c for c, offset in enumerate(offsets) if offset is not None and np.isfinite(offset).all()]
+
+
+def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
+    """(2) px by which a camera's images lie beside the points; NaN where they lie nowhere; None where they fit, by (2).
+
+    Args:
+        c: the camera. tracks: of the other cameras. images: of all cameras.
+    """
+    cloud = tracks.cloud
+    uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
+    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
+    if inside.sum() < LEAST_POINTS or len(np.unique(tracks.id[inside])) < LEAST_MARKERS:
+        return None
+    rows = np.flatnonzero(inside)
+    rows = rows[:: -(-len(rows) // MOST_POINTS)]
+    step, cell = _steps(tracks, uv)[rows], cloud.frame[rows] * len(images.P) + c
+    shares = _shares(images, cell, uv[rows])
+    here = max(_shares(images, cell, uv[rows] + t * step)[MIDDLE, MIDDLE] for t in TIMES)
+    beside = np.where(_around(shares, MIDDLE, MIDDLE), 0.0, shares)
+    u, v = (int(k) for k in np.unravel_index(int(beside.argmax()), shares.shape))
+    clear = beside[u, v] > STANDS_OUT * np.where(_around(beside, u, v), 0.0, beside).max()
+    if clear:
+        return STEP * (np.array([u, v]) - MIDDLE) if beside[u, v] > STANDS_OUT * here else None
+    return np.full(2, np.nan) if here < STANDS_OUT * beside[u, v] else None
+
+
+def _steps(tracks: Tracks, uv: Floats) -> Floats:
+    """(P, 2) px by which the points at uv (P, 2) go on to the next frame; 0 where a track ends."""
+    order = np.lexsort([tracks.cloud.frame, tracks.id])
+    a, b = order[:-1], order[1:]
+    on = (tracks.id[a] == tracks.id[b]) & (tracks.cloud.frame[a] + 1 == tracks.cloud.frame[b])
+    step = np.zeros_like(uv)
+    step[a[on]] = uv[b[on]] - uv[a[on]]
+    return step
+
+
+def _around(shares: Floats, u: int, v: int) -> Bools:
+    """Where in S (n, n) d is within BESIDE of a row and column, in both axes."""
+    place = STEP * np.arange(len(shares))
+    return np.asarray((np.abs(place - place[u]) <= BESIDE)[:, None] & (np.abs(place - place[v]) <= BESIDE))
+
+
+def _shares(images: Images, cell: Ints, uv: Floats) -> Floats:
+    """S (n, n) of points at uv (P, 2) px in cells (P) of `Images`, d by rows u and columns v, 0 at MIDDLE."""
+    own, row = images.near(cell, uv[:, 0], np.full(len(uv), STEP * MIDDLE))
+    d = images.uv[row] - uv[own]
+    edges = STEP * (np.arange(2 * MIDDLE + 2) - MIDDLE - 0.5)
+    count = np.histogram2d(d[:, 0], d[:, 1], bins=(edges, edges))[0]
+    return np.asarray(scipy.ndimage.uniform_filter(count, 3, mode="constant") * 9 / max(len(uv), 1))

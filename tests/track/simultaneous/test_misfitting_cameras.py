@@ -1,0 +1,89 @@
+"""A camera whose images fit no other's in the whole trial is named and left out; a good one, or a late one, is not."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.data.detections import Validity
+from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.misfitting_cameras import beside_tracks, image_offset, misfitting
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from support.scenes import make, scene, tally
+
+BUMPED = {160030: 3, 160035: 0}
+"""Scenes of four cameras, and the camera that is bumped: 160030 along the epipolar lines of the others."""
+
+
+@cache
+def made(seed, frames=100):
+    """The first frames of a scene."""
+    whole = make(scene(seed))
+    columns = {name: getattr(whole, name)[:, :frames] for name in ("xyz", "own", "sd")}
+    return whole._replace(detections=whole.detections.frames(0, frames), **columns)
+
+
+def bumped(one, c, by):
+    own = one.detections.camera == c
+    return replace(one.detections, uv=one.detections.uv + own[:, None] * np.array(by))
+
+
+def later(detections, c, k):
+    """Camera c shows in each frame what it saw k frames before."""
+    start = detections.start.copy()
+    start[c, k + 1 : -1] = detections.start[c, 1 : len(start[c]) - 1 - k]
+    start[c, 1 : k + 1] = detections.start[c, 0]
+    return replace(detections, start=start)
+
+
+def masked(detections, c):
+    return replace(detections, validity=np.where(detections.camera == c, Validity.MASKED, detections.validity))
+
+
+@pytest.mark.parametrize(("seed", "by"), [(160030, (12.0, 0.0)), (160035, (9.0, -8.0))])
+def test_a_camera_bumped_in_the_whole_trial_is_named_and_left_out(seed, by):
+    one, c = made(seed), BUMPED[seed]
+    detections = bumped(one, c, by)
+    result = track_simultaneously(detections, one.rig, DEFAULT)
+    best = track_simultaneously(masked(one.detections, c), one.rig, DEFAULT)
+    found, wanted = (tally(one, r.tracks) for r in (result, best))
+    assert found.ghosts <= wanted.ghosts + 5  # 2299 and 209 with its images
+    assert found.two_found + found.more_found >= 0.995 * (wanted.two_found + wanted.more_found)
+    (told,) = [f for f in diagnose(detections, one.rig, result) if f.kind == "camera_shifted"]
+    assert told.cameras == (one.rig.names[c],) and told.frames == () and told.values["left_out"]
+    offset = told.values["offset_u_px"], told.values["offset_v_px"]
+    np.testing.assert_allclose(offset, by, atol=2.0)
+
+
+def test_good_cameras_are_not_suspected():
+    one = made(160035)
+    result = track_simultaneously(one.detections, one.rig, DEFAULT)
+    assert result.unfitting == () and beside_tracks(result.tracks, result.images) == []
+    assert not [f for f in diagnose(one.detections, one.rig, result) if f.kind == "camera_fits_nothing"]
+
+
+def test_images_that_are_a_frame_late_are_not_beside_and_those_that_are_five_late_are():
+    one, c = made(160021, 60), 2  # a walk at 25 Hz
+    tracks = track_simultaneously(masked(one.detections, c), one.rig, DEFAULT).tracks
+    offsets = [image_offset(c, tracks, read_images(later(one.detections, c, k), one.rig)) for k in (0, 1, 5)]
+    assert offsets[0] is None and offsets[1] is None and offsets[2] is not None
+
+
+def test_the_camera_without_which_the_others_agree_best_is_the_one():
+    possible = 100.0 * (1 - np.eye(4))
+    good = np.array([[0, 60, 8, 60], [60, 0, 15, 60], [8, 15, 0, 3], [60, 60, 3, 0.0]])
+    assert misfitting(good, 0 * good + 1, possible, np.arange(4)) == [2]
+    few = good.copy()  # camera 3 sees little with cameras 0 and 1, and is good
+    few[3, :2] = few[:2, 3] = 12
+    assert misfitting(few, 0 * few + 1, possible, np.arange(4))[0] == 2
+    assert misfitting(0 * good, 0 * good + 1, possible, np.arange(4)) == []
+
+
+def test_detections_that_are_not_valid_change_nothing():
+    one = made(160004, 60)  # whose rig is adjusted to its tracks
+    without = one.detections.keep(one.detections.camera != 3)
+    a, b = (track_simultaneously(each, one.rig, DEFAULT).tracks for each in (without, masked(one.detections, 3)))
+    np.testing.assert_array_equal(a.cloud.xyz, b.cloud.xyz)
+    np.testing.assert_array_equal(a.id, b.id)

@@ -15,7 +15,7 @@ from ..findings.gait import GaitOfTrial, gait_figures
 from ..gait.clusters import Clusters
 from ..io.c3d import write_c3d
 from ..io.files import replacing
-from ..io.gait_csv import write_curves_csv, write_time_distance_csv
+from ..io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
 from ..io.gait_reference import read_reference
 from ..io.measures_toml import read_measures
 from ..io.notes import FileNote, read_notes
@@ -150,7 +150,8 @@ def _written(
         notes += read_notes(walk.given.notes)
         notes += write_c3d(folder / f"{walk.name}_gait.c3d", with_gait(walk, one))
     write_curves_csv(folder / "curves.csv", found.curves)
-    write_time_distance_csv(folder / "time_distance.csv", [stride for one in found.trials for stride in one.strides])
+    write_time_distance_csv(folder / "time_distance.csv", {one.name: one.strides for one in found.trials})
+    write_key_values_csv(folder / "key_values.csv", {one.name: one.keys for one in found.trials})
     with replacing(folder / FIGURES) as beside:
         beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     write_gait_page(

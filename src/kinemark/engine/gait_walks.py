@@ -22,6 +22,7 @@ from ..gait.foot_events import foot_events
 from ..gait.functional_hip import functional_hip, with_hips_of
 from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
+from ..gait.key_values import key_values
 from ..gait.lower_limb import check_markers, lower_limbs
 from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels, with_landmarks
 from ..gait.static_axes import with_knees
@@ -230,6 +231,7 @@ def subject_gait(
         causes = causes or own
     told = with_counts([one.strides for one in trials])
     trials = [one._replace(strides=strides) for one, strides in zip(trials, told, strict=True)]
+    trials = [one._replace(keys=key_values(one.gait.signals, one.counted)) for one in trials]
     whole = _whole(trials, settings, mvc)
     each = [(*gait_curves(one.gait.signals, one.counted), *emg_curves(one.emg, one.counted, whole=whole))
             for one in trials]  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Events, Finding, make_finding
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves, GaitReference
+from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
@@ -22,7 +22,7 @@ from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
-from .gait_numbers import averages_of, curve, harmonics, measures_of, profile, uncertainty_by_cause, ways_walked
+from .gait_numbers import averages_of, curve, harmonics, key_values, measures_of, profile, uncertainty_by_cause, ways_walked
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -48,6 +48,7 @@ class GaitOfTrial(NamedTuple):
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
         way: "level", "running" or "stairs". first_frame: its number in the recording. floor: how it moves.
+        keys: key values of its strides that count.
     """
 
     name: str
@@ -60,6 +61,7 @@ class GaitOfTrial(NamedTuple):
     way: str = "level"
     first_frame: int = 1
     floor: Floor = STILL
+    keys: tuple[KeyValue, ...] = ()
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -150,6 +152,7 @@ def gait_figures(
         "method": method,
         "measures": measures_of(measures),
         "time_distance": {side: averages_of(strides, side) for side in SIDES},
+        "key_values": key_values([key for trial in trials for key in trial.keys]),
         "ways": ways_walked(strides),
         "units": UNITS,
         "curves": [curve(one) for one in curves],

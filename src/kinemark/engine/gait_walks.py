@@ -12,6 +12,7 @@ from ..data import Events, KinemarkError, Signals, Trial
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
 from ..data.marker_sides import without_subject
+from ..data.model_markers import MODEL_MARKERS
 from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
@@ -24,6 +25,7 @@ from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ..gait.key_values import key_values
 from ..gait.lower_limb import check_markers, lower_limbs
+from ..gait.marker_leaps import marker_leaps
 from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels, with_landmarks
 from ..gait.static_axes import with_knees
 from ..gait.static_checks import static_doubts
@@ -46,13 +48,14 @@ class Recorded:
 
     Attributes:
         name: of the file, without its ending. given: as it was read. standard: of it.
-        clusters: that a standing trial calibrates.
+        clusters: that a standing trial calibrates. by_names: segments of those that nobody stated.
     """
 
     name: str
     given: Trial
     standard: StandardTrial
     clusters: Clusters = field(default_factory=dict)
+    by_names: tuple[str, ...] = ()
 
     @property
     def trial(self) -> Trial:
@@ -255,7 +258,8 @@ def _shown(walks: Sequence[Recorded], static: Recorded | None, body: CalibratedB
         return None
     misfits = [body.misfit(walk.points) for walk in walks]
     worst = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
-    return ClustersShown(static.name, worst)
+    told = {segment: tuple(static.clusters[segment]) for segment in static.by_names}
+    return ClustersShown(static.name, worst, told)
 
 
 def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | None) -> dict[str, float]:
@@ -305,9 +309,11 @@ def gait_of_trial(
     steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
+    leaps = marker_leaps(points, MODEL_MARKERS, rate=rate)
     return GaitOfTrial(
-        trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor
-    )
+        trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
+        leaps=leaps,
+    )  # fmt: skip
 
 
 def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:

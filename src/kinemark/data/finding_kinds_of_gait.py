@@ -34,8 +34,8 @@ GAIT_KINDS = (
          {"trial": "text", "side": "text", "what": "text", "by_mm": "mm", "by_share": "share", "by_deg": "deg"}),
     Kind("gait_clusters", "gait", "info", "Clusters of markers, calibrated in the static trial, carry segments; RMS "
          "misfit of the worst.", {"trial": "text", "segments_list": "text", "misfit_mm": "mm"}),
-    Kind("gait_clusters_by_names", "gait", "info", "Clusters that nobody stated, taken by what markers are called, as left "
-         "thigh = L_FTC, LKNE, LKNM.", {"clusters_list": "text"}),
+    Kind("gait_clusters_by_names", "gait", "info", "Clusters that nobody stated, taken by what markers are called, as "
+         "left thigh = L_FTC, LKNE, LKNM.", {"clusters_list": "text"}),
     Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
          "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "

@@ -90,7 +90,8 @@ class KeyValue(NamedTuple):
     """One value of one stride.
 
     Attributes:
-        name: what it is, with its phase, without side. side: of the foot. first: s of the strike that begins the stride. unit: of value and sd.
+        name: what it is, with its phase, without side. side: of the foot.
+        first: s of the strike that begins the stride. unit: of value and sd.
         value: NaN where a part of the phase is missing. at: % of the stride where it is; NaN for means and ranges.
         sd: standard uncertainty of measurement; NaN of a range, whose ends share most of theirs.
     """

@@ -121,9 +121,7 @@ def _read(
     path: Path, markers: Mapping[str, str] | None, settings: GaitSettings, static: Recorded | None = None
 ) -> Recorded:
     """A file; markers that it does not have are missed where they are wanted."""
-    trial = read_trial(path)
-    like = static if static is not None and "pelvis" in static.clusters else None
-    return recorded(path.stem, trial, markers or {}, settings, like=like)
+    return recorded(path.stem, read_trial(path), markers or {}, settings, like=static)
 
 
 def _figures(

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..data import Events, KinemarkError, Signals, Trial
+from ..data import Events, KinemarkError, Origin, Signals, Trial
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
+from ..data.laboratory_axes import shows_up
 from ..data.marker_sides import without_subject
 from ..data.model_markers import MODEL_MARKERS
 from ..data.strides import FootEvent
@@ -112,17 +113,21 @@ def recorded(
     Args:
         name: of the file. trial: that it holds.
         markers: the trial's names by the model's, of those that are stated, with the subject's name or without it.
-        settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis.
+        settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis, or
+            where this trial does not show one.
 
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up; the message begins with the name.
     """
-    turn = None if like is None or settings.up != "auto" else like.standard.turn
     names = trial.trajectories.names
     plain = {without_subject(own): own for own in reversed(names)}
     there = {marker: full for marker, own in markers.items() if (full := own if own in names else plain.get(own))}
     try:
-        return Recorded(name, trial, standard_trial(trial, markers=there, up=settings.up, turn=turn))
+        found = standard_trial(trial, markers=there, up=settings.up)
+        stands = settings.up == "auto" and like is not None
+        if stands and ("pelvis" in like.clusters or not shows_up(marker_points(found.trial))):
+            found = standard_trial(trial, markers=there, turn=like.standard.turn)
+        return Recorded(name, trial, found)
     except KinemarkError as error:
         raise KinemarkError(f"{name}: {error}") from None
 
@@ -309,7 +314,8 @@ def gait_of_trial(
     steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
-    leaps = marker_leaps(points, MODEL_MARKERS, rate=rate)
+    worn = {without_subject(p.name) for p in trial.trajectories if (p.origin == Origin.MEASURED).any()}
+    leaps = marker_leaps(points, tuple(n for n in MODEL_MARKERS if n in worn), rate=rate)
     return GaitOfTrial(
         trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
         leaps=leaps,

@@ -24,7 +24,16 @@ from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
-from .gait_numbers import averages_of, curve, harmonics, key_values, measures_of, profile, uncertainty_by_cause, ways_walked
+from .gait_numbers import (
+    averages_of,
+    curve,
+    harmonics,
+    key_values,
+    measures_of,
+    profile,
+    uncertainty_by_cause,
+    ways_walked,
+)
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 

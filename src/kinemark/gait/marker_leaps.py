@@ -1,7 +1,7 @@
 """Markers that leap: what no body does, for a track went over to another marker, or was patched.
 
-The acceleration of a marker by three frames is a = |x₊ − 2x + x₋| f². In walks it stays below 70 m/s² at heel strike, and
-below 120 in runs; where a track leaps it is thousands, and moments follow it.
+The acceleration of a marker by three frames is a = |x₊ − 2x + x₋| f². In walks it stays below 70 m/s² at heel strike;
+where a track leaps it is thousands, and moments follow it.
 """
 
 from __future__ import annotations

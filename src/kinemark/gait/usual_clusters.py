@@ -30,6 +30,8 @@ OF_JOINT = {"thigh": ("KNE", INSIDE[0]), "shank": ("ANK", INSIDE[1])}
 def usual_clusters(walk: Collection[str], static: Collection[str], stated: Clusters) -> dict[str, tuple[str, ...]]:
     """Clusters by segment of thighs and shanks that the walk wants one for, by names; none of segments that have one.
 
+    The model's own markers at knee and ankle belong to a cluster only where it would be too small without them.
+
     Args:
         walk: names of markers, the model's own called as the model has them, that all walks have.
         static: the same of the standing trial, with wands (`with_wands`). stated: by whoever knows.
@@ -44,9 +46,10 @@ def usual_clusters(walk: Collection[str], static: Collection[str], stated: Clust
             wanted = lacking & set(landmarks_of(segment))
             if segment in stated or not wanted or not wanted <= set(static):
                 continue
-            joint = [LETTER[side] + name for name in OF_JOINT[part]]
-            own = [name for name in walk if name in static and name not in taken
-                   and (name in joint or any(w.side == side and re.fullmatch(pattern, w.word) for w in ways[name]))]  # fmt: skip
+            free = [name for name in walk if name in static and name not in taken]
+            own = [n for n in free if any(way.side == side and re.fullmatch(pattern, way.word) for way in ways[n])]
+            if len(own) < FEWEST:
+                own += [n for n in (LETTER[side] + name for name in OF_JOINT[part]) if n in free]
             if len(own) >= FEWEST:
                 found[segment] = tuple(own)
     return found

@@ -2,8 +2,8 @@
 
     curves.csv          percent, then for each component mean, spread between strides, SD of measurement:
                         LKneeAngles_flexion_deg, LKneeAngles_flexion_spread, LKneeAngles_flexion_sd
-    time_distance.csv   a row a stride: trial, side, first_s, last_s, then each parameter with its unit and its SD; where
-                        the pelvis faces, how far it turns, and whether the stride counts in means and curves (1)
+    time_distance.csv   a row a stride: trial, side, first_s, last_s, then each parameter with its unit and its SD;
+                        where the pelvis faces, how far it turns, and whether the stride counts in means and curves (1)
     key_values.csv      a row a value of a stride, of those that count: trial, side, first_s, name, unit, value, where
                         in the stride it is (at_percent), and the SD of measurement
 

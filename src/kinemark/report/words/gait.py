@@ -111,13 +111,13 @@ GAIT_WORDS = {
         "Give several walks together.",
     ),
     "gait_angles_with_gaps": Words(
-        "{cut} of {strides} {strides:stride|strides} of the {side} side {cut:has|have} angles with gaps, of {joints_list}: "
-        "{unknown_share:1} of the points of these curves are not there, for markers are missing.",
+        "{cut} of {strides} {strides:stride|strides} of the {side} side {cut:has|have} angles with gaps, of "
+        "{joints_list}: {unknown_share:1} of the points of these curves are not there, for markers are missing.",
         "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d; or in a session, [fill].",
     ),
     "gait_markers_leap": Words(
-        "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: angles, "
-        "moments and powers there follow them.",
+        "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: "
+        "angles, moments and powers there follow them.",
         "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
     ),
     "foot_offsets_unknown": Words(

@@ -124,8 +124,8 @@ def recorded(
     there = {marker: full for marker, own in markers.items() if (full := own if own in names else plain.get(own))}
     try:
         found = standard_trial(trial, markers=there, up=settings.up)
-        stands = settings.up == "auto" and like is not None
-        if stands and ("pelvis" in like.clusters or not shows_up(marker_points(found.trial))):
+        hidden = like is not None and ("pelvis" in like.clusters or not shows_up(marker_points(found.trial)))
+        if like is not None and hidden and settings.up == "auto":
             found = standard_trial(trial, markers=there, turn=like.standard.turn)
         return Recorded(name, trial, found)
     except KinemarkError as error:

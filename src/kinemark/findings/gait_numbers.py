@@ -68,8 +68,8 @@ def key_values(values: Sequence[KeyValue]) -> list[dict[str, Any]]:
     for name in (key.name for key in KEYS):
         own = [one for one in values if one.name == name and np.isfinite(one.value)]
         if own:
-            each = {side: _average([one for one in own if one.side == side]) for side in SIDES}
-            rows.append({"name": name, "unit": own[0].unit, **each})
+            row: dict[str, Any] = {"name": name, "unit": own[0].unit}
+            rows.append(row | {side: _average([one for one in own if one.side == side]) for side in SIDES})
     return rows
 
 

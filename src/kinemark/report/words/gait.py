@@ -191,7 +191,7 @@ GAIT_WORDS = {
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
-        "Lower the gain.",
+        "Lower the gain. Where most samples are cut off, an electrode is loose.",
     ),
     "emg_hums": Words(
         "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}.", "Check electrodes and cables."

@@ -75,7 +75,8 @@ def gait_page(
         figures=figures,
         time_table=time_distance_table(figures),
         ways=ways_table(figures),
-        key_values=key_values_table(figures),
+        key_angles=key_values_table(figures, angles=True),
+        key_loads=key_values_table(figures, angles=False),
         measures=measures_table(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
         kinetics=panels_figure(curves, KINETICS, reference),
@@ -106,10 +107,11 @@ KEY_DIGITS = {"deg": 1, "N/kg": 1}
 """Decimals of a key value by its unit; two of the others."""
 
 
-def key_values_table(figures: dict[str, Any]) -> Table:
-    """A row a key value: left and right, mean ± spread between strides, the measurement's deviation, the difference."""
+def key_values_table(figures: dict[str, Any], *, angles: bool) -> Table:
+    """A row a key value, of angles or of loads: left and right, mean ± spread between strides, the measurement's
+    deviation, the difference."""
     rows = []
-    for key in figures["key_values"]:
+    for key in (one for one in figures["key_values"] if (one["unit"] == "deg") == angles):
         digits = KEY_DIGITS.get(key["unit"], 2)
         row = [f"{key['name']} ({UNITS.get(key['unit'], key['unit'])})"]
         for one in (left := key["left"], right := key["right"]):

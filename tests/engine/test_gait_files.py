@@ -97,6 +97,24 @@ def test_a_walk_gives_page_tables_figures_and_a_file(walk):
     assert {f["kind"] for f in figures["findings"]} >= {"gait_without_moments", "foot_offsets_unknown"}
 
 
+def test_each_value_of_a_stride_says_of_which_walk_it_is(walk):
+    """What a statistician needs: rows by trial, side and stride, whose means are those of the page."""
+    (walk / "second.c3d").write_bytes((walk / "walk.c3d").read_bytes())
+    found = gait_of_files([walk / "walk.c3d", walk / "second.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    tables = {}
+    for name in ("key_values", "time_distance"):
+        with (found.folder / f"{name}.csv").open() as file:
+            tables[name] = list(csv.DictReader(file))
+    strides = [{(r["trial"], r["side"], r["first_s"]) for r in rows} for rows in tables.values()]
+    assert strides[0] == strides[1] and {trial for trial, *_ in strides[0]} == {"walk", "second"}
+    row = next(r for r in found.figures["key_values"] if r["name"] == "knee flexion, greatest in swing")
+    own = [float(r["value"]) for r in tables["key_values"] if (r["name"], r["side"]) == (row["name"], "left")]
+    assert row["left"]["strides"] == len(own) and row["left"]["mean"] == pytest.approx(np.mean(own), abs=1e-4)
+    assert 50 < row["left"]["mean"] < 75 and "knee flexion, greatest in swing (°)" in (
+        (found.folder / "gait.html").read_text()
+    )
+
+
 def test_error_bars_are_on_every_curve(walk):
     found = gait_of_files(
         [walk / "walk.c3d"], static=walk / "walk.c3d", measures=walk / "anna.toml", folder=walk / "out"

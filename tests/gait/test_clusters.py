@@ -7,7 +7,6 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
-from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
 from kinemark.engine.gait_settings import GaitSettings
 from kinemark.gait import Physical, analyse_gait, clinical_angles, marker_points, with_static_offsets
@@ -15,26 +14,9 @@ from kinemark.gait.clusters import SEGMENTS, calibrated_body, with_wands
 from kinemark.gait.standard_trial import standard_trial, with_landmarks
 from kinemark.gait.uncertainty import GaitErrors, gait_uncertainty
 from kinemark.io.c3d import write_c3d
-from kinemark.synth import WalkingBody, gait_laboratory
+from support.clustered import LANDMARKS, MEASURES, called, clusters, laboratory
 
-NAMES = {"pelvis": "PV", "thigh": "TH", "shank": "SK", "foot": "FT"}
-LANDMARKS = (
-    "LASI", "RASI", "SACR", *(side + name for side in "LR" for name in ("THI", "KNE", "TIB", "ANK", "HEE", "TOE"))
-)  # fmt: skip
-LEG = LegMeasures(leg_mm=860.0, knee_mm=101.0, ankle_mm=70.0, torsion_deg=17.0, thigh_wand_deg=6.0, shank_wand_deg=-4.0)
-MEASURES = SubjectMeasures(LEG, replace(LEG, torsion_deg=9.0), mass_kg=64.0)
 EXACT = Physical(smoothing="none")
-
-
-def clusters(segments=SEGMENTS):
-    """Names of the virtual clusters' markers by segment."""
-    letter = {name: "" if name == "pelvis" else name[0].upper() for name in segments}
-    return {name: tuple(f"{letter[name]}{NAMES[name.split()[-1]]}{k}" for k in (1, 2, 3, 4)) for name in segments}
-
-
-def laboratory(segments=SEGMENTS, *, unworn=LANDMARKS, seconds=2.2, **more):
-    body = WalkingBody(MEASURES, plated=tuple(segments), unworn=unworn, worn=("KNM", "MED"), **more)
-    return gait_laboratory(body, duration_s=seconds)
 
 
 def by_clusters(lab, used, method=EXACT):
@@ -159,7 +141,10 @@ def test_a_cluster_that_cannot_be_is_refused_in_words(tmp_path, stated, says):
 
 
 def test_a_walk_that_lacks_landmarks_of_segments_without_a_cluster_is_told_which(tmp_path):
-    walks, static = files(tmp_path, laboratory(unworn=("LASI", "RASI", "SACR", "LKNE", "RANK", "RHEE"), seconds=1.0))
+    """Where names do not tell either: markers of the left thigh and the right shank are Q1 to Q8 here."""
+    lab = laboratory(unworn=("LASI", "RASI", "SACR", "LKNE", "RANK", "RHEE"), seconds=1.0)
+    blind = {f"{plate}{k}": f"{plate[1]}Q{k}" for plate in ("LTH", "RSK") for k in (1, 2, 3, 4)}
+    walks, static = files(tmp_path, replace(lab, walk=called(lab.walk, blind), static=called(lab.static, blind)))
     some = clusters(("pelvis", "left shank", "right thigh"))
     with pytest.raises(KinemarkError, match="Clusters are stated of pelvis, left shank, right thigh alone") as told:
         gait_of_files(walks, static=static, measures=MEASURES, clusters=some, folder=tmp_path / "out")

@@ -10,8 +10,10 @@ GAIT_KINDS = (
     Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",
          {"side": "text", "strides": "count"}),
     Kind("gait_angles_with_gaps", "gait", "amber", "Strides of a side in which more than a tenth of some angle is not "
-         "known, for markers are missing; and how much of all its angles is not.",
-         {"side": "text", "cut": "count", "strides": "count", "unknown_share": "share"}),
+         "known, for markers are missing; of which joints, and how much of these angles is not.",
+         {"side": "text", "cut": "count", "strides": "count", "joints_list": "text", "unknown_share": "share"}),
+    Kind("gait_markers_leap", "gait", "amber", "Markers of a trial leap as no body does, in so many frames; greatest "
+         "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),
     Kind("gait_measures_estimated", "gait", "amber", "Nobody states the subject's measures: legs by the markers, "
@@ -32,6 +34,8 @@ GAIT_KINDS = (
          {"trial": "text", "side": "text", "what": "text", "by_mm": "mm", "by_share": "share", "by_deg": "deg"}),
     Kind("gait_clusters", "gait", "info", "Clusters of markers, calibrated in the static trial, carry segments; RMS "
          "misfit of the worst.", {"trial": "text", "segments_list": "text", "misfit_mm": "mm"}),
+    Kind("gait_clusters_by_names", "gait", "info", "Clusters that nobody stated, taken by what markers are called, as "
+         "left thigh = L_FTC, LKNE, LKNM.", {"clusters_list": "text"}),
     Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
          "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "

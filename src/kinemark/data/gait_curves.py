@@ -86,6 +86,25 @@ class GaitReference(NamedTuple):
     log_score: tuple[float, float] | None = None
 
 
+class KeyValue(NamedTuple):
+    """One value of one stride.
+
+    Attributes:
+        name: what it is, with its phase, without side. side: of the foot.
+        first: s of the strike that begins the stride. unit: of value and sd.
+        value: NaN where a part of the phase is missing. at: % of the stride where it is; NaN for means and ranges.
+        sd: standard uncertainty of measurement; NaN of a range, whose ends share most of theirs.
+    """
+
+    name: str
+    side: Side
+    first: float
+    unit: str
+    value: float
+    at: float
+    sd: float
+
+
 def known_mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -> Floats:
     """Mean over axes of what is known; NaN where nothing is."""
     n = np.isfinite(y).sum(axis, keepdims=keep)

@@ -1,4 +1,4 @@
-"""Which axis of a laboratory goes up, as markers of pelvis and ankles show it, and trials in other axes."""
+"""Which axis of a laboratory goes up, as markers of pelvis and feet show it, and trials in other axes."""
 
 from __future__ import annotations
 
@@ -16,6 +16,12 @@ STEEP = 0.8
 by less than 0.05, a laboratory that stands askew by 45° is 0.71."""
 
 
+PELVIS = ("LASI", "RASI")
+"""Above; conventional names of the gait model."""
+FEET = (("LANK", "RANK"), ("LHEE", "RHEE"), ("LTOE", "RTOE"))
+"""Below, the first that are seen: a walk whose shanks follow clusters may have no ankles; conventional names."""
+
+
 def unit(v: Floats) -> Floats:
     """(…, 3) with length 1; NaN where it has none."""
     length = np.linalg.norm(v, axis=-1, keepdims=True)
@@ -31,7 +37,7 @@ def level_axes(up: Floats) -> Floats:
 
 
 def up_shown(points: Mapping[str, Floats]) -> Floats:
-    """(3) the axis from the ankles to the pelvis; z where markers are missing, which is said elsewhere.
+    """(3) the axis from the feet to the pelvis; z where markers are missing, which is said elsewhere.
 
     Args:
         points: (F, 3) mm by the model's names.
@@ -39,21 +45,37 @@ def up_shown(points: Mapping[str, Floats]) -> Floats:
     Raises:
         KinemarkError: it is along no axis.
     """
-    wanted = ("LASI", "RASI", "LANK", "RANK")
-    if not set(wanted) <= set(points):
+    way = _from_the_feet(points)
+    if way is None:
         return axis_of("z")
-    seen = [points[name][np.isfinite(points[name]).all(1)] for name in wanted]
-    if not all(len(xyz) for xyz in seen):
-        return axis_of("z")
-    left, right, *ankles = (np.median(xyz, axis=0) for xyz in seen)
-    way = unit((left + right) / 2 - (ankles[0] + ankles[1]) / 2)
     k = int(np.abs(way).argmax())
     if abs(way[k]) < STEEP:
         raise KinemarkError(
-            f"From the ankles to the pelvis it goes by {', '.join(f'{x:.2f}' for x in way)} along x, y and z, so that "
+            f"From the feet to the pelvis it goes by {', '.join(f'{x:.2f}' for x in way)} along x, y and z, so that "
             "no axis is up. Turn the laboratory's axes so that one is, or say which is meant: --up z."
         )
     return np.asarray(np.sign(way[k]) * np.eye(3)[k])
+
+
+def shows_up(points: Mapping[str, Floats]) -> bool:
+    """Whether markers, (F, 3) mm by the model's names, show which way goes up."""
+    return _from_the_feet(points) is not None
+
+
+def _from_the_feet(points: Mapping[str, Floats]) -> Floats | None:
+    """(3) of length 1 from the lowest pair of markers to the front of the pelvis; None where none is seen."""
+    middles = {pair: _middle(points, pair) for pair in (PELVIS, *FEET)}
+    below = next((middles[pair] for pair in FEET if middles[pair] is not None), None)
+    above = middles[PELVIS]
+    return None if above is None or below is None else unit(above - below)
+
+
+def _middle(points: Mapping[str, Floats], pair: tuple[str, str]) -> Floats | None:
+    """(3) mm between the median places of two markers; None where one is never seen."""
+    seen = [points[name][np.isfinite(points[name]).all(1)] for name in pair if name in points]
+    if len(seen) < 2 or not all(len(xyz) for xyz in seen):
+        return None
+    return np.asarray(sum(np.median(xyz, axis=0) for xyz in seen) / 2)
 
 
 def axis_of(up: str) -> Floats:

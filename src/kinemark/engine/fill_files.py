@@ -137,6 +137,22 @@ def fill_files(
     return done
 
 
+def output_beside(source: Path, sources: Sequence[Path]) -> Path:
+    """Where what was filled goes if nobody says it: beside the only file, else into a folder "filled" there.
+
+    Args:
+        source: the first path that was given, a file or a folder. sources: the trials that it stands for, and others.
+    """
+    if source.is_dir() or len(sources) > 1:
+        return (source if source.is_dir() else source.parent) / "filled"
+    return source.with_name(f"{source.stem}_filled{Path(own_name(source)).suffix}")
+
+
+def gaps_of(done: Mapping[Path, FilledFile | KinemarkError]) -> dict[str, Sequence[Mapping[str, Any]]]:
+    """What became of the gaps of each file that was read."""
+    return {str(source): one.figures["list"] for source, one in done.items() if isinstance(one, FilledFile)}
+
+
 def own_name(source: Path) -> str:
     """What the result of a file is called in a folder."""
     return source.name if source.suffix.lower() in endings("trajectories") else f"{source.stem}.c3d"

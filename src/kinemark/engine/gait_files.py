@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,7 +14,7 @@ from ..findings.gait import GaitOfTrial, gait_figures
 from ..gait.clusters import Clusters
 from ..io.c3d import write_c3d
 from ..io.files import replacing
-from ..io.gait_csv import write_curves_csv, write_time_distance_csv
+from ..io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
 from ..io.gait_reference import read_reference
 from ..io.measures_toml import read_measures
 from ..io.notes import FileNote, read_notes
@@ -23,6 +22,7 @@ from ..io.trial import read_trial
 from ..report.drawing_library import assets_for
 from ..report.gait_page import write_gait_page
 from ..report.words import with_words
+from .gait_clusters import with_stated_clusters, with_usual_clusters
 from .gait_exports import exports_of, write_exports
 from .gait_settings import GaitSettings
 from .gait_walks import (
@@ -94,13 +94,16 @@ def gait_of_files(
         raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
     still = None if static is None else _read(static, markers, settings)
     if still is not None and clusters:
-        still = replace(still, clusters=clusters)
-    whole = [completed(_read(path, markers, settings, still), still) for path in walks]
+        still = with_stated_clusters(still, clusters)
+    read = [_read(path, markers, settings, still) for path in walks]
+    if still is not None:
+        still = with_usual_clusters(still, read, settings)
+    whole = [completed(walk, still) for walk in read]
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     if functional is not None:
         moved = _read(functional, markers, settings, still)
-        known = with_hips(known, completed(moved, still) if clusters else moved, settings)
+        known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     figures = _figures(whole, found, known, static, band, settings)
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
@@ -118,9 +121,7 @@ def _read(
     path: Path, markers: Mapping[str, str] | None, settings: GaitSettings, static: Recorded | None = None
 ) -> Recorded:
     """A file; markers that it does not have are missed where they are wanted."""
-    trial = read_trial(path)
-    like = static if static is not None and "pelvis" in static.clusters else None
-    return recorded(path.stem, trial, markers or {}, settings, like=like)
+    return recorded(path.stem, read_trial(path), markers or {}, settings, like=static)
 
 
 def _figures(
@@ -150,7 +151,8 @@ def _written(
         notes += read_notes(walk.given.notes)
         notes += write_c3d(folder / f"{walk.name}_gait.c3d", with_gait(walk, one))
     write_curves_csv(folder / "curves.csv", found.curves)
-    write_time_distance_csv(folder / "time_distance.csv", [stride for one in found.trials for stride in one.strides])
+    write_time_distance_csv(folder / "time_distance.csv", {one.name: one.strides for one in found.trials})
+    write_key_values_csv(folder / "key_values.csv", {one.name: one.keys for one in found.trials})
     with replacing(folder / FIGURES) as beside:
         beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     write_gait_page(

@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..data import Events, KinemarkError, Signals, Trial
+from ..data import Events, KinemarkError, Origin, Signals, Trial
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
+from ..data.laboratory_axes import shows_up
 from ..data.marker_sides import without_subject
+from ..data.model_markers import MODEL_MARKERS
 from ..data.strides import FootEvent
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
@@ -22,7 +24,9 @@ from ..gait.foot_events import foot_events
 from ..gait.functional_hip import functional_hip, with_hips_of
 from ..gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
+from ..gait.key_values import key_values
 from ..gait.lower_limb import check_markers, lower_limbs
+from ..gait.marker_leaps import marker_leaps
 from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels, with_landmarks
 from ..gait.static_axes import with_knees
 from ..gait.static_checks import static_doubts
@@ -45,13 +49,14 @@ class Recorded:
 
     Attributes:
         name: of the file, without its ending. given: as it was read. standard: of it.
-        clusters: that a standing trial calibrates.
+        clusters: that a standing trial calibrates. by_names: segments of those that nobody stated.
     """
 
     name: str
     given: Trial
     standard: StandardTrial
     clusters: Clusters = field(default_factory=dict)
+    by_names: tuple[str, ...] = ()
 
     @property
     def trial(self) -> Trial:
@@ -108,17 +113,21 @@ def recorded(
     Args:
         name: of the file. trial: that it holds.
         markers: the trial's names by the model's, of those that are stated, with the subject's name or without it.
-        settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis.
+        settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis, or
+            where this trial does not show one.
 
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up; the message begins with the name.
     """
-    turn = None if like is None or settings.up != "auto" else like.standard.turn
     names = trial.trajectories.names
     plain = {without_subject(own): own for own in reversed(names)}
     there = {marker: full for marker, own in markers.items() if (full := own if own in names else plain.get(own))}
     try:
-        return Recorded(name, trial, standard_trial(trial, markers=there, up=settings.up, turn=turn))
+        found = standard_trial(trial, markers=there, up=settings.up)
+        hidden = like is not None and ("pelvis" in like.clusters or not shows_up(marker_points(found.trial)))
+        if like is not None and hidden and settings.up == "auto":
+            found = standard_trial(trial, markers=there, turn=like.standard.turn)
+        return Recorded(name, trial, found)
     except KinemarkError as error:
         raise KinemarkError(f"{name}: {error}") from None
 
@@ -230,6 +239,7 @@ def subject_gait(
         causes = causes or own
     told = with_counts([one.strides for one in trials])
     trials = [one._replace(strides=strides) for one, strides in zip(trials, told, strict=True)]
+    trials = [one._replace(keys=key_values(one.gait.signals, one.counted)) for one in trials]
     whole = _whole(trials, settings, mvc)
     each = [(*gait_curves(one.gait.signals, one.counted), *emg_curves(one.emg, one.counted, whole=whole))
             for one in trials]  # fmt: skip
@@ -253,7 +263,8 @@ def _shown(walks: Sequence[Recorded], static: Recorded | None, body: CalibratedB
         return None
     misfits = [body.misfit(walk.points) for walk in walks]
     worst = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
-    return ClustersShown(static.name, worst)
+    told = {segment: tuple(static.clusters[segment]) for segment in static.by_names}
+    return ClustersShown(static.name, worst, told)
 
 
 def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | None) -> dict[str, float]:
@@ -303,9 +314,12 @@ def gait_of_trial(
     steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
+    worn = {without_subject(p.name) for p in trial.trajectories if (p.origin == Origin.MEASURED).any()}
+    leaps = marker_leaps(points, tuple(n for n in MODEL_MARKERS if n in worn), rate=rate)
     return GaitOfTrial(
-        trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor
-    )
+        trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
+        leaps=leaps,
+    )  # fmt: skip
 
 
 def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -9,20 +10,30 @@ import numpy as np
 
 from ..data import Events, Finding, make_finding
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves, GaitReference
+from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
 from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical
 from ..gait.gait_trial import GaitTrial
+from ..gait.marker_leaps import MarkerLeaps
 from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
 from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
-from .gait_numbers import averages_of, curve, harmonics, measures_of, profile, uncertainty_by_cause, ways_walked
+from .gait_numbers import (
+    averages_of,
+    curve,
+    harmonics,
+    key_values,
+    measures_of,
+    profile,
+    uncertainty_by_cause,
+    ways_walked,
+)
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -48,6 +59,7 @@ class GaitOfTrial(NamedTuple):
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
         way: "level", "running" or "stairs". first_frame: its number in the recording. floor: how it moves.
+        keys: key values of its strides that count. leaps: of its markers.
     """
 
     name: str
@@ -60,6 +72,8 @@ class GaitOfTrial(NamedTuple):
     way: str = "level"
     first_frame: int = 1
     floor: Floor = STILL
+    keys: tuple[KeyValue, ...] = ()
+    leaps: MarkerLeaps = MarkerLeaps()
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -98,10 +112,12 @@ class ClustersShown(NamedTuple):
 
     Attributes:
         trial: that calibrated them. misfit_mm: by segment, RMS distance of a marker from where its cluster has it.
+        by_names: markers by segment of those that nobody stated.
     """
 
     trial: str
     misfit_mm: Mapping[str, float]
+    by_names: Mapping[str, Sequence[str]] = {}
 
 
 def gait_figures(
@@ -150,6 +166,7 @@ def gait_figures(
         "method": method,
         "measures": measures_of(measures),
         "time_distance": {side: averages_of(strides, side) for side in SIDES},
+        "key_values": key_values([key for trial in trials for key in trial.keys]),
         "ways": ways_walked(strides),
         "units": UNITS,
         "curves": [curve(one) for one in curves],
@@ -222,6 +239,9 @@ def _of_clusters(clusters: ClustersShown) -> Iterator[Finding]:
     names = list(clusters.misfit_mm)
     worst = max(known.values(), default=None)
     yield make_finding("gait_clusters", trial=clusters.trial, segments_list=names, misfit_mm=worst)
+    if clusters.by_names:
+        told = [f"{segment} = {', '.join(own)}" for segment, own in clusters.by_names.items()]
+        yield make_finding("gait_clusters_by_names", clusters_list=told)
     for name, mm in known.items():
         if mm > LOOSE_MM:
             yield make_finding("gait_cluster_loose", trial=clusters.trial, segment=name, misfit_mm=mm)
@@ -250,14 +270,21 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
             continue
         whole = np.all([one.whole for one in angles], axis=0)
         if not whole.all():
-            unknown = float(np.mean([np.isnan(one.values).any(2).mean() for one in angles]))
-            cut, n = int((~whole).sum()), len(whole)
-            yield make_finding("gait_angles_with_gaps", side=side, cut=cut, strides=n, unknown_share=unknown)
+            short = [one for one in angles if not one.whole.all()]
+            unknown = float(np.mean([np.isnan(one.values).any(2).mean() for one in short]))
+            joints = [re.sub("(?<=[a-z])(?=[A-Z])", " ", one.name[1:].removesuffix("Angles")).lower() for one in short]
+            yield make_finding(
+                "gait_angles_with_gaps", side=side, cut=int((~whole).sum()), strides=len(whole), joints_list=joints,
+                unknown_share=unknown,
+            )  # fmt: skip
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     if not trial.strides:
         yield make_finding("gait_without_strides", trial=trial.name)
+    if trial.leaps.markers:
+        markers, leaps, most = trial.leaps
+        yield make_finding("gait_markers_leap", trial=trial.name, markers=markers, leaps=leaps, most_mm=most)
     yield from _of_events(trial)
     if trial.way != "level":
         yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
@@ -286,7 +313,7 @@ def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
     if left_out:
         yield make_finding("gait_turns_left_out", trial=trial.name, left_out=len(left_out), strides=len(trial.strides))
     if len(each := ways(trial.counted)) > 1:
-        told = [f"{own[0].facing_deg:.0f}° in {len(own)} strides" for own in each]
+        told = [f"{own[0].facing_deg:.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)
     if (turned := _turned(trial)) > TURN_DEG:
         yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)

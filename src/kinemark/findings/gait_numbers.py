@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves, GaitReference
+from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.gait_cycles import movement_analysis_profile, scaled_score
 from ..gait.harmonics import curve_harmonics
+from ..gait.key_values import KEYS
 from ..gait.time_distance import averages
 from ..gait.turning import ways
 from .plain import quantile
@@ -58,6 +59,27 @@ def averages_of(strides: Sequence[Stride], side: str) -> dict[str, Any]:
                "systematic_sd": max((s.systematic.get(name, 0.0) for s in own), default=0.0)}
         for name, (mean, spread, n) in found.items()
     }  # fmt: skip
+
+
+def key_values(values: Sequence[KeyValue]) -> list[dict[str, Any]]:
+    """A row a value in the order of `KEYS`: of both sides mean, spread, strides and SD of measurement; None of a side
+    without any."""
+    rows = []
+    for name in (key.name for key in KEYS):
+        own = [one for one in values if one.name == name and np.isfinite(one.value)]
+        if own:
+            row: dict[str, Any] = {"name": name, "unit": own[0].unit}
+            rows.append(row | {side: _average([one for one in own if one.side == side]) for side in SIDES})
+    return rows
+
+
+def _average(own: Sequence[KeyValue]) -> dict[str, Any] | None:
+    """Of the strides of a side."""
+    if not own:
+        return None
+    value, sd = np.array([one.value for one in own]), np.array([one.sd for one in own])
+    spread = float(value.std(ddof=1)) if len(own) > 1 else None
+    return {"mean": value.mean(), "spread": spread, "strides": len(own), "sd": np.sqrt(np.mean(sd**2))}
 
 
 def ways_walked(strides: Sequence[Stride]) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
-from .figures_gait import KINEMATICS, KINETICS, PLANES, emg_figures, panels_figure
+from .figures_gait import KINEMATICS, KINETICS, PLANES, UNITS, emg_figures, panels_figure
 from .formatting import number
 from .identity_text import identity_text
 from .tables import Table
@@ -16,7 +16,7 @@ from .templating import render, write_text
 
 NAV = {
     "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "kinetics": "Moments and powers",
-    "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
+    "keys": "Key values", "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
 }  # fmt: skip
 """Sections of the page, in their order."""
 NAMES = {
@@ -75,6 +75,8 @@ def gait_page(
         figures=figures,
         time_table=time_distance_table(figures),
         ways=ways_table(figures),
+        key_angles=key_values_table(figures, angles=True),
+        key_loads=key_values_table(figures, angles=False),
         measures=measures_table(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
         kinetics=panels_figure(curves, KINETICS, reference),
@@ -95,12 +97,36 @@ def time_distance_table(figures: dict[str, Any]) -> Table:
         row = [f"{title} ({unit})"]
         for side in ("left", "right"):
             one = figures["time_distance"][side][name]
-            spread = "" if one["spread"] is None else f" ± {number(one['spread'] / by, digits)}"
-            row += ["–" if one["mean"] is None else number(one["mean"] / by, digits) + spread]
-            row += ["–" if not one["sd"] else _small(one["sd"] / by, digits)]
+            row += [_mean_and_spread(one, by, digits), "–" if not one["sd"] else _small(one["sd"] / by, digits)]
         rows.append([*row, "–" if name == "step_width" else number(_symmetry(figures, name), 1)])
     head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
     return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")
+
+
+KEY_DIGITS = {"deg": 1, "N/kg": 1}
+"""Decimals of a key value by its unit; two of the others."""
+
+
+def key_values_table(figures: dict[str, Any], *, angles: bool) -> Table:
+    """A row a key value, of angles or of loads: left and right, mean ± spread between strides, the measurement's
+    deviation, the difference."""
+    rows = []
+    for key in (one for one in figures["key_values"] if (one["unit"] == "deg") == angles):
+        digits = KEY_DIGITS.get(key["unit"], 2)
+        row = [f"{key['name']} ({UNITS.get(key['unit'], key['unit'])})"]
+        for one in (left := key["left"], right := key["right"]):
+            known = one is not None and one["sd"]
+            row += ["–" if one is None else _mean_and_spread(one, 1.0, digits)]
+            row += [number(one["sd"], digits) if known else "–"]
+        rows.append([*row, "–" if left is None or right is None else number(left["mean"] - right["mean"], digits)])
+    head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
+    return Table([*head, "left − right"], rows, absent="There are no whole strides.", kept_in="key_values.csv")
+
+
+def _mean_and_spread(one: dict[str, Any], by: float, digits: int) -> str:
+    """As the tables show them; a dash where there is no mean."""
+    spread = "" if one["spread"] is None else f" ± {number(one['spread'] / by, digits)}"
+    return "–" if one["mean"] is None else number(one["mean"] / by, digits) + spread
 
 
 def ways_table(figures: dict[str, Any]) -> Table | None:

@@ -153,7 +153,8 @@ def gait(
     """Gait of walks with named markers: angles, moments, powers, events, time and distance, with error bars.
 
     Args:
-        walks: trials of one subject: C3D or another file of trajectories.
+        walks: trials of one subject: C3D or another file of trajectories; or a folder, for all its C3D, TRC, TDF and
+            TDC files but those of --static, --functional and --mvc.
         static: a standing trial, for the feet.
         functional: a motion that turns the hips in all directions, which shows their centres.
         measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
@@ -169,12 +170,14 @@ def gait(
         fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
+    from ...engine.folders import trials_in
     from ...engine.gait_files import gait_of_files
     from ...report.gait_text import gait_summary
 
     result = gait_of_files(
-        walks, static=static, functional=functional, measures=measures, markers=_pairs(marker), reference=reference,
-        mvc=mvc, clusters=clusters_of(cluster), folder=output, exports=exports, settings=settings,
+        trials_in(walks, besides=(static, functional, mvc)), static=static, functional=functional, measures=measures,
+        markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
+        exports=exports, settings=settings,
         self_contained=self_contained,
     )  # fmt: skip
     if json:

@@ -33,7 +33,8 @@ def audit(
     """List what is probably wrong with labelled files: swaps, spikes, wrong names, left and right; ends with 3 if any.
 
     Args:
-        source: a file of trajectories: C3D, TDF, TRC, CSV or HDF5; or SESSION/TRIAL.
+        source: a file of trajectories: C3D, TDF, TRC, CSV or HDF5; or SESSION/TRIAL; or a folder, for all its C3D, TRC,
+            TDF and TDC files.
         sources: and others.
         template: labelled trials of the subject, or a kept template (NAME.template.h5), by which names are judged;
             what a file is itself like where none is given.
@@ -44,10 +45,11 @@ def audit(
         json: print it for a machine.
     """
     from ...engine.audit import Audit, audit_files
+    from ...engine.folders import trials_in
     from ...engine.label_files import template_of
 
     learnt = template_of(template).template if template else None
-    done = audit_files((source, *sources), template=learnt, mend=mend, by=by)
+    done = audit_files(trials_in((source, *sources)), template=learnt, mend=mend, by=by)
     found = {str(path): one for path, one in done.items() if isinstance(one, Audit)}
     if json:
         print_result({path: _figures(one) for path, one in found.items()})

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.describe import describe, described
+from ...engine.folders import trials_in
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import ReadOptions
@@ -28,7 +29,7 @@ def info(
     """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
 
     Args:
-        files: files or folders.
+        files: files, sessions, or folders, for all C3D, TRC, TDF and TDC files in them.
         system: say instead what Kinemark runs on: versions, threads, and whether its compiled library is used.
         json: print it for a machine.
     """
@@ -39,7 +40,7 @@ def info(
         print_result(here.figures() if json else here.text())
         return
     found: dict[str, dict[str, object]] = {}
-    for one in files:
+    for one in trials_in(files):
         try:
             found[str(one)] = describe(one, ReadOptions(rate_hz, length_unit, partial))
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others

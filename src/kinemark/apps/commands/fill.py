@@ -17,7 +17,7 @@ from ..progress import progress
 def fill(
     source: Path,
     *sources: Path,
-    output: Annotated[Path, Parameter(name=("--output", "-o"))],
+    output: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
     method: str = "auto",
     set: Annotated[list[str] | None, Parameter(name="--set", negative="")] = None,
     model: Path | None = None,
@@ -26,6 +26,7 @@ def fill(
     trim: int = 0,
     static: Path | None = None,
     report: bool = False,
+    table: Path | None = None,
     self_contained: SelfContained = False,
     rate_hz: Rate = None,
     length_unit: LengthUnit = None,
@@ -36,9 +37,11 @@ def fill(
     """Fill the gaps of a trial's markers, each with an expected error; what was measured stays as it was.
 
     Args:
-        source: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
+        source: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC; or a folder, for all its C3D, TRC, TDF and TDC
+            files.
         sources: and others, which go into a folder under their names.
-        output: the file to write, C3D, TRC, CSV, HDF5 or TDC, or a folder; an existing file is not replaced.
+        output: the file to write, C3D, TRC, CSV, HDF5 or TDC, or a folder; an existing file is not replaced. Where none
+            is given: NAME_filled beside the file; of several, and of a folder, a folder "filled" there.
         method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
         set: PARAMETER=VALUE of the method; may be repeated.
         model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
@@ -48,20 +51,33 @@ def fill(
             measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
+        table: CSV file with a row a gap of all files, for statistics; an existing one is replaced.
         self_contained: as of other commands; this page always is, since its drawings need no library.
         fail_on: a verdict as bad as this ends the command with status 3; red where no gap could be filled.
         json: print what became of every gap for a machine.
     """
-    from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
+    from ...engine.fill_files import (
+        fill_files,
+        fill_method,
+        filled_figures,
+        filled_text,
+        gaps_of,
+        output_beside,
+    )
+    from ...engine.folders import trials_in
+    from ...io.gaps_csv import write_gaps_csv
 
     chosen = fill_method(method, set or (), model=model)
+    every = trials_in((source, *sources), besides=(static,))
     with progress() as tell:
         done = fill_files(
-            (source, *sources), output, report=report,
+            every, output or output_beside(source, every), report=report,
             progress=tell, method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
             length_unit=length_unit, partial=partial,
         )  # fmt: skip
+    if table is not None:
+        write_gaps_csv(table, gaps_of(done))
     print_result(filled_figures(done) if json else filled_text(done))
     if any(isinstance(found, KinemarkError) for found in done.values()):
         sys.exit(1)

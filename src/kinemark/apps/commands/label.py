@@ -47,7 +47,8 @@ def label(
     """Name the markers of trials by what is known of the subject; what is not sure stays unnamed.
 
     Args:
-        source: a file of trajectories, with or without names: C3D, TDF, TRC, CSV, HDF5 or TDC.
+        source: a file of trajectories, with or without names: C3D, TDF, TRC, CSV, HDF5 or TDC; or a folder, for all its
+            C3D, TRC, TDF and TDC files but those of --template.
         sources: and others, which go into a folder under their names.
         template: labelled trials of the subject, or a template that was kept (NAME.template.h5), or both. Without it a
             marker set and a height give names that are never sure.
@@ -75,9 +76,10 @@ def label(
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
     from ...engine.clusters_said import clusters_of
+    from ...engine.folders import trials_in
     from ...engine.subject_templates import Known
 
-    every = (source, *sources)
+    every = trials_in((source, *sources), besides=template or ())
     if by_location is not None:
         _label_by_location(every, by_location, output, up=up, unsure=unsure, json=json)
         return
@@ -94,7 +96,7 @@ def label(
     if output is None:
         raise KinemarkError("There is no output. Name the file to write with -o, or --check to write none.")
     stated = read_track_names(names) if names is not None else ()
-    if stated and sources:
+    if stated and len(every) > 1:
         raise KinemarkError(
             "Names are stated of one file's tracks, and there are several files. Label them one by one."
         )

@@ -111,9 +111,14 @@ GAIT_WORDS = {
         "Give several walks together.",
     ),
     "gait_angles_with_gaps": Words(
-        "{cut} of {strides} {strides:stride|strides} of the {side} side have angles with gaps, {unknown_share:1} of "
-        "all their points: markers are missing there.",
+        "{cut} of {strides} {strides:stride|strides} of the {side} side {cut:has|have} angles with gaps, of "
+        "{joints_list}: {unknown_share:1} of the points of these curves are not there, for markers are missing.",
         "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d; or in a session, [fill].",
+    ),
+    "gait_markers_leap": Words(
+        "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: "
+        "angles, moments and powers there follow them.",
+        "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
     ),
     "foot_offsets_unknown": Words(
         "There is no static trial and no stated offset of the feet: ankle and foot angles are those of the line from "
@@ -139,6 +144,10 @@ GAIT_WORDS = {
     "gait_clusters": Words(
         "Clusters of markers, calibrated in {trial}, carry {segments_list}; they fit to {misfit_mm:1} RMS at worst.",
         "What skin does to all markers of a cluster together no misfit shows; the error bars hold it (soft tissue).",
+    ),
+    "gait_clusters_by_names": Words(
+        "What markers are called says on which segment they sit: {clusters_list}. They stand for the model's wands.",
+        'If one sits elsewhere, state the cluster: --cluster "left thigh=A,B,C".',
     ),
     "gait_cluster_loose": Words(
         "The markers of the cluster of the {segment} are {misfit_mm:1} RMS from where {trial} has them.",
@@ -182,7 +191,7 @@ GAIT_WORDS = {
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
-        "Lower the gain.",
+        "Lower the gain. Where most samples are cut off, an electrode is loose.",
     ),
     "emg_hums": Words(
         "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}.", "Check electrodes and cables."

@@ -71,7 +71,7 @@ def test_tracks_of_one_marker_are_not_cut(pieces, seed):
 
 def test_where_no_cut_stays_nothing_is_named_a_second_time(monkeypatch):
     named = []
-    monkeypatch.setattr("kinemark.label.switching.label", lambda tracks, *a, **k: named.append(1) or label(tracks, *a, **k))
+    monkeypatch.setattr("kinemark.label.switching.label", lambda *a, **more: named.append(1) or label(*a, **more))
     monkeypatch.setattr("kinemark.label.switching._turns", lambda *_: [(3, 150)])  # a marker's whole track
     assert label_switching(walk(7), template()).switches == ()
     assert len(named) == 2  # whole and cut

@@ -1,5 +1,7 @@
 """Filters have no lag, the cut-off that they state, and leave the noise that they foretell."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 from scipy.interpolate import make_smoothing_spline
@@ -185,7 +187,8 @@ def test_the_moving_average_is_the_mean_about_each_sample_and_keeps_lines():
 def test_a_markers_cut_off_is_found_once_by_rate(monkeypatch):
     asked = []
     monkeypatch.setattr(
-        "kinemark.kinematics.smooth.residual_analysis",
+        import_module("kinemark.kinematics.smooth"),
+        "residual_analysis",
         lambda y, *, rate, order: asked.append(rate) or residual_analysis(y, rate=rate, order=order),
     )
     xyz = np.random.default_rng(1).normal(size=(60, 3)).cumsum(0)

@@ -135,3 +135,13 @@ def test_long_recordings_are_cut_into_straight_parts_in_a_time_that_grows_as_the
     begin = time.process_time()
     assert len(straight_passes(there_and_back, rate=20.0)) == 75
     assert time.process_time() - begin < 2.5
+
+
+def test_who_stands_for_minutes_between_two_ways_takes_no_longer():
+    leg, still = np.linspace(0, 3000, 60), np.zeros(16_000)
+    x = np.concatenate([leg, 3000 + still, 3000 + 0 * leg])
+    y = np.concatenate([0 * leg, 20 * np.sin(np.arange(len(still)) / 9), leg])
+    begin = time.process_time()
+    found = straight_passes(np.column_stack([x, y, 0 * x]), rate=20.0)
+    assert time.process_time() - begin < 2.5
+    assert [one.direction.round(1).tolist() for one in found] == [[1, 0, 0], [0, 1, 0]]

@@ -69,6 +69,14 @@ def test_tracks_of_one_marker_are_not_cut(pieces, seed):
     assert found.labels.names == label(parts.tracks, template()).names
 
 
+def test_where_no_cut_stays_nothing_is_named_a_second_time(monkeypatch):
+    named = []
+    monkeypatch.setattr("kinemark.label.switching.label", lambda *a, **more: named.append(1) or label(*a, **more))
+    monkeypatch.setattr("kinemark.label.switching._turns", lambda *_: [(3, 150)])  # a marker's whole track
+    assert label_switching(walk(7), template()).switches == ()
+    assert len(named) == 2  # whole and cut
+
+
 def test_a_track_of_which_a_name_was_stated_is_not_cut():
     parts = shredded(walk(7), 1, 0.0, 4, exchanges=1)
     stated = parts.tracks.names[min(parts.changes)]

@@ -1,5 +1,7 @@
 """Filters have no lag, the cut-off that they state, and leave the noise that they foretell."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 from scipy.interpolate import make_smoothing_spline
@@ -180,3 +182,17 @@ def test_the_moving_average_is_the_mean_about_each_sample_and_keeps_lines():
     for wrong in (0, 4):
         with pytest.raises(ValueError, match="wanted an odd number"):
             moving_average(y, wrong)
+
+
+def test_a_markers_cut_off_is_found_once_by_rate(monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        import_module("kinemark.kinematics.smooth"),
+        "residual_analysis",
+        lambda y, *, rate, order: asked.append(rate) or residual_analysis(y, rate=rate, order=order),
+    )
+    xyz = np.random.default_rng(1).normal(size=(60, 3)).cumsum(0)
+    path = MarkerTrajectory.measured("s", xyz)
+    found = [residual_cutoff(path, rate=rate) for rate in (RATE, RATE, 2 * RATE)]
+    assert asked == [RATE, 2 * RATE] and found[0] == found[1] == residual_analysis(xyz, rate=RATE)[0]
+    assert found[2] == pytest.approx(2 * found[0])

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
-from .marker_sides import paired, without_subject
+from .marker_sides import LISTS, paired, without_subject
 from .subject_measures import LETTER, SIDES, Side
 
 OF_A_SIDE = {
@@ -50,6 +51,12 @@ class Landmark(NamedTuple):
 
 def landmarks(names: Sequence[str]) -> dict[str, tuple[Landmark, ...]]:
     """How each of the names may be read, what is surest first."""
+    return dict(_landmarks(tuple(names)))
+
+
+@lru_cache(LISTS)
+def _landmarks(names: tuple[str, ...]) -> dict[str, tuple[Landmark, ...]]:
+    """See `landmarks`."""
     left, right = SIDES
     sided = {}
     for pair in paired(names):

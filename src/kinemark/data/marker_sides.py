@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence, Set
+from functools import lru_cache
 from typing import NamedTuple
 
 Rule = tuple[str, str]
@@ -47,6 +48,8 @@ NO_SIDES = (
     r"|(?:LAT(?:ERAL)?|RAD(?:IUS|IAL)?|LOW(?:ER)?|LUMBAR|RIBS?)(?![A-Za-z])"
 )
 """Words at the beginning of names that say no side, though their first letter might; conventional."""
+LISTS = 64
+"""Of names, whose pairs and landmarks are kept; chosen: a session has a few marker sets."""
 
 
 class Pair(NamedTuple):
@@ -62,6 +65,12 @@ def paired(names: Sequence[str]) -> tuple[Pair, ...]:
 
     The rule that pairs most names comes first, so that LFLL has its partner by how the others are spelt.
     """
+    return _paired(tuple(names))
+
+
+@lru_cache(LISTS)
+def _paired(names: tuple[str, ...]) -> tuple[Pair, ...]:
+    """See `paired`; labelling asks the same of the same names a hundred times."""
     pairs = _one_each(_by_rule(names), set(names))
     return tuple(pairs[name] for name in names if name in pairs)
 

@@ -69,5 +69,7 @@ def confirmed_shares(detections: Detections, cloud: Cloud) -> NDArray[np.float64
     """(C) share of each camera's valid detections that became part of a point on three cameras; 1 where it has none."""
     valid = np.bincount(detections.camera[detections.valid], minlength=len(detections.cameras))
     three = cloud.detection[(cloud.detection >= 0).sum(1) >= 3]
-    used = np.bincount(detections.camera[np.unique(three[three >= 0])], minlength=len(detections.cameras))
+    in_point = np.zeros(len(detections), bool)
+    in_point[three[three >= 0]] = True
+    used = np.bincount(detections.camera[in_point], minlength=len(detections.cameras))
     return np.where(valid > 0, used / np.maximum(valid, 1), 1.0)

@@ -70,6 +70,7 @@ def camera_description(camera: Camera) -> dict[str, Any]:
 def _detected(counts: NDArray[np.int64], validity: NDArray[np.uint8], used: NDArray[np.int64]) -> dict[str, Any]:
     """From detections a frame (F), the validity of each detection (n) and those that points were made from."""
     n, valid = len(validity), int((validity == Validity.VALID).sum())
+    taken = int(np.count_nonzero(np.bincount(used)))  # one image may be in several points
     return {
         "detections": n,
         "detections_per_frame": {
@@ -78,8 +79,8 @@ def _detected(counts: NDArray[np.int64], validity: NDArray[np.uint8], used: NDAr
             "max": counts.max() if counts.size else None,
         },
         "frames_without_detection_share": share((counts == 0).sum(), counts.size),
-        "used_share": share(len(np.unique(used)), n),
-        "used_of_valid_share": share(len(np.unique(used)), valid),
+        "used_share": share(taken, n),
+        "used_of_valid_share": share(taken, valid),
         "invalid": {
             reason.name.lower(): int((validity == reason).sum()) for reason in Validity if reason != Validity.VALID
         },

@@ -26,7 +26,7 @@ STEP_S = 0.05
 """Between the moments at which (1) is asked, s; chosen: in it nobody walks farther than a tenth of `WALKED_MM`."""
 
 AT_ONCE = 64
-"""Moments that are looked at first, and twice as many each time after; chosen for speed: three seconds."""
+"""Moments of a stretch; chosen for speed: three seconds."""
 
 
 class Pass(NamedTuple):
@@ -54,23 +54,32 @@ def straight_passes(at: Floats, *, rate: float) -> tuple[Pass, ...]:
 
 def _turns(way: Floats) -> Bools:
     """(N) of moments (1); none where either chord is not in the recording."""
+    before, after = _first_away(way[::-1])[::-1], _first_away(way)
     out = np.zeros(len(way), bool)
-    for k, here in enumerate(way):
-        before, after = _first_away(way[:k][::-1], here), _first_away(way[k + 1 :], here)
-        if before is not None and after is not None:
-            out[k] = unit(here - before) @ unit(after - here) < np.cos(np.radians(TURN_DEG))
+    for k in np.flatnonzero(np.isfinite(before).all(1) & np.isfinite(after).all(1)):
+        out[k] = unit(way[k] - before[k]) @ unit(after[k] - way[k]) < np.cos(np.radians(TURN_DEG))
     return out
 
 
-def _first_away(way: Floats, here: Floats) -> Floats | None:
-    """(3) the first of places (n, 3) that is `WALKED_MM` away; soon, mostly, so that few are looked at at once."""
-    first, many = 0, AT_ONCE
-    while first < len(way):
-        far = np.linalg.norm(way[first : first + many] - here, axis=1) >= WALKED_MM
-        if far.any():
-            return np.asarray(way[first + int(far.argmax())])
-        first, many = first + many, 2 * many
-    return None
+def _first_away(way: Floats) -> Floats:
+    """(N, 3) from each of places (N, 3) the first one after it that is `WALKED_MM` away; NaN where there is none.
+
+    Places are looked at in stretches, of which those are left out whose box is nowhere so far away: somebody who stands
+    for minutes is near each of them.
+    """
+    starts = np.arange(0, len(way), AT_ONCE)
+    low, high = np.minimum.reduceat(way, starts), np.maximum.reduceat(way, starts)
+    out = np.full(way.shape, np.nan)
+    for k, here in enumerate(way):
+        own = k // AT_ONCE
+        reach = np.linalg.norm(np.maximum(here - low[own:], high[own:] - here), axis=1)
+        for start in starts[own + np.flatnonzero(reach >= WALKED_MM)]:
+            some = way[max(start, k + 1) : start + AT_ONCE]
+            far = np.linalg.norm(some - here, axis=1) >= WALKED_MM
+            if far.any():
+                out[k] = some[far.argmax()]
+                break
+    return out
 
 
 def _straight(x: Floats) -> bool:

@@ -15,8 +15,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.small_matrices import solve2
-
 NEWTON_STEPS = 12  # at most; three or four are enough wherever the model is one to one; chosen
 
 
@@ -60,13 +58,24 @@ def undistort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.flo
     """The ideal point that the lens draws at `xy`: (…, 2) → (…, 2); NaN where the model has no inverse there."""
     if not np.any(k):
         return xy.copy()
-    ideal = xy.copy()
+    x, y = xy[..., 0].copy(), xy[..., 1].copy()
     with np.errstate(all="ignore"):  # points outside the model's range run away and become NaN below
         for _ in range(NEWTON_STEPS):
-            off = distort(ideal, k) - xy
-            ideal = ideal - solve2(jacobian(ideal, k), off)
-            if not np.nanmax(np.abs(off), initial=0.0) > 1e-13:
+            off_x, off_y = _off(x, y, xy, k)
+            xx, cross, yy = jacobian_entries(x, y, k)
+            det = xx * yy - cross * cross
+            x, y = x - (yy * off_x - cross * off_y) / det, y - (xx * off_y - cross * off_x) / det
+            if not max(np.nanmax(np.abs(off), initial=0.0) for off in (off_x, off_y)) > 1e-13:
                 break
-        folded = np.linalg.det(np.nan_to_num(jacobian(ideal, k))) <= 0
-        wrong = ~(np.abs(distort(ideal, k) - xy).max(-1) < 1e-9) | folded
-    return np.where(wrong[..., None], np.nan, ideal)
+        xx, cross, yy = jacobian_entries(x, y, k)
+        off_x, off_y = _off(x, y, xy, k)
+        good = (np.abs(off_x) < 1e-9) & (np.abs(off_y) < 1e-9) & (xx * yy > cross * cross)  # and not folded over
+    return np.stack([np.where(good, x, np.nan), np.where(good, y, np.nan)], -1)
+
+
+def _off(
+    x: NDArray[np.float64], y: NDArray[np.float64], xy: NDArray[np.float64], k: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far the lens draws ideal points x, y from xy (…, 2)."""
+    drawn_x, drawn_y = distorted_entries(x, y, k)
+    return drawn_x - xy[..., 0], drawn_y - xy[..., 1]

@@ -9,6 +9,7 @@ were seen are kept: filling is another stage. White noise of covariance C leaves
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -53,8 +54,20 @@ def smooth(trajectories: Trajectories, *, method: Method) -> Trajectories:
     return replace(trajectories, paths=tuple(one(path, trajectories.rate, method=method) for path in trajectories))
 
 
+_CUTOFFS: WeakKeyDictionary[MarkerTrajectory, dict[tuple[float, int], float | None]] = WeakKeyDictionary()
+"""Of markers, by rate and order, as long as these live: 60 filters each, and gait asks three times."""
+
+
 def residual_cutoff(path: MarkerTrajectory, *, rate: float, order: int = 2) -> float | None:
     """The cut-off, Hz, that residual analysis gives a marker from its longest run; None from fewer than 30 frames."""
+    known = _CUTOFFS.setdefault(path, {})
+    if (rate, order) not in known:
+        known[rate, order] = _residual_cutoff(path, rate, order)
+    return known[rate, order]
+
+
+def _residual_cutoff(path: MarkerTrajectory, rate: float, order: int) -> float | None:
+    """See `residual_cutoff`."""
     runs = true_runs(_seen(path)).tolist()
     first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
     if stop - first < 30:

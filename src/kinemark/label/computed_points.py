@@ -162,12 +162,12 @@ def _means(p: Floats, exact: float) -> Bools:
     if not len(twos):
         return found
     tree = scipy.spatial.cKDTree(p[there, frame])
-    middle = 0.5 * (p[twos[:, 0]] + p[twos[:, 1]])
-    near: Any = tree.query_ball_point(middle[:, frame], exact)  # a list a place
+    near: Any = tree.query_ball_point(p[twos, frame].mean(1), exact)  # a list a pair
     for pair in [k for k, some in enumerate(near) if some]:
+        middle = p[twos[pair]].mean(0)
         apart = np.linalg.norm(np.diff(p[twos[pair]], axis=0)[0], axis=-1)
         for m in there[near[pair]].tolist():
-            off = np.linalg.norm(p[m] - middle[pair], axis=-1)
+            off = np.linalg.norm(p[m] - middle, axis=-1)
             own = np.isfinite(off)
             known = _together(off) and np.ptp(apart[own]) > APART * exact
             found[m] |= bool(known and (off[own] < exact).all() and (apart[own] > APART * exact).all())

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from ..numerics.vectors import cross
 
 if TYPE_CHECKING:
     from .template import Template
@@ -62,7 +63,7 @@ class Hands(NamedTuple):
         if len(self.label):
             three = labelled[self.others]
             p = three[:, 0]
-            normal = np.cross(three[:, 1] - p, three[:, 2] - p) * self.sign[:, None].astype(np.float32)
+            normal = cross(three[:, 1] - p, three[:, 2] - p) * self.sign[:, None].astype(np.float32)
             wrong = normal @ xyz.T < (normal * p).sum(-1)[:, None]  # not where one of the three is NaN
             own, first = np.unique(self.label, return_index=True)
             out[own] = -WRONG_HAND * np.add.reduceat(wrong.astype(np.float32), first, axis=0)
@@ -73,7 +74,7 @@ class Hands(NamedTuple):
         four, sign = self.four[:, :4], self.four[:, 4].astype(np.float32)
         p = y[:, four[:, 0]]
         u, v, w = (y[:, four[:, k]] - p for k in (1, 2, 3))
-        wrong = (sign * (u * np.cross(v, w)).sum(-1) < 0).astype(np.float32)
+        wrong = (sign * (u * cross(v, w)).sum(-1) < 0).astype(np.float32)
         member = np.zeros((len(four), y.shape[1]), np.float32)
         np.put_along_axis(member, four, np.float32(1.0), axis=1)
         return -WRONG_HAND * (wrong @ member)
@@ -113,11 +114,16 @@ class PairScore(NamedTuple):
             return plain
         return plain._replace(hands=Hands.of(template.handed, template.sign))
 
-    def at(self, d: Single, a: Ints | slice, b: Ints | slice) -> Single:
+    def at(self, d: Single, a: int | Ints | slice, b: Ints | slice) -> Single:
         """(1) of distances (…) for labels a and b that broadcast with them; 0 where the distance is NaN."""
-        z = (d - self.distance[a, b]) * self.inverse[a, b]
-        score = np.maximum(self.base[a, b] - 0.5 * z * z, self.least[a, b])
-        return np.where(np.isfinite(d), score, np.float32(0.0)).astype(np.float32)
+        z: Single = np.asarray(d - self.distance[a, b])  # in one place in memory, as this is done for millions
+        z *= self.inverse[a, b]
+        z *= z
+        z *= -0.5
+        z += self.base[a, b]
+        np.maximum(z, self.least[a, b], out=z)
+        np.copyto(z, 0.0, where=~np.isfinite(d))
+        return z
 
     def of_points(self, xyz: Single, labelled: Single, own: Ints) -> Single:
         """(N, L) nats: points xyz (N, 3) as each label, by labelled neighbours (L, 3); own (N): a point's label or −1.
@@ -165,7 +171,7 @@ def hands(xyz: Single, handed: Ints, sign: Ints) -> Single:
     """(Q) nats: what quadruples cost whose orientation is not the template's; xyz (L, 3) labelled points."""
     a = xyz[handed[:, 0]]
     u, v, w = (xyz[handed[:, k]] - a for k in (1, 2, 3))
-    wrong = sign * (u * np.cross(v, w)).sum(-1) < 0
+    wrong = sign * (u * cross(v, w)).sum(-1) < 0
     return np.where(wrong, np.float32(-WRONG_HAND), np.float32(0.0))
 
 

@@ -16,6 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Ints
+from ..numerics.vectors import cross
 from .evidence import WRONG_HAND, PairScore, Single, distances, hands
 from .stretches import FREE
 
@@ -81,10 +82,10 @@ def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int, fixed
     far = np.vstack([xyz, np.full((1, 3), np.nan, np.float32)])
     for turn in order:
         gain = np.zeros((len(state), N + 1), np.float32)
-        for b in turn.by:
-            table = np.zeros((N + 1, N + 1), np.float32)
-            table[:N, :N] = pairs.at(d, np.array(turn.label), np.array(b))
-            gain += table[state[:, b]]
+        table = np.zeros((len(turn.by), N + 1, N + 1), np.float32)
+        table[:, :N, :N] = pairs.at(d, turn.label, turn.by[:, None, None])
+        for b, told in zip(turn.by, table, strict=True):
+            gain += told[state[:, b]]
         for others, sign in zip(turn.others, turn.sign, strict=True):
             gain[:, :N] += _hand(far[state[:, others]], xyz, sign)
         total = np.where(used, -np.inf, score[:, None] + gain)
@@ -106,7 +107,7 @@ def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int, fixed
 def _hand(three: Single, xyz: Single, sign: int) -> Single:
     """(B, N) nats of candidates xyz (N, 3) beside three placed points (B, 3, 3)."""
     p = three[:, 0]
-    normal = np.cross(three[:, 1] - p, three[:, 2] - p)
+    normal = cross(three[:, 1] - p, three[:, 2] - p)
     volume = sign * (normal @ xyz.T - (normal * p).sum(-1)[:, None])
     return np.where(volume < 0, np.float32(-WRONG_HAND), np.float32(0.0))
 

@@ -7,6 +7,7 @@ tells whose it is stays as well where one of its sides is not sure: each has a n
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -75,9 +76,13 @@ def label_switching(
         KinemarkError: there are no tracks.
     """
 
-    def named(cuts: set[_Cut]) -> CutLabels:
-        now, of = cut(tracks, cuts) if cuts else (tracks, np.arange(len(tracks)))
+    @cache  # where no cut stays, all is as it was before the first
+    def by_cuts(cuts: frozenset[_Cut]) -> CutLabels:
+        now, of = cut(tracks, set(cuts)) if cuts else (tracks, np.arange(len(tracks)))
         return CutLabels(now, label(now, template, method=method, stated=stated), of, ())
+
+    def named(cuts: set[_Cut]) -> CutLabels:
+        return by_cuts(frozenset(cuts))
 
     free = np.flatnonzero(fixed_labels(tracks, template, stated) == FREE)
     hidden = find_hidden(tracks, template.size, free)

@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 
 from ..data import Origin, Trajectories
 from ..findings.markers import sample_deviation
+from ..numerics.row_quantiles import row_quantiles
 from .panels import axis_title, panel, panels
 from .theme import HUES, STATES, empty, figure, hue, labels
 from .thin import MOST_MARKERS, blocks, fullest, short, thinned
@@ -97,7 +98,7 @@ def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
     if not known.any():
         return empty("The uncertainty of the positions is not known.")
     low, median, high = np.full((3, sd.shape[1]), np.nan)
-    low[known], median[known], high[known] = np.nanquantile(sd[:, known], [0.05, 0.5, 0.95], axis=0)
+    low[known], median[known], high[known] = (row_quantiles(sd[:, known].T, share) for share in (0.05, 0.5, 0.95))
     fig = figure(320, showlegend=True, legend=ABOVE)
     for values, name, colour in ((high, "95 %", HUES[5]), (median, "median", HUES[0]), (low, "5 %", HUES[5])):
         curve = thinned(values, QUANTILES)

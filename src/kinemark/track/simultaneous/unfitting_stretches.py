@@ -96,9 +96,11 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     if C < 3 or parts < 2 or not len(detections):
         return ()
     edges = np.linspace(0, n, parts + 1).astype(int)
-    images = read_images(detections, rig)
+    counts = detections.counts
+    looked_at = [_sampled(range(a, b), counts) for a, b in pairwise(edges)]
+    images = read_images(detections.keep(np.isin(detections.frame, np.concatenate(looked_at))), rig)
     F = fundamentals(images.P)
-    found = [_fit(images, F, detections, range(a, b)) for a, b in pairwise(edges)]
+    found = [_fit(images, F, counts[:, frames], frames) for frames in looked_at]
     by_part = [np.stack(each) for each in zip(*found, strict=True)]
     lost = _lost(*by_part)
     runs = [Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in true_runs_of_rows(lost)]
@@ -139,15 +141,18 @@ def is_lost(stretch: Stretch, tracks: Tracks, detections: Detections, rig: Rig) 
     return bool(shares[0] < LEFT * shares[1] and (1 - shares[1]) ** markers < CHANCE)
 
 
-def _fit(images: Images, F: Floats, detections: Detections, frames: range) -> tuple[Floats, Floats, Floats]:
-    """n of (1), its variance by chance, and #, (C, C) each, in some of the frames."""
-    C, counts = len(images.P), detections.counts[:, frames.start : frames.stop]
-    step = max(1, int(counts.sum() // SAMPLED_IMAGES))
-    some = residuals(images, F, list(frames[step // 2 :: step] or frames[:1]))
+def _sampled(frames: range, counts: Ints) -> list[int]:
+    """Some of these frames, by the counts (C, F) of their images."""
+    step = max(1, int(counts[:, frames.start : frames.stop].sum() // SAMPLED_IMAGES))
+    return list(frames[step // 2 :: step] or frames[:1])
+
+
+def _fit(images: Images, F: Floats, counts: Ints, frames: list[int]) -> tuple[Floats, Floats, Floats]:
+    """n of (1), its variance by chance, and #, (C, C) each, in frames (n) with counts (C, n) of images."""
+    C, some = len(images.P), residuals(images, F, frames)
     number, off = pair_of(some, C), np.abs(some.off)
     share = NEAR / (WINDOW - APART)
     near, far = (np.bincount(number[own], minlength=C * C).reshape(C, C) for own in (off < NEAR, off > APART))
-    counts = counts[:, step // 2 :: step] if step // 2 < len(frames) else counts[:, :1]
     possible = np.minimum(counts[:, None], counts[None]).sum(-1) * (1.0 - np.eye(C))
     n, chance = near - share * far, near + share**2 * far
     return n + n.T, chance + chance.T, possible

@@ -115,6 +115,19 @@ def test_each_value_of_a_stride_says_of_which_walk_it_is(walk):
     )
 
 
+@pytest.mark.parametrize(
+    ("subjects", "told"), [(("Anna", "Ben"), True), (("Anna", "anna "), False), (("", "Ben"), False)]
+)
+def test_files_of_two_people_are_told(walk, subjects, told):
+    trial = read_trial(walk / "walk.c3d")
+    for name, subject in zip(("one", "standing"), subjects, strict=True):
+        write_c3d(walk / f"{name}.c3d", replace(trial, about={**trial.about, "subject": subject}))
+    files = {"static": walk / "standing.c3d", "measures": walk / "anna.toml"}
+    found = gait_of_files([walk / "one.c3d"], settings=QUICK, folder=walk / "out", **files)
+    said = [f["text"] for f in found.figures["findings"] if f["kind"] == "gait_subjects_differ"]
+    assert bool(said) == told and all("Anna (one), Ben (standing)" in text for text in said)
+
+
 def test_error_bars_are_on_every_curve(walk):
     found = gait_of_files(
         [walk / "walk.c3d"], static=walk / "walk.c3d", measures=walk / "anna.toml", folder=walk / "out"

@@ -34,6 +34,7 @@ from .gait_numbers import (
     uncertainty_by_cause,
     ways_walked,
 )
+from .gait_subjects import of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -136,6 +137,7 @@ def gait_figures(
     clusters: ClustersShown | None = None,
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
+    stated: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -146,9 +148,11 @@ def gait_figures(
             them; "knees" and "ankles", where markers do not show their widths either.
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
+        stated: the subject that each file states, by its name.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
+        *of_subjects(stated or {}),
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *([] if axes is None else _of_axes(axes)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -276,7 +275,8 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
         if not whole.all():
             short = [one for one in angles if not one.whole.all()]
             unknown = float(np.mean([np.isnan(one.values).any(2).mean() for one in short]))
-            joints = [re.sub("(?<=[a-z])(?=[A-Z])", " ", one.name[1:].removesuffix("Angles")).lower() for one in short]
+            joints = [one.name[1:].removesuffix("Angles").lower() for one in short]
+            joints = ["foot progression" if name == "footprogress" else name for name in joints]
             yield make_finding(
                 "gait_angles_with_gaps", side=side, cut=int((~whole).sum()), strides=len(whole), joints_list=joints,
                 unknown_share=unknown,

@@ -54,6 +54,7 @@ def test_angles_with_gaps_are_told_and_filling_is_named(walk):
     kinds = [[f for f in one.figures["findings"] if f["kind"] == "gait_angles_with_gaps"] for one in (whole, gappy)]
     assert not kinds[0] and len(kinds[1]) == 1
     values = kinds[1][0]["values"]
+    assert values["joints_list"] == ["hip", "knee", "ankle", "foot progression"]
     assert (
         values["side"] == "right"
         and 1 <= values["cut"] <= 2 < values["strides"]
@@ -113,6 +114,36 @@ def test_each_value_of_a_stride_says_of_which_walk_it_is(walk):
     assert 50 < row["left"]["mean"] < 75 and "knee flexion, greatest in swing (°)" in (
         (found.folder / "gait.html").read_text()
     )
+
+
+@pytest.mark.parametrize(
+    ("subjects", "told"), [(("Anna", "Ben"), True), (("Anna", "anna "), False), (("", "Ben"), False)]
+)
+def test_files_of_two_people_are_told(walk, subjects, told):
+    trial = read_trial(walk / "walk.c3d")
+    for name, subject in zip(("one", "standing"), subjects, strict=True):
+        write_c3d(walk / f"{name}.c3d", replace(trial, about={**trial.about, "subject": subject}))
+    files = {"static": walk / "standing.c3d", "measures": walk / "anna.toml"}
+    found = gait_of_files([walk / "one.c3d"], settings=QUICK, folder=walk / "out", **files)
+    said = [f["text"] for f in found.figures["findings"] if f["kind"] == "gait_subjects_differ"]
+    assert bool(said) == told and all("Anna (one), Ben (standing)" in text for text in said)
+
+
+def test_a_marker_that_leaps_is_told(walk):
+    trial = read_trial(walk / "walk.c3d")
+    xyz = trial.trajectories["RKNE"].xyz.copy()
+    xyz[150:] += [0, 60.0, 0]  # its track went over to another marker
+    paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
+    write_c3d(walk / "leaps.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    told = [
+        [
+            f
+            for f in gait_of_files([walk / name], settings=QUICK).figures["findings"]
+            if f["kind"] == "gait_markers_leap"
+        ]
+        for name in ("walk.c3d", "leaps.c3d")
+    ]
+    assert not told[0] and told[1][0]["markers"] == ["RKNE"] and told[1][0]["values"]["leaps"] == 2
 
 
 def test_error_bars_are_on_every_curve(walk):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Trial
 from kinemark.engine.gait_comparison import compare_gait
 from kinemark.engine.gait_files import gait_of_files
@@ -99,6 +100,22 @@ def test_heels_that_were_put_on_anew_explain_a_wider_step_and_many_strides_do_no
 
     assert not exceeds(102.0, same_markers=False) and exceeds(102.0, same_markers=True)
     assert exceeds(115.0, same_markers=False) and not exceeds(91.0, same_markers=True)
+
+
+def test_two_people_are_told(conditions, capsys):
+    """Whoever takes the wrong folder sees it on the page and in the terminal; one spelling of a name is one person."""
+    table = json.loads((conditions / "slow/gait.json").read_text())
+    for name, subject in (("first", "Anna"), ("second", "anna"), ("stranger", "Ben")):
+        (conditions / name).mkdir()
+        (conditions / name / "gait.json").write_text(json.dumps(table | {"subject": subject}))
+    for other, told in (("second", False), ("stranger", True)):
+        into = conditions / f"with_{other}"
+        app(["gait-compare", str(conditions / "first"), str(conditions / other), "-o", str(into)],
+            result_action="return_value")  # fmt: skip
+        words = "first is of Anna and stranger of Ben"
+        said = " ".join(capsys.readouterr().out.split())
+        assert (words in said) == (words in (into / "comparison.html").read_text()) == told
+        assert "Strides: first" in said
 
 
 def test_what_cannot_be_compared_is_refused(conditions):

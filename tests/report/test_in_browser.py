@@ -1,11 +1,17 @@
 """Pages as a browser shows them: no complaint, no sideways scrolling, drawings on demand, markers that play."""
 
 import re
+from itertools import pairwise
 
 import pytest
 
+from kinemark.data import Trial
+from kinemark.engine.gait_files import gait_of_files
+from kinemark.engine.gait_settings import GaitSettings
+from kinemark.io.c3d import write_c3d
 from kinemark.report import write_report
 from kinemark.report.drawing_library import ASSETS, drawing_library, relink
+from kinemark.synth import walking
 from support.browser import opened
 from support.captures import capture, judge, ring, walk
 from support.many_tracks import long_trial
@@ -38,6 +44,27 @@ def test_pages_are_drawn_without_complaint_and_do_not_scroll_sideways(folder, na
         drawn = "[...document.querySelectorAll('.plot')].filter(place => !place.querySelector('.main-svg')).length"
         assert page.ask(drawn) == 0
         assert page.ask("document.getElementById('undrawn')?.hidden ?? true")
+
+
+TITLES = """[...document.querySelectorAll('#kinematics-drawing .annotation-text')]
+    .filter(one => /^(Pelvic|Hip|Knee|Ankle) .* \\(°\\)$/.test(one.textContent))
+    .map(one => one.getBoundingClientRect()).map(box => [box.left, box.right, box.top])"""
+
+
+def test_titles_of_panels_beside_each_other_stay_apart_where_the_page_is_narrow(tmp_path):
+    subject = walking(duration_s=3.0, rate=100.0, seed=1)
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", subject.trajectories))
+    found = gait_of_files([tmp_path / "walk.c3d"], settings=GaitSettings(uncertainty=False))
+    with opened(found.folder / "gait.html", width=400, height=768) as page:
+        page.ask("document.getElementById('kinematics').scrollIntoView()")
+        page.until(f"{TITLES}.length > 9")
+        assert page.ask("document.documentElement.scrollWidth") <= 400
+        rows = {}
+        for left, right, top in page.ask(TITLES):
+            rows.setdefault(round(top / 10), []).append((left, right))
+        assert max(map(len, rows.values())) == 3
+        for row in rows.values():
+            assert all(a[1] + 4 < b[0] for a, b in pairwise(sorted(row)))
 
 
 @pytest.mark.parametrize("name", PAGES)

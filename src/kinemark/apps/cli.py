@@ -12,6 +12,7 @@ from cyclopts import App
 
 from ..version import __version__
 from .output import errors
+from .usage_errors import usage_error
 
 COMMANDS = {
     "commands/simulate.py": ("demo", "simulate"),
@@ -51,6 +52,7 @@ def command_line() -> App:
         help="Marker-based optical motion capture, from images to trajectories.",
         help_format="plaintext",
         version=__version__,
+        error_formatter=usage_error,
         suppress_keyboard_interrupt=False,  # __main__ tells what is kept
     )
     here = Path(__file__).parent

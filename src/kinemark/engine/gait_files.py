@@ -105,7 +105,7 @@ def gait_of_files(
         moved = _read(functional, markers, settings, still)
         known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
-    figures = _figures(whole, found, known, static, band, settings)
+    figures = _figures(whole, still, found, known, static, band, settings)
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
     figures["identity"] = identity_of_file(whole[0].given, walks[0])
     into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
@@ -125,17 +125,19 @@ def _read(
 
 
 def _figures(
-    walks: Sequence[Recorded], found: SubjectGait, known: KnownMeasures, static: Path | None,
+    walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
     band: GaitReference | None, settings: GaitSettings,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
-    subject = next((w.given.about["subject"] for w in walks if w.given.about.get("subject")), "")
+    stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
+    subject = next((stated[walk.name] for walk in walks if stated[walk.name]), "")
     return with_words(
         gait_figures(
             found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
+            stated=stated,
         )
     )  # fmt: skip
 

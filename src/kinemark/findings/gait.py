@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -34,6 +33,7 @@ from .gait_numbers import (
     uncertainty_by_cause,
     ways_walked,
 )
+from .gait_subjects import of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -136,6 +136,7 @@ def gait_figures(
     clusters: ClustersShown | None = None,
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
+    stated: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -146,9 +147,11 @@ def gait_figures(
             them; "knees" and "ankles", where markers do not show their widths either.
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
+        stated: the subject that each file states, by its name.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
+        *of_subjects(stated or {}),
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *([] if axes is None else _of_axes(axes)),
@@ -272,7 +275,8 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
         if not whole.all():
             short = [one for one in angles if not one.whole.all()]
             unknown = float(np.mean([np.isnan(one.values).any(2).mean() for one in short]))
-            joints = [re.sub("(?<=[a-z])(?=[A-Z])", " ", one.name[1:].removesuffix("Angles")).lower() for one in short]
+            joints = [one.name[1:].removesuffix("Angles").lower() for one in short]
+            joints = ["foot progression" if name == "footprogress" else name for name in joints]
             yield make_finding(
                 "gait_angles_with_gaps", side=side, cut=int((~whole).sum()), strides=len(whole), joints_list=joints,
                 unknown_share=unknown,

@@ -88,7 +88,9 @@ def key_values(signals: Signals, strides: Sequence[Stride]) -> tuple[KeyValue, .
     Args:
         signals: as `analyse_gait` gives them. strides: of both sides, that count.
     """
-    curves = {(one.name[1:], one.side): one for one in gait_curves(signals, strides)}
+    wanted = {key.curve for key in KEYS}
+    read = Signals(tuple(signal for signal in signals if signal.name[1:] in wanted))
+    curves = {(one.name[1:], one.side): one for one in gait_curves(read, strides)}
     found: list[KeyValue] = []
     for key in KEYS:
         for side in SIDES:

@@ -52,14 +52,38 @@ def write_comparison_page(
         "gait_comparison.html",
         library=drawing_library(path, assets),
         heading=f"{one['name']} and {two['name']}: gait compared",
-        below=f"{one['subject'] or 'Subject not stated'} · Kinemark {figures['kinemark']}",
+        below=f"{' and '.join(_subjects(figures)) or 'Subject not stated'} · Kinemark {figures['kinemark']}",
         nav=NAV,
         figures=figures,
         differing=differing_table(figures),
+        doubt=other_subject(figures),
+        strides=strides_compared(figures),
         time_table=parameters_table(figures),
         drawings={side: side_figure([c for c in curves if c.side == side], side) for side in ("left", "right")},
     )
     write_text(path, text)
+
+
+def _subjects(figures: dict[str, Any]) -> list[str]:
+    """That are stated, each once."""
+    return list(dict.fromkeys(one["subject"] for one in figures["conditions"] if one["subject"]))
+
+
+def other_subject(figures: dict[str, Any]) -> str:
+    """What is said where the two conditions state different subjects; empty where they do not."""
+    one, two = figures["conditions"]
+    if not one["subject"] or not two["subject"] or one["subject"].casefold() == two["subject"].casefold():
+        return ""
+    return (
+        f"{one['name']} is of {one['subject']} and {two['name']} of {two['subject']}: what differs may be that they "
+        "are two people. Check which files were compared."
+    )
+
+
+def strides_compared(figures: dict[str, Any]) -> str:
+    """How many strides of each side there are of each condition."""
+    each = [f"{c['name']} {c['strides']['left']} left, {c['strides']['right']} right" for c in figures["conditions"]]
+    return f"Strides: {'; '.join(each)}."
 
 
 def differing_table(figures: dict[str, Any]) -> Table:

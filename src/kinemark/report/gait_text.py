@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .formatting import number
-from .gait_comparison_page import differing_table, parameters_table
+from .gait_comparison_page import differing_table, other_subject, parameters_table, strides_compared
 from .gait_page import NAMES, SHOWN
 from .terminal_summary import finding_lines
 from .words import headline_of, sentences_of
@@ -29,7 +29,8 @@ def comparison_summary(figures: dict[str, Any]) -> str:
     """What differs, a line each."""
     one, two = figures["conditions"]
     rows = [*differing_table(figures).rows]
-    lines = [f"{two['name']} less {one['name']}: {len(rows)} components differ by more than their own error."]
+    lines = [*filter(None, [other_subject(figures)]), strides_compared(figures)]
+    lines += [f"{two['name']} less {one['name']}: {len(rows)} components differ by more than their own error."]
     lines += [f"  {row[0]:34s} {row[2]:>22s}  {row[3]:>12s}   {row[1]}" for row in rows]
     for row in parameters_table(figures).rows:
         if row[-1] == "differs":

@@ -16,6 +16,7 @@ from ...data import KinemarkError
 from ...detect.interlacing import FEWEST, interlacing
 from ...io.images import natural as natural_path
 from ...io.images import open_images
+from ..folders import RECORDINGS
 from .calibration_way import completed
 from .camera_names import Grouping, best_grouping, grouped
 from .folder_files import (
@@ -90,6 +91,18 @@ def _nothing(folder: Path, n_files: int, recordings: Sequence[FoundRecording]) -
     return KinemarkError(
         f"{folder} has no recordings: no videos, images, 2D points or calibration among {n_files} files. Put the "
         "recordings of one day into it, a video or a folder of images for each camera and trial."
+        f"{_without_session(folder)}"
+    )
+
+
+def _without_session(folder: Path) -> str:
+    """What to do with trajectories of another system, which need no session."""
+    trials = sum(path.suffix.lower() in RECORDINGS for path in folder.iterdir())
+    if not trials:
+        return ""
+    return (
+        f" Its {trials} {'file' if trials == 1 else 'files'} of trajectories {'needs' if trials == 1 else 'need'} no "
+        f"session: kinemark audit {folder}, kinemark fill {folder}, kinemark gait, kinemark studio {folder}."
     )
 
 

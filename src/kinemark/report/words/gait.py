@@ -106,6 +106,10 @@ GAIT_WORDS = {
         "{trial}: no foot strikes the floor twice, so that there is no stride.",
         "Record a longer walk, or check the names of heel and toe markers.",
     ),
+    "gait_subjects_differ": Words(
+        "The files state different subjects: {subjects_list}. They are averaged as one person's.",
+        "Give walks and standing trial of one person, or correct the name in the files.",
+    ),
     "gait_few_strides": Words(
         "{strides} {strides:stride|strides} of the {side} side: how strides differ is hardly known.",
         "Give several walks together.",

@@ -1,5 +1,8 @@
 """Matrix products have one thread in a fill, whatever the environment says, and as many as before afterwards."""
 
+import json
+import os
+import subprocess
 import sys
 
 import numpy as np
@@ -38,3 +41,20 @@ def test_fill_limits_them_itself(two_threads, monkeypatch):
     trajectories = trial_of(with_gap(segment())).trajectories
     assert fill(trajectories, method=Linear(), limit_mm=np.inf).gaps[0].method == "linear"
     assert seen == [{THREADS}] and blas_threads() == {2}
+
+
+LATER = """
+from kinemark.numerics.blas_threads import one_blas_thread
+from threadpoolctl import threadpool_info
+with one_blas_thread():
+    import scipy
+    scipy.linalg.lapack.dpotrf
+    print([one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"])
+"""
+
+
+def test_a_blas_that_comes_later_has_one_thread_too():
+    """SciPy has its own, and is imported where it is first used: fills took five times the processor's time."""
+    environment = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
+    said = subprocess.run([sys.executable, "-c", LATER], env=environment, capture_output=True, text=True, check=True)
+    assert set(json.loads(said.stdout)) == {THREADS}

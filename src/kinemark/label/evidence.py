@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
-from ..numerics.vectors import cross
 
 if TYPE_CHECKING:
     from .template import Template
@@ -63,7 +62,7 @@ class Hands(NamedTuple):
         if len(self.label):
             three = labelled[self.others]
             p = three[:, 0]
-            normal = cross(three[:, 1] - p, three[:, 2] - p) * self.sign[:, None].astype(np.float32)
+            normal = np.cross(three[:, 1] - p, three[:, 2] - p) * self.sign[:, None].astype(np.float32)
             wrong = normal @ xyz.T < (normal * p).sum(-1)[:, None]  # not where one of the three is NaN
             own, first = np.unique(self.label, return_index=True)
             out[own] = -WRONG_HAND * np.add.reduceat(wrong.astype(np.float32), first, axis=0)
@@ -74,7 +73,7 @@ class Hands(NamedTuple):
         four, sign = self.four[:, :4], self.four[:, 4].astype(np.float32)
         p = y[:, four[:, 0]]
         u, v, w = (y[:, four[:, k]] - p for k in (1, 2, 3))
-        wrong = (sign * (u * cross(v, w)).sum(-1) < 0).astype(np.float32)
+        wrong = (sign * (u * np.cross(v, w)).sum(-1) < 0).astype(np.float32)
         member = np.zeros((len(four), y.shape[1]), np.float32)
         np.put_along_axis(member, four, np.float32(1.0), axis=1)
         return -WRONG_HAND * (wrong @ member)
@@ -171,7 +170,7 @@ def hands(xyz: Single, handed: Ints, sign: Ints) -> Single:
     """(Q) nats: what quadruples cost whose orientation is not the template's; xyz (L, 3) labelled points."""
     a = xyz[handed[:, 0]]
     u, v, w = (xyz[handed[:, k]] - a for k in (1, 2, 3))
-    wrong = sign * (u * cross(v, w)).sum(-1) < 0
+    wrong = sign * (u * np.cross(v, w)).sum(-1) < 0
     return np.where(wrong, np.float32(-WRONG_HAND), np.float32(0.0))
 
 

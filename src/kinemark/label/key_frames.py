@@ -16,7 +16,6 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Ints
-from ..numerics.vectors import cross
 from .evidence import WRONG_HAND, PairScore, Single, distances, hands
 from .stretches import FREE
 
@@ -107,7 +106,7 @@ def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int, fixed
 def _hand(three: Single, xyz: Single, sign: int) -> Single:
     """(B, N) nats of candidates xyz (N, 3) beside three placed points (B, 3, 3)."""
     p = three[:, 0]
-    normal = cross(three[:, 1] - p, three[:, 2] - p)
+    normal = np.cross(three[:, 1] - p, three[:, 2] - p)
     volume = sign * (normal @ xyz.T - (normal * p).sum(-1)[:, None])
     return np.where(volume < 0, np.float32(-WRONG_HAND), np.float32(0.0))
 

@@ -1,13 +1,16 @@
 /** Pieces of paths before and after the frame that is shown, in one buffer of lines that is written anew each frame. */
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments } from "three";
+import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments } from "three";
 import type { Path } from "../model/paths";
-import { byOrigin, rgb, type Palette } from "./palette";
+import { byOrigin, type Palette } from "./palette";
 
 /** A path that is drawn, in its own colour where it has one, else by origin; dashed where it is a possibility. */
 export interface Trail { path: Path; colour?: string; dashed?: boolean; strong?: boolean }
 
 /** Frames of a dash, and of the dash with the space behind it; chosen. */
 const DASH = 3, PERIOD = 6;
+
+/** Red, green and blue in light, as buffers of colours have them; as screens have them, a trail would fade to white. */
+const light = (colour: string): number[] => new Color(colour).toArray();
 
 export class Trails {
   readonly lines: LineSegments;
@@ -29,10 +32,10 @@ export class Trails {
   /** Lines of all trails from index − back to index + ahead; they fade towards the view's colour. */
   show(trails: readonly Trail[], index: number, back: number, ahead: number, palette: Palette): void {
     this.room(trails.length * (back + ahead));
-    const ground = rgb(palette.view), origins = byOrigin(palette).map(rgb);
+    const ground = light(palette.view), origins = byOrigin(palette).map(light);
     let k = 0;
     for (const { path, colour, dashed, strong } of trails) {
-      const own = colour ? rgb(colour) : null, { xyz, origin } = path, n = origin.length;
+      const own = colour ? light(colour) : null, { xyz, origin } = path, n = origin.length;
       const from = Math.max(1, index - back + 1), to = Math.min(n - 1, index + ahead);
       for (let i = from; i <= to; i++) {
         if (!origin[i] || !origin[i - 1] || (dashed && i % PERIOD >= DASH)) continue;

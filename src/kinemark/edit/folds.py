@@ -85,7 +85,7 @@ def _folded(path: MarkerTrajectory, edits: tuple[Edit, ...], of: Footage) -> Fol
     return found
 
 
-def _joined(edits: Sequence[ValueEdit], results: Sequence[Result]) -> tuple[Result, ...]:
+def _joined(edits: Sequence[Edit], results: Sequence[Result]) -> tuple[Result, ...]:
     """What became of each edit in the end: an image alone is part of the place that a later one made of both."""
     places = {edit.frame: k for k, edit in enumerate(edits) if isinstance(edit, ImagePoint) and _stands(results[k])}
     return tuple(

@@ -1,7 +1,7 @@
 /** Pieces of paths before and after the frame that is shown, in one buffer of lines that is written anew each frame. */
-import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments } from "three";
+import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments, SRGBColorSpace } from "three";
 import type { Path } from "../model/paths";
-import { byOrigin, type Palette } from "./palette";
+import { byOrigin, rgb, type Palette } from "./palette";
 
 /** A path that is drawn, in its own colour where it has one, else by origin; dashed where it is a possibility. */
 export interface Trail { path: Path; colour?: string; dashed?: boolean; strong?: boolean }
@@ -9,8 +9,9 @@ export interface Trail { path: Path; colour?: string; dashed?: boolean; strong?:
 /** Frames of a dash, and of the dash with the space behind it; chosen. */
 const DASH = 3, PERIOD = 6;
 
-/** Red, green and blue in light, as buffers of colours have them; as screens have them, a trail would fade to white. */
-const light = (colour: string): number[] => new Color(colour).toArray();
+/** Light of a value from 0 to 1 of the screen's, as buffers of colours have it: else a trail would fade to white. Looked up,
+ * as it is asked for 20 000 times a picture. */
+const FINE = 1024, LIGHT = Float32Array.from({ length: FINE + 1 }, (_, i) => new Color().setRGB(i / FINE, 0, 0, SRGBColorSpace).r);
 
 export class Trails {
   readonly lines: LineSegments;
@@ -32,10 +33,10 @@ export class Trails {
   /** Lines of all trails from index − back to index + ahead; they fade towards the view's colour. */
   show(trails: readonly Trail[], index: number, back: number, ahead: number, palette: Palette): void {
     this.room(trails.length * (back + ahead));
-    const ground = light(palette.view), origins = byOrigin(palette).map(light);
+    const ground = rgb(palette.view), origins = byOrigin(palette).map(rgb);
     let k = 0;
     for (const { path, colour, dashed, strong } of trails) {
-      const own = colour ? light(colour) : null, { xyz, origin } = path, n = origin.length;
+      const own = colour ? rgb(colour) : null, { xyz, origin } = path, n = origin.length;
       const from = Math.max(1, index - back + 1), to = Math.min(n - 1, index + ahead);
       for (let i = from; i <= to; i++) {
         if (!origin[i] || !origin[i - 1] || (dashed && i % PERIOD >= DASH)) continue;
@@ -43,7 +44,7 @@ export class Trails {
         const fade = (i > index ? 0.35 : 1) * (strong ? 1 - 0.4 * far : 0.75 * (1 - far));
         const c = own ?? origins[origin[i]!]!, at = 6 * k++;
         for (let j = 0; j < 6; j++) this.place[at + j] = xyz[3 * i - 3 + j]!;
-        for (let j = 0; j < 3; j++) this.colour[at + j] = this.colour[at + 3 + j] = ground[j]! + fade * (c[j]! - ground[j]!);
+        for (let j = 0; j < 3; j++) this.colour[at + j] = this.colour[at + 3 + j] = LIGHT[Math.round(FINE * (ground[j]! + fade * (c[j]! - ground[j]!)))]!;
       }
     }
     this.geometry.setDrawRange(0, 2 * k);

@@ -96,6 +96,20 @@ def test_a_corrected_image_moves_the_sample_to_where_the_images_say():
     assert (edited.trajectories["A"].detection[30] == -1).all()
 
 
+def test_the_first_of_two_images_of_a_missing_marker_is_an_orphan_until_the_second_is_there():
+    rig, detections, tracks, world = scene()
+    there = {"detections": detections, "rig": rig, "world": world}
+    place, gone = tracks.paths[0].xyz[30], np.arange(tracks.n_frames) != 30
+    marked = replace(tracks, paths=(replace(tracks.paths[0].only(gone), name="A"), *tracks.paths[1:]))
+    first, second = (ImagePoint(c.name, 31, *project(c, place[None])[0].tolist(), "A") for c in rig.cameras[:2])
+    elsewhere = replace(second, frame=32)
+    assert outcome(marked, first, **there)[1] == ["orphan"]
+    assert outcome(marked, first, elsewhere, **there)[1] == ["orphan", "held"]
+    edited, outcomes = outcome(marked, first, second, **there)
+    assert outcomes == ["held", "held"] and np.abs(edited.trajectories["A"].xyz[30] - place).max() < 0.01
+    assert outcome(marked, first, **there)[1] == ["orphan"], "as before, when the second is undone"
+
+
 def test_an_image_that_is_no_markers_is_taken_from_the_sample_that_has_it():
     rig, detections, tracks, world = scene()
     there = {"detections": detections, "rig": rig, "world": world}

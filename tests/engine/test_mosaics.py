@@ -180,3 +180,19 @@ def test_what_was_decoded_on_the_way_is_a_picture_as_soon_as_the_answer_is_there
     mosaics._behind.submit(lambda: None).result()
     assert not mosaics._drawn
     mosaics.close()
+
+
+def test_cameras_that_took_their_images_at_other_times_are_shown_in_time(sources, tmp_path):
+    late = {"c0": 0, "c1": 3, "c2": -2}
+    mosaics = Mosaics(sources, tmp_path / "kept", image_at=lambda camera, n: n - late[camera])
+    for n in (60, 61, 100, 3, FRAMES - 3):
+        assert shown(mosaics, n) == [n, n - 3 + 500, n + 2 + 1000]
+    assert shown(mosaics, 1) == [1, 0, 1003], "no image was taken then: black"
+    assert shown(mosaics, FRAMES - 1) == [FRAMES - 1, FRAMES - 4 + 500, 0]
+    part = image_in(mosaics.crop("c1", 40, 8, 4, 40, 10), "png")
+    assert np.abs(part.astype(int) - bars(537)[4:14, 8:48]).max() < 40
+    assert not image_in(mosaics.crop("c1", 1, 8, 4, 40, 10), "png").any()
+    for wrong in (-1, FRAMES):
+        with pytest.raises(KinemarkError, match="was asked for"):
+            mosaics.jpeg(wrong)
+    mosaics.close()

@@ -2823,13 +2823,13 @@ export interface components {
         };
         /**
          * Mosaic
-         * @description The layout of the mosaics of a trial, of whose recording one frame of `every` is taken.
+         * @description The layout of the mosaics of a trial; `images` changes where a frame's number means other images.
          */
         Mosaic: {
-            /** Every */
-            every: number;
             /** Height */
             height: number;
+            /** Images */
+            images: string;
             /** Tiles */
             tiles: components["schemas"]["Tile"][];
             /** Width */

@@ -17,7 +17,7 @@ from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools
 from ..data.edits import Edit, Erase, GapChoice, ImagePoint, Put, Smooth
 from .anchors import disowned, with_doubt
-from .values import Changed, Footage, ImagesByHand, Result, erase, put, smooth, with_image, without_image
+from .values import ALONE, Changed, Footage, ImagesByHand, Result, erase, put, smooth, with_image, without_image
 from .votes import nearest_images
 
 ValueEdit = Erase | Put | Smooth | ImagePoint | GapChoice
@@ -81,8 +81,23 @@ def _folded(path: MarkerTrajectory, edits: tuple[Edit, ...], of: Footage) -> Fol
         for edit in edits[len(results) :]:
             after, result = _applied(path, after, edit, alone)
             results.append(result)
-        _KNOWN[path, edits, *behind] = found = Folded(path, after, tuple(results), corrected)
+        _KNOWN[path, edits, *behind] = found = Folded(path, after, _joined(edits, results), corrected)
     return found
+
+
+def _joined(edits: Sequence[Edit], results: Sequence[Result]) -> tuple[Result, ...]:
+    """What became of each edit in the end: an image alone is part of the place that a later one made of both."""
+    places = {edit.frame: k for k, edit in enumerate(edits) if isinstance(edit, ImagePoint) and _stands(results[k])}
+    return tuple(
+        Result("held")
+        if result == ALONE and isinstance(edit, ImagePoint) and places.get(edit.frame, -1) > k
+        else result
+        for k, (edit, result) in enumerate(zip(edits, results, strict=True))
+    )
+
+
+def _stands(result: Result) -> bool:
+    return result.outcome in ("held", "thin")
 
 
 def _applied(before: MarkerTrajectory, path: MarkerTrajectory, edit: Edit, of: Footage) -> Changed:

@@ -31,6 +31,8 @@ on in, half a second to go back in. To decode backwards costs a group of frames 
 """
 KEPT = 1_000_000_000
 """Bytes of mosaics that are kept on disk for a trial; chosen: 25 000 frames of eight cameras."""
+ImageAt = Callable[[str, int], int]
+"""By a camera and a frame of the recording, from 0, the number of the image that shows it."""
 IN_MEMORY = 20_000_000
 """Bytes that are kept where nothing can be written; chosen: ten seconds of a recording."""
 WORKERS = 4
@@ -48,22 +50,24 @@ class Mosaics:
         recording: str = "",
         most: int = KEPT,
         small: Mapping[str, SmallImages] = MappingProxyType({}),
+        image_at: ImageAt = lambda camera, n: n,
     ) -> None:
         """Nothing is opened yet; mosaics are kept in the folder, where it can be written.
 
         Args:
             sources: by camera. folder: of the mosaics of a trial. recording: tells them from those of what was
                 recorded there before. most: bytes that are kept, the longest unused going first. small: by camera,
-                pictures that were made of it before.
+                pictures that were made of it before. image_at: where cameras took their images at times of their own;
+                where there is no image of that number, the tile is black.
         """
         self.sources, self.recording = dict(sources), recording
         self._kept = KeptFiles(folder, most=most, most_in_memory=IN_MEMORY)
         self.layout = layout_of(sources)
-        self.n_frames = min(source.n_frames for source in sources.values())
+        self.n_frames = max(source.n_frames for source in sources.values())
         self._open: dict[str, ExactImages] = {}
         self._locks = {name: threading.Lock() for name in sources}
         self._smaller = {tile.camera: Smaller(tile) for tile in self.layout.tiles}
-        self._small = dict(small)
+        self._small, self._image_at = dict(small), image_at
         self._pool = ThreadPoolExecutor(WORKERS, "tiles")
         self._behind = ThreadPoolExecutor(1, "mosaics")
         self._asked: tuple[int, int] | None = None
@@ -77,6 +81,7 @@ class Mosaics:
         Raises:
             KinemarkError: there is no such frame, or an image is damaged.
         """
+        self._check(n)
         before, _ = self._asked or (n, 0)
         self._asked = asked = n, n - before  # from here on nothing more is decoded behind
         found = self._mosaic(n)
@@ -104,9 +109,14 @@ class Mosaics:
         w, h = self.sources[camera].size
         if not (0 <= x < x + width <= w and 0 <= y < y + height <= h):
             raise KinemarkError(f"{camera} has {w} × {h} px; {width} × {height} from ({x}, {y}) is no part of that.")
-        image = self._image(camera, n)
+        self._check(n)
+        image = self._image(camera, self._image_at(camera, n))
         shown = self._smaller[camera].in_eight_bits(image)
         return png_bytes(np.ascontiguousarray(shown[y : y + height, x : x + width]))
+
+    def _check(self, n: int) -> None:
+        if not 0 <= n < self.n_frames:
+            raise KinemarkError(f"There are frames 1 to {self.n_frames}, and {n + 1} was asked for.")
 
     def close(self) -> None:
         """Nothing more is asked."""
@@ -154,10 +164,17 @@ class Mosaics:
 
     def _start(self, n: int) -> int:
         """The first of the frames before frame n that are decoded for it anyway: they are kept as well."""
-        first = self._pool.map(lambda camera: self._decoded_from(camera, n), self.sources)
-        return max(min(first, default=n), n - BACK, 0)
+        back = self._pool.map(lambda camera: self._images_before(camera, self._image_at(camera, n)), self.sources)
+        return max(n - max(back, default=0), n - BACK, 0)
+
+    def _images_before(self, camera: str, n: int) -> int:
+        """How many images are decoded for image n before it."""
+        return n - self._decoded_from(camera, n)
 
     def _decoded_from(self, camera: str, n: int) -> int:
+        """The first image that is decoded for image n."""
+        if not 0 <= n < self.sources[camera].n_frames:
+            return n
         if (small := self._small.get(camera)) is not None and n in small.frames:
             return n
         with self._locks[camera]:
@@ -191,7 +208,7 @@ class Mosaics:
     def _tiles(self, tile: Tile, wanted: list[int], go_on: Callable[[], None]) -> list[Image]:
         """A camera's images of some frames, rising, small: one image is decoded after the other, while it may go on."""
         found = []
-        for k in wanted:
+        for k in (self._image_at(tile.camera, frame) for frame in wanted):
             for before in range(self._decoded_from(tile.camera, k), k):
                 go_on()
                 self._image(tile.camera, before)
@@ -209,6 +226,10 @@ class Mosaics:
         return self._smaller[camera](self._image(camera, n))
 
     def _image(self, camera: str, n: int) -> Image:
+        """Image n of a camera, black where it took none."""
+        source = self.sources[camera]
+        if not 0 <= n < source.n_frames:
+            return np.zeros(source.size[::-1], np.uint8)
         with self._locks[camera]:
             return self._images(camera).frame(n).copy()  # the decoder's own memory otherwise
 

@@ -59,17 +59,22 @@ def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
     Args:
         findings: with those about these cameras. detections: as recorded.
     """
-    apart = [found for found in findings if found.kind == "camera_started_apart"]
+    apart = started_apart(findings)
     if not apart:
         return detections
     start, validity, last = detections.start.copy(), detections.validity.copy(), detections.n_frames
-    for one in apart:
-        late = round(float(np.asarray(one.values["images"], np.float64)))
-        for c in map(detections.cameras.index, one.cameras):
-            begin, end = (detections.start[c, int(np.clip(edge, 0, last))] for edge in (-late, last - late))
-            start[c, 1:-1] = detections.start[c, np.clip(np.arange(1, last) - late, 0, last)]
-            validity[detections.start[c, 0] : begin] = validity[end : detections.start[c, last]] = Validity.MASKED
+    for name, late in apart.items():
+        c = detections.cameras.index(name)
+        begin, end = (detections.start[c, int(np.clip(edge, 0, last))] for edge in (-late, last - late))
+        start[c, 1:-1] = detections.start[c, np.clip(np.arange(1, last) - late, 0, last)]
+        validity[detections.start[c, 0] : begin] = validity[end : detections.start[c, last]] = Validity.MASKED
     return replace(detections, start=start, validity=validity)
+
+
+def started_apart(findings: Sequence[Finding]) -> dict[str, int]:
+    """Cameras that were started at another time than the others, and how many images late."""
+    apart = [found for found in findings if found.kind == "camera_started_apart"]
+    return {name: round(float(np.asarray(one.values["images"], np.float64))) for one in apart for name in one.cameras}
 
 
 def _apart(suspects: Sequence[Finding], detections: Detections, rig: Rig) -> Iterator[Finding]:

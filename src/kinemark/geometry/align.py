@@ -36,9 +36,16 @@ def rigid_align(
         raise ValueError(f"{both.sum()} complete pairs, wanted at least 3")
     a, b = source[both], target[both]
     ca, cb = a.mean(0), b.mean(0)
-    U, _, Vt = np.linalg.svd((b - cb).T @ (a - ca))
-    R = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt  # (1)
+    R = best_rotations((b - cb).T @ (a - ca))
     return R, cb - R @ ca
+
+
+def best_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rotations (…, 3, 3) that maximise tr(Rᵀ H), for H (…, 3, 3) without NaN of any rank; exact, by SVD."""
+    U, _, Vt = np.linalg.svd(H)
+    side = np.ones((*H.shape[:-2], 1, 3))
+    side[..., 0, 2] = np.sign(np.linalg.det(U @ Vt))
+    return (U * side) @ Vt  # (1)
 
 
 def nearest_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:

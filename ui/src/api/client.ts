@@ -84,13 +84,13 @@ export const drop = (file: File): Promise<{ id: string; words: string[] }> =>
 
 export const reportAddress = (id: string): string => `/api${of(id)}/report`;
 export const reportPdf = async (id: string): Promise<Blob> => (await asked(`${of(id)}/report.pdf`)).blob();
-/** Numbers of frames mean other images where not all are taken: browsers keep images by their address. */
-const taken = (every: number, sign = "?"): string => (every > 1 ? `${sign}every=${every}` : "");
-export const mosaicAddress = (id: string, frame: number, every: number): string => `/api${of(id)}/mosaic/${frame}${taken(every)}`;
+/** Numbers of frames mean other images where not all are taken, or cameras are put in time: browsers keep images by their address. */
+const taken = (every: number): string => (every > 1 ? `?every=${every}` : "");
+export const mosaicAddress = (id: string, frame: number, images: string): string => `/api${of(id)}/mosaic/${frame}?images=${images}`;
 /** The same before it is looked at: nothing is given where it was not made yet. */
-export const aheadAddress = (id: string, frame: number, every: number): string => `/api${of(id)}/mosaic/${frame}?ahead=true${taken(every, "&")}`;
-export const partAddress = (id: string, camera: string, frame: number, every: number, x: number, y: number, w: number, h: number): string =>
-  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}${taken(every, "&")}`;
+export const aheadAddress = (id: string, frame: number, images: string): string => `/api${of(id)}/mosaic/${frame}?ahead=true&images=${images}`;
+export const partAddress = (id: string, camera: string, frame: number, images: string, x: number, y: number, w: number, h: number): string =>
+  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}&images=${images}`;
 
 export const detection = (id: string): Promise<Detection> => json(`${of(id)}/detect`);
 export const detectFrame = (id: string, frame: number, draft: DetectDraft): Promise<DetectFrame> => json(`${of(id)}/detect/frame`, body({ frame, draft }));

@@ -137,7 +137,7 @@ export class Cameras {
   /** Whether the server had it. What was not made yet ahead of time is asked for anew where it is looked at by now. */
   private async fetch(frame: number, address: typeof mosaicAddress): Promise<boolean> {
     try {
-      const { id, mosaic } = this.header!, answer = await fetch(address(id, frame, mosaic!.every));
+      const { id, mosaic } = this.header!, answer = await fetch(address(id, frame, mosaic!.images));
       if (answer.ok && answer.status !== 204) {
         const bitmap = await createImageBitmap(await answer.blob());
         if (this.header?.id !== id || !this.bitmaps.has(frame)) return bitmap.close(), false;
@@ -216,7 +216,7 @@ export class Cameras {
     const high = (at: number, size: number, most: number): number => Math.min(most, Math.ceil((size - at) / f.scale / STEP_PX) * STEP_PX);
     const x = low(f.x), y = low(f.y), w = high(f.x, width, tile.camera.width) - x, h = high(f.y, height, tile.camera.height) - y;
     if (w <= 0 || h <= 0) return;
-    const address = partAddress(this.header!.id, tile.camera.name, frame, this.header!.mosaic?.every ?? 1, x, y, w, h), { part } = tile;
+    const address = partAddress(this.header!.id, tile.camera.name, frame, this.header!.mosaic!.images, x, y, w, h), { part } = tile;
     if (part?.address === address) return c.drawImage(part.bitmap, f.x + x * f.scale, f.y + y * f.scale, w * f.scale, h * f.scale);
     if (tile.wanted === address) return;
     tile.wanted = address;

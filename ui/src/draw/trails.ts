@@ -1,5 +1,5 @@
 /** Pieces of paths before and after the frame that is shown, in one buffer of lines that is written anew each frame. */
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments } from "three";
+import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments, SRGBColorSpace } from "three";
 import type { Path } from "../model/paths";
 import { byOrigin, rgb, type Palette } from "./palette";
 
@@ -8,6 +8,10 @@ export interface Trail { path: Path; colour?: string; dashed?: boolean; strong?:
 
 /** Frames of a dash, and of the dash with the space behind it; chosen. */
 const DASH = 3, PERIOD = 6;
+
+/** Light of a value from 0 to 1 of the screen's, as buffers of colours have it: else a trail would fade to white. Looked up,
+ * as it is asked for 20 000 times a picture. */
+const FINE = 1024, LIGHT = Float32Array.from({ length: FINE + 1 }, (_, i) => new Color().setRGB(i / FINE, 0, 0, SRGBColorSpace).r);
 
 export class Trails {
   readonly lines: LineSegments;
@@ -40,7 +44,7 @@ export class Trails {
         const fade = (i > index ? 0.35 : 1) * (strong ? 1 - 0.4 * far : 0.75 * (1 - far));
         const c = own ?? origins[origin[i]!]!, at = 6 * k++;
         for (let j = 0; j < 6; j++) this.place[at + j] = xyz[3 * i - 3 + j]!;
-        for (let j = 0; j < 3; j++) this.colour[at + j] = this.colour[at + 3 + j] = ground[j]! + fade * (c[j]! - ground[j]!);
+        for (let j = 0; j < 3; j++) this.colour[at + j] = this.colour[at + 3 + j] = LIGHT[Math.round(FINE * (ground[j]! + fade * (c[j]! - ground[j]!)))]!;
       }
     }
     this.geometry.setDrawRange(0, 2 * k);

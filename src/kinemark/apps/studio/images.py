@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from ...data import KinemarkError
+from ...engine.keys import digest
 from ...engine.mosaics import Mosaics
 from ...engine.small_videos import small_images
+from ...engine.start_times import started_apart
 from ...engine.tiles import recording_key
+from ...engine.trial_inputs import last_tracked
 from . import messages
 from .desk import OpenDocument
 
@@ -29,8 +32,7 @@ def mosaic_of(document: OpenDocument) -> messages.Mosaic | None:
         return None
     layout = found.layout
     tiles = [messages.Tile(**tile._asdict()) for tile in layout.tiles]
-    every = next(iter(found.sources.values())).every
-    return messages.Mosaic(width=layout.width, height=layout.height, tiles=tiles, every=every)
+    return messages.Mosaic(width=layout.width, height=layout.height, tiles=tiles, images=found.recording)
 
 
 def seen(document: OpenDocument) -> Mosaics:
@@ -44,9 +46,18 @@ def seen(document: OpenDocument) -> Mosaics:
 def _mosaics(document: OpenDocument) -> Mosaics | None:
     if document.inputs is None or document.inputs.source.of.entry.images is None:
         return None
+    recording = document.inputs.source.of
     try:
-        sources = document.inputs.source.of.images()
+        sources = recording.images()
     except KinemarkError:  # they were moved since the trial was run
         return None
     folder = document.inputs.folder
-    return Mosaics(sources, folder / FOLDER, recording=recording_key(sources), small=small_images(sources, folder))
+    apart = started_apart(last_tracked(document.records).diagnostics)
+
+    def image_at(camera: str, n: int) -> int:
+        return recording.image_at(camera, n, sources[camera]) - apart.get(camera, 0)
+
+    cameras = recording.settings.cameras
+    times = [apart, cameras.delays_ms, cameras.rates_hz, recording.settings.rate_hz]
+    key = digest(recording_key(sources), times)
+    return Mosaics(sources, folder / FOLDER, recording=key, small=small_images(sources, folder), image_at=image_at)

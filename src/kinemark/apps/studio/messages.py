@@ -128,12 +128,12 @@ class Tile(Message):
 
 
 class Mosaic(Message):
-    """The layout of the mosaics of a trial, of whose recording one frame of `every` is taken."""
+    """The layout of the mosaics of a trial; `images` changes where a frame's number means other images."""
 
     width: int
     height: int
     tiles: list[Tile]
-    every: int
+    images: str
 
 
 class Link(Message):

@@ -10,7 +10,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ...geometry.align import rigid_align
+from ...data.array_types import Floats, Ints
+from ...geometry.align import best_rotations, rigid_align
 from .paths import Paths
 
 LEAST_MM = 1.0
@@ -44,6 +45,25 @@ def left_mm(paths: Paths, p: int, to: int, *others: int) -> float:
     return float(np.linalg.norm(own[p, -1] - np.mean(carried, axis=0)))
 
 
+def left_together_mm(paths: Paths, some: Ints, f: int, g: int) -> Floats:
+    """(N) `left_mm` of several paths (N) in frame g from frame f, all worked out at once."""
+    own_f, own_g = paths.xyz[:, f], paths.xyz[:, g]
+    d_f, d_g = (np.linalg.norm(own - own[some][:, None], axis=2) for own in (own_f, own_g))
+    d_f[np.arange(len(some)), some] = np.nan
+    sums, change = (np.where(np.isfinite(d_f + d_g), d, np.inf) for d in (d_f + d_g, np.abs(d_g - d_f)))
+    near = np.argsort(sums, axis=1)[:, :NEAR]
+    change = np.take_along_axis(change, near, 1)
+    order = np.argsort(change, axis=1)[:, :COMPANIONS]
+    near, known = np.take_along_axis(near, order, 1), np.isfinite(np.take_along_axis(change, order, 1))
+    n = known.sum(1)
+    weight = (known / np.maximum(n, 1)[:, None])[..., None]
+    a, b = (np.where(known[..., None], own[near], 0.0) for own in (own_f, own_g))
+    ca, cb = (weight * a).sum(1), (weight * b).sum(1)
+    R = best_rotations(((b - cb[:, None]) * (weight > 0)).mT @ (a - ca[:, None]))
+    carried = cb + (R @ (own_f[some] - ca)[..., None])[..., 0]
+    return np.where(n < 3, np.nan, np.linalg.norm(own_g[some] - carried, axis=1))
+
+
 class Leaving:
     """How paths leave their companions, each step and pair of frames worked out once."""
 
@@ -68,12 +88,17 @@ class Leaving:
         return _median(self.mm(p, int(step), int(step) + 1) for step in steps[steps % every == 0])
 
     def beside(self, p: int, f: int, g: int) -> float:
-        """mm that the paths nearest to p leave what carries them from frame f to g, the median."""
+        """mm that those nearest to p leave what carries them from frame f to g, the median; p's own is known then."""
         there = self.paths.seen[:, f] & self.paths.seen[:, g]
         there[p] = False
         near = np.flatnonzero(there)
         d = np.linalg.norm(self.paths.xyz[near, f] - self.paths.xyz[p, f], axis=1)
-        return _median(self.mm(int(q), f, g) for q in near[np.argsort(d, kind="stable")[:BESIDE]])
+        some = near[np.argsort(d, kind="stable")[:BESIDE]]
+        new = np.array([q for q in (*some.tolist(), p) if (q, f, g) not in self.known], np.int64)
+        if len(new):
+            left = left_together_mm(self.paths, new, f, g).tolist()
+            self.known.update({(q, f, g): mm for q, mm in zip(new.tolist(), left, strict=True)})
+        return _median(self.known[q, f, g] for q in some.tolist())
 
 
 def _median(some: Iterable[float]) -> float:

@@ -21,6 +21,7 @@ fitted to seeded faults (studies/probable_errors.py).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -182,8 +183,10 @@ class _Windows:
     def left(self, place: Place) -> tuple[float, float] | None:
         """`Evidence.left` and `beside`; None where they are not known, or over a gap in which a body bends."""
         p, (f, g) = place.path, self.paths.frames[place.path][place.sample :][:2].tolist()
-        mm = self.leaving.mm(p, f, g) if g - f <= max(1, STIFF_S * self.paths.rate) else np.nan
-        return None if np.isnan(mm) else (float(np.log1p(mm)), float(np.log1p(self.leaving.beside(p, f, g))))
+        if g - f > max(1, STIFF_S * self.paths.rate):
+            return None
+        beside, mm = self.leaving.beside(p, f, g), self.leaving.mm(p, f, g)  # both are worked out at once
+        return None if np.isnan(mm) else (float(np.log1p(mm)), float(np.log1p(beside)))
 
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
@@ -224,7 +227,7 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
             float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
             float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
             float(place.told), float(np.log(max(int(images.min()), 2))),
-            float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
+            float(np.log1p(_most(costs.squared[2:, n], 0.0) / 4)), float(partner.path < 0),
             float(place.near and tracked), kept, *(left or (0.0, 0.0)),
         )  # fmt: skip
         off = costs.off[:, n]
@@ -252,6 +255,6 @@ def _strength(evidence: Evidence) -> float:
     return evidence.motion + SHAPE_NATS * evidence.shape
 
 
-def _most(off: Floats) -> float:
-    known: Ints = np.flatnonzero(np.isfinite(off))
-    return float(off[known].max()) if len(known) else float("nan")
+def _most(off: Floats, none: float = float("nan")) -> float:
+    """The largest that is known."""
+    return max((mm for mm in off.tolist() if math.isfinite(mm)), default=none)

@@ -107,10 +107,15 @@ class Recording:
 
     def image_of(self, camera: str, frame: int, source: ImageSource) -> int:
         """Number of the camera's image that is nearest in time to a frame of the stretch, both in the recording."""
+        return int(np.clip(self.image_at(camera, frame + self.first_frame - 1, source), 0, source.n_frames - 1))
+
+    def image_at(self, camera: str, frame: int, source: ImageSource) -> int:
+        """The same of a frame of the recording, from 0; a number that there is no image of where none was taken."""
+        if not self.own_times:
+            return frame
         cameras, rate = self.settings.cameras, self.rate(source.rate)
-        f = frame + self.first_frame - 1
         late, own = cameras.delays_ms.get(camera, 0.0) / 1000, self._own_rate(camera, rate)
-        return int(np.clip(round((f / rate - late) * own), 0, source.n_frames - 1))
+        return round((frame / rate - late) * own)
 
     def _own_rate(self, camera: str, rate: float) -> float:
         """Images a second of a camera that are taken, where the others have so many."""

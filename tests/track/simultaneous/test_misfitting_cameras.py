@@ -87,3 +87,16 @@ def test_detections_that_are_not_valid_change_nothing():
     a, b = (track_simultaneously(each, one.rig, DEFAULT).tracks for each in (without, masked(one.detections, 3)))
     np.testing.assert_array_equal(a.cloud.xyz, b.cloud.xyz)
     np.testing.assert_array_equal(a.id, b.id)
+
+
+def test_good_cameras_of_which_one_is_half_a_pixel_off_were_not_touched():
+    one = made(160011, 240)  # its file is .3 px off
+    result = track_simultaneously(one.detections, one.rig, DEFAULT)
+    assert [f.kind for f in diagnose(one.detections, one.rig, result)] == []
+
+
+def test_a_camera_without_images_is_told_once():
+    one = made(160035)
+    detections = one.detections.keep(one.detections.camera != 1)
+    told = diagnose(detections, one.rig, track_simultaneously(detections, one.rig, DEFAULT))
+    assert [(f.kind, f.cameras) for f in told if f.cameras] == [("camera_without_images", (one.rig.names[1],))]

@@ -31,10 +31,10 @@ TRIAL_KINDS = (
     Kind("scale_impossible", "calibrate", "red", "The outermost cameras stand nearer to each other than cameras are "
          "wide, or farther apart than they see: the calibration's unit of length is probably another.",
          {"apart_mm": "mm"}),
-    Kind("length_unit_doubtful", "calibrate", "info", "By the calibration's unit of length the markers are smaller or larger "
-         "than any (amber), or all lie as near to the cameras and to each other as a person in another unit. marker_mm: "
-         "width of a marker by its images, None where they have no area; distance_mm: of the markers from the cameras; "
-         "extent_mm: longest side of where the markers are.",
+    Kind("length_unit_doubtful", "calibrate", "info", "By the calibration's unit of length the markers are smaller or "
+         "larger than any (amber), or all lie as near to the cameras and to each other as a person in another unit. "
+         "marker_mm: width of a marker by its images, None where they have no area; distance_mm: of the markers from "
+         "the cameras; extent_mm: longest side of where the markers are.",
          {"marker_mm": "mm", "distance_mm": "mm", "extent_mm": "mm"}),
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
     Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
@@ -51,7 +51,8 @@ TRIAL_KINDS = (
          {"swapped_share": "share", "as_is_share": "share"}),
     Kind("pixel_axes_differ", "match", "red", "The images count their pixels otherwise than the calibration: v from "
          "the bottom (v_up), u from the right (u_left), both (turned), the row before the column (exchanged), or in "
-         "images of half_size or double_size. Shares of the detections confirmed by two more cameras, counted so and as it is, in the median camera.",
+         "images of half_size or double_size. Shares of the detections confirmed by two more cameras, counted so and "
+         "as it is, in the median camera.",
          {"way": "text", "other_share": "share", "as_is_share": "share"}),
     # What tracks show of their input
     Kind("camera_out_of_sync", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "

@@ -1,8 +1,8 @@
 """Whether the calibration's unit of length may be another one, as by the markers and the subject.
 
-Images tell no scale. What does is the size of things that is known: markers are sold from SMALLEST_MM to LARGEST_MM, and
-a person's are metres from the cameras and from each other. The image of a marker of area A at the depth Z of a camera
-of focal length f is
+Images tell no scale. What does is the size of things that is known: markers are sold from SMALLEST_MM to LARGEST_MM,
+and a person's are metres from the cameras and from each other. The image of a marker of area A at the depth Z of a
+camera of focal length f is
 
     2 √(A / π) Z / f                                                                                       (1)
 

@@ -1,9 +1,9 @@
 """Whether the images of a trial count their pixels otherwise than the calibration does.
 
 Some programs count v from the bottom of an image, others name the row before the column, and images may be recorded,
-or saved, at half or twice the size that was calibrated. Nothing then agrees: rays pass each other, and what meets, meets
-by chance. Where little of what the cameras saw became part of a point on three
-of them, the other ways to count are tried on some frames, and the way is named by which most then does.
+or saved, at half or twice the size that was calibrated. Nothing then agrees: rays pass each other, and what meets,
+meets by chance. Where little of what the cameras saw became part of a point on three of them, the other ways to count
+are tried on some frames, and the way is named by which most then does.
 """
 
 from __future__ import annotations

@@ -13,8 +13,9 @@ from kinemark.track.simultaneous.misfitting_cameras import beside_tracks, image_
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from support.scenes import make, scene, tally
 
-BUMPED = {160030: 3, 160035: 0}
-"""Scenes of four cameras, and the camera that is bumped: 160030 along the epipolar lines of the others."""
+BUMPED = {160030: 3, 160035: 0, 164019: 1}
+"""Scenes, and the camera that is bumped: 160030 along the lines of the three others, 164019 one of three, which takes
+another along."""
 
 
 @cache
@@ -42,19 +43,19 @@ def masked(detections, c):
     return replace(detections, validity=np.where(detections.camera == c, Validity.MASKED, detections.validity))
 
 
-@pytest.mark.parametrize(("seed", "by"), [(160030, (12.0, 0.0)), (160035, (9.0, -8.0))])
+@pytest.mark.parametrize(("seed", "by"), [(160030, (12.0, 0.0)), (160035, (9.0, -8.0)), (164019, (9.7, 7.1))])
 def test_a_camera_bumped_in_the_whole_trial_is_named_and_left_out(seed, by):
     one, c = made(seed), BUMPED[seed]
     detections = bumped(one, c, by)
     result = track_simultaneously(detections, one.rig, DEFAULT)
     best = track_simultaneously(masked(one.detections, c), one.rig, DEFAULT)
     found, wanted = (tally(one, r.tracks) for r in (result, best))
-    assert found.ghosts <= wanted.ghosts + 5  # 2299 and 209 with its images
+    assert found.ghosts <= wanted.ghosts + 5  # 2299, 209 and 3872 with its images, in all frames
     assert found.two_found + found.more_found >= 0.995 * (wanted.two_found + wanted.more_found)
     (told,) = [f for f in diagnose(detections, one.rig, result) if f.kind == "camera_shifted"]
     assert told.cameras == (one.rig.names[c],) and told.frames == () and told.values["left_out"]
     offset = told.values["offset_u_px"], told.values["offset_v_px"]
-    np.testing.assert_allclose(offset, by, atol=2.0)
+    np.testing.assert_allclose(offset, by, atol=3.0)  # looked for in boxes of 6 px
 
 
 def test_good_cameras_are_not_suspected():
@@ -87,3 +88,16 @@ def test_detections_that_are_not_valid_change_nothing():
     a, b = (track_simultaneously(each, one.rig, DEFAULT).tracks for each in (without, masked(one.detections, 3)))
     np.testing.assert_array_equal(a.cloud.xyz, b.cloud.xyz)
     np.testing.assert_array_equal(a.id, b.id)
+
+
+def test_good_cameras_of_which_one_is_half_a_pixel_off_were_not_touched():
+    one = made(160011, 240)  # its file is .3 px off
+    result = track_simultaneously(one.detections, one.rig, DEFAULT)
+    assert [f.kind for f in diagnose(one.detections, one.rig, result)] == []
+
+
+def test_a_camera_without_images_is_told_once():
+    one = made(160035)
+    detections = one.detections.keep(one.detections.camera != 1)
+    told = diagnose(detections, one.rig, track_simultaneously(detections, one.rig, DEFAULT))
+    assert [(f.kind, f.cameras) for f in told if f.cameras] == [("camera_without_images", (one.rig.names[1],))]

@@ -69,10 +69,11 @@ def track_simultaneously(
         result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)
         tried |= {*suspected}
         sure = tuple(one for one in suspected if is_lost(one, result.tracks, detections, rig))
-        beside = {Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)} - tried
-        if sure == suspected and not beside:
+        beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
+        untried = [one for one in beside if one not in tried]
+        if sure == suspected and not untried:
             return result._replace(unfitting=suspected)
-        suspected = sure if sure != suspected else tuple(sorted({*sure, *beside}))
+        suspected = sure if sure != suspected else tuple(sorted((*sure, *untried[:1])))
 
 
 def _with_delays(

@@ -19,6 +19,8 @@ lies beside by (2) of the tracks that its own images have led astray.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy
 
@@ -72,11 +74,24 @@ def _agreement(c: int, others: list[int], n: Floats, chance: Floats, possible: F
     return float(n[c, others].sum() / own), float(n[rest].sum() / possible[rest].sum())
 
 
+class Peaks(NamedTuple):
+    """Of a camera S(0), and S' of (2); whether S' is clear of S''; the d of S' (2) px."""
+
+    here: float
+    beside: float
+    clear: bool
+    offset: Floats
+
+
 def beside_tracks(tracks: Tracks, images: Images) -> list[int]:
-    """Cameras whose images, many, lie beside the points of tracks that were made with them."""
+    """Cameras whose images, many, lie beside the points of tracks that were made with them, the most of them first.
+
+    A camera that was turned takes others' images along, so that these may lie beside as well.
+    """
     C = len(images.P)
-    offsets = [image_offset(c, tracks, images) for c in range(C)] if C > 2 else []
-    return [c for c, offset in enumerate(offsets) if offset is not None and np.isfinite(offset).all()]
+    found = [(c, peaks) for c in range(C) if (peaks := _peaks(c, tracks, images)) is not None] if C > 2 else []
+    beside = [(peaks.beside, c) for c, peaks in found if peaks.clear and peaks.beside > STANDS_OUT * peaks.here]
+    return [c for _, c in sorted(beside, reverse=True)]
 
 
 def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
@@ -85,6 +100,16 @@ def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
     Args:
         c: the camera. tracks: of the other cameras. images: of all cameras.
     """
+    peaks = _peaks(c, tracks, images)
+    if peaks is None:
+        return None
+    if peaks.clear:
+        return peaks.offset if peaks.beside > STANDS_OUT * peaks.here else None
+    return np.full(2, np.nan) if peaks.here < STANDS_OUT * peaks.beside else None
+
+
+def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:
+    """S of a camera; None where too few points are in its view."""
     cloud = tracks.cloud
     uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
     inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
@@ -94,13 +119,11 @@ def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
     step, cell = _steps(tracks, uv)[rows], cloud.frame[rows] * len(images.P) + c
     shares = _shares(images, cell, uv[rows])
-    here = max(_shares(images, cell, uv[rows] + t * step)[MIDDLE, MIDDLE] for t in TIMES)
+    here = max(float(_shares(images, cell, uv[rows] + t * step)[MIDDLE, MIDDLE]) for t in TIMES)
     beside = np.where(_around(shares, MIDDLE, MIDDLE), 0.0, shares)
     u, v = (int(k) for k in np.unravel_index(int(beside.argmax()), shares.shape))
     clear = beside[u, v] > STANDS_OUT * np.where(_around(beside, u, v), 0.0, beside).max()
-    if clear:
-        return STEP * (np.array([u, v]) - MIDDLE) if beside[u, v] > STANDS_OUT * here else None
-    return np.full(2, np.nan) if here < STANDS_OUT * beside[u, v] else None
+    return Peaks(here, float(beside[u, v]), bool(clear), STEP * (np.array([u, v]) - MIDDLE))
 
 
 def _steps(tracks: Tracks, uv: Floats) -> Floats:

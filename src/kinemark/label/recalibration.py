@@ -34,7 +34,7 @@ OTHER = ((0.05, 0.315), (0.5, 0.597), (0.9, 0.904), (0.975, 0.960), (0.99, 0.99)
 """The same by another subject's template; measured on 120 shreds (other:82000-82045 other:84000-84037
 other:85000-85036)."""
 OF_PARTS = (-1.73, 0.47, 1.97, 1.98)
-"""γ of (2); logits; measured on 2 470 labels of 90 random shreds, 60 of them of parts (benchmarks/labelling_shreds.py
+"""γ of (2); logits; measured on 2 670 labels of 90 random shreds, 60 of them of parts (benchmarks/labelling_shreds.py
 parts:210000-210060 crowded:210000-210010 static:210000-210012 own:210000-210008), and 741 of legs and upper bodies
 alone (benchmarks/labelling_parts.py); of nine sets of features the one that told labels best with each subject left
 out."""

@@ -1,4 +1,4 @@
-"""Probabilities that say how often names are right: a monotone map of those that `margin` (1) gives.
+"""Probabilities that say how often names are right: a monotone map of p_label, `margin` (4).
 
 Below 0.9 names were right more often than they said, and from 0.97 to 0.99 less often. With η the logit of a
 probability, the map goes straight from knot to knot,

@@ -159,9 +159,9 @@ def part_of(trial: Trajectories, share: float, rng: np.random.Generator) -> Traj
     n = np.maximum(seen.sum(2), 1)
     mean = np.where(seen, d, 0.0).sum(2) / n
     spread = np.sqrt(np.where(seen, (d - mean[..., None]) ** 2, 0.0).sum(2) / n)
-    step = np.where(seen.any(2), mean + LOOSE * spread, 0.0)
-    along = scipy.sparse.csgraph.dijkstra(step**2, directed=False, indices=int(rng.integers(len(trial))))
-    kept = np.argsort(along, kind="stable")[: max(LEAST_OF_PART, round(share * len(trial)))]
+    step = scipy.sparse.csr_array(np.where(seen.any(2), (mean + LOOSE * spread) ** 2, 0.0))
+    along = scipy.sparse.csgraph.dijkstra(step, directed=False, indices=[int(rng.integers(len(trial)))])
+    kept = np.argsort(along[0], kind="stable")[: max(LEAST_OF_PART, round(share * len(trial)))]
     return trial.select([trial.names[i] for i in sorted(kept.tolist())])
 
 

@@ -3,12 +3,13 @@
     python benchmarks/labelling_shreds.py static:31000-31060 …    reliability of these seeds
     python benchmarks/labelling_shreds.py --fit                   the coefficients of `label.margin` (4), by `FITTED`
 
-Kinds are own (the subject's walks), static (static trials), other (another subject's template) and crowded (own or
+Kinds are own (the subject's walks), static (static trials), other (another subject's template), crowded (own or
 static, with 1 to 40 further markers on the body, up to 3 points that stand still and ghosts that are twins of
-markers). A row of `labelling_cases.py` is drawn at random; two in five shreds are of the whole trial, the others
-windows of 0.4 to 3 s; two in five have neither absent nor extra markers, the others up to 4 and 3; 1 to 25 pieces a
-marker; 0 to 5 ghosts a frame of all kinds. Names of one label are right or wrong together, so that each label of a
-shred counts once; and names of one shred often are, so that intervals (95 %) are by drawing whole shreds.
+markers) and parts (own or static, a part of the body alone). A row of `labelling_cases.py` is drawn at random; two in
+five shreds are of the whole trial, the others windows of 0.4 to 3 s; two in five have neither absent nor extra markers,
+the others up to 4 and 3; 1 to 25 pieces a marker; 0 to 5 ghosts a frame of all kinds. Names of one label are right or
+wrong together, so that each label of a shred counts once; and names of one shred often are, so that intervals (95 %)
+are by drawing whole shreds.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ from labelling_cases import (
     walkers_of_many_kinds,
 )
 
+from kinemark.data import Trajectories
 from kinemark.data.array_types import Bools, Floats, Ints
 from kinemark.label import Distances, shredded
 from kinemark.label.decided_sides import at_most_even, decided_sides
@@ -71,6 +73,14 @@ RIDGE = {False: 10.0, True: 1.0}
 """On the squares of what a coefficient's change does by one standard deviation of its feature; chosen: subjects left
 out in turn told 0.3 to 10 alike; of these the one by which most right names of 130 further shreds were sure."""
 
+PART = (0.3, 0.75)
+"""Shares of the markers that a part of the body has, the least and the greatest; chosen: legs and upper bodies alone
+have 0.35 to 0.65."""
+LEAST_OF_PART = 7
+"""Markers of it; chosen: fewer are mostly refused."""
+LOOSE = 5.0
+"""How much longer a step along the body is by a standard deviation of the distance; chosen: hands are far from thighs.
+"""
 DRAWS = 2000
 """Of shreds, for an interval; chosen."""
 
@@ -105,6 +115,8 @@ def rows_of(kind: str) -> tuple[Row, ...]:
         return (*pairs, *[*several_children()] * 2, *scaled, *placed_otherwise())
     if kind == "crowded":
         return (*rows_of("static"), *same_subject(), *halves())
+    if kind == "parts":
+        return (*[*static_sets()] * 2, *same_subject())
     if kind == "static":
         return (*[*static_trials()] * 2, *static_sets(), *static_children())
     kinds = [row for row in walkers_of_many_kinds() if "scaled" not in row.name and "frame" not in row.name]
@@ -131,7 +143,26 @@ def drawn(kind: str, seed: int) -> tuple[Row, dict[str, Any]]:
         }
     n = F if whole else int(np.clip(rng.uniform(0.4, 3) * rate, 20, F))
     first = int(rng.integers(0, F - n + 1))
-    return row._replace(trial=row.trial.frames(first, first + n)), how | {"pieces": max(1, min(pieces, n // 4))}
+    trial = row.trial.frames(first, first + n)
+    if kind == "parts":
+        trial = part_of(trial, float(rng.uniform(*PART)), rng)
+    return row._replace(trial=trial), how | {"pieces": max(1, min(pieces, n // 4))}
+
+
+def part_of(trial: Trajectories, share: float, rng: np.random.Generator) -> Trajectories:
+    """A marker at random, and those nearest to it along the body, so that there is this share of the markers.
+
+    Along the body is from marker to marker whose distance keeps: a hand is not near to the thigh that it passes by.
+    """
+    d = np.linalg.norm(trial.xyz[:, None] - trial.xyz[None], axis=3)
+    seen = np.isfinite(d)
+    n = np.maximum(seen.sum(2), 1)
+    mean = np.where(seen, d, 0.0).sum(2) / n
+    spread = np.sqrt(np.where(seen, (d - mean[..., None]) ** 2, 0.0).sum(2) / n)
+    step = scipy.sparse.csr_array(np.where(seen.any(2), (mean + LOOSE * spread) ** 2, 0.0))
+    along = scipy.sparse.csgraph.dijkstra(step, directed=False, indices=[int(rng.integers(len(trial)))])
+    kept = np.argsort(along[0], kind="stable")[: max(LEAST_OF_PART, round(share * len(trial)))]
+    return trial.select([trial.names[i] for i in sorted(kept.tolist())])
 
 
 def shred(kind: str, seed: int) -> Shred | None:

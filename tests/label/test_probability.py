@@ -12,8 +12,16 @@ from kinemark.label.calibration import UNKNOWN, Cases, calibrated_shift, cases_o
 from kinemark.label.decided_sides import _mirrored_world, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import BETA_OTHER, GAINED_OTHER, logistic, margins, probability
-from kinemark.label.recalibration import OTHER, OWN, recalibrated
+from kinemark.label.margin import (
+    BETA_OTHER,
+    GAINED_OTHER,
+    label_probability,
+    logistic,
+    margins,
+    probability,
+    track_probability,
+)
+from kinemark.label.recalibration import OTHER, OWN, by_what_is_absent, recalibrated
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
@@ -265,7 +273,8 @@ def test_probabilities_are_recalibrated_without_changing_which_names_are_sure():
 
 
 @pytest.mark.parametrize("another", [False, True])
-def test_the_probability_of_a_name_is_the_recalibrated_one(another):
+def test_the_probability_of_a_name_is_that_of_its_label_recalibrated_times_that_of_its_track(another):
+    """A piece of one frame of a label that is certain is as sure as pieces are, which no map of labels makes less."""
     trial = walk(2)
     by = template().of_another(1.0) if another else template()
     parts = shredded(trial, 60, 2.0, 3)
@@ -273,9 +282,44 @@ def test_the_probability_of_a_name_is_the_recalibrated_one(another):
     true = np.array([by.names.index(name) if name else -1 for name in parts.truth])
     about = margins(stretches, true, by, pairs)
     beta = {"label": BETA_OTHER, "gained": GAINED_OTHER} if another else {}
-    plain = probability(about, stretches.weight, **beta)
+    of_label = recalibrated(label_probability(about, **beta), another=another)
+    plain = np.nan_to_num(of_label * track_probability(about, stretches.weight))
     shift = calibrated_shift(parts.tracks, by, pairs, true, plain, sure=0.99, least_fit=0.3)
-    wanted = recalibrated(probability(about, stretches.weight, shift=shift, **beta), another=another)
+    wanted = np.nan_to_num(of_label * track_probability(about, stretches.weight, shift))
     found = probability_of_all(parts.tracks, by, pairs, true, about, stretches.weight, Distances())
-    assert ((found > 0) & (found < 0.99)).any()
+    assert ((found > 0) & (found < 0.99)).any() and (about.absent[true >= 0] == 0).all()
     np.testing.assert_array_equal(found, wanted)
+
+
+def test_a_part_of_a_body_is_told_by_what_speaks_for_it_and_nothing_changes_where_all_is_there():
+    """A limb can have the names of one that is absent: its own distances hold, and no exchange of two shows it."""
+    stretches, pairs, true = known(walk(7, 39), template(39))
+    about = margins(stretches, true, template(39), pairs)
+    n, p = len(true), np.full(len(true), 0.995)
+    np.testing.assert_array_equal(by_what_is_absent(p, about), p)
+
+    def of(told=8.0, proofs=3.0, median=1.1, absent=20.0):
+        kept = {"told": told, "proofs": proofs, "label_fit": median, "fit_beside": 0.0, "absent": absent}
+        return by_what_is_absent(p, about._replace(**{key: np.full(n, value) for key, value in kept.items()}))[0]
+
+    assert of(absent=0.0) == 0.995 and of(told=60.0) > 0.99
+    assert of(told=3.0) < of(told=8.0) < of(told=60.0) and of(median=0.6) < 0.9 * of()
+    assert of(median=2.0) == of(median=1.0) and of(proofs=0.0) > 0.999 and of(median=0.6, absent=2.0) > of(median=0.6)
+    none = by_what_is_absent(np.full(n, np.nan), about._replace(absent=np.full(n, 3.0)))
+    assert np.isnan(none).all()
+
+
+def test_labels_that_are_absent_are_counted_and_those_whose_stiffest_neighbours_are():
+    by, trial = template(39), walk(7, 39)
+    D = np.where(by.keeps, by.spread, np.inf)
+    np.fill_diagonal(D, np.inf)
+    a = int(np.argmin(np.isfinite(D).sum(1)))
+    gone = {by.names[b] for b in np.flatnonzero(np.isfinite(D[a]))}
+    stretches, pairs, true = known(trial.select([name for name in trial.names if name not in gone]), by)
+    about = margins(stretches, true, by, pairs)
+    assert (about.absent == len(gone)).all()
+    own = int(np.flatnonzero(true == a)[0])
+    assert about.proofs[own] == 0 and about.stiff[own] == 0
+    full_stretches, _, full = known(trial, by)
+    full_about = margins(full_stretches, full, by, pairs)
+    assert (full_about.absent == 0).all() and (full_about.proofs > 0).all()

@@ -17,9 +17,9 @@ from .evidence import PairScore
 from .held import OWN, held
 from .label import refusal, state_of
 from .labels import Labels, State
-from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, margins, probability
+from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, label_probability, margins, track_probability
 from .parts import KNOWN, placed_share, with_parts
-from .recalibration import recalibrated
+from .recalibration import by_what_is_absent, recalibrated
 from .solve import solve, solve_with_facts
 from .stage import LABEL
 from .stated import anchored, fixed_labels
@@ -180,14 +180,24 @@ def probability_of_all(
     weight: Floats,
     method: Distances,
 ) -> Floats:
-    """(T) by the coefficients of all trials, shifted by what the trial itself shows, and recalibrated."""
+    """(T) by the coefficients of all trials, labels recalibrated, and tracks shifted by what the trial itself shows.
+
+    What a map of labels' probabilities was measured on tells nothing of how sure a piece of a label is.
+    """
     another = bool(np.any(template.doubt))
     beta, gained = (BETA_OTHER, GAINED_OTHER) if another else (BETA_LABEL, GAINED)
-    p = probability(about, weight, label=beta, gained=gained)
+    of_label = recalibrated(label_probability(about, label=beta, gained=gained), another=another)
+    of_label = of_label if another else by_what_is_absent(of_label, about)
+    p = _of_named(of_label * track_probability(about, weight))
     shift = calibrated_shift(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit
     )
-    return recalibrated(probability(about, weight, shift=shift, label=beta, gained=gained), another=another)
+    return _of_named(of_label * track_probability(about, weight, shift))
+
+
+def _of_named(p: Floats) -> Floats:
+    """(T) 0 for tracks without label."""
+    return np.where(np.isfinite(p), p, 0.0)
 
 
 def _nothing_named(found: Labels, placed: float, holds: float, method: Distances) -> Labels:

@@ -55,8 +55,10 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore, *, absent_too: boo
     return holds / max(total, 1)
 
 
-def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
+def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> tuple[Floats, Floats]:
     """(L) how well each label's stiffest distances hold, from 0 to 1: mean of exp(−z²/2) with z in σ; 0 where absent.
+
+    And (L) by how many of them that tell, in the mean of the frames in which any does.
 
     Where fewer than four distances of a label keep, others take their places. These tell nothing, as those of feet that
     stood close together and walk apart, and count as what distances that hold have in the mean, where one that tells is
@@ -68,7 +70,7 @@ def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
     inverse = np.where(keeps | ~keeps.any(1, keepdims=True), pairs.inverse, 0.0)
     near = _stiffest(inverse, STIFFEST)
     tells = np.take_along_axis(inverse > 0, near, axis=1)
-    total, count = np.zeros(len(near)), np.zeros(len(near))
+    total, count, proofs, frames = (np.zeros(len(near)) for _ in range(4))
     for xyz in y:
         off = np.take_along_axis((distances(xyz, xyz) - pairs.distance) * pairs.inverse, near, axis=1)
         there = np.isfinite(off) & tells
@@ -76,7 +78,9 @@ def stiffness_kept(y: Single, pairs: PairScore, keeps: Bools) -> Floats:
         holds = np.where(tells, np.exp(-0.5 * np.where(seen, off, 0.0) ** 2), USUAL)
         total += np.where(seen, holds, 0.0).sum(1)
         count += seen.sum(1)
-    return np.asarray(total / np.maximum(count, 1))
+        proofs += there.sum(1)
+        frames += there.any(1)
+    return total / np.maximum(count, 1), proofs / np.maximum(frames, 1)
 
 
 def _stiffest(inverse: Floats | Single, n: int) -> Ints:

@@ -118,6 +118,7 @@ class Margins(NamedTuple):
         rival: y. stiff: h. poses: W.
         fit_beside, stiff_beside: f_a and h less their medians of all labels that are there. rigid: r.
         shut: s. nameless: N. told: e_a.
+        proofs: how many of a's stiffest distances are seen, in the mean. absent: how many labels no marker has.
     """
 
     track: Floats
@@ -139,6 +140,8 @@ class Margins(NamedTuple):
     shut: Floats
     nameless: Floats
     told: Floats
+    proofs: Floats
+    absent: Floats
 
 
 def margins(
@@ -170,7 +173,7 @@ def margins(
     rival = lost_to_rivals(stretches, label, template, pairs) if exchanges else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats, label)
-    stiff, there = stiffness_kept(some, pairs, template.keeps), np.unique(a)
+    (stiff, proofs), there = stiffness_kept(some, pairs, template.keeps), np.unique(a)
     over = np.array(left_over(stretches, label, L) if exchanges else (1, 1))
     found = Margins(
         least, second, share, share - own_fit[a], _goes_on(stretches, label, L)[t], lost[a],
@@ -178,7 +181,7 @@ def margins(
         _fit_meanwhile(stretches, t, y, pairs), rival[a],
         stiff[a], _poses(stretches, t, a, L)[a], _beside(label_fit, there)[a], _beside(stiff, there)[a],
         template.keeps.any(1).astype(float)[a], np.full(len(t), (over == 0).sum(), float),
-        np.full(len(t), float(over[1])), told[a],
+        np.full(len(t), float(over[1])), told[a], proofs[a], np.full(len(t), float(over[0])),
     )  # fmt: skip
     runner_up = np.full(len(label), -1)
     runner_up[t] = second
@@ -334,9 +337,20 @@ def probability(
     gained: float = GAINED,
 ) -> Floats:
     """(T) by (1), with δ = shift; 0 for tracks without label."""
-    p_label = first_factors(found, gained) * logistic(label_features(found) @ np.asarray(label))
-    p = p_label * logistic(track_logit(found, weight, track) + shift)
+    p = label_probability(found, label=label, gained=gained) * track_probability(found, weight, shift, track)
     return np.where(np.isfinite(p), p, 0.0)
+
+
+def label_probability(found: Margins, *, label: Sequence[float] = BETA_LABEL, gained: float = GAINED) -> Floats:
+    """(T) p_label by (4), NaN for tracks without label."""
+    return np.asarray(first_factors(found, gained) * logistic(label_features(found) @ np.asarray(label)))
+
+
+def track_probability(
+    found: Margins, weight: Floats, shift: float = 0.0, track: Sequence[float] = BETA_TRACK
+) -> Floats:
+    """(T) p_track by (3), with δ = shift; NaN for tracks without label."""
+    return logistic(track_logit(found, weight, track) + shift)
 
 
 def track_logit(found: Margins, weight: Floats, beta: Sequence[float] = BETA_TRACK) -> Floats:

@@ -27,9 +27,9 @@ from kinemark.apps.studio.edit_messages import ActBody
 from kinemark.apps.studio.paths import DEFAULT, encoded
 from kinemark.apps.studio.shelf import Place
 from kinemark.data import Camera, Detections, MarkerTrajectory, Rig, Trajectories
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
-from kinemark.engine.mosaics import Mosaics
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
+from kinemark.engine.pictures.mosaics import Mosaics
 from kinemark.geometry import project
 from kinemark.io.images import open_images
 

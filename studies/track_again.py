@@ -24,8 +24,8 @@ from kinemark.data import Detections, Rig, Tracks, Trajectories
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.edits import Claim, Entry
 from kinemark.edit import replay, stretch_of
+from kinemark.engine.editing.retracking import facts_of_tracks
 from kinemark.engine.keys import world_key
-from kinemark.engine.retracking import facts_of_tracks
 from kinemark.track import to_trajectories
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.facts import mended_tracks

@@ -41,8 +41,8 @@ from kinemark.data.array_types import Floats
 from kinemark.data.problems import OF_WHOLE, Problem
 from kinemark.edit.probable_errors import Break, Paths, breaks
 from kinemark.edit.probable_errors.probability import COEFFICIENTS
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
 
 KINDS = ("lost", "held", "doubled", "moved", "shaken")

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from kinemark.engine.um2as_menu import MENU
+from kinemark.engine.um2as.menu import MENU
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "theory" / "um2as.md").read_text("utf-8")

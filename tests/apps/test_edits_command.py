@@ -6,7 +6,7 @@ import pytest
 from kinemark.apps import cli
 from kinemark.data import MarkerTrajectory, Trajectories, Trial
 from kinemark.data.edits import Erase, Trim
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.journal import Journal
 from kinemark.io.trial import write_trial
 from kinemark.report.words.problems import action_text, problem_text
 

@@ -11,7 +11,7 @@ from kinemark.apps import um2as as um2as_cli
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.digitise import SemiAutomatic
-from kinemark.engine.digitising import DigitisedFrames, digitise_camera
+from kinemark.engine.digitising.files import DigitisedFrames, digitise_camera
 from kinemark.engine.session import Session
 from kinemark.geometry import project_all
 from kinemark.io.answers_csv import read_answers
@@ -119,7 +119,7 @@ def test_an_operator_types_stops_and_goes_on(recorded, capsys, monkeypatch, tmp_
 
 def test_a_reel_goes_back_further_than_it_keeps(recorded, monkeypatch):
     folder, _ = recorded
-    monkeypatch.setattr("kinemark.engine.digitising.KEPT", 1)
+    monkeypatch.setattr("kinemark.engine.digitising.files.KEPT", 1)
     reel = DigitisedFrames(open_images(folder / "cam1.mkv"))
     first = [reel(f).uv for f in range(FRAMES)]
     for f in (4, 1, 5, 0):

@@ -8,7 +8,7 @@ import pytest
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.detect.flash import Flash, find_flash, flash_offsets
-from kinemark.engine.start_files import starts_by_flash
+from kinemark.engine.camera_checks.start_files import starts_by_flash
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.video import write_video
 from kinemark.synth import Optics, film, ring, walking

@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from kinemark.data import KinemarkError, Validity, make_finding
 from kinemark.detect import KissScanning, detect_frames, propose
-from kinemark.engine.detection_proposals import propose_detection
+from kinemark.engine.detection.proposals import propose_detection
 from kinemark.engine.settings import method_of
 from kinemark.io.images import open_images, write_png
 from kinemark.report.proposal_text import proposal_text

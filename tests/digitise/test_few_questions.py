@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinemark.engine.digitising import digitise_trial
+from kinemark.engine.digitising.files import digitise_trial
 from kinemark.engine.session import Session
 from support.eating import Knowing, footage
 from support.feeding import feeding_in

@@ -9,9 +9,9 @@ from kinemark.data import MarkerTrajectory, Trajectories, same
 from kinemark.data.edits import FEWEST_WITNESSES, Claim, Undo
 from kinemark.data.track_trajectories import trajectories_of
 from kinemark.edit import replay, stretch_of
-from kinemark.engine.edit_makers import claim as claim_of
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
+from kinemark.engine.editing.makers import claim as claim_of
 from kinemark.engine.keys import world_key
 from kinemark.track.simultaneous import track_detections
 from support.edited import FRAMES, entries, paths_without_images, samples, scene

@@ -7,8 +7,8 @@ from kinemark import KinemarkError
 from kinemark.data import Tracks, same
 from kinemark.data.edits import Claim, Entry, Erase, ImagePoint, TrackAgain, Undo, facts_of
 from kinemark.edit import anchored, replay, stretch_of
-from kinemark.engine.edit_files import open_editing
-from kinemark.engine.retracking import facts_of_tracks
+from kinemark.engine.editing.files import open_editing
+from kinemark.engine.editing.retracking import facts_of_tracks
 from kinemark.engine.session import Session
 from kinemark.geometry import project
 from kinemark.track import to_trajectories

@@ -13,8 +13,8 @@ from kinemark.detect import Centroids
 from kinemark.engine.bar_aspect import along, bar_aspect_of_file
 from kinemark.engine.session import Session
 from kinemark.engine.session_changes import change_session
-from kinemark.engine.um2as import calibrated
-from kinemark.engine.um2as_files import Um2asFiles
+from kinemark.engine.um2as.files import Um2asFiles
+from kinemark.engine.um2as.flow import calibrated
 from kinemark.geometry import to_dlt
 from kinemark.io.images import write_png
 from kinemark.io.um2as import read_cp, read_da, read_rf, read_tdc, write_cp, write_da

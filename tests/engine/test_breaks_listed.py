@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from kinemark.data.problems import OF_WHOLE
 from kinemark.engine.audit import audit_file
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
 from kinemark.io.trc import write_trc
 from support.walked import clean, exchanged, nearest, spiked, trajectories, walk

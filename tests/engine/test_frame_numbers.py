@@ -6,7 +6,7 @@ import re
 import pytest
 
 from kinemark.data.edits import Trim
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.session import Session
 from kinemark.io.c3d import read_c3d
 from kinemark.io.detections_csv import write_detections_csv

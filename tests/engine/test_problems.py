@@ -14,9 +14,9 @@ from kinemark.data.edits import Claim, Erase, Verdict
 from kinemark.data.problems import ASK_ABOVE, OF_IDENTITY
 from kinemark.edit import Renamed, difference
 from kinemark.engine.audit import audit_file, audit_files
-from kinemark.engine.edit_files import open_editing
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.files import open_editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
 from kinemark.fill import Linear, fill
 from kinemark.io.c3d import read_c3d, write_c3d
@@ -307,7 +307,8 @@ def test_an_audit_looks_for_computed_points_once(tmp_path, monkeypatch):
     source, calls = tmp_path / "walk.c3d", []
     write_c3d(source, Trial("walk", with_computed(walker(duration_s=4.0))))
     monkeypatch.setattr(
-        "kinemark.engine.put_aside.computed_points", lambda tracks: calls.append(tracks) or computed_points(tracks)
+        "kinemark.engine.naming.put_aside.computed_points",
+        lambda tracks: calls.append(tracks) or computed_points(tracks),
     )
     assert audit_file(source, mend=True).aside and len(calls) == 1
 

@@ -5,8 +5,8 @@ import pytest
 
 from kinemark import KinemarkError
 from kinemark.data.edits import Undo, is_named
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
 from kinemark.engine.problems.of_names import _checked_names
 from kinemark.engine.problems.of_paths import _found

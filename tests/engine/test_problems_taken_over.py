@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
 from support.walked import clean, every, nearest, walk, with_xyz
 

@@ -6,8 +6,8 @@ import pytest
 from kinemark.data import MarkerTrajectory
 from kinemark.data.edits import Claim, Verdict
 from kinemark.engine.audit import audit_file
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
 from kinemark.io.trc import write_trc
 from support.walked import clean, spiked, trajectories, walk

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, MarkerTrajectory
-from kinemark.engine.edit_files import open_editing
+from kinemark.engine.editing.files import open_editing
 from kinemark.fill import piece_matches
 from kinemark.io.trial import write_trial
 from support.filling import moving, trial, trial_of

@@ -7,8 +7,8 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
-from kinemark.engine.gait_files import gait_of_files
-from kinemark.engine.gait_settings import GaitSettings
+from kinemark.engine.gait.files import gait_of_files
+from kinemark.engine.gait.settings import GaitSettings
 from kinemark.gait import Physical, analyse_gait, clinical_angles, marker_points, with_static_offsets
 from kinemark.gait.clusters import SEGMENTS, calibrated_body, with_wands
 from kinemark.gait.standard_trial import standard_trial, with_landmarks

@@ -7,9 +7,9 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Trial
-from kinemark.engine.gait_comparison import compare_gait
-from kinemark.engine.gait_files import gait_of_files
-from kinemark.engine.gait_settings import GaitSettings
+from kinemark.engine.gait.comparison import compare_gait
+from kinemark.engine.gait.files import gait_of_files
+from kinemark.engine.gait.settings import GaitSettings
 from kinemark.gait.comparison import Condition, difference, stretches
 from kinemark.io.c3d import write_c3d
 from kinemark.synth import walking

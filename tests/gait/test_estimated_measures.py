@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, MarkerTrajectory
-from kinemark.engine.gait_settings import GaitSettings
-from kinemark.engine.gait_walks import WIDTH_MM, completed, known_measures, recorded
+from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.walks import WIDTH_MM, completed, known_measures, recorded
 from kinemark.gait import estimated_measures, marker_points
 from kinemark.gait.estimated_measures import WIDTH_SD_MM, joints_by_share
 from kinemark.io.c3d.subject_measures import measures_of

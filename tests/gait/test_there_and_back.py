@@ -9,8 +9,8 @@ import pytest
 from kinemark.data import MarkerTrajectory, Trajectories, Trial
 from kinemark.data.strides import Stride
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
-from kinemark.engine.gait_settings import GaitSettings
-from kinemark.engine.gait_walks import KnownMeasures, Recorded, subject_gait
+from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.walks import KnownMeasures, Recorded, subject_gait
 from kinemark.findings.gait import gait_figures
 from kinemark.gait import StandardTrial, clinical_angles, lower_limbs
 from kinemark.gait.progression import way_walked

@@ -21,9 +21,9 @@ from kinemark.data import (
     same,
 )
 from kinemark.engine import error_budget as budget
+from kinemark.engine.angles.of_trial import AngleSettings, angles_of_file
 from kinemark.engine.fill_files import fill_file
 from kinemark.engine.formats import convert
-from kinemark.engine.trial_angles import AngleSettings, angles_of_file
 from kinemark.fill import Linear
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.formats import FORMATS, endings

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import Detections, KinemarkError
-from kinemark.engine.start_files import starts_of_files
+from kinemark.engine.camera_checks.start_files import starts_of_files
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.match import start_offsets

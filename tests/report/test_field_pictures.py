@@ -8,7 +8,7 @@ import pytest
 
 from kinemark.data import Validity
 from kinemark.detect import Blobs
-from kinemark.engine.detected_frames import detected_frames
+from kinemark.engine.detection.frames import detected_frames
 from kinemark.report.field_pictures import FieldPicture, enclosing, field_svg, kind_of, stacked_svg
 from kinemark.report.figures_detections import KINDS
 from support.command_line import command

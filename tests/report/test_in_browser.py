@@ -6,8 +6,8 @@ from itertools import pairwise
 import pytest
 
 from kinemark.data import Trial
-from kinemark.engine.gait_files import gait_of_files
-from kinemark.engine.gait_settings import GaitSettings
+from kinemark.engine.gait.files import gait_of_files
+from kinemark.engine.gait.settings import GaitSettings
 from kinemark.io.c3d import write_c3d
 from kinemark.report import write_report
 from kinemark.report.drawing_library import ASSETS, drawing_library, relink

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinemark.edit.probable_errors.probability import TAIL
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
 from support.studies import STUDIES
 from support.walked import clean, without

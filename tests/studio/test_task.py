@@ -11,7 +11,7 @@ import numpy as np
 from kinemark.apps.demo import NEAR_MM
 from kinemark.data import Origin
 from kinemark.data.edits import is_named
-from kinemark.engine import editing as editing_module
+from kinemark.engine.editing import editing as editing_module
 from kinemark.engine.session import Session
 from support.faults import faulty
 from support.screen_operator import Operator

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kinemark.data.answers import Point, Verify
-from kinemark.engine.digitising import digitise_trial
+from kinemark.engine.digitising.files import digitise_trial
 from kinemark.engine.session import Session
 from kinemark.io.answers_csv import read_answers
 from kinemark.io.um2as import read_cp, read_tdc

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinemark.engine.um2as import coordinates_files
+from kinemark.engine.um2as.flow import coordinates_files
 from kinemark.io.um2as import read_tdc
 from support.digitising_person import Person
 from support.real_um2as import FRAMES, infrared_in, splitter_in

@@ -4,7 +4,7 @@ from datetime import date
 
 import numpy as np
 
-from kinemark.engine.um2as import calibrate_file
+from kinemark.engine.um2as.flow import calibrate_file
 from kinemark.geometry import project_all
 from kinemark.io.um2as import write_da, write_msr
 from kinemark.synth import truth

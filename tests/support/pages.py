@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from kinemark.data import MarkerTrajectory, Rig, Step, Trajectories, Trial, make_finding
-from kinemark.engine.trial_angles import AngleSettings, trial_angles
+from kinemark.engine.angles.of_trial import AngleSettings, trial_angles
 from kinemark.fill import Linear, fill
 from kinemark.findings.calibration_quality import calibration_figures
 from kinemark.findings.gaps import filling_figures

@@ -21,8 +21,8 @@ from kinemark.edit.probable_errors import (
     spikes,
     unbroken,
 )
-from kinemark.engine.editing import Editing
-from kinemark.engine.journal import Journal
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import filled_gaps, problems
 from kinemark.fill import Linear, piece_matches, prepare
 from support.edited import entries, paths_without_images

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from support.studio_seen import write_stacks_when_asked
 
-MODULES = ["kinemark.apps.studio.server", "kinemark.apps.studio.app", "kinemark.engine.editing", "uvicorn"]
+MODULES = ["kinemark.apps.studio.server", "kinemark.apps.studio.app", "kinemark.engine.editing.editing", "uvicorn"]
 FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 
 
@@ -32,7 +32,7 @@ def serve_into(says, folder, stacks, *options):
     """Serve until the process is ended. Options: `--faults`, or the number of a port."""
     write_stacks_when_asked(stacks)
     from kinemark.apps.studio.server import serve
-    from kinemark.engine import editing
+    from kinemark.engine.editing import editing
 
     if "--faults" in options:
         from support.faults import faulty

@@ -12,7 +12,7 @@ from ..io.edits_jsonl import JournalText
 from .output import print_result
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
-    from ..engine.editing import Said
+    from ..engine.editing.editing import Said
 
 
 def span_of(text: str | None) -> tuple[int | None, int | None]:

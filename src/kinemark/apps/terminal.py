@@ -22,7 +22,7 @@ from ..digitise import (
     parse_answer,
     words,
 )
-from ..engine.digitising import DigitisedFrames
+from ..engine.digitising.files import DigitisedFrames
 
 NEAR = 6
 """Markers of an image that are listed; chosen."""

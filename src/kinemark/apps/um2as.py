@@ -124,7 +124,7 @@ def calibrate(
         made: the date for camera 1's file, as 1992-11-27; today without it.
         frame: which one, counted from 1.
     """
-    from ..engine.um2as import calibrate_file, table
+    from ..engine.um2as.flow import calibrate_file, table
     from ..io.um2as import camera_number
 
     camera = camera_number(output, "cp")
@@ -186,7 +186,7 @@ def digitise_file(
         take_proposals: take what they propose, and do not ask.
         history: frames for which a hidden marker is remembered; 2 as in UM²AS, where it must be seen in both before.
     """
-    from ..engine.digitising import DigitisedFrames, digitise_camera
+    from ..engine.digitising.files import DigitisedFrames, digitise_camera
     from ..io.images import open_images
     from ..io.um2as import camera_number, read_rf, write_da
 
@@ -230,7 +230,7 @@ def coordinates(
         data: what was digitised of the same cameras, as feeding.da1 feeding.da2 feeding.da3.
         markers: how many in a frame; only where camera 1's file, which says it, is not among the data.
     """
-    from ..engine.um2as import coordinates_files
+    from ..engine.um2as.flow import coordinates_files
 
     found = coordinates_files(calibration, data, output, markers=markers)
     gone = int(np.isnan(found.xyz[..., 0]).sum())
@@ -246,7 +246,7 @@ def angles(coordinates: Path, *outputs: Path, inverse_cosines: Annotated[bool, P
         outputs: the files for shoulder, elbow and wrist, as feeding.shd feeding.elb feeding.wst; beside it else.
         inverse_cosines: as UM²AS calculates them, without the sign of the first and third angle.
     """
-    from ..engine.um2as import angles_files
+    from ..engine.um2as.flow import angles_files
 
     found = angles_files(coordinates, outputs, signed=not inverse_cosines)
     low, high = np.nanmin(found.deg, 1), np.nanmax(found.deg, 1)
@@ -263,7 +263,7 @@ def view(file: Path, *, frame: int | None = None, markers: int | None = None) ->
         frame: only this frame, counted from 1.
         markers: how many in a frame; for the data of a camera other than the first, whose file does not say it.
     """
-    from ..engine.um2as import table
+    from ..engine.um2as.flow import table
 
     heading, rows = table(file, markers=markers)
     shown = [row for row in rows if frame is None or row[0] == frame]
@@ -284,7 +284,7 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
         camera: stop after this one; all without it.
         json: print the figures for a machine.
     """
-    from ..engine.digitising import digitise_trial
+    from ..engine.digitising.files import digitise_trial
     from ..engine.session import Session
 
     opened = Session.open(session)

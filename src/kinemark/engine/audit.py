@@ -1,7 +1,7 @@
 """Files of other systems audited: what is probably wrong with their tracks and names, and mended where that is sure.
 
 Nothing is changed in a file. What is mended stands in the journal beside it, act by act, and can be taken back;
-`edit_files.write_edited` writes another file with it.
+`editing.files.write_edited` writes another file with it.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.problems import Alternative, Problem, Problems
 from ..label import Template
-from .edit_files import open_editing
+from .editing.files import open_editing
+from .naming.put_aside import computed_names
 from .problems import problems
-from .put_aside import computed_names
 
 SURE = 0.9
 """Probability from which on a problem is mended without a person; chosen: one act of ten may have to be undone."""

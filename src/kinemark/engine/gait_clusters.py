@@ -10,8 +10,8 @@ import numpy as np
 from ..data.marker_sides import without_subject
 from ..gait.clusters import Clusters, with_wands
 from ..gait.usual_clusters import usual_clusters
-from .gait_settings import GaitSettings
-from .gait_walks import Recorded
+from .gait.settings import GaitSettings
+from .gait.walks import Recorded
 
 
 def with_stated_clusters(static: Recorded, stated: Clusters) -> Recorded:

@@ -16,7 +16,7 @@ from ..edit import cropped
 from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
-from .edit_stage import stage_before_edits
+from .editing.stage import stage_before_edits
 from .graph import Graph
 from .naming import ABSENT, Earlier, before
 from .progress import Cancel, Progress, Watch, check_threads, silent

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from ..data import KinemarkError, Rig
-from .digitising import Digitising
+from .digitising.files import Digitising
+from .gait.of_session import read_gait, update_gait
 from .naming.templates import keep_templates, templates_of_trial
 from .open_trial import OpenTrial, earlier_trials
 from .progress import Cancel, Progress, silent
-from .session_gait import read_gait, update_gait
 from .session_index import update_index
 from .session_name import FILE
 from .settings import ADVICE, ReportTable, TrialEntry, read_settings

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..report.index_page import IndexRow, index_row, write_index
 from ..version import __version__
-from .session_gait import gait_headline, gait_page, read_gait
+from .gait.of_session import gait_headline, gait_page, read_gait
 from .settings import Settings
 
 PAGE = "index.html"

@@ -30,10 +30,10 @@ from ..track.simultaneous import (
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
+from .camera_checks.start_times import in_time, with_start_times
 from .fill_files import angle_model
 from .graph import Records, Stage
 from .sources import OperatorIdentities
-from .start_times import in_time, with_start_times
 from .trial_inputs import TrialInputs
 
 Record = TypeVar("Record")

@@ -4,8 +4,8 @@ detect → track → fill → quality → write                          tracker
 detect → match → reconstruct → track → fill → quality → write    matching first, then tracks of points
 detect → track → fill → quality → write                          an operator has said which marker is which
 
-Where a session has `[label]`, the stage `label` follows on `track`; where it has `[angles]`, `angles` comes before
-`quality`.
+Where a session has `[label]`, the stage `label` follows on `track`; where somebody has said something of the trial,
+`edit` follows on that; where it has `[angles]`, `angles` comes before `quality`.
 """
 
 from __future__ import annotations
@@ -44,9 +44,13 @@ from ..report.filling_page import write_filling_page
 from ..report.page import write_report
 from ..report.trial_quality import quality
 from ..track import matches_itself
-from .angle_stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles, model_key
+from .angles.stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles, model_key
 from .calibration.calibrated import Calibrated
-from .edit_stage import cropped_fill, edit_stage, unreviewed, with_edits
+from .camera_checks.pixel_axes import pixel_axes
+from .camera_checks.start_times import with_start_times
+from .camera_checks.swapped_cameras import swapped_cameras
+from .editing.retracking import retrack_stage
+from .editing.stage import cropped_fill, edit_stage, unreviewed, with_edits
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
@@ -55,12 +59,8 @@ from .naming import FILES, Earlier, NamedTracks, load_named, save_named
 from .naming.claims import claims_of
 from .naming.label_stage import given_of, name_trial, static_of
 from .naming.naming import with_names
-from .pixel_axes import pixel_axes
-from .retracking import retrack_stage
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
-from .start_times import with_start_times
-from .swapped_cameras import swapped_cameras
 from .tracking_stage import (
     DECISIONS,
     TRACKS,

@@ -17,11 +17,11 @@ from ..fill import Filled, FilledGap
 from ..fill.fill_recording import STATIC
 from ..track import to_trajectories
 from .calibration.calibrated import Calibrated
+from .camera_checks.start_times import in_time
 from .graph import Records
 from .naming import Earlier
 from .settings import Settings
 from .sources import TrialSource
-from .start_times import in_time
 from .store import Store
 
 

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
-from kinemark.engine.edit_files import journal_at, open_editing
+from kinemark.engine.editing.files import journal_at, open_editing
 from kinemark.io.trial import read_trial
 from support.studio import Studio, file_in
 

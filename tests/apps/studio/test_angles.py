@@ -9,8 +9,8 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 
 from kinemark.apps.studio.angles import _none_fits
 from kinemark.data import Events, MarkerTrajectory, Trajectories, Trial
-from kinemark.engine.trial_angles import AngleSettings, trial_angles
-from kinemark.engine.um2as import limb_angles
+from kinemark.engine.angles.of_trial import AngleSettings, trial_angles
+from kinemark.engine.um2as.flow import limb_angles
 from kinemark.io.model_toml import load_model, models
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.io.um2as import read_angles

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinemark.data.answers import Point, Revisit, Undo, answer_text
 from kinemark.digitise import DigitisingPhase
-from kinemark.engine.digitising import digitise_trial
+from kinemark.engine.digitising.files import digitise_trial
 from kinemark.engine.session import Session
 from kinemark.io.answers_csv import read_answers
 from kinemark.io.um2as import read_da, write_rf

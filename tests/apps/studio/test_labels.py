@@ -52,7 +52,7 @@ def proposed(figures, before, now):
 def test_names_of_a_file_without_a_session_are_proposed_when_they_are_asked_for(tmp_path, monkeypatch):
     """Not before; by the file that tells them; and of a track that was changed since no longer."""
     from kinemark.apps.studio import labels as module
-    from kinemark.engine.proposed_names import ProposedName, ProposedNames
+    from kinemark.engine.naming.proposed_names import ProposedName, ProposedNames
 
     asked = []
 

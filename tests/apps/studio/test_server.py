@@ -18,7 +18,7 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 from kinemark.apps.studio import server
 from kinemark.apps.studio.schema import FILE, text
 from kinemark.apps.studio.server import hosts
-from kinemark.engine.edit_files import journal_at
+from kinemark.engine.editing.files import journal_at
 from support.studio import file_in
 
 WAIT_S = 60

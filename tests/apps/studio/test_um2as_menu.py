@@ -7,10 +7,10 @@ import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
-from kinemark.engine.digitising import digitise_trial
+from kinemark.engine.digitising.files import digitise_trial
 from kinemark.engine.session import Session
-from kinemark.engine.um2as import angles_files, coordinates_files
-from kinemark.engine.um2as_menu import MENU
+from kinemark.engine.um2as.flow import angles_files, coordinates_files
+from kinemark.engine.um2as.menu import MENU
 from kinemark.io.um2as import read_cp, read_da, write_da
 from support.boxed import seen_meal
 from support.eating import Knowing, footage

@@ -12,7 +12,7 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Rig
-from kinemark.engine.detection_proposals import learn_session_masks
+from kinemark.engine.detection.proposals import learn_session_masks
 from kinemark.engine.session import Session
 from kinemark.engine.simulate import Scene, simulate
 from kinemark.geometry import project_all

@@ -7,12 +7,12 @@ import pytest
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
-from kinemark.engine.clusters_said import clusters_of
+from kinemark.engine.naming.clusters_said import clusters_of
 from kinemark.engine.naming.segments_of_clusters import set_of_clusters
+from kinemark.engine.naming.subject_templates import Known, subject_template
+from kinemark.engine.naming.template_files import save_template
 from kinemark.engine.naming.templates import session_template
 from kinemark.engine.settings.gait_table import GaitTable
-from kinemark.engine.subject_templates import Known, subject_template
-from kinemark.engine.template_files import save_template
 from kinemark.gait.clusters import SEGMENTS
 from kinemark.io.trial import write_trial
 from kinemark.label import Labelling, label

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, Origin
-from kinemark.engine.editing import Editing
+from kinemark.engine.editing.editing import Editing
+from kinemark.engine.naming.template_files import load_template
 from kinemark.engine.session import Session
-from kinemark.engine.template_files import load_template
 from kinemark.io.c3d import read_c3d
 from kinemark.io.records import save
 from kinemark.synth import observe

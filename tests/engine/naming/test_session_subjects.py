@@ -7,9 +7,9 @@ from functools import cache
 import pytest
 
 from kinemark.data import KinemarkError, Trial
+from kinemark.engine.naming.template_files import load_template
 from kinemark.engine.session import Session
 from kinemark.engine.settings import read_settings
-from kinemark.engine.template_files import load_template
 from kinemark.io.c3d import prefixes_of, read_c3d, subject_of, write_c3d
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml

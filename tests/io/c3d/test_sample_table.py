@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinemark.data import MarkerTrajectory, Origin, Trajectories, Trial, same
-from kinemark.engine.trial_angles import AngleSettings, angles_of_file
+from kinemark.engine.angles.of_trial import AngleSettings, angles_of_file
 from kinemark.io.c3d import ByteOrder, decode_document, document_of, encode_document, read_c3d, trial_of, write_c3d
 from kinemark.io.trial import write_trial
 from kinemark.synth.arm import arm

@@ -8,9 +8,9 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.angle_settings import AngleSettings
-from ...engine.clusters_said import clusters_of
-from ...engine.gait_settings import GaitSettings
+from ...engine.angles.settings import AngleSettings
+from ...engine.gait.settings import GaitSettings
+from ...engine.naming.clusters_said import clusters_of
 from ...io.notes import file_note_text
 from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
@@ -41,7 +41,7 @@ def angles(
         fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
-    from ...engine.trial_angles import angles_of_file
+    from ...engine.angles.of_trial import angles_of_file
     from ...report.angles_text import angle_summary
 
     result = angles_of_file(
@@ -171,7 +171,7 @@ def gait(
         json: print the figures for a machine.
     """
     from ...engine.folders import trials_in
-    from ...engine.gait_files import gait_of_files
+    from ...engine.gait.files import gait_of_files
     from ...report.gait_text import gait_summary
 
     result = gait_of_files(
@@ -217,7 +217,7 @@ def gait_compare(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
-    from ...engine.gait_comparison import compare_gait
+    from ...engine.gait.comparison import compare_gait
     from ...report.gait_text import comparison_summary
 
     found = compare_gait(first, second, folder=output, same_markers=same_markers, self_contained=self_contained)
@@ -238,7 +238,7 @@ def gait_reference(
         source: where the controls are from, as the report will say it.
         json: print for a machine what was written, and of what.
     """
-    from ...engine.gait_reference import reference_of_files
+    from ...engine.gait.reference import reference_of_files
 
     band = reference_of_files(controls, output=output, source=source)
     said = f"{output}: {len(band.mean)} quantities of {band.subjects} subjects"

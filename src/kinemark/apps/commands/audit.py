@@ -46,7 +46,7 @@ def audit(
     """
     from ...engine.audit import Audit, audit_files
     from ...engine.folders import trials_in
-    from ...engine.label_files import template_of
+    from ...engine.naming.files import template_of
 
     learnt = template_of(template).template if template else None
     done = audit_files(trials_in((source, *sources)), template=learnt, mend=mend, by=by)

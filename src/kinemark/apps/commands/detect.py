@@ -31,7 +31,7 @@ def detect(
         frames: of the pictures, as 10,40,80; five spread over the trial where none are given.
         json: print the proposed parameters for a machine, or how many spots the pictures have.
     """
-    from ...engine.detection_proposals import learn_session_masks, propose_detection
+    from ...engine.detection.proposals import learn_session_masks, propose_detection
     from ...report.proposal_text import proposal_text
     from ...report.words import with_words
 
@@ -62,7 +62,7 @@ def detect(
 
 def _show(source: Path, page: Path, trial: str | None, frames: str, *, json: bool) -> None:
     """Write the page of `--pictures`, and say what is on it."""
-    from ...engine.detected_frames import detected_frames
+    from ...engine.detection.frames import detected_frames
     from ...report.field_pictures import FieldPicture, write_fields_page
 
     if page.exists():

@@ -30,7 +30,7 @@ def list_entries(trial: Path, *, json: Json = False) -> None:
         trial: SESSION/NAME or a file.
         json: print it for a machine.
     """
-    from ...engine.edit_files import journal_at
+    from ...engine.editing.files import journal_at
     from ..edits_output import entry_figures, entry_line, fault_lines
 
     text = journal_at(trial).read()
@@ -51,7 +51,7 @@ def matches(trial: Path, *, track: str, json: Json = False) -> None:
         track: the piece, as it is called now, such as '*12'.
         json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
 
     found = open_editing(trial).matches(track)
     if json:
@@ -73,7 +73,7 @@ def check(trial: Path, *, json: Json = False) -> None:
         trial: SESSION/NAME or a file; a session's trial is processed as far as it must be.
         json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import applied_figures, applied_text, fault_lines
 
     editing = open_editing(trial)
@@ -96,7 +96,7 @@ def show(trial: Path, entry: int, *, json: Json = False) -> None:
         entry: its number, from `kinemark edits list`.
         json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import applied_figures, applied_text, entry_figures, entry_line
 
     editing = open_editing(trial)
@@ -124,7 +124,7 @@ def undo(trial: Path, entry: int | None = None, *, why: Why = "", by: By = "", j
         entry: its number; the last that counts where none is given.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import journal_at
+    from ...engine.editing.files import journal_at
     from ..edits_output import print_entry
 
     print_entry(journal_at(trial).undo(entry, why=why, by=by), json)
@@ -138,7 +138,7 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         trial: SESSION/NAME or a file.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import journal_at
+    from ...engine.editing.files import journal_at
     from ..edits_output import print_entry
 
     journal = journal_at(trial)
@@ -162,7 +162,7 @@ def list_problems(
         every: also those that are not worth a look.
         json: print it for a machine, with the edits that each alternative would say.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ...engine.problems import filled_gaps, problems
     from ..problems_output import problems_figures, problems_text
 
@@ -181,7 +181,7 @@ def accept(trial: Path, problem: str, alternative: int = 1, *, why: Why = "", by
         alternative: its number, from 1.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ...engine.problems import filled_gaps, problems
     from ..edits_output import print_said
     from ..problems_output import chosen_edits
@@ -199,7 +199,7 @@ def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         trial: SESSION/NAME or a file.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_entry
 
     print_entry(open_editing(trial, by=by).sign(why=why), json)
@@ -214,7 +214,7 @@ def apply(source: Path, *, output: Annotated[Path, Parameter(name=("--output", "
         output: the file to write; an existing one is not replaced.
         json: print for a machine what was written, and what could not be kept.
     """
-    from ...engine.edit_files import open_editing, write_edited
+    from ...engine.editing.files import open_editing, write_edited
 
     notes = write_edited(open_editing(source), output)
     if json:

@@ -44,7 +44,7 @@ def claim(
         anyway: join two that do not seem to be one marker.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said, span_of
 
     if (name is None) != no_marker:
@@ -72,7 +72,7 @@ def exchange(
         frames: in which they are exchanged: 751- from frame 751 on.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said, span_of
 
     first, last = span_of(frames)
@@ -87,7 +87,7 @@ def erase(trial: Path, marker: str, *, frames: str, why: Why = "", by: By = "", 
         marker: its name. frames: A-B, or one.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
 
     print_said(open_editing(trial, by=by).erase(marker, *closed_span(frames), why=why), json)
@@ -102,7 +102,7 @@ def gap(trial: Path, marker: str, *, frames: str, method: str, why: Why = "", by
         method: one of `kinemark methods fill`; best for the least expected error; open for not at all.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
 
     print_said(open_editing(trial, by=by).gap(marker, *closed_span(frames), method, why=why), json)
@@ -130,7 +130,7 @@ def put(
         sd: standard deviation of each axis, mm; of images it is computed.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import image_of, print_said
 
     if (at is None) == (not image):
@@ -163,7 +163,7 @@ def image(
         no_marker: the image there is no marker's.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said
 
     if (name is None) != no_marker:
@@ -188,7 +188,7 @@ def review(
         right: it was right, or --wrong.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said
 
     print_said(open_editing(trial, by=by).review(decision, right=right, why=why), json)
@@ -213,7 +213,7 @@ def smooth(
         function: that smooths: a Butterworth filter of fourth order, Woltring's quintic spline or the moving average.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
 
     editing, span = open_editing(trial, by=by), closed_span(frames)
@@ -228,7 +228,7 @@ def trim(trial: Path, *, frames: str, why: Why = "", by: By = "", json: Json = F
         frames: A-B.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
 
     print_said(open_editing(trial, by=by).trim(*closed_span(frames), why=why), json)
@@ -242,7 +242,7 @@ def finish(trial: Path, *, frames: Span = None, why: Why = "", by: By = "", json
         frames: A-B instead of those.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said, span_of
 
     first, last = span_of(frames)
@@ -259,7 +259,7 @@ def retrack(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> N
         trial: SESSION/NAME.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said
 
     said = open_editing(trial, by=by).track_again(why=why)
@@ -277,7 +277,7 @@ def event(
         label: what, such as 'Foot Strike'. time: s from frame 1 of the recording. side: Left, Right or General.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    from ...engine.edit_files import open_editing
+    from ...engine.editing.files import open_editing
     from ..edits_output import print_said
 
     print_said(open_editing(trial, by=by).event(label, side, time, why=why), json)

@@ -105,7 +105,7 @@ def starts(
         most_s: seconds that two cameras may be apart, by their markers.
         json: print the figures for a machine.
     """
-    from ...engine.start_files import starts_by_flash, starts_of_files
+    from ...engine.camera_checks.start_files import starts_by_flash, starts_of_files
 
     if flash == (cameras is not None):
         raise KinemarkError(

@@ -15,8 +15,8 @@ from ..output import BAD_VERDICT, Json, print_errors, print_result
 from ..progress import at_work
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
-    from ...engine.check_files import CheckedNames
-    from ...engine.subject_templates import Known
+    from ...engine.naming.check_files import CheckedNames
+    from ...engine.naming.subject_templates import Known
 
 
 def label(
@@ -75,9 +75,9 @@ def label(
             names; status 3 where there are any.
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
-    from ...engine.clusters_said import clusters_of
     from ...engine.folders import trials_in
-    from ...engine.subject_templates import Known
+    from ...engine.naming.clusters_said import clusters_of
+    from ...engine.naming.subject_templates import Known
 
     every = trials_in((source, *sources), besides=template or ())
     if by_location is not None:
@@ -105,8 +105,8 @@ def label(
 
 def _learnt(template: list[Path], subject: list[str], known: Known, scale: float | None) -> Any:
     """The template, or one of each subject."""
-    from ...engine.label_files import template_of
-    from ...engine.subject_templates import templates_of_subjects
+    from ...engine.naming.files import template_of
+    from ...engine.naming.subject_templates import templates_of_subjects
 
     with at_work() as tell:
         tell("learning the template")
@@ -115,7 +115,7 @@ def _learnt(template: list[Path], subject: list[str], known: Known, scale: float
 
 def _label(every: tuple[Path, ...], output: Path, learnt: Any, *, json: bool, **how: Any) -> None:
     """Name the markers of files; status 1 where one could not be read or written."""
-    from ...engine.label_files import LabelledFile, label_files, label_text
+    from ...engine.naming.files import LabelledFile, label_files, label_text
 
     with at_work() as tell:
         done = label_files(every, output, learnt, announce=lambda file: tell(f"naming the markers of {file}"), **how)
@@ -130,7 +130,7 @@ def _label(every: tuple[Path, ...], output: Path, learnt: Any, *, json: bool, **
 
 def _check(every: tuple[Path, ...], learnt: Any, json: bool) -> None:
     """Check the names that files have."""
-    from ...engine.check_files import check_files
+    from ...engine.naming.check_files import check_files
 
     with at_work() as tell:
         checked = check_files(every, learnt, announce=lambda file: tell(f"checking the names of {file}"))
@@ -142,7 +142,7 @@ def _label_by_location(
 ) -> None:
     """Name the tracks of one file by where they are."""
     from ...engine.fill_files import own_name
-    from ...engine.label_location import label_file_by_location, location_text
+    from ...engine.naming.by_location import label_file_by_location, location_text
 
     if output is None or len(sources) > 1:
         raise KinemarkError("By location one file is named at a time. Give one, and the file to write with -o.")
@@ -153,7 +153,7 @@ def _label_by_location(
 
 def _print_checks(done: dict[Path, CheckedNames | KinemarkError], json: bool) -> None:
     """What was found; status 1 where a file could not be checked, 3 where names are wrong."""
-    from ...engine.check_files import CheckedNames, check_figures, check_text
+    from ...engine.naming.check_files import CheckedNames, check_figures, check_text
 
     found = {path: one for path, one in done.items() if isinstance(one, CheckedNames)}
     if json:

@@ -20,7 +20,7 @@ def list_sets(*, json: Json = False) -> None:
     Args:
         json: print them for a machine.
     """
-    from ...engine.marker_set_files import list_text, listed
+    from ...engine.naming.marker_set_files import list_text, listed
 
     print_result(listed() if json else list_text())
 
@@ -34,7 +34,7 @@ def show(name: str, *, figure: Path | None = None, json: Json = False) -> None:
         figure: draw it there, front and back: an SVG, or an HTML page with tables; an existing file is not replaced.
         json: print it for a machine.
     """
-    from ...engine.marker_set_files import draw_set, set_figures, set_text
+    from ...engine.naming.marker_set_files import draw_set, set_figures, set_text
 
     found = read_marker_set(name)
     if figure is not None:
@@ -62,7 +62,7 @@ def learn(
             points that were computed of others, such as segments' axes.
         json: print the set for a machine.
     """
-    from ...engine.marker_set_files import set_figures, set_from_file, set_text
+    from ...engine.naming.marker_set_files import set_figures, set_from_file, set_text
 
     found = set_from_file(trial, output, names=tuple(filter(None, markers.split(","))))
     print_result(set_figures(found) if json else set_text(found))

@@ -61,7 +61,7 @@ def run(
 
 def _gait(figures: dict[str, Any], results: Path) -> str:
     """The gait of a session's walks, and where it is."""
-    from ...engine.session_gait import FOLDER, REASON
+    from ...engine.gait.of_session import FOLDER, REASON
     from ...report.gait_text import gait_summary
 
     if REASON in figures:

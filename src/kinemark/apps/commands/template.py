@@ -47,9 +47,9 @@ def learn(
         heights_mm: of the other subjects, mm, one for each file.
         json: print what it holds for a machine.
     """
-    from ...engine.clusters_said import clusters_of
-    from ...engine.subject_templates import Known, subject_template, template_figures, template_text
-    from ...engine.template_files import save_template
+    from ...engine.naming.clusters_said import clusters_of
+    from ...engine.naming.subject_templates import Known, subject_template, template_figures, template_text
+    from ...engine.naming.template_files import save_template
 
     if output.exists():
         raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
@@ -69,8 +69,8 @@ def show(file: Path, *, json: Json = False) -> None:
         file: NAME.template.h5.
         json: print it for a machine.
     """
-    from ...engine.subject_templates import template_figures, template_text
-    from ...engine.template_files import load_template
+    from ...engine.naming.subject_templates import template_figures, template_text
+    from ...engine.naming.template_files import load_template
 
     found = load_template(file)
     print_result(template_figures(found) if json else template_text(found))
@@ -86,8 +86,8 @@ def grow(file: Path, trial: Path, *trials: Path, json: Json = False) -> None:
         trials: and others.
         json: print what it holds for a machine.
     """
-    from ...engine.subject_templates import template_figures, template_text, with_trial
-    from ...engine.template_files import load_template, save_template
+    from ...engine.naming.subject_templates import template_figures, template_text, with_trial
+    from ...engine.naming.template_files import load_template, save_template
 
     found = load_template(file)
     for one in (trial, *trials):

@@ -8,9 +8,9 @@ from ...data import KinemarkError, Origin
 from ...data.edit_outcomes import Applied
 from ...data.edits import AddEvent, Claim, Edit, Signed, Trim, Undo
 from ...edit import Edited
-from ...engine import edit_makers as make
-from ...engine.editing import Editing, Said
-from ...engine.journal import StaleJournal, last_undo
+from ...engine.editing import makers as make
+from ...engine.editing.editing import Editing, Said
+from ...engine.editing.journal import StaleJournal, last_undo
 from ...report.words import edit_text
 from .acts_messages import (
     Act,

@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 from ...data import KinemarkError, Origin, Trial
 from ...data.array_types import Floats
 from ...data.events import Events
-from ...engine.angle_settings import AngleSettings
-from ...engine.angle_spikes import spike_cause
+from ...engine.angles.of_trial import TrialAngles, fits, missing, sided_model, trial_angles
+from ...engine.angles.settings import AngleSettings
+from ...engine.angles.spikes import spike_cause
 from ...engine.keys import digest
 from ...engine.naming.label_stage import static_of
-from ...engine.trial_angles import TrialAngles, fits, missing, sided_model, trial_angles
-from ...engine.um2as import euler_files
+from ...engine.um2as.flow import euler_files
 from ...findings.plain import runs
 from ...geometry import project
 from ...io.model_toml import models

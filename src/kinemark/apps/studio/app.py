@@ -11,9 +11,9 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from ...data import KinemarkError
-from ...engine.journal import StaleJournal
-from ...engine.open_detection import OpenDetection
-from ...engine.open_digitising import OpenDigitising
+from ...engine.detection.open_detection import OpenDetection
+from ...engine.digitising.open_digitising import OpenDigitising
+from ...engine.editing.journal import StaleJournal
 from ...version import __version__
 from . import (
     angle_routes,

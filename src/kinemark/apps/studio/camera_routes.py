@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from ...engine.calibration.results import PAGE
-from ...engine.control_balls import ControlBalls
+from ...engine.digitising.control_balls import ControlBalls
 from ...io.images import png_bytes
 from ...report.drawing_library import ASSETS, self_contained
 from . import camera_messages as c

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...data import KinemarkError, Rig
 from ...engine.calibration import EarlierCalibration, LastCalibration, earlier_calibrations, last_calibration
-from ...engine.control_balls import ControlBalls
+from ...engine.digitising.control_balls import ControlBalls
 from ...engine.session import Session
 from ...engine.session_changes import change_session
 from ...engine.settings import Settings

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...data import KinemarkError
 from ...digitise import find_markers, threshold_of
-from ...engine.control_balls import REFERENCE, ControlBalls, snapped
+from ...engine.digitising.control_balls import REFERENCE, ControlBalls, snapped
 from ...engine.session import Session
 from ...engine.session_changes import change_session
 from ...io.control_points import PointedPoints

@@ -11,7 +11,7 @@ from typing import Any
 from ...data import KinemarkError, MarkerSet
 from ...data.edits import live
 from ...edit import Edited
-from ...engine.editing import Editing
+from ...engine.editing.editing import Editing
 from ...engine.naming.templates import worn
 from ...engine.open_trial import OpenTrial
 from ...engine.session import Session

@@ -10,8 +10,8 @@ from ...data import KinemarkError, Validity
 from ...data.method import Method, parameters_of
 from ...detect import Centroids
 from ...detect.centroids_method import grey_scale
-from ...engine.detection_why import why
-from ...engine.open_detection import Draft, InFrame, OpenDetection, threshold_of
+from ...engine.detection.open_detection import Draft, InFrame, OpenDetection, threshold_of
+from ...engine.detection.why import why
 from ...engine.settings import STAGES
 from . import detect_messages as m
 from .shelf import Place

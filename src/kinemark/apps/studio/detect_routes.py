@@ -7,8 +7,8 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request, Response
 
 from ...data import KinemarkError
-from ...engine.detection_file import apply
-from ...engine.open_detection import OpenDetection
+from ...engine.detection.open_detection import OpenDetection
+from ...engine.detection.settings_file import apply
 from ...engine.session_name import FILE
 from . import detect_messages as m
 from .desk import Desk

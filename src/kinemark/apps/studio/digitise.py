@@ -8,7 +8,7 @@ from ...data import KinemarkError
 from ...data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, Undo, Verify, Yes
 from ...data.array_types import Floats
 from ...digitise import DigitisedFrame, DigitisingPhase, MarkerStatus, Question
-from ...engine.open_digitising import OpenDigitising
+from ...engine.digitising.open_digitising import OpenDigitising
 from ...engine.session import Session
 from . import detect_messages as m
 from .messages import EpipolarLine

@@ -6,8 +6,8 @@ from dataclasses import asdict
 
 from fastapi import APIRouter, Request
 
-from ...engine.digitising_setup import DigitisingSetup, choices, leave_off, set_up
-from ...engine.open_digitising import OpenDigitising
+from ...engine.digitising.open_digitising import OpenDigitising
+from ...engine.digitising.setup import DigitisingSetup, choices, leave_off, set_up
 from ...engine.session import Session
 from ...engine.session_name import FILE
 from . import detect_messages as m

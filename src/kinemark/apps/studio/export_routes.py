@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse, Response
 
 from ...data import KinemarkError
-from ...engine.edit_files import write_edited
+from ...engine.editing.files import write_edited
 from ...engine.trial_graph import REPORT
 from ...io.notes import file_note_text
 from ...report.drawing_library import ASSETS, self_contained

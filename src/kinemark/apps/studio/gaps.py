@@ -11,7 +11,7 @@ import numpy as np
 from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from ...data.edits import BEST, OPEN, GapChoice, is_named
 from ...edit import Edited
-from ...engine.last_fill import last_filled
+from ...engine.editing.last_fill import last_filled
 from ...fill import LIMIT, Filled, FilledGap
 from ...fill.prepared import GapFill
 from .desk import OpenDocument

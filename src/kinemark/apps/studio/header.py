@@ -11,7 +11,7 @@ import numpy as np
 from ...data import Camera, KinemarkError, MarkerSet, MarkerTrajectory, Rig
 from ...data.edits import Signed, counting, is_named, live
 from ...data.marker_sides import one_sided, sides_by_name
-from ...engine.journal import last_undo
+from ...engine.editing.journal import last_undo
 from ...engine.vertical import vertical
 from ...fill.methods.stage import FILL
 from ...io.edits_jsonl import JournalText

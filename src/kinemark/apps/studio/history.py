@@ -7,7 +7,7 @@ from ...data.edit_outcomes import Applied, entry_outcome
 from ...data.edits import Entry, Signed, counting
 from ...edit import Edited
 from ...edit.difference import difference
-from ...engine.journal import hash_of_entry
+from ...engine.editing.journal import hash_of_entry
 from ...report.words import edit_text, entry_text
 from .acts import outcome
 from .desk import OpenDocument

@@ -10,7 +10,7 @@ from typing import Any
 
 from ...data import KinemarkError, Step, Trial
 from ...data.edits import Entry, Signed, is_named, live
-from ...engine.journal import Journal
+from ...engine.editing.journal import Journal
 from ...engine.keys import code_key
 from ...engine.open_trial import OpenTrial
 from ...engine.session import Session

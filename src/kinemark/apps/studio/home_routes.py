@@ -11,7 +11,7 @@ from fastapi import APIRouter, Depends, Request
 from starlette.concurrency import run_in_threadpool
 
 from ...data import KinemarkError
-from ...engine.editing import Editing
+from ...engine.editing.editing import Editing
 from .desk import Desk
 from .home import home
 from .messages import Dropped, Home

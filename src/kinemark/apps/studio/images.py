@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ...data import KinemarkError
+from ...engine.camera_checks.start_times import started_apart
 from ...engine.keys import digest
-from ...engine.mosaics import Mosaics
-from ...engine.small_videos import small_images
-from ...engine.start_times import started_apart
-from ...engine.tiles import recording_key
+from ...engine.pictures.mosaics import Mosaics
+from ...engine.pictures.small_videos import small_images
+from ...engine.pictures.tiles import recording_key
 from ...engine.trial_inputs import last_tracked
 from . import messages
 from .desk import OpenDocument

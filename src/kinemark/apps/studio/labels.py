@@ -8,7 +8,7 @@ import numpy as np
 
 from ...data import MarkerSet, MarkerTrajectory, Trajectories
 from ...data.edits import is_named
-from ...engine.proposed_names import propose_names
+from ...engine.naming.proposed_names import propose_names
 from ...report.words import text_of
 from .desk import OpenDocument
 from .edit_messages import Labels, LinkFound, LinkState, Proposal

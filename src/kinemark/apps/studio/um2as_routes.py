@@ -11,9 +11,9 @@ from fastapi import APIRouter, Depends, Query, Request
 
 from ...data import KinemarkError
 from ...engine.session import Session
-from ...engine.um2as import table
-from ...engine.um2as_files import Um2asFiles
-from ...engine.um2as_menu import MENU, MenuEntry, Standing, level_standing, standings
+from ...engine.um2as.files import Um2asFiles
+from ...engine.um2as.flow import table
+from ...engine.um2as.menu import MENU, MenuEntry, Standing, level_standing, standings
 from ...io.um2as import read_da
 from . import um2as_messages as u
 from .camera_routes import Folder

@@ -20,9 +20,9 @@ from ...io.number_text import read_text
 from ...io.rig_toml import read_rig_toml
 from ...io.tdf import Tdf, read_tdf
 from ...io.um2as import files_of_set, read_msr
+from ..naming.template_files import is_template
 from ..session_name import FILE
 from ..settings import is_da
-from ..template_files import is_template
 from .camera_names import WORD, grouped, natural
 from .labelled_trials import kept_template
 from .proposal import FoundRecording, Reason, Role

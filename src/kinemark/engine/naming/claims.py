@@ -19,7 +19,7 @@ from ...data import Detections, MarkerTrajectory, Origin, Trajectories
 from ...data.array_types import Bools, Ints
 from ...data.edits import Claim, live
 from ...edit.claims import claim_of_each
-from ..journal import Journal
+from ..editing.journal import Journal
 
 
 class ClaimedTracks(NamedTuple):

@@ -15,7 +15,7 @@ from ...edit.replay import Reviewed, reviewed
 from ...edit.values import Footage
 from ...fill import FilledGap, fill
 from ...label import Template
-from ..editing import Editing
+from ..editing.editing import Editing
 from .context import Context
 from .of_gaps import of_edits, of_gaps
 from .of_names import of_names

@@ -15,8 +15,8 @@ from ...data.problems import Action, Alternative, ProblemKind, problem_id
 from ...edit import Edited, stretch_of
 from ...edit.crossings import unbroken
 from ...report.words.problems import action_text
-from ..edit_makers import REVIEWED_BESIDE
-from ..editing import Editing
+from ..editing.editing import Editing
+from ..editing.makers import REVIEWED_BESIDE
 
 VERSIONS = 3
 """Of a trial whose problems are kept, a number; chosen: now, before the last act, and what is judged besides."""

@@ -18,8 +18,8 @@ from ...data.problems import Problem, ProblemKind
 from ...edit.probable_errors import name_probability
 from ...label import Exchanged, Mislabelled, SideSwap, Template, learn_template
 from ...report.words.problems import problem_text
-from ..check_files import CheckedNames, check_names
-from ..subject_templates import without_prefix
+from ..naming.check_files import CheckedNames, check_names
+from ..naming.subject_templates import without_prefix
 from .context import VERSIONS, Context
 
 LEAST_MARKERS = 6

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ...data import KinemarkError
-from ..angle_settings import AngleSettings
+from ..angles.settings import AngleSettings
 from .table import Strict
 
 Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]

@@ -13,8 +13,8 @@ from ...data.subject_measures import SubjectMeasures
 from ...gait.clusters import SEGMENTS, segment_name
 from ...gait.standard_trial import Up
 from ...io.measures_toml import measures_of_table
-from ..gait_exports import exports_of
-from ..gait_settings import GaitSettings
+from ..gait.exports import exports_of
+from ..gait.settings import GaitSettings
 from .table import Strict
 
 Millimetres = Annotated[float, Field(ge=0, allow_inf_nan=False)]

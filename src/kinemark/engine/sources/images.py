@@ -12,8 +12,8 @@ from ...data.progress import tell
 from ...detect import detect
 from ...io.images import ImageSource
 from ..keys import digest, file_key
+from ..pictures.small_videos import watched
 from ..recordings import masks_key, masks_of, methods_of
-from ..small_videos import watched
 from .excerpt import excerpt_of, pictures_of
 from .recording import Recording
 from .trial_source import OperatorIdentities

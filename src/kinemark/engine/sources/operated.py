@@ -15,7 +15,7 @@ from ...data.progress import tell
 from ...detect import Centroids
 from ...digitise import identified
 from ...io.um2as import files_of_set
-from ..digitising import Digitising, answer_files, digitise_trial, read_digitised, read_figures, write_digitised
+from ..digitising.files import Digitising, answer_files, digitise_trial, read_digitised, read_figures, write_digitised
 from ..keys import digest, file_key, rig_key
 from ..recordings import masks_key, masks_of
 from .excerpt import pictures_of, within

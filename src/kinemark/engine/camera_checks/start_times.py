@@ -1,0 +1,123 @@
+"""Whether cameras of a trial that fit badly were started at another time, or lost images, by whole images.
+
+Delays below one frame the tracker learns. By more, a camera's images belong to other frames: few of them fit, and those
+that fit by chance tell a wrong delay. `match.start_offsets` asks at which offset they fit best. A camera that fits
+from one frame on no more, and does at another offset, has lost images there. Who is apart in the whole trial
+is moved in time by whole images, and all is tracked again (`in_time`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from ...data import Detections, Finding, KinemarkError, Rig, make_finding
+from ...data.array_types import Bools, Ints
+from ...data.detections import Validity
+from ...geometry.ideal_pixels import ideal_pixels
+from ...match.start_offsets import agreement, start_offsets
+
+SUSPICIOUS = ("camera_out_of_sync", "camera_fits_nothing", "camera_shifted", "camera_moved")
+"""Findings of cameras whose images may belong to other frames, and that say so less well."""
+MOST_S, MOST = 1.0, 100
+"""Seconds, and frames at most, that cameras are looked for apart; chosen: `kinemark starts` looks farther."""
+GOOD = 0.6
+"""Of the agreement of cameras in time with one another, what a camera that is late must have with them; chosen:
+images three and twenty late had 0.75 to 0.86, a camera that is calibrated 12 px off at its best 0.35."""
+BETTER = 1.2
+"""Times the agreement that a camera has as it is, what it must have with its images in time; chosen: images three late
+of 16 scenes had 1.21 to 10, a camera in time that a crawling subject seems to be one image apart 0.98."""
+FEW = 20
+"""Frames, from which on offsets are looked for; chosen."""
+
+
+def with_start_times(findings: Sequence[Finding], detections: Detections, rig: Rig) -> tuple[Finding, ...]:
+    """The findings of tracking, of cameras that are whole images apart by how many; others stay as they are.
+
+    Args:
+        findings: of the tracker, frames from 0.
+        detections: what the cameras saw.
+        rig: the cameras.
+    """
+    suspects = [one for one in findings if one.kind in SUSPICIOUS and one.cameras]
+    if not suspects:
+        return tuple(findings)
+    found = list(_apart(suspects, detections, rig))
+    known = {name for one in found for name in one.cameras}
+    rest = (one for one in findings if not (one.kind in SUSPICIOUS and known & {*one.cameras}))
+    return (*rest, *found)
+
+
+def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
+    """The detections with the images of cameras that were started apart in the frames that they show; their rows stay.
+
+    Images of frames that were not recorded are not valid, in the first or last frame.
+
+    Args:
+        findings: with those about these cameras. detections: as recorded.
+    """
+    apart = started_apart(findings)
+    if not apart:
+        return detections
+    start, validity, last = detections.start.copy(), detections.validity.copy(), detections.n_frames
+    for name, late in apart.items():
+        c = detections.cameras.index(name)
+        begin, end = (detections.start[c, int(np.clip(edge, 0, last))] for edge in (-late, last - late))
+        start[c, 1:-1] = detections.start[c, np.clip(np.arange(1, last) - late, 0, last)]
+        validity[detections.start[c, 0] : begin] = validity[end : detections.start[c, last]] = Validity.MASKED
+    return replace(detections, start=start, validity=validity)
+
+
+def started_apart(findings: Sequence[Finding]) -> dict[str, int]:
+    """Cameras that were started at another time than the others, and how many images late."""
+    apart = [found for found in findings if found.kind == "camera_started_apart"]
+    return {name: round(float(np.asarray(one.values["images"], np.float64))) for one in apart for name in one.cameras}
+
+
+def _apart(suspects: Sequence[Finding], detections: Detections, rig: Rig) -> Iterator[Finding]:
+    """By frame from which on it is so: about the cameras that are apart from most others."""
+    known: set[str] = set()
+    for since in sorted({one.frames[0][0] if one.frames else 0 for one in suspects}):
+        names = {name for one in suspects for name in one.cameras if since == (one.frames or [(0, 0)])[0][0]}
+        late = _late(detections.keep(detections.frame >= since), rig, detections.n_frames - since)
+        for c in np.flatnonzero(late).tolist():
+            if rig.names[c] in names - known:
+                yield _finding(rig.names[c], int(late[c]), since, detections)
+                known.add(rig.names[c])
+
+
+def _finding(name: str, late: int, since: int, detections: Detections) -> Finding:
+    """About a camera that is late by so many images, in the whole trial or from a frame on."""
+    kind = "camera_lost_images" if since else "camera_started_apart"
+    frames = [(since, detections.n_frames - 1)] if since else []
+    delay_ms = 1000.0 * late / detections.rate
+    return make_finding(kind, cameras=[name], frames=frames, images=late, delay_ms=delay_ms)
+
+
+def _late(detections: Detections, rig: Rig, frames: int) -> Ints:
+    """(C) by how many images each camera is later than the median one; 0 where the markers do not tell."""
+    most = int(min(MOST_S * detections.rate, MOST, frames // 2))
+    seeing = [name for name, n in zip(detections.cameras, detections.counts.sum(1), strict=True) if n]
+    if frames < FEW or most < 1 or len(seeing) < 3:
+        return np.zeros(len(rig), np.int64)
+    try:
+        images = start_offsets(detections, rig, most=most).images
+    except KinemarkError:
+        return np.zeros(len(rig), np.int64)
+    late = np.asarray(images - int(np.median(images)))
+    return np.where(_as_good(late, detections, rig), late, 0)
+
+
+def _as_good(late: Ints, detections: Detections, rig: Rig) -> Bools:
+    """(C) whether the images of cameras that are late agree with those in time as well as these with one another."""
+    uv, in_time = ideal_pixels(detections, rig), np.flatnonzero(late == 0).tolist()
+    usual = [float(agreement(detections, rig, uv, a, b, 0)[0]) for a, b in combinations(in_time, 2)]
+    good = np.zeros(len(rig), bool)
+    for c in np.flatnonzero(late).tolist() if usual else []:
+        own = [agreement(detections, rig, uv, a, c, abs(late[c]))[abs(late[c]) - late[c]] for a in in_time]
+        as_is = [agreement(detections, rig, uv, a, c, 0)[0] for a in in_time]
+        good[c] = np.median(own) > max(GOOD * np.median(usual), BETTER * np.median(as_is))
+    return good

@@ -1,0 +1,1 @@
+"""Digitising by an operator: recordings, answers, control balls."""

@@ -1,0 +1,1 @@
+"""What people say of a trial: journal, edits, and their replay as stages."""

@@ -1,0 +1,38 @@
+"""EMG of walks: which channels of a trial are EMG, and what of each is 100 %."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ...data import KinemarkError, Trial
+from ...gait.emg import Emg, emg, peak_of
+
+
+def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, float]:
+    """Greatest value of the envelope of each channel of a trial of greatest contractions.
+
+    Raises:
+        KinemarkError: a channel of the walks is not in it.
+    """
+    found = {name: peak_of(one.envelope) for name, one in emg_of(mvc).items()}
+    if absent := sorted(set(wanted) - set(found)):
+        raise KinemarkError(
+            f"{mvc.name}: the trial of greatest contractions lacks the channels {', '.join(absent)}; it has "
+            f"{', '.join(sorted(found)) or 'none'}. Give one that has all, or leave it out."
+        )
+    return found
+
+
+def emg_of(trial: Trial) -> dict[str, Emg]:
+    """Of each channel in volts, or whose name says EMG, that is no plate's."""
+    plates = {name for plate in trial.plates for name in plate.channels}
+    found: dict[str, Emg] = {}
+    for record in trial.analog:
+        for name, unit in zip(record.names, record.units, strict=True):
+            letters = "".join(c for c in unit.upper() if c.isalpha())
+            is_emg = "EMG" in name.upper() or letters in ("V", "MV", "UV", "ΜV")
+            if name not in plates and is_emg and np.ptp(record[name]) > 0:
+                found[name] = emg(record[name], rate=record.rate, start=record.start)
+    return found

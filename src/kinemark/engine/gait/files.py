@@ -1,0 +1,164 @@
+"""From files of walks, a standing trial and a subject's measures to a gait report: what `kinemark gait` does."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ...data import KinemarkError
+from ...data.gait_curves import GaitCurves, GaitReference
+from ...data.subject_measures import SubjectMeasures
+from ...findings.gait import GaitOfTrial, gait_figures
+from ...gait.clusters import Clusters
+from ...io.c3d import write_c3d
+from ...io.files import replacing
+from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
+from ...io.gait_reference import read_reference
+from ...io.measures_toml import read_measures
+from ...io.notes import FileNote, read_notes
+from ...io.trial import read_trial
+from ...report.drawing_library import assets_for
+from ...report.gait_page import write_gait_page
+from ...report.words import with_words
+from ..gait_clusters import with_stated_clusters, with_usual_clusters
+from ..identities import identity_of_file
+from .exports import exports_of, write_exports
+from .settings import GaitSettings
+from .walks import (
+    KnownMeasures,
+    Recorded,
+    SubjectGait,
+    completed,
+    how,
+    known_measures,
+    recorded,
+    renamed,
+    subject_gait,
+    with_gait,
+    with_hips,
+)
+
+PAGE, FIGURES = "gait.html", "gait.json"
+
+
+class GaitResult(NamedTuple):
+    """The gait of a subject, and where the files are."""
+
+    trials: tuple[GaitOfTrial, ...]
+    curves: tuple[GaitCurves, ...]
+    figures: dict[str, Any]
+    folder: Path
+    notes: tuple[FileNote, ...]
+
+
+def gait_of_files(
+    walks: Sequence[Path],
+    *,
+    static: Path | None = None,
+    functional: Path | None = None,
+    measures: Path | SubjectMeasures | None = None,
+    markers: Mapping[str, str] | None = None,
+    reference: Path | None = None,
+    mvc: Path | None = None,
+    clusters: Clusters | None = None,
+    folder: Path | None = None,
+    exports: str = "",
+    settings: GaitSettings | None = None,
+    self_contained: bool = False,
+) -> GaitResult:
+    """Read walks, compute gait, and write page, tables, figures, and each walk as C3D with its results.
+
+    Args:
+        walks: trials of one subject with named markers.
+        static: a standing trial, for the feet.
+        functional: a motion that turns the hips in all directions, which shows their centres.
+        measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
+        markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
+        reference: band of controls, drawn grey, and scored against.
+        mvc: of the muscles' greatest contractions, which are 100 % of the EMG.
+        clusters: names of markers by the segment that they carry, one of `gait.clusters.SEGMENTS`; need a static trial.
+        folder: of the results; beside the first walk, its name and `_gait`, where none is given.
+        exports: for other programs, as "trc,mot,sto,gcd".
+        settings: all else. self_contained: the page holds the drawing library.
+
+    Raises:
+        KinemarkError: there are no walks, a file cannot be read, a marker is missing, or the folder cannot be written.
+    """
+    settings, kinds = settings or GaitSettings(), exports_of(exports)
+    if not walks:
+        raise KinemarkError("There is no walk. Give one or more trials of the subject.")
+    band = None if reference is None else read_reference(reference)
+    if clusters and static is None:
+        raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
+    still = None if static is None else _read(static, markers, settings)
+    if still is not None and clusters:
+        still = with_stated_clusters(still, clusters)
+    read = [_read(path, markers, settings, still) for path in walks]
+    if still is not None:
+        still = with_usual_clusters(still, read, settings)
+    whole = [completed(walk, still) for walk in read]
+    stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
+    known = known_measures(stated, whole, still)
+    if functional is not None:
+        moved = _read(functional, markers, settings, still)
+        known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
+    found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
+    figures = _figures(whole, still, found, known, static, band, settings)
+    figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
+    figures["identity"] = identity_of_file(whole[0].given, walks[0])
+    into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
+    notes = _written(into, whole, found, figures, band, self_contained=self_contained)
+    write_exports(
+        into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(whole, found.trials, strict=True)],
+        found.curves, counts=settings.made.mechanics.counts, mass_kg=known.measures.mass_kg,
+    )  # fmt: skip
+    return GaitResult(found.trials, found.curves, figures, into, notes)
+
+
+def _read(
+    path: Path, markers: Mapping[str, str] | None, settings: GaitSettings, static: Recorded | None = None
+) -> Recorded:
+    """A file; markers that it does not have are missed where they are wanted."""
+    return recorded(path.stem, read_trial(path), markers or {}, settings, like=static)
+
+
+def _figures(
+    walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
+    band: GaitReference | None, settings: GaitSettings,
+) -> dict[str, Any]:  # fmt: skip
+    """All figures, with their words."""
+    stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
+    subject = next((stated[walk.name] for walk in walks if stated[walk.name]), "")
+    return with_words(
+        gait_figures(
+            found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
+            method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
+            estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
+            heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
+            stated=stated,
+        )
+    )  # fmt: skip
+
+
+def _written(
+    folder: Path, walks: Sequence[Recorded], found: SubjectGait, figures: dict[str, Any], band: GaitReference | None,
+    *, self_contained: bool,
+) -> tuple[FileNote, ...]:  # fmt: skip
+    """All files of the results."""
+    folder.mkdir(parents=True, exist_ok=True)
+    notes: list[FileNote] = []
+    for walk, one in zip(walks, found.trials, strict=True):
+        notes += read_notes(walk.given.notes)
+        notes += write_c3d(folder / f"{walk.name}_gait.c3d", with_gait(walk, one))
+    write_curves_csv(folder / "curves.csv", found.curves)
+    write_time_distance_csv(folder / "time_distance.csv", {one.name: one.strides for one in found.trials})
+    write_key_values_csv(folder / "key_values.csv", {one.name: one.keys for one in found.trials})
+    with replacing(folder / FIGURES) as beside:
+        beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_gait_page(
+        folder / PAGE, figures=figures, curves=found.curves, reference=band,
+        assets=None if self_contained else assets_for(folder),
+    )  # fmt: skip
+    return tuple(notes)

@@ -1,0 +1,26 @@
+"""A reference band from a laboratory's own controls: what `kinemark gait-reference` does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...data import KinemarkError
+from ...data.gait_curves import GaitReference
+from ...gait.gait_cycles import reference_of
+from ...io.gait_reference import control_curves, write_reference
+
+
+def reference_of_files(controls: Sequence[Path], *, output: Path, source: str) -> GaitReference:
+    """Read the `gait.json` of each control, one a subject, and write their band.
+
+    Raises:
+        KinemarkError: there are fewer than two, a file cannot be read, or the band cannot be written.
+    """
+    if len(controls) < 2:
+        raise KinemarkError("A reference wants the gait.json of two or more controls, one a subject.")
+    if output.resolve() in [path.resolve() for path in controls]:
+        raise KinemarkError(f"{output} is one of the controls. Give another -o: what you gave is never overwritten.")
+    band = reference_of([control_curves(path) for path in controls], source)
+    write_reference(output, band)
+    return band

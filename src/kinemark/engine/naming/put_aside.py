@@ -1,0 +1,55 @@
+"""Points of a file that are no markers, put aside while its markers are named, and put back as they were."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from functools import lru_cache
+from itertools import count
+from typing import NamedTuple
+
+from ...data import MarkerTrajectory, Trajectories, Trial
+from ...io.c3d import modeled_points
+from ...label import computed_points
+
+FILES = 3
+"""Trials whose computed points are remembered, a number; chosen: those that are looked at side by side."""
+
+
+class PutAside(NamedTuple):
+    """Trajectories without the points that are no markers, and these."""
+
+    rest: Trajectories
+    aside: tuple[MarkerTrajectory, ...] = ()
+
+
+def put_aside(trial: Trial, *, keep: Collection[str] = ()) -> PutAside:
+    """The markers of a trial, and its computed points: those that are found, and those that its file says are modeled.
+
+    Args:
+        trial: of a file. keep: names that are none of them, whatever they look like, also with a subject's before them.
+    """
+    tracks = trial.trajectories
+    found = {*computed_points(tracks), *modeled_points(trial.source)}
+    away = {name for name in found if name not in keep and name.rpartition(":")[2] not in keep}
+    rest = tracks.select([name for name in tracks.names if name not in away])
+    return PutAside(rest, tuple(path for path in tracks if path.name in away)) if len(rest) else PutAside(tracks)
+
+
+@lru_cache(maxsize=FILES)
+def computed_names(trial: Trial) -> tuple[str, ...]:
+    """Points of a file that are no markers, worked out once for each trial."""
+    return tuple(path.name for path in put_aside(trial).aside)
+
+
+def put_back(done: Trajectories, aside: Collection[MarkerTrajectory]) -> Trajectories:
+    """With the points that were put aside; one without a name gets another number where its own is taken."""
+    taken = {*done.names, *(path.name for path in aside if not path.name.startswith("*"))}
+    back = []
+    for path in aside:
+        name = path.name
+        if name.startswith("*") and name in taken:
+            name = next(f"*{k}" for k in count(1) if f"*{k}" not in taken)
+        taken.add(name)
+        back.append(replace(path, name=name))
+    return replace(done, paths=(*done.paths, *back))

@@ -1,0 +1,1 @@
+"""Small pictures of all cameras: made, kept and shown side by side."""

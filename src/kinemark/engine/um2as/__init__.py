@@ -1,0 +1,1 @@
+"""UM²AS over a session: its flow, files and menu."""

@@ -1,0 +1,98 @@
+"""Cameras that were started apart by whole images, or lost some, are told so, and not something else."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from kinemark.data import make_finding
+from kinemark.engine.camera_checks.start_times import in_time, with_start_times
+from kinemark.engine.tracking_stage import from_detections
+from kinemark.reconstruct import LeastSquares
+from kinemark.report.words import advice_of, text_of
+from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from support.laboratory import observe, ring
+from support.motions import dance
+
+RIG, FRAMES = ring(6), 100
+
+
+@pytest.fixture(scope="module")
+def seen():
+    return observe(RIG, dance(n=12, frames=FRAMES), noise=0.1)[0]
+
+
+def later(detections, n, since=0):
+    """Of camera c1 every image from frame `since` on is that of n frames later."""
+    own = (detections.camera == 1) & (detections.frame >= since)
+    frame = np.where(own, detections.frame - n, detections.frame)
+    kept = (frame >= 0) & (frame < FRAMES) & ~(own & (frame < since))
+    moved = detections.keep(kept)
+    counts = np.zeros((6, FRAMES), np.int64)
+    np.add.at(counts, (moved.camera, frame[kept]), 1)
+    return type(moved).build(moved.cameras, moved.rate, counts, uv=moved.uv, cov=moved.cov)
+
+
+def told(detections, rig=RIG):
+    return with_start_times(diagnose(detections, rig, track_simultaneously(detections, rig, DEFAULT)), detections, rig)
+
+
+@pytest.mark.parametrize("n", [2, -5])
+def test_a_camera_that_was_started_apart_is_told_by_how_many_images(seen, n):
+    (found,) = told(later(seen, n))
+    assert (found.kind, found.cameras, found.values["images"]) == ("camera_started_apart", ("c1",), n)
+    assert f"delays_ms.c1 = {10 * n} below [cameras]" in advice_of(found)
+
+
+def test_a_camera_that_lost_images_was_not_touched(seen):
+    (found,) = told(later(seen, 4, since=40))
+    assert (found.kind, found.cameras, found.values["images"]) == ("camera_lost_images", ("c1",), 4)
+    assert abs(found.frames[0][0] - 40) <= 10 and "4\xa0images later" in text_of(found)
+
+
+def test_a_camera_that_stands_otherwise_was_not_started_apart(seen):
+    touched = replace(seen, uv=seen.uv + (seen.camera == 1)[:, None] * [9.0, 4.0])
+    assert {one.kind for one in told(touched)} == {"camera_shifted"}
+    turned = make_finding("camera_fits_nothing", cameras=["c1"], left_out=True)
+    mirrored = replace(seen, uv=np.where((seen.camera == 1)[:, None], [1280.0, 1024.0] - seen.uv, seen.uv))
+    assert with_start_times([turned], mirrored, RIG) == (turned,)
+
+
+@pytest.mark.parametrize("n", [3, -5])
+def test_images_of_a_camera_that_was_started_apart_are_put_into_the_frames_that_they_show(seen, n):
+    late = later(seen, n)
+    moved = in_time([make_finding("camera_started_apart", cameras=["c1"], images=n, delay_ms=0.0)], late)
+    np.testing.assert_array_equal(moved.uv, late.uv)  # rows stay
+    for f in range(max(n, 0) + 1, FRAMES + min(n, 0) - 1):
+        np.testing.assert_array_equal(moved[1, f], seen[1, f])
+        np.testing.assert_array_equal(moved[0, f], seen[0, f])
+    assert not diagnose(moved, RIG, track_simultaneously(moved, RIG, DEFAULT))
+
+
+@pytest.mark.parametrize("n", [2, -1, 50])
+def test_images_of_frames_that_were_not_recorded_are_not_valid(seen, n):
+    frames = seen.frames(0, 40)
+    moved = in_time([make_finding("camera_started_apart", cameras=["c2"], images=n, delay_ms=0.0)], frames)
+    own = np.flatnonzero(frames.camera == 2)
+    shown = frames.frame[own] + n
+    np.testing.assert_array_equal(moved.valid[own], (shown >= 0) & (shown < 40))
+    valid = own[moved.valid[own]]
+    np.testing.assert_array_equal(moved.frame[valid], frames.frame[valid] + n)
+    assert moved.valid[frames.camera != 2].all()
+
+
+@pytest.mark.parametrize("late", [{0: 6}, {1: 4, 2: -7}, {1: 4, 2: 4}])
+def test_cameras_that_were_started_apart_are_put_in_time_and_make_no_points_of_their_own(late):
+    rig, n, points = ring(5 if 0 in late else 6), 80, dance(n=12, frames=100)
+    each = [observe(rig, points[:, 10 + by : 10 + by + n], noise=0.1)[0] for by in (late.get(c, 0) for c in range(6))]
+    own = [one.uv[one.camera == c] for c, one in enumerate(each[: len(rig)])]
+    counts = [one.counts[c] for c, one in enumerate(each[: len(rig)])]
+    seen = type(each[0]).build(rig.names, 100.0, counts, np.concatenate(own))
+    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares())
+    tracked = from_detections(SimpleNamespace(rig=rig, settings=settings), {"detect": seen})
+    told = {int(c.cameras[0][1:]): c.values["images"] for c in tracked.diagnostics if c.kind == "camera_started_apart"}
+    assert told == late
+    images = (tracked.tracks.cloud.detection >= 0).sum(1)
+    assert len(images) == 12 * n and images.mean() > len(rig) - 0.4

@@ -1,0 +1,304 @@
+"""`kinemark gait`: from files to results."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.apps.cli import app
+from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trial
+from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
+from kinemark.engine.gait.files import gait_of_files
+from kinemark.engine.gait.reference import reference_of_files
+from kinemark.engine.gait.settings import GaitSettings
+from kinemark.io.c3d import write_c3d
+from kinemark.io.trial import read_trial
+from kinemark.synth import WalkingBody, gait_laboratory, walking
+from support.plug_in_gait import ADULT
+from support.shared import shared_data
+
+MEASURES = """
+mass_kg = 70
+[left]
+leg_mm = 890
+knee_mm = 105
+ankle_mm = 72
+[right]
+leg_mm = 890
+knee_mm = 105
+ankle_mm = 72
+"""
+QUICK = GaitSettings(uncertainty=False)
+
+
+@pytest.fixture
+def walk(tmp_path):
+    """A simulated walk without plates, and measures."""
+    subject = walking(duration_s=5.0, rate=100.0, seed=1)
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", subject.trajectories))
+    (tmp_path / "anna.toml").write_text(MEASURES, encoding="utf-8")
+    return tmp_path
+
+
+def test_angles_with_gaps_are_told_and_filling_is_named(walk):
+    whole = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    trial = read_trial(walk / "walk.c3d")
+    knee = trial.trajectories["RKNE"]
+    xyz = knee.xyz.copy()
+    xyz[200:230] = np.nan  # a part of one stride
+    paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
+    write_c3d(walk / "gappy.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    gappy = gait_of_files([walk / "gappy.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    kinds = [[f for f in one.figures["findings"] if f["kind"] == "gait_angles_with_gaps"] for one in (whole, gappy)]
+    assert not kinds[0] and len(kinds[1]) == 1
+    values = kinds[1][0]["values"]
+    assert values["joints_list"] == ["hip", "knee", "ankle", "foot progression"]
+    assert (
+        values["side"] == "right"
+        and 1 <= values["cut"] <= 2 < values["strides"]
+        and "kinemark fill" in kinds[1][0]["advice"]
+    )
+
+
+def test_names_that_were_taken_for_the_models_are_told_where_one_is_missing(walk):
+    trial = read_trial(walk / "walk.c3d")
+    other = {"LASI": "Ann:LFWT", "RASI": "Ann:RFWT", "LTIB": "Ann:LSHN", "RTIB": "Ann:RSHN"}
+    paths = tuple(replace(p, name=other.get(p.name, f"Ann:{p.name}")) for p in trial.trajectories)
+    write_c3d(walk / "other.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    with pytest.raises(
+        KinemarkError, match=r"LTIB, RTIB.* Taken for the model's were LASI = Ann:LFWT, RASI = Ann:RFWT"
+    ):
+        gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    stated = {"LTIB": "LSHN", "RTIB": "Ann:RSHN"}  # with the subject's name, or without it
+    found = gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", markers=stated, settings=QUICK)
+    told = next(f for f in found.figures["findings"] if f["kind"] == "gait_markers_renamed")
+    assert "LTIB = Ann:LSHN" in told["values"]["names_list"]
+
+
+def test_a_walk_gives_page_tables_figures_and_a_file(walk):
+    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    assert found.folder == walk / "walk_gait"
+    figures = json.loads((found.folder / "gait.json").read_text())
+    speed = figures["time_distance"]["left"]["speed"]["mean"]
+    assert speed == pytest.approx(1100, rel=0.02)
+    page = (found.folder / "gait.html").read_text()
+    assert "Knee flexion" in page and "walking speed" in page and "Harmonics of the stride" in page
+    assert figures["harmonics"]["stride_hz"]["left"] == pytest.approx(
+        figures["time_distance"]["left"]["cadence"]["mean"] / 120, rel=0.01
+    )
+    knee = next(h for h in figures["harmonics"]["angles"] if (h["name"], h["component"]) == ("LKneeAngles", "flexion"))
+    assert knee["amplitude"][0] > 15 and sum(knee["share"]) == pytest.approx(1, abs=0.02)
+    with (found.folder / "curves.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 101 and 50 < max(float(r["LKneeAngles_flexion_deg"]) for r in rows) < 75
+    back = read_trial(found.folder / "walk_gait.c3d")
+    assert "LKneeAngles" in back.signals.names and len(back.events) > 8
+    assert {f["kind"] for f in figures["findings"]} >= {"gait_without_moments", "foot_offsets_unknown"}
+
+
+def test_each_value_of_a_stride_says_of_which_walk_it_is(walk):
+    """What a statistician needs: rows by trial, side and stride, whose means are those of the page."""
+    (walk / "second.c3d").write_bytes((walk / "walk.c3d").read_bytes())
+    found = gait_of_files([walk / "walk.c3d", walk / "second.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    tables = {}
+    for name in ("key_values", "time_distance"):
+        with (found.folder / f"{name}.csv").open() as file:
+            tables[name] = list(csv.DictReader(file))
+    strides = [{(r["trial"], r["side"], r["first_s"]) for r in rows} for rows in tables.values()]
+    assert strides[0] == strides[1] and {trial for trial, *_ in strides[0]} == {"walk", "second"}
+    row = next(r for r in found.figures["key_values"] if r["name"] == "knee flexion, greatest in swing")
+    own = [float(r["value"]) for r in tables["key_values"] if (r["name"], r["side"]) == (row["name"], "left")]
+    assert row["left"]["strides"] == len(own) and row["left"]["mean"] == pytest.approx(np.mean(own), abs=1e-4)
+    assert 50 < row["left"]["mean"] < 75 and "knee flexion, greatest in swing (°)" in (
+        (found.folder / "gait.html").read_text()
+    )
+
+
+@pytest.mark.parametrize(
+    ("subjects", "told"), [(("Anna", "Ben"), True), (("Anna", "anna "), False), (("", "Ben"), False)]
+)
+def test_files_of_two_people_are_told(walk, subjects, told):
+    trial = read_trial(walk / "walk.c3d")
+    for name, subject in zip(("one", "standing"), subjects, strict=True):
+        write_c3d(walk / f"{name}.c3d", replace(trial, about={**trial.about, "subject": subject}))
+    files = {"static": walk / "standing.c3d", "measures": walk / "anna.toml"}
+    found = gait_of_files([walk / "one.c3d"], settings=QUICK, folder=walk / "out", **files)
+    said = [f["text"] for f in found.figures["findings"] if f["kind"] == "gait_subjects_differ"]
+    assert bool(said) == told and all("Anna (one), Ben (standing)" in text for text in said)
+
+
+def test_a_marker_that_leaps_is_told(walk):
+    trial = read_trial(walk / "walk.c3d")
+    xyz = trial.trajectories["RKNE"].xyz.copy()
+    xyz[150:] += [0, 60.0, 0]  # its track went over to another marker
+    paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
+    write_c3d(walk / "leaps.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    told = [
+        [
+            f
+            for f in gait_of_files([walk / name], settings=QUICK).figures["findings"]
+            if f["kind"] == "gait_markers_leap"
+        ]
+        for name in ("walk.c3d", "leaps.c3d")
+    ]
+    assert not told[0] and told[1][0]["markers"] == ["RKNE"] and told[1][0]["values"]["leaps"] == 2
+
+
+def test_error_bars_are_on_every_curve(walk):
+    found = gait_of_files(
+        [walk / "walk.c3d"], static=walk / "walk.c3d", measures=walk / "anna.toml", folder=walk / "out"
+    )
+    knee = next(c for c in found.curves if c.name == "LKneeAngles")
+    assert (knee.measurement_sd[:, 0] > 0.5).all()
+    assert {"placement", "hip centre"} <= set(found.figures["uncertainty"][0]["by_cause"])
+
+
+def test_a_motion_shows_the_hips(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    off = {"left": np.array([8.0, 6.0, -9.0]), "right": np.array([-9.0, 8.0, 7.0])}
+    body = WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0), hip_error_mm=off)
+    lab = gait_laboratory(body, duration_s=3.0, rate=50.0)
+    for name in ("walk", "static", "functional"):
+        write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
+    files = {name: tmp_path / f"{name}.c3d" for name in ("static", "functional")}
+    how = GaitSettings(smoothing="none", tissue_mm=0.5, uncertainty=False)
+    measures = replace(body.measures)
+    found = gait_of_files([tmp_path / "walk.c3d"], measures=measures, folder=tmp_path / "out", settings=how, **files)
+    hip = found.trials[0].gait.limbs.left.hip
+    assert np.abs(hip - lab.limbs.left.hip).max() < 0.1  # C3D holds single precision
+    told = next(f for f in found.figures["findings"] if f["kind"] == "gait_hips_functional")
+    assert told["values"]["away_mm"] == pytest.approx(np.linalg.norm(off["right"]), abs=1.0)
+    assert "functional, from functional" in (tmp_path / "out" / "gait.html").read_text()
+    with pytest.raises(KinemarkError, match=r"static: The left hip"):
+        gait_of_files([tmp_path / "walk.c3d"], measures=measures, functional=files["static"], settings=how)
+
+
+def test_devices_on_the_knees_show_their_axes(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    turned = replace(leg, thigh_wand_deg=9.0, shank_wand_deg=-8.0, torsion_deg=21.0)
+    body = WalkingBody(SubjectMeasures(turned, leg, mass_kg=70.0), worn=("KAX", "KD1", "KD2", "MED"))
+    lab = gait_laboratory(body, duration_s=3.0, rate=50.0)
+    for name in ("walk", "static"):
+        write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
+    files = {"static": tmp_path / "static.c3d", "measures": SubjectMeasures(leg, leg, mass_kg=70.0)}
+    how = GaitSettings(smoothing="none", uncertainty=False)
+    found = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "out", settings=how, **files)
+    true, ours = (signals["LKneeAngles"].values for signals in (lab.signals, found.trials[0].gait.signals))
+    np.testing.assert_allclose(ours, true, atol=0.01)  # C3D holds single precision
+    assert found.figures["measures"]["left"]["torsion_deg"] == pytest.approx(21.0, abs=0.01)
+    told = {f["kind"]: f["values"] for f in found.figures["findings"]}
+    assert told["gait_axes_from_static"] == {"trial": "static", "way": "devices"} and "gait_axes_doubtful" not in told
+    assert "tibial torsion" in (tmp_path / "out" / "gait.html").read_text()
+    thin = {**files, "measures": SubjectMeasures(replace(leg, ankle_mm=45.0), leg, mass_kg=70.0)}
+    doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "thin", settings=how, **thin).figures
+    doubt = next(f for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
+    assert doubt["values"]["by_mm"] == pytest.approx(27.0, abs=0.1) and "left ankle" in doubt["text"]
+    wide = {**files, "measures": SubjectMeasures(replace(leg, ankle_mm=99.0), leg, mass_kg=70.0)}
+    doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "wide", settings=how, **wide).figures
+    text = next(f["text"] for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
+    assert "27\u00a0mm nearer to each other than the ankle is wide" in text
+    how = replace(how, axes=False)
+    plain = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "plain", settings=how, **files)
+    assert plain.figures["measures"]["left"]["torsion_deg"] == 0
+
+
+def test_several_walks_count_together(walk):
+    two = gait_of_files([walk / "walk.c3d"] * 2, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
+    one = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", folder=walk / "one", settings=QUICK)
+    assert len(two.curves[0].values) == 2 * len(one.curves[0].values)
+
+
+def test_controls_become_a_band_that_others_are_scored_against(walk):
+    for seed in (2, 3):
+        subject = walking(duration_s=4.0, rate=100.0, seed=seed)
+        write_c3d(walk / f"c{seed}.c3d", Trial("walk", subject.trajectories))
+        gait_of_files([walk / f"c{seed}.c3d"], measures=walk / "anna.toml", folder=walk / f"c{seed}", settings=QUICK)
+    controls = [walk / f"c{seed}" / "gait.json" for seed in (2, 3)]
+    band = reference_of_files(controls, output=walk / "band.json", source="two of ours")
+    assert band.subjects == 2 and band.mean["KneeAngles"].shape == (101, 3)
+    found = gait_of_files(
+        [walk / "walk.c3d"], measures=walk / "anna.toml", reference=walk / "band.json", settings=QUICK
+    )
+    assert 0 < found.figures["profile"]["left"]["score"] < 5  # deg; the simulated walkers differ by their noise alone
+    page = (found.folder / "gait.html").read_text()
+    assert "gait profile score" in page and "two of ours" in page
+    with pytest.raises(KinemarkError, match="two or more"):
+        reference_of_files(controls[:1], output=walk / "band.json", source="")
+    with pytest.raises(KinemarkError, match="never overwritten"):
+        reference_of_files(controls, output=controls[0], source="")
+
+
+def test_exports_have_y_up_and_unknown_ones_are_refused(walk):
+    given = read_trial(walk / "walk.c3d").trajectories
+    options = {"measures": walk / "anna.toml", "folder": walk / "out", "settings": QUICK}
+    gait_of_files([walk / "walk.c3d"], exports="trc, mot,sto,gcd", **options)
+    back = read_trial(walk / "out" / "walk.trc").trajectories
+    x, y, z = np.moveaxis(given["LKNE"].xyz, -1, 0)
+    np.testing.assert_allclose(back["LKNE"].xyz, np.stack([x, z, -y], -1), atol=1e-3)
+    assert "LKneeAngles_flexion" in (walk / "out" / "walk_angles.mot").read_text()
+    assert "!LeftKneeFlexExt" in (walk / "out" / "gait.gcd").read_text()
+    assert not (walk / "out" / "walk_reaction.mot").exists()  # there are no plates
+    with pytest.raises(KinemarkError, match="no export 'xlsx'"):
+        gait_of_files([walk / "walk.c3d"], exports="xlsx", **options)
+
+
+def test_events_of_the_file_that_nobody_sees_are_absent_and_not_late(walk):
+    paths = read_trial(walk / "walk.c3d").trajectories
+    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    first = next(e for e in found.trials[0].events if e.side == "left" and e.strike)
+    between = [first.time + 0.02, first.time + 0.08, first.time + 0.55]  # s; near, off, and in the middle of a stride
+    told = Events(("Foot Strike",) * 3, ("Left",) * 3, np.array(between))
+    write_c3d(walk / "told.c3d", Trial("told", paths, events=told))
+    figures = gait_of_files([walk / "told.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    by_kind = {f["kind"]: f["values"] for f in figures["findings"]}
+    assert by_kind["file_events_not_found"]["events"] == 1
+    assert by_kind["file_events_differ"]["events"] == 1 and by_kind["file_events_differ"]["most_ms"] < 100
+
+
+def test_who_turns_is_told(walk):
+    paths = read_trial(walk / "walk.c3d").trajectories
+    angle = np.radians(np.clip(np.arange(paths.n_frames) - 200, 0, 150) * 0.6)
+    turn = np.stack([[np.cos(angle), -np.sin(angle), 0 * angle], [np.sin(angle), np.cos(angle), 0 * angle],
+                     [0 * angle, 0 * angle, 1 + 0 * angle]]).transpose(2, 0, 1)  # fmt: skip
+    turned = replace(paths, paths=tuple(replace(p, xyz=np.einsum("fij,fj->fi", turn, p.xyz)) for p in paths))
+    write_c3d(walk / "turn.c3d", Trial("turn", turned))
+    told = [
+        {f["kind"] for f in gait_of_files([walk / f], measures=walk / "anna.toml", settings=QUICK).figures["findings"]}
+        for f in ("walk.c3d", "turn.c3d")
+    ]
+    assert not told[0] & {"gait_turns", "gait_turns_left_out"} and "gait_turns_left_out" in told[1]
+
+
+def test_without_walks_it_is_said_what_to_give():
+    with pytest.raises(KinemarkError, match="one or more"):
+        gait_of_files([])
+
+
+def test_nothing_that_was_given_is_changed(walk):
+    before = (walk / "walk.c3d").read_bytes()
+    gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    assert (walk / "walk.c3d").read_bytes() == before
+
+
+def test_a_foot_beside_the_plates_has_no_moments(tmp_path):
+    found = gait_of_files(
+        [shared_data(f"mocap3d/{ADULT}Motion3_FF.c3d")], static=shared_data(f"mocap3d/{ADULT}Calibration3_FF.c3d"),
+        folder=tmp_path, settings=QUICK,
+    )  # fmt: skip
+    right = next(c for c in found.curves if c.name == "RAnkleMoment")
+    stance = right.values[:, 20:50, 0]
+    whole = np.isfinite(stance).all(1)
+    assert whole.any() and not whole.all()
+    assert np.nanmin(np.nanmax(stance[whole], axis=1)) > 1.0  # N·m/kg of push-off, in every stride that has one
+
+
+@pytest.mark.parametrize(("asked", "status"), [((), 3), (("--fail-on", "never"), 0)])
+def test_a_script_sees_that_there_is_no_result(tmp_path, asked, status):
+    leg = LegMeasures(leg_mm=890.0, knee_mm=105.0, ankle_mm=72.0)
+    body = WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0))
+    write_c3d(tmp_path / "standing.c3d", gait_laboratory(body, seed=1).static)
+    with pytest.raises(SystemExit) as ended:
+        app(["gait", str(tmp_path / "standing.c3d"), "--no-uncertainty", *asked])
+    assert (ended.value.code or 0) == status

@@ -1,0 +1,106 @@
+"""Files with axes and joint centres beside the markers: these are left alone, said, and kept as they were."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from kinemark.apps.cli import app
+from kinemark.data import MarkerTrajectory, Trial, same
+from kinemark.engine.naming.check_files import check_file
+from kinemark.engine.naming.files import label_file, label_text, template_of
+from kinemark.engine.naming.marker_set_files import set_from_file
+from kinemark.engine.naming.put_aside import put_aside, put_back
+from kinemark.engine.naming.subject_templates import Known
+from kinemark.engine.naming.templates import session_template
+from kinemark.io.c3d import Parameter, modeled_points, read_document, with_parameters, write_document
+from kinemark.io.trial import read_trial, write_trial
+from kinemark.label import Labelling, label_switching, learn_template
+from support.computed import computed, walker, with_computed
+from support.shared import shared_data
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A walk of a program that computes, and another one whose markers are called otherwise; of 15 markers."""
+    few = walker().names[:15]
+    for name, seed in (("known", 1), ("new", 2)):
+        own = with_computed(walker(seed, duration_s=1.0))
+        write_trial(Trial(name, own.select([*few, *computed(walker(seed))])), tmp_path / f"{name}.c3d")
+    return tmp_path
+
+
+def test_markers_are_named_and_computed_points_are_kept_and_said(files):
+    template = template_of([files / "known.c3d"])
+    assert template.template.names == tuple(sorted(walker().names[:15]))
+    done = label_file(files / "new.c3d", files / "out.c3d", template)
+    assert set(done.labels.state) == {"sure"} and len(done.labels) == 15
+    assert set(done.figures["computed"]) == set(computed(walker()))
+    assert "26 computed points, such as LFEA" in label_text(done) and "--computed" in label_text(done)
+    before, after = (read_trial(files / name).trajectories for name in ("new.c3d", "out.c3d"))
+    assert set(before.names) == set(after.names)
+    assert all(same(before[name], after[name]) for name in before.names)
+
+
+def test_they_are_learnt_and_named_where_that_is_asked_for(files):
+    template = template_of([files / "known.c3d"], Known(computed=True))
+    assert set(template.template.names) == set(read_trial(files / "known.c3d").trajectories.names)
+    one = template_of([files / "known.c3d"], Known(markers=(*walker().names[:15], "LFEO")))
+    assert "LFEO" in one.template.names and "LFEA" not in one.template.names
+    done = label_file(files / "new.c3d", files / "out.c3d", one)
+    assert "LFEO" not in done.figures["computed"] and "LFEO" in done.labels.names
+    with pytest.raises(SystemExit) as end:
+        app(
+            [
+                "label",
+                str(files / "new.c3d"),
+                "-t",
+                str(files / "known.c3d"),
+                "--computed",
+                "-o",
+                str(files / "all.c3d"),
+            ]
+        )
+    assert not end.value.code
+
+
+def test_names_are_checked_and_sets_and_sessions_learnt_without_them(files):
+    assert check_file(files / "new.c3d", template_of([files / "known.c3d"], Known(computed=True))).good
+    assert set(set_from_file(files / "known.c3d", files / "own.toml").names) == set(walker().names[:15])
+    session = SimpleNamespace(label=Labelling(template=("known.c3d",)), marker_set=None, gait=None)
+    assert session_template(files, session, ()).template.names == tuple(sorted(walker().names[:15]))
+
+
+def test_what_a_file_lists_as_its_programs_own_is_put_aside(files):
+    doc = read_document(files / "known.c3d")
+    said = [Parameter.text("TYPE_GROUPS", ["ANGLES", "ANGLE", "BONES", "BONE"])]
+    said += [Parameter.text("MODELED_MARKERS", ["LTHI"]), Parameter.text("BONES", ["RTHI"])]
+    write_document(files / "said.c3d", with_parameters(doc, "POINT", said))
+    trial = read_trial(files / "said.c3d")
+    assert modeled_points(trial.source) == ("LTHI", "RTHI") and modeled_points("no C3D") == ()
+    names = {path.name for path in put_aside(trial).aside}
+    assert names == {"LTHI", "RTHI", *computed(walker())}
+    kept = put_aside(trial, keep=["LTHI", "PELO"]).rest
+    assert {"LTHI", "PELO"} <= set(kept.names)
+
+
+def test_points_without_a_name_get_another_number_where_theirs_is_taken():
+    places = np.zeros((3, 3))
+    some = [MarkerTrajectory.measured(name, places + k) for k, name in enumerate(("*1", "*2", "LFEO", "*2"))]
+    done = replace(walker(), paths=tuple(some[:2]))
+    assert put_back(done, some[2:]).names == ("*1", "*2", "LFEO", "*3")
+
+
+def test_a_published_file_is_named_and_its_own_exchange_is_found():
+    """Of 180 points 59 are markers; RNAV and RHLX go over into each other while they cross."""
+    known, new = (put_aside(read_trial(shared_data(f"mocap3d/pig_gait_children/HC032A{k}.c3d"))) for k in ("03", "18"))
+    assert len(known.aside) == len(new.aside) == 113
+    right = [name for name in known.rest.names if name.startswith("R")]
+    found = label_switching(new.rest.select(right).frames(120, 200), learn_template(known.rest, names=right))
+    wrong = {one for one, name in zip(found.tracks.names, found.labels.names, strict=True) if one.split()[0] != name}
+    assert wrong == {"RNAV (2)", "RHLX (2)"} and set(found.labels.state) == {"sure"}
+    assert [(one.before, one.after, one.frame) for one in found.switches] == [
+        ("RNAV", "RHLX", 37),
+        ("RHLX", "RNAV", 37),
+    ]

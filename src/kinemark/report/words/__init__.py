@@ -11,6 +11,7 @@ from typing import Any
 
 from ...data import Finding
 from .calibration import CALIBRATION_WORDS
+from .cameras import CAMERA_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
 from .edits import EDIT_WORDS, edit_text, entry_text
@@ -44,6 +45,7 @@ TAGS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
 
 WORDS: dict[str, Words] = {
     **TRIAL_WORDS,
+    **CAMERA_WORDS,
     **CONTROL_POINT_WORDS,
     **CALIBRATION_WORDS,
     **LABELLING_WORDS,

@@ -1,29 +1,16 @@
-"""What findings about a trial say: its recording, cameras, points, markers and tracks."""
+"""What findings about a trial say: its recording, points, markers and tracks."""
 
 from __future__ import annotations
-
-import math
 
 from ...data import Finding
 from .template import Words, fill, shown
 from .verdicts import calibration_headline
-
-FAR_ABOVE = 100
-"""Times as large as the others', above which the number says no more; chosen."""
 
 
 def _no_points(found: Finding) -> str:
     if found.values["diagnosed"]:
         return "See the diagnostics below."
     return "Check that the calibration belongs to this camera set-up and that the cameras are synchronised."
-
-
-def _disagrees(found: Finding) -> str:
-    ratio = found.values["ratio"]
-    times = fill("{ratio} times", found) if isinstance(ratio, float | int) and ratio < FAR_ABOVE else "far above"
-    u, v = (shown(found.values[f"offset_{axis}_px"], "ratio", "2") for axis in "uv")
-    start = fill("{Cameras} disagrees with the others: its median residual is {residual_px}, ", found)
-    return f"{start}{times} theirs; its image is offset by ({u}, {v})\u00a0px."
 
 
 def _model_unused(found: Finding) -> str:
@@ -66,32 +53,6 @@ def _contradicted(found: Finding) -> str:
     return fill("The session says {rate_hz} and the videos say otherwise: ", found) + f"{said}."
 
 
-def _swapped(found: Finding) -> str:
-    pairs = [f"{a} and {b}" for a, b in zip(found.cameras[::2], found.cameras[1::2], strict=False)]
-    return f"The images of {', or of '.join(pairs)} seem to be swapped" + fill(
-        ": with each taken for the other {swapped_share} of what they saw agrees with two more cameras, and "
-        "{as_is_share} or less as it is.",
-        found,
-    )
-
-
-COUNTED = {
-    "v_up": "v is counted from the bottom of the images",
-    "u_left": "u is counted from the right of the images",
-    "turned": "pixels are counted from the bottom right corner of the images",
-    "exchanged": "u and v are exchanged",
-    "half_size": "the images have half the size of those that were calibrated",
-    "double_size": "the images have twice the size of those that were calibrated",
-}
-
-
-def _pixel_axes(found: Finding) -> str:
-    way = COUNTED.get(str(found.values["way"]), "pixels are counted along other axes than the calibration's")
-    return f"It seems that {way}" + fill(
-        ": so {other_share} of what a camera saw agrees with two more cameras, and {as_is_share} as it is.", found
-    )
-
-
 def _scale(found: Finding) -> str:
     wide = " and are {marker_mm:1} wide" if found.values["marker_mm"] is not None else ""
     return fill(
@@ -99,89 +60,6 @@ def _scale(found: Finding) -> str:
         f"{{extent_mm:0}} of each other{wide}.",
         found,
     )
-
-
-def _out_of_sync(found: Finding) -> str:
-    delay, frames = (_number(found, f"delay_{unit}") for unit in ("ms", "frames"))
-    later = "earlier" if delay < 0 else "later"
-    return fill(
-        f"{{Cameras}} takes its images {shown(abs(delay), 'ms')} {later} than the others, "
-        f"{shown(abs(frames), 'frames')} of a frame, which moves its images by up to {{shift_px:1}}.",
-        found,
-    )
-
-
-def _delay_learned(found: Finding) -> str:
-    delay, error = (_number(found, name) for name in ("delay_ms", "delay_se_ms"))
-    later = "earlier" if delay < 0 else "later"
-    return fill(
-        f"{{Cameras}} takes its images {shown(abs(delay), 'ms')} ± {shown(error, 'ms')} {later} than the others. All "
-        "was tracked with its images moved to the times of the frames.",
-        found,
-    )
-
-
-def _by_images(found: Finding) -> str:
-    """How many images a camera is late or early."""
-    n = _number(found, "images")
-    if not math.isfinite(n):
-        return "some images earlier or later"
-    return f"{abs(round(n))}\u00a0{'image' if abs(round(n)) == 1 else 'images'} {'earlier' if n < 0 else 'later'}"
-
-
-def _started_apart(found: Finding) -> str:
-    return fill(
-        f"{{Cameras}} was started {_by_images(found)} than the others. Kinemark's own tracker puts its images into "
-        "the frames that they show, if more of them then fit.",
-        found,
-    )
-
-
-def _apart_advice(found: Finding) -> str:
-    name = found.cameras[0] if found.cameras else "camera"
-    return f"Write delays_ms.{name} = {_number(found, 'delay_ms'):.6g} below [cameras], and run again."
-
-
-def _lost_images(found: Finding) -> str:
-    said = f"About from frame {{first_frame}} on, {{cameras}} shows what the others show {_by_images(found)}"
-    lost = "lost" if _number(found, "images") > 0 else "repeated"
-    return fill(f"{said}: it {lost} images before. The others were used.", found)
-
-
-def _number(found: Finding, name: str) -> float:
-    value = found.values[name]
-    return value if isinstance(value, float | int) else float("nan")
-
-
-def _stopped(found: Finding) -> str:
-    last = found.frames[0][0] - 1 if found.frames else "–"
-    return fill(f"{{Cameras}} has no images after frame {last}; the recording ends with frame {{last_frame}}.", found)
-
-
-def _started_late(found: Finding) -> str:
-    first = found.frames[-1][1] + 1 if found.frames else "–"
-    return fill(f"{{Cameras}} has no images before frame {first}; the recording begins with {{first_frame}}.", found)
-
-
-def _shifted(found: Finding) -> str:
-    since = " from frame {first_frame} on" if found.frames else ""
-    offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.1f") for axis in "uv")
-    return fill(
-        f"The images of {{cameras}} lie ({offset})\u00a0px beside where the other cameras expect them{since}.", found
-    ) + _left_out(found)
-
-
-def _other(found: Finding) -> str:
-    first, second = (*found.cameras, "–", "–")[:2]
-    return f"Camera {first} sees what camera {second} should see.{_left_out(found)}"
-
-
-def _left_out(found: Finding) -> str:
-    return " It was left out." if found.values["left_out"] else ""
-
-
-def _fits_nothing(found: Finding) -> str:
-    return fill("The images of {cameras} fit nothing that the others see.", found) + _left_out(found)
 
 
 def _left_outside(found: Finding) -> str:
@@ -207,7 +85,6 @@ def _close(found: Finding) -> str:
     )
 
 
-LOOK_AT_CAMERA = "Look at that camera in a second trial: calibrate again if it was moved, or leave it out."
 RATE = "Correct rate_hz, or the rate in the file: every speed and every limit of [track] depends on it."
 
 TRIAL_WORDS = {
@@ -220,24 +97,11 @@ TRIAL_WORDS = {
         "3D points were reconstructed, but no trajectory came of them.",
         "Check the parameters of [track]: the shortest track, and the speed of markers; and rate_hz.",
     ),
-    "camera_sees_nothing": Words(
-        "{Cameras} saw nothing in the whole trial.",
-        "Check its cable, lens cap, lights and threshold; then record again or leave it out.",
-    ),
     "ground_subtracted": Words(
         "The static ground was subtracted from the images of {cameras}: it is uneven.",
         'If a marker that stands still is missing there, set background = "none" in [detect].',
     ),
     "angle_model_unused": Words(_model_unused, _model_unused_advice),
-    "camera_disagrees": Words(
-        _disagrees,
-        "When the offset explains the residual, the camera was moved: calibrate again. Otherwise check its focus and "
-        "its synchronisation.",
-    ),
-    "cameras_agree_poorly": Words(
-        "The cameras agree poorly: half of all image points are {residual_px} or more off.",
-        "Calibrate again, lens distortion included, before trusting distances.",
-    ),
     "calibration_residual_high": Words(
         "The calibration itself is poor (residual above {limit_px:0}) in {cameras}.",
         "Look for misread control points and calibrate again.",
@@ -281,56 +145,6 @@ TRIAL_WORDS = {
     "recording_partly_read": Words(
         "Of the recording's file: {parts_list}.",
         "All else was read. Export the recording again where these parts are wanted.",
-    ),
-    "pixel_axes_differ": Words(
-        _pixel_axes,
-        "Write the points with pixel 0, 0 in the top left corner, u to the right and v downwards, and in the size of "
-        "image that was calibrated.",
-    ),
-    "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
-    "camera_out_of_sync": Words(
-        _out_of_sync,
-        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
-    ),
-    "camera_started_apart": Words(_started_apart, _apart_advice),
-    "camera_lost_images": Words(
-        _lost_images,
-        "Look at the times of its images, and put an empty one where one was lost; or leave these frames of it out.",
-    ),
-    "camera_delay_learned": Words(
-        _delay_learned,
-        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
-    ),
-    "camera_rolling_shutter": Words(
-        "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "
-        "first. All was tracked with its images moved to the times of the frames.",
-        "Markers at the edges of the image are measured best with a global shutter.",
-    ),
-    "camera_uneven_times": Words(
-        "The times at which {cameras} takes its images scatter by {uneven_ms:1}, standard deviation. Its images count "
-        "the less the faster their markers move, and positions in fast motion are less certain.",
-        "Check that the camera keeps its rate and loses or repeats no image; trigger all cameras together.",
-    ),
-    "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
-    "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
-    "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),
-    "camera_moved": Words(
-        "The images of {cameras} fit no track in {frames}: the camera was probably moved. The others were used.",
-        LOOK_AT_CAMERA,
-    ),
-    "camera_shifted": Words(
-        _shifted,
-        "The camera was probably touched after the calibration. Look at it in a second trial: calibrate again, or "
-        "leave it out.",
-    ),
-    "calibration_off": Words(
-        "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "
-        "the calibration fits no better.",
-        "Calibrate again, lens distortion included, with the wand or the points all over the volume and the images.",
-    ),
-    "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
-    "camera_fits_nothing": Words(
-        _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
     ),
     "nothing_goes_on": Words(
         "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is "

@@ -65,6 +65,7 @@ def shown(document, n):
         ("delays_ms = {c2 = 60.0}", (), [20, 20, 17]),
         ("delays_ms = {c2 = -29.0}", (APART,), [20, 16, 21]),
         ("rates_hz = {c0 = 25.0}", (), [10, 20, 20]),
+        ("rates_hz = {c1 = 25.0}", (APART,), [20, 8, 20]),
     ],
 )
 def test_every_camera_is_shown_at_the_time_of_the_frame_by_what_is_said_or_was_found(folder, times, findings, seen):

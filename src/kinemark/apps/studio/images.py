@@ -55,7 +55,7 @@ def _mosaics(document: OpenDocument) -> Mosaics | None:
     apart = started_apart(last_tracked(document.records).diagnostics)
 
     def image_at(camera: str, n: int) -> int:
-        return recording.image_at(camera, n, sources[camera]) - apart.get(camera, 0)
+        return recording.image_at(camera, n - apart.get(camera, 0), sources[camera])  # started apart by whole frames
 
     cameras = recording.settings.cameras
     times = [apart, cameras.delays_ms, cameras.rates_hz, recording.settings.rate_hz]

@@ -216,10 +216,11 @@ def _writing_through(path: Path, line: bytes) -> Iterator[None]:
         file = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
     try:
         size = os.fstat(file).st_size
-        with _disk_errors(path), _taken_back(file, size):
-            if os.write(file, line) != len(line):
-                raise OSError("the disk took only a part of it")
         with ThreadPoolExecutor(1, "disk") as disk:
+            disk.submit(int).result()  # where no thread can be begun, nothing is written
+            with _disk_errors(path), _taken_back(file, size):
+                if os.write(file, line) != len(line):
+                    raise OSError("the disk took only a part of it")
             synced = disk.submit(_sync, file, folder)
             try:
                 yield

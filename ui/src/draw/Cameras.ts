@@ -61,7 +61,7 @@ export class Cameras {
   }
 
   set(header: TrialHeader, paths: PathSet): void {
-    if (this.header?.id !== header.id) this.forget();
+    if (this.header?.id !== header.id || this.header.mosaic?.images !== header.mosaic?.images) this.forget();
     const same = this.header?.id === header.id && this.tiles.length === header.cameras.length;
     this.header = header;
     this.paths = paths;
@@ -140,7 +140,8 @@ export class Cameras {
       const { id, mosaic } = this.header!, answer = await fetch(address(id, frame, mosaic!.images));
       if (answer.ok && answer.status !== 204) {
         const bitmap = await createImageBitmap(await answer.blob());
-        if (this.header?.id !== id || !this.bitmaps.has(frame)) return bitmap.close(), false;
+        const others = this.header?.id !== id || this.header.mosaic?.images !== mosaic!.images;
+        if (others || !this.bitmaps.has(frame)) return bitmap.close(), false;
         this.bitmaps.set(frame, bitmap);
       } else if (answer.status === 204) this.bitmaps.delete(frame);
       if (frame === this.shownFrame) this.redraw();

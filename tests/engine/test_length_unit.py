@@ -48,6 +48,16 @@ def test_a_person_in_another_unit_is_told(written, marker_mm, severity):
     assert ("wide" in text_of(found)) == np.isfinite(marker_mm)
 
 
+@pytest.mark.parametrize("px", [4.0, 5.0])
+def test_coarse_images_of_markers_make_them_no_larger(px):
+    scale = ring(4).cameras[0].K[0, 0] / 900  # images of px at 12 m of a camera of 900 px
+    assert said(PERSON, marker_mm=px * 4000 * 3 / 900 / 1, far=3.0 * scale / scale) == []
+
+
+def test_areas_of_0_are_not_known():
+    assert said(PERSON, marker_mm=0.0) == []
+
+
 def test_markers_too_large_are_told():
     (found,) = said(PERSON, 10.0, marker_mm=14.0)  # in tenths of a mm
     assert found.severity == "amber" and found.values["marker_mm"] == pytest.approx(140.0, rel=0.05)

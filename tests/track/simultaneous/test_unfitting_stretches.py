@@ -63,9 +63,10 @@ def test_a_bumped_camera_is_told_and_the_others_are_used():
 def test_a_stretch_is_only_kept_where_the_camera_lacks_images_of_points_that_others_show():
     one, c = made(160001), 3
     stretch = Stretch(c, 80, 160)
-    tracks = track_simultaneously(without_stretches(one.detections, (stretch,)), one.rig, DEFAULT).tracks
-    assert not is_lost(stretch, tracks, one.detections, one.rig)
-    assert is_lost(stretch, tracks, bumped(one.detections, c, 80, 160), one.rig)
+    result = track_simultaneously(without_stretches(one.detections, (stretch,)), one.rig, DEFAULT)
+    tracks, images = result.tracks, result.images
+    assert not is_lost(stretch, tracks, images, one.detections, one.rig)
+    assert is_lost(stretch, tracks, images, bumped(one.detections, c, 80, 160), one.rig)
 
 
 def test_detections_of_a_stretch_are_not_valid():

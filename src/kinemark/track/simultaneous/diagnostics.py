@@ -73,7 +73,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
             or _in_no_track(result, c, name)
         )
     found += _calibration_off(rig, usual, late)
-    told = {*lost, *np.flatnonzero(detections.counts.sum(1) == 0).tolist()}
+    told = {*lost, *np.flatnonzero(_valid_counts(detections).sum(1) == 0).tolist()}
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist() if c not in told]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):
         return [*found, make_finding("too_few_frames", frame_count=detections.n_frames, least=LEAST_FRAMES)]
@@ -83,7 +83,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
 def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) -> list[Finding]:
     """About a camera that was left out as it fits the others in some frames, or in none."""
     own, name = [one for one in result.unfitting if one.camera == c], rig.names[c]
-    if not own[0].whole(detections.n_frames):
+    if not any(one.whole(detections.n_frames) for one in own):
         return [make_finding("camera_moved", cameras=[name], frames=[(one.first, one.stop - 1) for one in own])]
     images = read_images(detections, rig)
     offset = image_offset(c, result.tracks, images)
@@ -135,7 +135,7 @@ def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> di
 
 def _without_images(detections: Detections, result: TrackingResult, c: int) -> list[Finding]:
     """About a camera without images at the end, or the beginning, of the recording, though markers were in its view."""
-    n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), [detections.cameras[c]]
+    n, some, name = detections.n_frames, np.flatnonzero(_valid_counts(detections)[c]), [detections.cameras[c]]
     if not n or not len(some):
         return [make_finding("camera_without_images", cameras=name)] if n else []
     inside = _in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))
@@ -146,6 +146,11 @@ def _without_images(detections: Detections, result: TrackingResult, c: int) -> l
     if some[0] > long and (should < some[0]).sum() >= FEW:
         found.append(make_finding("camera_started_late", cameras=name, frames=[(0, some[0] - 1)], recorded_frames=n))
     return found
+
+
+def _valid_counts(detections: Detections) -> Ints:
+    """(C, F) valid images a camera and frame."""
+    return detections.keep(detections.valid).counts
 
 
 def _of_tracks_seen(result: TrackingResult, c: int) -> Bools:

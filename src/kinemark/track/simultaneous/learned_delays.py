@@ -68,12 +68,17 @@ def track_simultaneously(
     while True:
         result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)
         tried |= {*suspected}
-        sure = tuple(one for one in suspected if is_lost(one, result.tracks, detections, rig))
+        sure = tuple(one for one in suspected if is_lost(one, result.tracks, result.images, detections, rig))
         beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
         untried = [one for one in beside if one not in tried]
         if sure == suspected and not untried:
             return result._replace(unfitting=suspected)
-        suspected = sure if sure != suspected else tuple(sorted((*sure, *untried[:1])))
+        suspected = sure if sure != suspected else _with(sure, untried[0])
+
+
+def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]:
+    """The same and a whole recording, which holds other stretches of its camera."""
+    return tuple(sorted((whole, *(one for one in stretches if one.camera != whole.camera))))
 
 
 def _with_delays(

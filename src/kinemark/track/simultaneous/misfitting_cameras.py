@@ -12,6 +12,11 @@ than BESIDE from 0, and S'' the next that is as far from that, the camera lies b
 
     S' > STANDS_OUT · max(S'', S(0)),   or   S(0) < STANDS_OUT · S' < STANDS_OUT² · S''                    (2)
 
+and is left out where the others agree: where the whole calibration is off, each of them seems to lie beside. With σ
+the noise of the others by epipolar lines (`epipolar_noise`), in the median camera,
+
+    |d| > APART · σ,   or, where it lies nowhere,   σ < AGREEING                                          (3)
+
 As images that are up to a frame late or early are where the points were or will be, S(0) is the highest at such times:
 delays are learned. A camera that was bumped along the lines of the others has a high Q_c, and is suspected where it
 lies beside by (2) of the tracks that its own images have led astray.
@@ -27,8 +32,11 @@ import scipy
 from ...data import Tracks
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
+from .candidate_points import fundamentals
 from .detection_index import Images
+from .epipolar_noise import camera_noise, mixture_of_cameras, residuals
 from .kalman_states import KalmanStates
+from .measurement_noise import sampled_frames
 
 MISFIT = 0.45
 """Of (1); chosen on scenes 160000 to 160059 of the second generator: 26 good rigs had 0.59 and more, of cameras that
@@ -42,6 +50,9 @@ BESIDE = 5.0
 """px in either axis, up to which boxes are one peak; chosen: boxes that overlap less than a third."""
 STANDS_OUT = 2.0
 """Of (2); chosen on scenes 160000 to 160029: S(0) of good cameras was 2.8 to 98 times S', of bumped ones 0.0 to 0.2."""
+APART, AGREEING = 20.0, 0.5
+"""Of (3), and px; chosen on scenes 177000 to 178004: of cameras bumped by 12 px |d| / σ was 27 and more with σ of 0.28
+to 0.37 px, of calibrations that were 2.5 to 4 px off it was 16 or less, with σ of 0.73 to 1.81 px."""
 TIMES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 """Frames, at which S(0) is looked for; chosen: what `learned_delays` can learn."""
 LEAST_POINTS, LEAST_MARKERS, MOST_POINTS = 100, 5, 5000
@@ -106,6 +117,21 @@ def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
     if peaks.clear:
         return peaks.offset if peaks.beside > STANDS_OUT * peaks.here else None
     return np.full(2, np.nan) if peaks.here < STANDS_OUT * peaks.beside else None
+
+
+def stands_apart(offset: Floats | None, others: Images) -> bool:
+    """Whether a camera that lies beside does so by far more than the others disagree (3).
+
+    Args:
+        offset: of `image_offset`. others: the images of the cameras that are not left out.
+    """
+    if offset is None:
+        return False
+    some, C = residuals(others, fundamentals(others.P), sampled_frames(others)), len(others.P)
+    variance = camera_noise(some, mixture_of_cameras(some, C), C).variance
+    sd = np.sqrt(np.median(variance[np.isfinite(variance)])) if np.isfinite(variance).any() else np.inf
+    far = float(np.linalg.norm(offset))
+    return bool(sd < AGREEING if np.isnan(far) else far > APART * sd)
 
 
 def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:

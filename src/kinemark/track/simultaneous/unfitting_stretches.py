@@ -35,7 +35,7 @@ from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .epipolar_noise import WINDOW, pair_of, residuals
 from .kalman_states import KalmanStates
-from .misfitting_cameras import image_offset, misfitting
+from .misfitting_cameras import image_offset, misfitting, stands_apart
 
 PARTS = 20
 """Into which a recording is cut; chosen: what is left of a part in which a camera was bumped is a twentieth."""
@@ -91,6 +91,7 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     Args:
         detections: what they saw. rig: the cameras.
     """
+    detections = detections.keep(detections.valid)
     C, n = len(rig), detections.n_frames
     parts = min(PARTS, n // LEAST_FRAMES)
     if C < 3 or parts < 2 or not len(detections):
@@ -119,15 +120,16 @@ def without_stretches(detections: Detections, stretches: tuple[Stretch, ...]) ->
     return replace(detections, validity=validity)
 
 
-def is_lost(stretch: Stretch, tracks: Tracks, detections: Detections, rig: Rig) -> bool:
+def is_lost(stretch: Stretch, tracks: Tracks, others: Images, detections: Detections, rig: Rig) -> bool:
     """Whether the camera lacks images in a stretch where points of the others are, more than in other frames (3).
 
     Args:
-        stretch: in question. tracks: without it. detections, rig: of all cameras.
+        stretch: in question. tracks, others: without it, and the images that they are of.
+        detections, rig: of all cameras.
     """
     images, c, cloud = read_images(detections, rig), stretch.camera, tracks.cloud
     if stretch.whole(detections.n_frames):
-        return image_offset(c, tracks, images) is not None
+        return stands_apart(image_offset(c, tracks, images), others)
     uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
     middle = np.abs(uv / images.size[c] - 0.5) < 0.5 - EDGE
     inside = middle.all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)

@@ -45,6 +45,7 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines
 from .detection_index import Images
+from .likelihood import SURE
 
 WINDOW = 10.0
 """In px, of (6): farther from the line, no image is the one that belongs to it; chosen
@@ -52,6 +53,10 @@ WINDOW = 10.0
 
 WIDER_SHARE, WIDER = 0.1, 4.0
 """ε and k of (3): one residual in ten, four times as wide; chosen (see benchmarks/tracking_scenes.py)."""
+
+NARROW = 0.25
+"""px, a standard deviation with which (3) is begun beside a quarter of WINDOW; chosen: of things that do not move the
+residuals are a comb, of which a wide peak takes the most."""
 
 ROUNDS, SETTLED = 100, 0.02
 """Of expectation and maximisation at most, a number, and the relative change of v at which no more are made; chosen."""
@@ -158,7 +163,7 @@ def mixture_of_cameras(some: Residuals, C: int) -> Mixture:
         if not far.any():
             return fit
         begin = np.where(far, expected, fit.variance)
-        other = _mixture(some.off - fit.about[group], group, some.window, fit.about, begin)
+        other, _ = _mixture(some.off - fit.about[group], group, some.window, fit.about, begin)
         far &= (other.number >= MIN_PAIRS) & (FAR * other.variance < fit.variance)
         fit = _chosen(far, group, other, fit)
     return fit
@@ -193,10 +198,10 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
 def mixture(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
     """(3) of residuals (H) px in n groups (H), each within its window (H) px; where none has a peak at 0, about those
     that they have elsewhere."""
-    usual = _mixture(off, group, window, np.zeros(n), (WINDOW / 4) ** 2)
+    usual = _likeliest(off, group, n, window)
     if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
         return usual
-    other = _mixture(off - aside[group], group, window, aside, PEAK**2)
+    other, _ = _mixture(off - aside[group], group, window, aside, PEAK**2)
     return _chosen(aside != 0, group, other, usual)
 
 
@@ -214,8 +219,15 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
     return out
 
 
-def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> Mixture:
-    """(3) of residuals (H) px less what they are about (n) px, v being `begin` (n) px² at first."""
+def _likeliest(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
+    """(3) about 0, begun with a wide v, and with a narrow one where it became wider and that is likelier."""
+    begin = (WINDOW / 4) ** 2
+    wide, narrow = (_mixture(off, group, window, np.zeros(n), v) for v in (begin, NARROW**2))
+    return _chosen((wide[0].variance > begin) & (narrow[1] > wide[1] + SURE), group, narrow[0], wide[0])
+
+
+def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> tuple[Mixture, Floats]:
+    """(3) of residuals (H) px less what they are about (n) px, v being `begin` (n) px² at first; ln L (n)."""
     n = len(about)
     total = np.maximum(np.bincount(group, minlength=n), 1)
     variance, share, count = np.zeros(n) + begin, np.full(n, 0.5), np.zeros(n)
@@ -234,7 +246,7 @@ def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Flo
         share = count / total
         if (np.abs(variance - before) <= SETTLED * before)[count > MIN_PAIRS].all():
             break
-    return Mixture(variance + about**2, count, core + wider / WIDER**2, about)
+    return Mixture(variance + about**2, count, core + wider / WIDER**2, about), np.bincount(group, np.log(whole), n)
 
 
 def _by_camera(variance: Floats, count: Floats, share: Floats, pair: Ints) -> tuple[Floats, Floats]:

@@ -28,7 +28,7 @@ from .associate import predict_images
 from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import LEAST_SD, Images
-from .epipolar_noise import CameraNoise, camera_noise, mixture_of_cameras, residuals
+from .epipolar_noise import CameraNoise, camera_noise, mixture, pair_of, residuals
 from .kalman_states import KalmanStates
 
 MAX_DISTANCE = 10.0
@@ -88,7 +88,7 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
         return images, nothing
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
     some = residuals(stated, F, frames)
-    added = _missing(stated, camera_noise(some, mixture_of_cameras(some, C), C))
+    added = _missing(stated, camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C))
     known = np.isfinite(added)
     if not known.any():
         return images, nothing

@@ -58,8 +58,8 @@ from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
-"""Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
-(see benchmarks/tracking_scenes.py)."""
+"""Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is
+used; chosen (see benchmarks/tracking_scenes.py)."""
 
 MOST_TRACKED_RATIO = 1.5
 """Images that tracks of parts of the recording have with the rig as given, as a ratio to those with the adjusted one,
@@ -311,12 +311,21 @@ def _working(
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted, images.timing, other=images)
     moved, left = with_noise(moved, method)
-    if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
+    before, after = (_seen_variance(one, images) for one in (noise, left))
+    if not after <= ADJUSTED_VARIANCE_RATIO * before:
         return given, None
     working = Working(adjusted, moved.without(left.inconsistent), left)
     by_given, seen = (in_windows(one.images, detections.rate, method) for one in (given, working))
     fewer = count_images(by_given) > MOST_TRACKED_RATIO * count_images(seen)
     return (given, by_given) if fewer else (working, seen)  # (2)
+
+
+def _seen_variance(noise: Noise, images: Images) -> float:
+    """px², of the median image as its residuals have it; NaN where nothing is known. What files state is in the
+    variance of images with any rig, and would hide what a better one gains."""
+    variance = noise.seen[images.camera]
+    known = variance[np.isfinite(variance)]
+    return float(np.median(known)) if len(known) else np.nan
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -60,7 +60,8 @@ class Noise(NamedTuple):
         white: (C) px², the white noise that an image has at least, 0 where what is stated holds.
         lasting: (C) px², what the calibration leaves in the same places of the image, beyond what it states.
         found: (C) share of expected places with an image; NaN where not known.
-        seen: (C) px², σ² as the residuals have it, whatever is stated, but no less than LEAST_SD²; NaN where not known.
+        seen: (C) px², σ² as the residuals have it, whatever is stated, of no camera less than the median of all, as
+            (3), or than LEAST_SD²; NaN where nothing is known.
     """
 
     added: Floats
@@ -101,7 +102,7 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
     field = calibration_field(stated, some)
     white = camera_noise(some, field.left, C)
-    least = np.maximum(seen.variance, LEAST_SD**2)
+    least = np.maximum(np.fmax(seen.variance, _median(seen.variance[known])), LEAST_SD**2)
     added = np.sqrt(np.where(known, added, 0.0))
     return noisy, Noise(added, _white(images, white), _lasting(images, field, white), found, least)
 

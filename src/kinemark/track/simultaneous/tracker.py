@@ -311,8 +311,7 @@ def _working(
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted, images.timing, other=images)
     moved, left = with_noise(moved, method)
-    before, after = (_seen_variance(one, images) for one in (noise, left))
-    if not after <= ADJUSTED_VARIANCE_RATIO * before:
+    if not _agree_better(noise, left, images):
         return given, None
     working = Working(adjusted, moved.without(left.inconsistent), left)
     by_given, seen = (in_windows(one.images, detections.rate, method) for one in (given, working))
@@ -320,12 +319,15 @@ def _working(
     return (given, by_given) if fewer else (working, seen)  # (2)
 
 
-def _seen_variance(noise: Noise, images: Images) -> float:
-    """px², of the median image as its residuals have it; NaN where nothing is known. What files state is in the
-    variance of images with any rig, and would hide what a better one gains."""
-    variance = noise.seen[images.camera]
-    known = variance[np.isfinite(variance)]
-    return float(np.median(known)) if len(known) else np.nan
+def _agree_better(noise: Noise, left: Noise, images: Images) -> bool:
+    """Whether residuals of the median image have less variance by `left` than by `noise` (1), of images by the latter.
+
+    The images' own variances hide it: with any rig they are no less than what is stated. But where residuals have
+    less than that with the rig as given, nothing is to be gained.
+    """
+    before, after = (np.median(one.seen[images.camera]) for one in (noise, left))
+    stated = np.median(images.variance - noise.added[images.camera] ** 2)
+    return bool(before > stated and after <= ADJUSTED_VARIANCE_RATIO * before)
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -96,9 +96,9 @@ def test_one_rival_that_fits_better_tells_where_no_three_cameras_see_the_track(a
 
 
 def test_ghosts_of_images_that_have_rivals_are_not_given():
-    """Of sixty markers on four cameras: where rivals are not asked there are 10 ghosts, and as many samples."""
-    made = make(scene(141031))
+    """Of sixty markers on three cameras: where rivals are not asked there are 48 ghosts, and 2 samples more of two."""
+    made = make(scene(130122))
     found = tally(made, track_detections(made.detections, made.rig))
-    assert found.ghosts <= 3
-    assert found.two_found >= 7033
+    assert found.ghosts <= 12
+    assert found.two_found >= 4455
     assert found.more_found == found.more

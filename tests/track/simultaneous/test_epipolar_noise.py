@@ -14,7 +14,6 @@ from kinemark.track.simultaneous.epipolar_noise import (
     Residuals,
     camera_noise,
     mixture,
-    mixture_of_cameras,
     pair_of,
     peaked,
     residuals,
@@ -129,25 +128,12 @@ def by_pairs(C, **offs):
     return Residuals(off, pair, pair, np.broadcast_to([0.0, 1.0], (2, len(off), 2)))
 
 
-def test_neighbours_that_make_a_wide_peak_do_not_hide_the_narrow_one():
-    """Of a child's foot: markers 25 mm apart lie near each other's lines, in two of the cameras more than elsewhere."""
-    rng = np.random.default_rng(2)
-    narrow = {name: 0.05 * rng.normal(size=100) for name in ("p01", "p02", "p12")}
-    chance = {name: rng.uniform(-WINDOW, WINDOW, 300) for name in narrow}
-    chance["p01"] = np.append(chance["p01"], 2.5 * rng.normal(size=350))
-    some = by_pairs(3, **{name: np.append(narrow[name], chance[name]) for name in narrow})
-    assert mixture(some.off, pair_of(some, 3), 9, some.window).variance[1] > 1.0
-    fit = mixture_of_cameras(some, 3)
-    assert np.sqrt(fit.variance[[1, 2, 5]]) == pytest.approx(0.05, rel=0.25)
-    assert np.sqrt(camera_noise(some, fit, 3).variance) == pytest.approx(0.05 / 2**0.5, rel=0.3)
-
-
 def test_a_camera_whose_file_is_off_more_in_some_places_has_the_mean_of_all():
     """Of `gait9`: the mean of logarithms is less, and images of markers were then left out."""
     rng = np.random.default_rng(3)
     sd = {"p01": 0.17, "p02": 0.26, "p03": 0.31, "p12": 0.1, "p13": 0.1, "p23": 0.1}
     some = by_pairs(4, **{name: own * rng.normal(size=300) for name, own in sd.items()})
-    fit = mixture_of_cameras(some, 4)
+    fit = mixture(some.off, pair_of(some, 4), 16, some.window)
     variance = camera_noise(some, fit, 4).variance
     assert variance[0] > 0.8 * (fit.variance[[1, 2, 3]].mean() - variance[1:].mean())  # of logarithms: 0.74
 

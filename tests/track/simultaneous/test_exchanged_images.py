@@ -64,8 +64,8 @@ def test_images_stay_where_the_other_way_fits_no_better(wrong, above):
 
 
 def test_ghosts_of_exchanged_images_become_markers():
-    """Of sixty markers on four cameras: without it 148 ghosts, and 7416 samples of two cameras."""
+    """Of sixty markers on four cameras: without it 101 ghosts, and 7552 samples of two cameras."""
     made = make(scene(130008))
     found = tally(made, track_detections(made.detections, made.rig))
-    assert found.ghosts <= 80
-    assert found.two_found >= 7485
+    assert found.ghosts <= 35
+    assert found.two_found >= 7600

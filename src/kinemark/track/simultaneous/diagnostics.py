@@ -8,6 +8,8 @@ that was touched stands out among the others, whose images lie beside theirs by 
 most of them lie as far off, it is the calibration that fits no better (10).
 The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2),
 where its images are in no tracks: a subject who leaves turns away from a camera that still sees some of the markers.
+Where such images lie beside the points by the same in all parts, the camera was shifted by so much, however little
+noise it was taken to have (11).
 A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
 still lies about may never have been in its sight (5). Nor has one that was as long without images before: few markers
 turn away from it now and then (6).
@@ -195,9 +197,13 @@ def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: floa
     usual = np.nanmax(parts.share, initial=0.0)
     lost = parts.share < 0.1 * usual
     if usual > MIN_FOUND_SHARE and lost[-1]:  # (2)
-        since = parts.first[len(lost) - int(np.argmin(lost[::-1]))]
-        if _images_fit_nothing(result, c, since):  # without images, nothing says that they fit no longer
-            return [make_finding("camera_moved", cameras=[name], frames=[(since, end)])]
+        k = len(lost) - int(np.argmin(lost[::-1]))
+        if _images_fit_nothing(result, c, since := parts.first[k]):  # without images, nothing says so
+            when = [(since, end)]
+            if (beside := _beside(parts.off[k:], most)) is None:
+                return [make_finding("camera_moved", cameras=[name], frames=when)]
+            u, v = beside
+            return [make_finding("camera_shifted", cameras=[name], frames=when, offset_u_px=u, offset_v_px=v)]
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > most)  # (1)
     if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)
@@ -211,6 +217,16 @@ def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: floa
     u, v = np.nanmedian(parts.off[wrong], axis=0)
     offset = {"offset_u_px": u, "offset_v_px": v}
     return [make_finding("camera_shifted", cameras=[name], frames=began, **offset, left_out=False)]
+
+
+def _beside(off: Floats, most: float) -> Floats | None:
+    """(2) px by which images lie beside points, off (n, 2), in all of several parts by the same more than `most` (11);
+    None where they do not."""
+    if len(off) < 2 or not np.isfinite(off).all():
+        return None
+    middle = np.median(off, axis=0)
+    spread = np.linalg.norm(off - middle, axis=1).max()
+    return middle if spread < MIN_SHIFT and np.linalg.norm(middle) > most else None
 
 
 def _stepped(off: Floats, k: int, most: float) -> bool:

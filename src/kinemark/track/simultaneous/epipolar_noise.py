@@ -25,10 +25,6 @@ over the pairs of cameras, each with n residuals, D being the deviance of a vari
 some places than in others has the mean of its v, which its images need, and not the mean of their logarithms. v/f
 counts up to MOST_FACTOR. No image is grouped, no camera needs another's noise first, and two cameras suffice.
 
-Where markers stand so close that residuals of neighbours make a wide peak of their own, that of two cameras may be
-found in place of the narrow one. Where v of two cameras is FAR times what (4) expects by all others, it is begun again
-at that, and taken where it stays that much less (7).
-
 With two cameras, many markers and a calibration that is off, no peak may be seen at 0. Where that is so in all pairs of
 cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5).
 
@@ -45,6 +41,7 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines
 from .detection_index import Images
+from .likelihood import SURE
 
 WINDOW = 10.0
 """In px, of (6): farther from the line, no image is the one that belongs to it; chosen
@@ -52,6 +49,10 @@ WINDOW = 10.0
 
 WIDER_SHARE, WIDER = 0.1, 4.0
 """ε and k of (3): one residual in ten, four times as wide; chosen (see benchmarks/tracking_scenes.py)."""
+
+NARROW = 0.25
+"""px, a standard deviation with which (3) is begun beside a quarter of WINDOW; chosen: of things that do not move the
+residuals are a comb, of which a wide peak takes the most."""
 
 ROUNDS, SETTLED = 100, 0.02
 """Of expectation and maximisation at most, a number, and the relative change of v at which no more are made; chosen."""
@@ -67,11 +68,6 @@ PEAK, CLEAR = 0.5, 2.0
 """Of (5): px, a third of the width in which residuals are counted, and how many times as many there are than anywhere
 else, chosen: pairs of images that meet by chance stay for many frames, and make lesser peaks."""
 
-FAR, BEGUN_AGAIN = 4.0, 2
-"""Of (7), a ratio of variances, and times at most; chosen: of a child's foot (`studies/child_foot.py`) two of fifteen
-pairs of cameras are far; of 1619 pairs of 85 scenes (seeds 147000 to 147092 of benchmarks/tracking_scenes.py) three,
-which stay wide."""
-
 PAIR_LOG_SD = 0.5
 """τ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
 
@@ -79,8 +75,8 @@ CAMERA_LOG_SD = 1.0
 """ρ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
 
 MOST_FACTOR = 2.0
-"""Of (4), the most that v counts as a ratio to what is expected; chosen: of a child's foot (`studies/child_foot.py`,
-seed 1, 50 Hz from 4.2 m) one wide pair of 15 makes a camera of 0.05 px one of 1.0 with 3, and of 0.05 with 2."""
+"""Of (4), the most that v counts as a ratio to what is expected; chosen: of a child's foot (`studies/child_foot.py`)
+one wide pair of 15 makes a camera of 0.05 px one of 1.0 with 3, and of 0.5 with 2."""
 
 STEPS = 20
 """Gauss–Newton steps to the least of (4), a number; chosen: it hardly moves after ten."""
@@ -146,24 +142,6 @@ def _shares(some: Residuals, C: int) -> Floats:
     return np.bincount(number, (some.line[0] ** 2).sum(-1), C * C) / np.maximum(np.bincount(number, minlength=C * C), 1)
 
 
-def mixture_of_cameras(some: Residuals, C: int) -> Mixture:
-    """(3) of the residuals of each two of C cameras, begun again (7) where these are far noisier than they are with
-    others."""
-    group = pair_of(some, C)
-    fit = mixture(some.off, group, C * C, some.window)
-    for _ in range(BEGUN_AGAIN):
-        sigma2, w = camera_noise(some, fit, C).variance, _shares(some, C)
-        expected = w * np.repeat(sigma2, C) + (2 - w) * np.tile(sigma2, C)
-        far = (w > 0) & (fit.about == 0) & (FAR * expected < fit.variance)
-        if not far.any():
-            return fit
-        begin = np.where(far, expected, fit.variance)
-        other = _mixture(some.off - fit.about[group], group, some.window, fit.about, begin)
-        far &= (other.number >= MIN_PAIRS) & (FAR * other.variance < fit.variance)
-        fit = _chosen(far, group, other, fit)
-    return fit
-
-
 def _chosen(which: Bools, group: Ints, some: Mixture, others: Mixture) -> Mixture:
     """The mixtures of `which` (n) groups, and the others; (H) the group of each residual."""
     columns = (which, which, which[group], which)
@@ -193,10 +171,10 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
 def mixture(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
     """(3) of residuals (H) px in n groups (H), each within its window (H) px; where none has a peak at 0, about those
     that they have elsewhere."""
-    usual = _mixture(off, group, window, np.zeros(n), (WINDOW / 4) ** 2)
+    usual = _likeliest(off, group, n, window)
     if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
         return usual
-    other = _mixture(off - aside[group], group, window, aside, PEAK**2)
+    other, _ = _mixture(off - aside[group], group, window, aside, PEAK**2)
     return _chosen(aside != 0, group, other, usual)
 
 
@@ -214,8 +192,15 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
     return out
 
 
-def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> Mixture:
-    """(3) of residuals (H) px less what they are about (n) px, v being `begin` (n) px² at first."""
+def _likeliest(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
+    """(3) about 0, begun with a wide v, and with a narrow one where it became wider and that is likelier."""
+    begin = (WINDOW / 4) ** 2
+    wide, narrow = (_mixture(off, group, window, np.zeros(n), v) for v in (begin, NARROW**2))
+    return _chosen((wide[0].variance > begin) & (narrow[1] > wide[1] + SURE), group, narrow[0], wide[0])
+
+
+def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> tuple[Mixture, Floats]:
+    """(3) of residuals (H) px less what they are about (n) px, v being `begin` (n) px² at first; ln L (n)."""
     n = len(about)
     total = np.maximum(np.bincount(group, minlength=n), 1)
     variance, share, count = np.zeros(n) + begin, np.full(n, 0.5), np.zeros(n)
@@ -234,7 +219,8 @@ def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Flo
         share = count / total
         if (np.abs(variance - before) <= SETTLED * before)[count > MIN_PAIRS].all():
             break
-    return Mixture(variance + about**2, count, core + wider / WIDER**2, about)
+    said = np.asarray(np.bincount(group, np.log(whole), n), np.float64)
+    return Mixture(variance + about**2, count, core + wider / WIDER**2, about), said
 
 
 def _by_camera(variance: Floats, count: Floats, share: Floats, pair: Ints) -> tuple[Floats, Floats]:

@@ -28,7 +28,7 @@ from .associate import predict_images
 from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import LEAST_SD, Images
-from .epipolar_noise import CameraNoise, camera_noise, mixture_of_cameras, residuals
+from .epipolar_noise import CameraNoise, camera_noise, mixture, pair_of, residuals
 from .kalman_states import KalmanStates
 
 MAX_DISTANCE = 10.0
@@ -60,12 +60,15 @@ class Noise(NamedTuple):
         white: (C) px², the white noise that an image has at least, 0 where what is stated holds.
         lasting: (C) px², what the calibration leaves in the same places of the image, beyond what it states.
         found: (C) share of expected places with an image; NaN where not known.
+        seen: (C) px², σ² as the residuals have it, whatever is stated, of no camera less than the median of all, as
+            (3), or than LEAST_SD²; NaN where nothing is known.
     """
 
     added: Floats
     white: Floats
     lasting: Floats
     found: Floats
+    seen: Floats
 
     @property
     def inconsistent(self) -> Ints:
@@ -83,12 +86,13 @@ def sampled_frames(images: Images) -> list[int]:
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     """The images with the noise that their cameras really have, and that noise."""
     C, frames = len(images.P), sampled_frames(images)
-    nothing = Noise(np.zeros(C), np.zeros(C), np.zeros(C), np.full(C, np.nan))
+    nothing = Noise(np.zeros(C), np.zeros(C), np.zeros(C), *np.full((2, C), np.nan))
     if not frames:
         return images, nothing
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
     some = residuals(stated, F, frames)
-    added = _missing(stated, camera_noise(some, mixture_of_cameras(some, C), C))
+    seen = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C)
+    added = _missing(stated, seen)
     known = np.isfinite(added)
     if not known.any():
         return images, nothing
@@ -98,8 +102,9 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
     field = calibration_field(stated, some)
     white = camera_noise(some, field.left, C)
+    least = np.maximum(np.fmax(seen.variance, _median(seen.variance[known])), LEAST_SD**2)
     added = np.sqrt(np.where(known, added, 0.0))
-    return noisy, Noise(added, _white(images, white), _lasting(images, field, white), found)
+    return noisy, Noise(added, _white(images, white), _lasting(images, field, white), found, least)
 
 
 def _white(images: Images, noise: CameraNoise) -> Floats:

@@ -58,8 +58,8 @@ from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, inferred_merging
 
 ADJUSTED_VARIANCE_RATIO = 0.7
-"""Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
-(see benchmarks/tracking_scenes.py)."""
+"""Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is
+used; chosen (see benchmarks/tracking_scenes.py)."""
 
 MOST_TRACKED_RATIO = 1.5
 """Images that tracks of parts of the recording have with the rig as given, as a ratio to those with the adjusted one,
@@ -311,13 +311,23 @@ def _working(
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted, images.timing, other=images)
     moved, left = with_noise(moved, method)
-    usable = given.images.usable
-    if np.median(moved.variance[usable]) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance[usable]):
+    if not _agree_better(noise, left, images):
         return given, None
     working = Working(adjusted, moved.without(left.inconsistent), left)
     by_given, seen = (in_windows(one.images, detections.rate, method) for one in (given, working))
     fewer = count_images(by_given) > MOST_TRACKED_RATIO * count_images(seen)
     return (given, by_given) if fewer else (working, seen)  # (2)
+
+
+def _agree_better(noise: Noise, left: Noise, images: Images) -> bool:
+    """Whether residuals of the median image have less variance by `left` than by `noise` (1), of images by the latter.
+
+    The images' own variances hide it: with any rig they are no less than what is stated. But where residuals have
+    less than that with the rig as given, nothing is to be gained.
+    """
+    before, after = (np.median(one.seen[images.camera]) for one in (noise, left))
+    stated = np.median(images.variance - noise.added[images.camera] ** 2)
+    return bool(before > stated and after <= ADJUSTED_VARIANCE_RATIO * before)
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:

@@ -49,8 +49,8 @@ def audit(
     from ...engine.naming.files import template_of
 
     learnt = template_of(template).template if template else None
-    every = trials_in((source, *sources), say=print_note)
-    done = audit_files(every, template=learnt, mend=mend, by=by)
+    trials = trials_in((source, *sources), say=print_note)
+    done = audit_files(trials, template=learnt, mend=mend, by=by)
     found = {str(path): one for path, one in done.items() if isinstance(one, Audit)}
     if json:
         print_result({path: _figures(one) for path, one in found.items()})

@@ -80,6 +80,15 @@ def test_the_command_takes_many_files_and_fails_at_the_end_if_one_did(tmp_path, 
     assert all("nothing is overwritten" in found["error"] for found in json.loads(capsys.readouterr().out).values())
 
 
+def test_pages_of_files_that_differ_by_their_endings_stand_beside_each_other(tmp_path):
+    a, b = folder_of(tmp_path)
+    write_trial(read_trial(a), tmp_path / "trial0.trc")
+    done = fill_files([a, tmp_path / "trial0.trc", b], tmp_path / "out", report=True, **QUICK)
+    pages = [one.written[1] for one in done.values()]
+    assert [page.name for page in pages] == ["trial0.c3d.html", "trial0.trc.html", "trial1.html"]
+    assert all(page.is_file() for page in pages)
+
+
 # Odd files
 
 

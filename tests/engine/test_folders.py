@@ -2,13 +2,14 @@
 
 import csv
 import json
+import shutil
 
 import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
-from kinemark.engine.fill_files import output_beside
+from kinemark.engine.fill_files import targets_of
 from kinemark.engine.folders import trials_in
 from kinemark.io.c3d import write_c3d
 from kinemark.io.trial import read_trial
@@ -61,9 +62,15 @@ def test_fill_takes_a_folder_and_needs_no_output(folder, capsys):
 
 @pytest.mark.parametrize("name", ["a.c3d", "walk.tdf", "walk.trc"])
 def test_of_one_file_the_result_stands_beside_it(tmp_path, name):
-    beside = output_beside(tmp_path / name, (tmp_path / name,))
+    (beside,) = targets_of((tmp_path / name,), alone=True).values()
     assert beside == tmp_path / {"a.c3d": "a_filled.c3d", "walk.tdf": "walk_filled.c3d"}.get(name, "walk_filled.trc")
-    assert output_beside(tmp_path / name, (tmp_path / name, tmp_path / "b.c3d")) == tmp_path / "filled"
+
+
+def test_each_of_two_folders_has_its_own_results(folder):
+    """Subjects' folders hold files of the same names."""
+    shutil.copytree(folder, folder / "other")
+    app(["fill", str(folder), str(folder / "other"), "--method", "quintic"], result_action="return_value")
+    assert all((one / "filled" / f"{name}.c3d").is_file() for one in (folder, folder / "other") for name in "ab")
 
 
 def test_info_and_audit_take_a_folder(folder, capsys):
@@ -72,3 +79,57 @@ def test_info_and_audit_take_a_folder(folder, capsys):
     assert [one["gaps"] for one in told.values()] and set(told) == {str(folder / "a.c3d"), str(folder / "b.c3d")}
     app(["audit", str(folder), "--json"], result_action="return_value")
     assert set(json.loads(capsys.readouterr().out)) == set(told)
+
+
+def test_a_trial_of_a_session_is_no_folder_of_files_where_its_images_lie_in_one(folder):
+    (folder / "session.toml").write_text('[[trials]]\nname = "one"\n')
+    (folder / "one").mkdir()
+    assert trials_in([folder / "one", folder / "older"]) == (folder / "one", folder / "older" / "c.c3d")
+    with pytest.raises(KinemarkError, match=r"session\.toml has settings that are not understood"):
+        app(["audit", str(folder / "one")], result_action="return_value")
+
+
+def test_results_and_hidden_files_of_a_folder_are_no_recordings(folder):
+    for name in ("a_filled.c3d", "a_filled_filled.c3d", "b_gait.c3d", "c_filled.c3d", "b_gait.trc", "._a.c3d"):
+        shutil.copy(folder / "a.c3d", folder / name)
+    said = []
+    found = trials_in([folder, folder / "older", folder], say=said.append)
+    assert [one.name for one in found] == ["a.c3d", "b.c3d", "b_gait.trc", "c_filled.c3d", "c.c3d"]
+    results = ", ".join(str(folder / name) for name in ("a_filled.c3d", "a_filled_filled.c3d", "b_gait.c3d"))
+    assert said == [f"left out, as results of files beside them: {results}"]
+    assert trials_in([folder / "a_filled.c3d"], say=said.append) == (folder / "a_filled.c3d",) and len(said) == 1
+
+
+@pytest.mark.parametrize("command", ["info", "audit", "fill --method=quintic"])
+def test_an_empty_folder_keeps_nobody_from_the_others(folder, command, capsys):
+    empty = folder / "empty"
+    empty.mkdir()
+    with pytest.raises(SystemExit) as end:
+        app([*command.split(), str(empty), str(folder / "a.c3d"), "--json"], result_action="return_value")
+    out, err = capsys.readouterr()
+    assert end.value.code == 1 and str(folder / "a.c3d") in json.loads(out)
+    assert f"{empty} has no file that ends with .c3d" in out + err
+
+
+def test_a_table_takes_the_place_of_an_earlier_table_and_of_nothing_else(folder):
+    def run(table, *words, source="a.c3d"):
+        app(["fill", str(folder / source), "--method", "quintic", "--table", str(folder / table), *words],
+            result_action="return_value")  # fmt: skip
+
+    recording, ours, theirs = folder / "a.c3d", folder / "gaps.csv", folder / "study.csv"
+    before = recording.read_bytes()
+    theirs.write_text("subject,height\n")
+    for table, words, said in (
+        ("a.c3d", (), "ends with .csv"), ("b.txt", (), "ends with .csv"), ("study.csv", (), "is no table of gaps"),
+        ("out.csv", ("-o", str(folder / "out.csv")), "also a trial"),
+        ("still.csv", ("--static", str(folder / "still.csv")), "also a trial"),
+    ):  # fmt: skip
+        with pytest.raises(KinemarkError, match=said):
+            run(table, *words)
+    with pytest.raises(KinemarkError, match="also a trial"):
+        run("walk.csv", source="walk.csv")
+    assert recording.read_bytes() == before and theirs.read_text() == "subject,height\n"
+    assert not [*folder.glob("*_filled*"), *folder.glob("out*")]
+    run("gaps.csv")
+    run("gaps.csv", source="b.c3d")
+    assert "b.c3d" in ours.read_text() and "a.c3d" not in ours.read_text()

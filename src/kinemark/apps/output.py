@@ -84,6 +84,11 @@ def _unwritten(why: str) -> KinemarkError:
     )
 
 
+def print_note(said: str) -> None:
+    """What a person should know, beside the results."""
+    errors().print(f"kinemark: {said}", markup=False, highlight=False, soft_wrap=True)
+
+
 def print_errors(failed: Mapping[str, KinemarkError]) -> None:
     """Why some of many could not be used, by their names."""
     for name, error in failed.items():

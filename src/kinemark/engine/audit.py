@@ -16,6 +16,7 @@ from ..data import KinemarkError
 from ..data.problems import Alternative, Problem, Problems
 from ..label import Template
 from .editing.files import open_editing
+from .folders import check_folder
 from .naming.put_aside import computed_names
 from .problems import problems
 
@@ -72,6 +73,7 @@ def audit_files(
     done: dict[Path, Audit | KinemarkError] = {}
     for source in sources:
         try:
+            check_folder(source)
             done[source] = audit_file(source, template=template, mend=mend, by=by)
         except KinemarkError as error:
             if len(sources) == 1:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,12 +16,14 @@ from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, f
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.formats import endings
+from ..io.gaps_csv import is_gaps_csv
 from ..io.notes import FileNote, file_note_text, read_notes
 from ..io.number_text import read_text
 from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
 from ..report.filling_text import filling_summary
 from ..report.words import with_words
+from .folders import FILLED, check_folder
 from .identities import identity_of_file
 from .progress import Progress, Watch, silent
 from .settings.method_tables import method_of
@@ -100,7 +103,7 @@ def fill_file(
 
 def fill_files(
     sources: Sequence[Path],
-    output: Path,
+    output: Path | Mapping[Path, Path],
     *,
     report: bool = False,
     progress: Progress = silent,
@@ -112,7 +115,7 @@ def fill_files(
 
     Args:
         sources: files as `fill_file` takes them; BTS files become C3D in a folder.
-        output: a file, or a folder, which is made where it is not there.
+        output: a file, or a folder, which is made where it is not there; or a file for each, as `targets_of` gives.
         report: write a page beside each.
         progress: called with the steps of each file.
         options: the others of `fill_file`.
@@ -120,16 +123,15 @@ def fill_files(
     Raises:
         KinemarkError: there are many files for one, or the only one cannot be filled.
     """
-    many, into = len(sources) > 1, output.is_dir() or not output.suffix
-    if many and not into:
-        raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
+    many, targets = len(sources) > 1, output if isinstance(output, Mapping) else targets_of(sources, output)
+    pages = _pages(targets)
     done: dict[Path, FilledFile | KinemarkError] = {}
     for number, source in enumerate(sources, 1):
-        target = output / own_name(source) if into else output
         try:
             with listening(Watch(progress).of(f"{source.name} ({number} of {len(sources)})" if many else source.name)):
-                page = target.with_suffix(".html") if report else None
-                done[source] = fill_file(source, target, report=page, **options)
+                check_folder(source)
+                page = pages[source] if report else None
+                done[source] = fill_file(source, targets[source], report=page, **options)
         except KinemarkError as error:
             if not many:
                 raise
@@ -137,15 +139,55 @@ def fill_files(
     return done
 
 
-def output_beside(source: Path, sources: Sequence[Path]) -> Path:
-    """Where what was filled goes if nobody says it: beside the only file, else into a folder "filled" there.
+def targets_of(sources: Sequence[Path], output: Path | None = None, *, alone: bool = False) -> dict[Path, Path]:
+    """The file that the result of each trial goes into.
 
     Args:
-        source: the first path that was given, a file or a folder. sources: the trials that it stands for, and others.
+        sources: the trials.
+        output: a file, or a folder; where None, a folder "filled" beside each trial. alone: there is one trial, which
+            was named itself; where there is no output, its result stands beside it.
+
+    Raises:
+        KinemarkError: there are many trials for one file.
     """
-    if source.is_dir() or len(sources) > 1:
-        return (source if source.is_dir() else source.parent) / "filled"
-    return source.with_name(f"{source.stem}_filled{Path(own_name(source)).suffix}")
+    if output is None:
+        if alone:
+            return {one: one.with_name(f"{one.stem}{FILLED}{Path(own_name(one)).suffix}") for one in sources}
+        return {one: one.parent / "filled" / own_name(one) for one in sources}
+    if output.is_dir() or not output.suffix:
+        return {one: output / own_name(one) for one in sources}
+    if len(sources) > 1:
+        raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
+    return dict.fromkeys(sources, output)
+
+
+def _pages(targets: Mapping[Path, Path]) -> dict[Path, Path]:
+    """The page of each source: it has the name of the result, and its ending too where two would have one page."""
+    short = Counter(target.with_suffix(".html") for target in targets.values())
+    return {
+        source: page if short[page := target.with_suffix(".html")] == 1 else target.with_name(f"{target.name}.html")
+        for source, target in targets.items()
+    }
+
+
+def check_table(table: Path, others: Iterable[Path | None]) -> None:
+    """Whether a table of gaps may be written there: an earlier one may be replaced, and nothing else.
+
+    Args:
+        table: the file. others: that are read or written in the same run.
+
+    Raises:
+        KinemarkError: it may not.
+    """
+    if table.suffix.lower() != ".csv":
+        raise KinemarkError(f"{table} is to be a table, which is CSV. Name a file that ends with .csv.")
+    if table.resolve() in {other.resolve() for other in others if other is not None}:
+        raise KinemarkError(f"{table} is also a trial of this run. Name another file for the table.")
+    try:
+        if table.exists() and not is_gaps_csv(table):
+            raise KinemarkError(f"{table} exists and is no table of gaps. Name another file or remove it.")
+    except OSError as error:
+        raise KinemarkError(f"{table} cannot be read: {error}. Name another file for the table.") from error
 
 
 def gaps_of(done: Mapping[Path, FilledFile | KinemarkError]) -> dict[str, Sequence[Mapping[str, Any]]]:

@@ -15,6 +15,9 @@ from typing import Any
 from .csv_table import cell, write_table
 
 NUMBERS = ("expected_mm", "sd_max_mm")
+HEADING = (
+    "file", "marker", "first_frame", "last_frame", "length_s", "state", "reason", "method", *NUMBERS, "hold_out_gaps",
+)  # fmt: skip
 
 
 def write_gaps_csv(path: Path | str, each: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
@@ -26,12 +29,21 @@ def write_gaps_csv(path: Path | str, each: Mapping[str, Sequence[Mapping[str, An
     Raises:
         KinemarkError: the file cannot be written.
     """
-    about = ("file", "marker", "first_frame", "last_frame", "length_s", "state", "reason", "method")
-    heading = [*about, *NUMBERS, "hold_out_gaps"]
     rows = (
         [file, gap["marker"], str(gap["first_frame"]), str(gap["last_frame"]), cell(gap["length_s"]),
          gap["state"], gap["reason"], gap["method"],
          *("" if gap[name] is None else cell(gap[name]) for name in NUMBERS), str(gap["tests"])]
         for file, gaps in each.items() for gap in gaps
     )  # fmt: skip
-    write_table(path, heading, rows)
+    write_table(path, HEADING, rows)
+
+
+def is_gaps_csv(path: Path) -> bool:
+    """Whether a file begins as such a table does.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    heading = ",".join(HEADING).encode()
+    with path.open("rb") as file:
+        return file.read(len(heading) + 1).rstrip(b"\r\n") == heading

@@ -12,7 +12,17 @@ from ...engine.angles.settings import AngleSettings
 from ...engine.gait.settings import GaitSettings
 from ...engine.naming.clusters_said import clusters_of
 from ...io.notes import file_note_text
-from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
+from ..output import (
+    FailOn,
+    Json,
+    LengthUnit,
+    Partial,
+    Rate,
+    SelfContained,
+    exit_by_verdict,
+    print_note,
+    print_result,
+)
 from ..progress import progress
 
 
@@ -174,8 +184,9 @@ def gait(
     from ...engine.gait.files import gait_of_files
     from ...report.gait_text import gait_summary
 
+    every = trials_in(walks, besides=(static, functional, mvc), say=print_note)
     result = gait_of_files(
-        trials_in(walks, besides=(static, functional, mvc)), static=static, functional=functional, measures=measures,
+        every, static=static, functional=functional, measures=measures,
         markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
         exports=exports, settings=settings,
         self_contained=self_contained,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ..output import BAD_VERDICT, Json, print_errors, print_result
+from ..output import BAD_VERDICT, Json, print_errors, print_note, print_result
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
     from ...engine.audit import Audit
@@ -49,7 +49,8 @@ def audit(
     from ...engine.naming.files import template_of
 
     learnt = template_of(template).template if template else None
-    done = audit_files(trials_in((source, *sources)), template=learnt, mend=mend, by=by)
+    trials = trials_in((source, *sources), say=print_note)
+    done = audit_files(trials, template=learnt, mend=mend, by=by)
     found = {str(path): one for path, one in done.items() if isinstance(one, Audit)}
     if json:
         print_result({path: _figures(one) for path, one in found.items()})

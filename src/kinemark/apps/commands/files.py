@@ -10,12 +10,12 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.describe import describe, described
-from ...engine.folders import trials_in
+from ...engine.folders import check_folder, trials_in
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import ReadOptions
 from ...io.notes import file_note_figures, file_note_text
-from ..output import Json, LengthUnit, Partial, Rate, print_result
+from ..output import Json, LengthUnit, Partial, Rate, print_note, print_result
 
 
 def info(
@@ -40,8 +40,9 @@ def info(
         print_result(here.figures() if json else here.text())
         return
     found: dict[str, dict[str, object]] = {}
-    for one in trials_in(files):
+    for one in trials_in(files, say=print_note):
         try:
+            check_folder(one)
             found[str(one)] = describe(one, ReadOptions(rate_hz, length_unit, partial))
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others
             found[str(one)] = {"error": str(error)}

@@ -10,7 +10,17 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...fill import LIMIT
-from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
+from ..output import (
+    FailOn,
+    Json,
+    LengthUnit,
+    Partial,
+    Rate,
+    SelfContained,
+    exit_by_verdict,
+    print_note,
+    print_result,
+)
 from ..progress import progress
 
 
@@ -41,7 +51,7 @@ def fill(
             files.
         sources: and others, which go into a folder under their names.
         output: the file to write, C3D, TRC, CSV, HDF5 or TDC, or a folder; an existing file is not replaced. Where none
-            is given: NAME_filled beside the file; of several, and of a folder, a folder "filled" there.
+            is given: NAME_filled beside the file; of several, and of a folder, a folder "filled" beside each.
         method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
         set: PARAMETER=VALUE of the method; may be repeated.
         model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
@@ -51,27 +61,31 @@ def fill(
             measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
-        table: CSV file with a row a gap of all files, for statistics; an existing one is replaced.
+        table: CSV file with a row a gap of all files, for statistics; an earlier table is replaced, and no other file.
         self_contained: as of other commands; this page always is, since its drawings need no library.
         fail_on: a verdict as bad as this ends the command with status 3; red where no gap could be filled.
         json: print what became of every gap for a machine.
     """
     from ...engine.fill_files import (
+        check_table,
         fill_files,
         fill_method,
         filled_figures,
         filled_text,
         gaps_of,
-        output_beside,
+        targets_of,
     )
     from ...engine.folders import trials_in
     from ...io.gaps_csv import write_gaps_csv
 
     chosen = fill_method(method, set or (), model=model)
-    every = trials_in((source, *sources), besides=(static,))
+    every = trials_in((source, *sources), besides=(static,), say=print_note)
+    targets = targets_of(every, output, alone=every == (source,))
+    if table is not None:
+        check_table(table, (*every, *targets.values(), static))
     with progress() as tell:
         done = fill_files(
-            every, output or output_beside(source, every), report=report,
+            every, targets, report=report,
             progress=tell, method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
             length_unit=length_unit, partial=partial,

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...io.marker_sets import read_marker_set
 from ...io.track_names import read_track_names
-from ..output import BAD_VERDICT, Json, print_errors, print_result
+from ..output import BAD_VERDICT, Json, print_errors, print_note, print_result
 from ..progress import at_work
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
@@ -79,7 +79,7 @@ def label(
     from ...engine.naming.clusters_said import clusters_of
     from ...engine.naming.subject_templates import Known
 
-    every = trials_in((source, *sources), besides=template or ())
+    every = trials_in((source, *sources), besides=template or (), say=print_note)
     if by_location is not None:
         _label_by_location(every, by_location, output, up=up, unsure=unsure, json=json)
         return

@@ -11,7 +11,7 @@ from ...data import KinemarkError
 from ...engine.angles.settings import AngleSettings
 from ...engine.gait.settings import GaitSettings
 from ...engine.naming.clusters_said import clusters_of
-from ...io.notes import file_note_text
+from ...io.notes import file_note_figures, file_note_text
 from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
 
@@ -154,7 +154,7 @@ def gait(
 
     Args:
         walks: trials of one subject: C3D or another file of trajectories; or a folder, for all its C3D, TRC, TDF and
-            TDC files but those of --static, --functional and --mvc.
+            TDC files but those of --static, --functional and --mvc; of a recording in two formats one, C3D first.
         static: a standing trial, for the feet.
         functional: a motion that turns the hips in all directions, which shows their centres.
         measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
@@ -172,18 +172,22 @@ def gait(
     """
     from ...engine.folders import trials_in
     from ...engine.gait.files import gait_of_files
+    from ...engine.gait.trial_files import one_of_each
     from ...report.gait_text import gait_summary
 
+    others = (static, functional, mvc)
+    trials, left_out = one_of_each(trials_in(walks, besides=others), (*walks, *others))
     result = gait_of_files(
-        trials_in(walks, besides=(static, functional, mvc)), static=static, functional=functional, measures=measures,
+        trials, static=static, functional=functional, measures=measures,
         markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
         exports=exports, settings=settings,
         self_contained=self_contained,
     )  # fmt: skip
+    read = (*left_out, *result.notes)
     if json:
-        print_result(result.figures)
+        print_result(result.figures | {"notes": file_note_figures(read)})
     else:
-        notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
+        notes = "".join(f"\nnote:     {file_note_text(note)}" for note in read)
         print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
     exit_by_verdict([result.figures["verdict"]["grade"]], fail_on)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ..data import Finding, make_finding
+from ..data.finding import Severity
 from ..data.strides import Stride
 from ..data.subject_measures import SIDES
 
@@ -18,7 +19,7 @@ def of_strides(each: Mapping[str, Sequence[Stride]], files: Mapping[str, str]) -
     Args:
         each: strides by the name of their trial. files: of the trials, by their names.
     """
-    severity = "amber" if any(each.values()) else "red"
+    severity: Severity = "amber" if any(each.values()) else "red"
     for trial, own in each.items():
         if not own:
             yield make_finding("gait_without_strides", severity=severity, trial=trial, file=files.get(trial, trial))

@@ -331,11 +331,12 @@ def test_names_of_trials_are_as_short_as_they_may_be(tmp_path):
 
 def test_a_recording_in_two_formats_counts_once_where_a_folder_was_named(tmp_path):
     there = [tmp_path / name for name in ("v.trc", "w.c3d", "w.tdf", "w.trc", "x.c3d", "x.trc")]
-    kept, notes = one_of_each(there, [tmp_path, tmp_path / "x.trc"])
+    kept, left_out = one_of_each(there, [tmp_path, tmp_path / "x.trc"])
     assert [path.name for path in kept] == ["v.trc", "w.c3d", "x.trc"]
-    assert [Path(name).name for name in notes[0].names] == ["w.tdf", "w.trc", "x.c3d"]
-    assert "another format" in file_note_text(notes[0])
+    assert [path.name for path in left_out] == ["w.tdf", "w.trc", "x.c3d"]
     assert one_of_each(there, there) == (tuple(there), ())  # who names both wants both
+    with pytest.raises(KinemarkError, match=r"would overwrite .*w\.trc"):
+        gait_of_files(kept[1:2], left_out=left_out, folder=tmp_path, exports="trc")
 
 
 def test_a_trial_without_strides_leaves_the_result_of_the_others(tmp_path):
@@ -344,7 +345,9 @@ def test_a_trial_without_strides_leaves_the_result_of_the_others(tmp_path):
     for name in ("walk", "static"):
         write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
     walks = [tmp_path / "static.c3d", tmp_path / "walk.c3d"]
-    found = gait_of_files(walks, folder=tmp_path / "out", settings=QUICK)
+    twice = tmp_path / "walk.trc"
+    found = gait_of_files(walks, left_out=[twice], folder=tmp_path / "out", settings=QUICK)
+    assert [file_note_text(note) for note in found.notes if str(twice) in note.names]
     told = next(f for f in found.figures["findings"] if f["kind"] == "gait_without_strides")
     assert told["severity"] == "amber" and f'--static "{walks[0]}"' in told["advice"]
     assert found.figures["verdict"]["grade"] == "amber"

@@ -178,16 +178,15 @@ def gait(
     others = (static, functional, mvc)
     trials, left_out = one_of_each(trials_in(walks, besides=others), (*walks, *others))
     result = gait_of_files(
-        trials, static=static, functional=functional, measures=measures,
+        trials, left_out=left_out, static=static, functional=functional, measures=measures,
         markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
         exports=exports, settings=settings,
         self_contained=self_contained,
     )  # fmt: skip
-    read = (*left_out, *result.notes)
     if json:
-        print_result(result.figures | {"notes": file_note_figures(read)})
+        print_result(result.figures | {"notes": file_note_figures(result.notes)})
     else:
-        notes = "".join(f"\nnote:     {file_note_text(note)}" for note in read)
+        notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
         print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
     exit_by_verdict([result.figures["verdict"]["grade"]], fail_on)
 

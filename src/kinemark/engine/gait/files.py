@@ -59,6 +59,7 @@ class GaitResult(NamedTuple):
 def gait_of_files(
     walks: Sequence[Path],
     *,
+    left_out: Sequence[Path] = (),
     static: Path | None = None,
     functional: Path | None = None,
     measures: Path | SubjectMeasures | None = None,
@@ -75,6 +76,7 @@ def gait_of_files(
 
     Args:
         walks: trials of one subject with named markers; a file that is given twice counts once.
+        left_out: files of the same recordings in another format, which are told and kept.
         static: a standing trial, for the feet.
         functional: a motion that turns the hips in all directions, which shows their centres.
         measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
@@ -99,7 +101,7 @@ def gait_of_files(
     stated_in = measures if isinstance(measures, Path) else None
     check_targets(
         _targets(into, [names[path.resolve()] for path in walks], kinds),
-        [*walks, static, functional, stated_in, reference, mvc],
+        [*walks, *left_out, static, functional, stated_in, reference, mvc],
     )
     band = None if reference is None else read_reference(reference)
     if clusters and static is None:
@@ -126,6 +128,8 @@ def gait_of_files(
         into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(whole, found.trials, strict=True)],
         found.curves, counts=settings.made.mechanics.counts, mass_kg=known.measures.mass_kg,
     )  # fmt: skip
+    if left_out:
+        notes = (FileNote("left_out", "files", tuple(str(path) for path in left_out)), *notes)
     return GaitResult(found.trials, found.curves, figures, into, notes)
 
 

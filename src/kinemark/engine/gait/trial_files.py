@@ -7,12 +7,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ...data import KinemarkError
-from ...io.notes import FileNote
 from ..folders import RECORDINGS
 
 
-def one_of_each(found: Sequence[Path], named: Iterable[Path | None]) -> tuple[tuple[Path, ...], tuple[FileNote, ...]]:
-    """The files without those that a folder holds in a second format, and a note that says which these are.
+def one_of_each(found: Sequence[Path], named: Iterable[Path | None]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
+    """The files without those that a folder holds in a second format, and these.
 
     Files of one name in one folder are one recording: a file that was named counts, else C3D before TRC and TDF.
 
@@ -23,9 +22,8 @@ def one_of_each(found: Sequence[Path], named: Iterable[Path | None]) -> tuple[tu
     settled = {_recording(path) for path in own}
     best = {_recording(path): path.resolve() for path in sorted(found, key=_rank, reverse=True)}
     taken = own | {path for recording, path in best.items() if recording not in settled}
-    left_out = tuple(str(path) for path in found if path.resolve() not in taken)
-    notes = (FileNote("left_out", "files", left_out),) if left_out else ()
-    return tuple(path for path in found if path.resolve() in taken), notes
+    left_out = tuple(path for path in found if path.resolve() not in taken)
+    return tuple(path for path in found if path.resolve() in taken), left_out
 
 
 def _recording(path: Path) -> tuple[Path, str]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from .finding import FindingKind as Kind
 
 GAIT_KINDS = (
-    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, so that there is no stride.",
-         {"trial": "text"}),
+    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, so that there is no stride; amber "
+         "where other trials have some.", {"trial": "text", "file": "text"}),
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
     Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",

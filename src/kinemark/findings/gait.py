@@ -33,12 +33,11 @@ from .gait_numbers import (
     uncertainty_by_cause,
     ways_walked,
 )
+from .gait_strides import of_strides
 from .gait_subjects import of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
-FEW_STRIDES = 3
-"""Of a side, below which their spread says little; chosen."""
 FAR_MS = 50.0
 """Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
 OTHER_MS = 200.0
@@ -137,6 +136,7 @@ def gait_figures(
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
     stated: Mapping[str, str] | None = None,
+    files: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -147,7 +147,7 @@ def gait_figures(
             them; "knees" and "ankles", where markers do not show their widths either.
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
-        stated: the subject that each file states, by its name.
+        stated: the subject that each file states, by its name. files: of the trials, by their names.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
@@ -156,7 +156,8 @@ def gait_figures(
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *([] if axes is None else _of_axes(axes)),
         *([] if clusters is None else _of_clusters(clusters)),
-        *_findings(trials, strides, measures, static),
+        *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
+        *_findings(trials, measures, static),
         *_of_gaps(curves),
     ]
     uncertainty = uncertainty_by_cause(causes)
@@ -250,15 +251,9 @@ def _of_clusters(clusters: ClustersShown) -> Iterator[Finding]:
             yield make_finding("gait_cluster_loose", trial=clusters.trial, segment=name, misfit_mm=mm)
 
 
-def _findings(
-    trials: Sequence[GaitOfTrial], strides: Sequence[Stride], measures: SubjectMeasures, static: str | None
-) -> Iterator[Finding]:
+def _findings(trials: Sequence[GaitOfTrial], measures: SubjectMeasures, static: str | None) -> Iterator[Finding]:
     for trial in trials:
         yield from _of_trial(trial)
-    for side in SIDES:
-        n = sum(stride.side == side for stride in strides)
-        if 0 < n < FEW_STRIDES:
-            yield make_finding("gait_few_strides", side=side, strides=n)
     if static is None and measures.left.plantar_offset_deg is None:
         yield make_finding("foot_offsets_unknown")
     if why := _no_moments(trials, measures):
@@ -284,8 +279,6 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
-    if not trial.strides:
-        yield make_finding("gait_without_strides", trial=trial.name)
     if trial.leaps.markers:
         markers, leaps, most = trial.leaps
         yield make_finding("gait_markers_leap", trial=trial.name, markers=markers, leaps=leaps, most_mm=most)

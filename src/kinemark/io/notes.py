@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-Kind = Literal["resampled", "cut", "not_written", "not_turned", "turned", "incomplete", "shortened", "read"]
+Kind = Literal["resampled", "cut", "not_written", "not_turned", "turned", "incomplete", "shortened", "read", "left_out"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +18,7 @@ class FileNote:
             "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
             no place for it; "incomplete", where a sample that is known in part is missing in the file; "shortened",
             names cut to what the format has room for;
-            "read", what was odd in the source.
+            "read", what was odd in the source; "left_out", files that were not read.
         what: "analog", "signals", "force plates", "events", "covariance", …; in words where something was read.
         names: the channels, signals or markers, in order; empty where it is all of them.
         values: numbers that go with it: `rate_hz` and `stored_rate_hz` of what was resampled, `seconds` that were cut.
@@ -47,6 +47,7 @@ TEMPLATES = {
     "incomplete": "{who}: samples of which only some components are known are missing in the file.",
     "shortened": "{who}: cut to 127 bytes in the file, as its format has no room for more. HDF5 (.h5) keeps all.",
     "read": "in the source: {who}.",
+    "left_out": "{who}: left out, as another format of the same recording is there.",
 }
 """By `FileNote.kind`."""
 

@@ -95,15 +95,17 @@ def panels_figure(
         notes += directions(panel.up, panel.down, i)
     blank = [i for i, panel in enumerate(panels) if panel is BLANK]
     if blank:
-        notes += _key(corner(blank[-1] - 1, len(panels)), with_reference=reference is not None)
+        with_sd = any(np.isfinite(one.measurement_sd).any() for panel in known for one in _of(curves, panel))
+        notes += _key(corner(blank[-1] - 1, len(panels)), with_sd=with_sd, with_reference=reference is not None)
     hidden = dict.fromkeys(blank, ({"visible": False}, {"visible": False}))
     return stride_figure(titles, traces, shapes, notes, heads=heads, axes=hidden)
 
 
-def _key(place: tuple[float, float], *, with_reference: bool) -> list[Part]:
+def _key(place: tuple[float, float], *, with_sd: bool, with_reference: bool) -> list[Part]:
     """Which line is which, below this corner of an empty panel."""
     lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items()]
-    lines += [("┅┅ measured to ±", INK), ("┊ foot off", INK)]
+    lines += [("┅┅ measured to ±", INK)] if with_sd else []
+    lines += [("┊ foot off", INK)]
     lines += [("▒▒ reference", REFERENCE_COLOUR)] if with_reference else []
     return [
         {

@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +14,11 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.reference import reference_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import one_of_each, trial_names
 from kinemark.io.c3d import write_c3d
+from kinemark.io.notes import file_note_text
 from kinemark.io.trial import read_trial
+from kinemark.report.figures_gait import KINEMATICS, panels_figure
 from kinemark.synth import WalkingBody, gait_laboratory, walking
 from support.plug_in_gait import ADULT
 from support.shared import shared_data
@@ -205,7 +209,9 @@ def test_devices_on_the_knees_show_their_axes(tmp_path):
 
 
 def test_several_walks_count_together(walk):
-    two = gait_of_files([walk / "walk.c3d"] * 2, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
+    (walk / "second.c3d").write_bytes((walk / "walk.c3d").read_bytes())
+    both = [walk / "walk.c3d", walk / "second.c3d", walk / "walk.c3d"]  # a file that is given twice counts once
+    two = gait_of_files(both, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
     one = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", folder=walk / "one", settings=QUICK)
     assert len(two.curves[0].values) == 2 * len(one.curves[0].values)
 
@@ -280,6 +286,72 @@ def test_nothing_that_was_given_is_changed(walk):
     before = (walk / "walk.c3d").read_bytes()
     gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
     assert (walk / "walk.c3d").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("given", "exports"), [(["walk.trc"], "trc"), (["walk.c3d", "walk_gait.c3d"], ""), (["a/gait.gcd"], "gcd")]
+)
+def test_no_result_overwrites_a_file_that_was_given(tmp_path, given, exports):
+    for name in given:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(b"a recording")
+    into = (tmp_path / given[-1]).parent
+    with pytest.raises(KinemarkError, match=r"would overwrite .*Give them a folder without recordings: -o"):
+        gait_of_files([tmp_path / name for name in given], folder=into / ".." / into.name, exports=exports)
+    assert all((tmp_path / name).read_bytes() == b"a recording" for name in given)
+    assert sorted(p.name for p in into.iterdir()) == sorted(Path(name).name for name in given)
+
+
+def test_trials_of_one_name_keep_their_rows_files_and_subjects(walk):
+    """Of two sessions, whose folders tell them apart, and of a standing trial that is called as a walk."""
+    trial = read_trial(walk / "walk.c3d")
+    for folder, subject in (("a", "Anna"), ("b", "Anna"), ("s", "Ben")):
+        (walk / folder).mkdir()
+        write_c3d(walk / folder / "w.c3d", replace(trial, about={**trial.about, "subject": subject}))
+    found = gait_of_files(
+        [walk / "a" / "w.c3d", walk / "b" / "w.c3d"], static=walk / "s" / "w.c3d", measures=walk / "anna.toml",
+        folder=walk / "out", settings=QUICK,
+    )  # fmt: skip
+    for name in ("key_values", "time_distance"):
+        with (walk / "out" / f"{name}.csv").open() as file:
+            assert {row["trial"] for row in csv.DictReader(file)} == {"a_w", "b_w"}
+    assert {p.name for p in (walk / "out").glob("*.c3d")} == {"a_w_gait.c3d", "b_w_gait.c3d"}
+    assert "a_w, b_w" in (walk / "out" / "gait.html").read_text()
+    said = next(f["text"] for f in found.figures["findings"] if f["kind"] == "gait_subjects_differ")
+    assert "Anna (a_w, b_w), Ben (s_w)" in said
+
+
+def test_names_of_trials_are_as_short_as_they_may_be(tmp_path):
+    given = ["v.c3d", "a/w.c3d", "a/w.trc", "b/w.c3d", "x/a/u.c3d", "y/a/u.c3d"]
+    names = trial_names(tmp_path / name for name in given)
+    short = ["v", "w_c3d", "w_trc", "b_w"]
+    assert [names[(tmp_path / name).resolve()] for name in given[:4]] == short
+    assert len(set(names.values())) == len(given)
+
+
+def test_a_recording_in_two_formats_counts_once_where_a_folder_was_named(tmp_path):
+    there = [tmp_path / name for name in ("v.trc", "w.c3d", "w.tdf", "w.trc", "x.c3d", "x.trc")]
+    kept, left_out = one_of_each(there, [tmp_path, tmp_path / "x.trc"])
+    assert [path.name for path in kept] == ["v.trc", "w.c3d", "x.trc"]
+    assert [path.name for path in left_out] == ["w.tdf", "w.trc", "x.c3d"]
+    assert one_of_each(there, there) == (tuple(there), ())  # who names both wants both
+    with pytest.raises(KinemarkError, match=r"would overwrite .*w\.trc"):
+        gait_of_files(kept[1:2], left_out=left_out, folder=tmp_path, exports="trc")
+
+
+def test_a_trial_without_strides_leaves_the_result_of_the_others(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    lab = gait_laboratory(WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0)), duration_s=3.0, rate=50.0)
+    for name in ("walk", "static"):
+        write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
+    walks = [tmp_path / "static.c3d", tmp_path / "walk.c3d"]
+    twice = tmp_path / "walk.trc"
+    found = gait_of_files(walks, left_out=[twice], folder=tmp_path / "out", settings=QUICK)
+    assert [file_note_text(note) for note in found.notes if str(twice) in note.names]
+    told = next(f for f in found.figures["findings"] if f["kind"] == "gait_without_strides")
+    assert told["severity"] == "amber" and f'--static "{walks[0]}"' in told["advice"]
+    assert found.figures["verdict"]["grade"] == "amber"
+    assert "measured to" not in panels_figure(found.curves, KINEMATICS).to_json()
 
 
 def test_a_foot_beside_the_plates_has_no_moments(tmp_path):

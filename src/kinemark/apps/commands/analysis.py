@@ -11,7 +11,7 @@ from ...data import KinemarkError
 from ...engine.angles.settings import AngleSettings
 from ...engine.gait.settings import GaitSettings
 from ...engine.naming.clusters_said import clusters_of
-from ...io.notes import file_note_text
+from ...io.notes import file_note_figures, file_note_text
 from ..output import (
     FailOn,
     Json,
@@ -164,7 +164,7 @@ def gait(
 
     Args:
         walks: trials of one subject: C3D or another file of trajectories; or a folder, for all its C3D, TRC, TDF and
-            TDC files but those of --static, --functional and --mvc.
+            TDC files but those of --static, --functional and --mvc; of a recording in two formats one, C3D first.
         static: a standing trial, for the feet.
         functional: a motion that turns the hips in all directions, which shows their centres.
         measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
@@ -182,17 +182,20 @@ def gait(
     """
     from ...engine.folders import trials_in
     from ...engine.gait.files import gait_of_files
+    from ...engine.gait.trial_files import one_of_each
     from ...report.gait_text import gait_summary
 
-    every = trials_in(walks, besides=(static, functional, mvc), say=print_note)
+    others = (static, functional, mvc)
+    every = trials_in(walks, besides=others, say=print_note)
+    trials, left_out = one_of_each(every, (*walks, *others))
     result = gait_of_files(
-        every, static=static, functional=functional, measures=measures,
+        trials, left_out=left_out, static=static, functional=functional, measures=measures,
         markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
         exports=exports, settings=settings,
         self_contained=self_contained,
     )  # fmt: skip
     if json:
-        print_result(result.figures)
+        print_result(result.figures | {"notes": file_note_figures(result.notes)})
     else:
         notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
         print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")

@@ -24,6 +24,12 @@ from ...io.opensim_storage import write_storage
 from ...io.trc import write_trc
 
 Export = Literal["trc", "mot", "sto", "gcd"]
+ENDINGS = {
+    "trc": (".trc",), "mot": ("_angles.mot", "_reaction.mot"), "sto": ("_moments.sto",), "gcd": (),
+}  # fmt: skip
+"""What follows the name of a walk in the name of each file of an export; by definition."""
+GCD = "gait.gcd"
+"""Of all walks."""
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """OpenSim's axes as rows in a laboratory with z up; conventional."""
 
@@ -38,6 +44,16 @@ def exports_of(text: str) -> tuple[str, ...]:
     if unknown := [one for one in asked if one not in get_args(Export)]:
         raise KinemarkError(f"There is no export {unknown[0]!r}. Known are {', '.join(get_args(Export))}.")
     return asked
+
+
+def export_files(folder: Path, kinds: Sequence[str], names: Sequence[str]) -> list[Path]:
+    """All files that `write_exports` may write.
+
+    Args:
+        folder: of the results. kinds: of `Export`. names: of the walks.
+    """
+    each = [folder / f"{name}{ending}" for name in names for kind in kinds for ending in ENDINGS[kind]]
+    return [*each, *([folder / GCD] if "gcd" in kinds else [])]
 
 
 def write_exports(
@@ -55,21 +71,22 @@ def write_exports(
     """
     for stem, trial, one in walks:
         rate = trial.trajectories.rate
+        files = {ending: folder / f"{stem}{ending}" for each in ENDINGS.values() for ending in each}
         if "trc" in kinds:
             paths = tuple(replace(p, xyz=p.xyz @ Y_UP.T) for p in trial.trajectories)
-            write_trc(folder / f"{stem}.trc", replace(trial.trajectories, paths=paths))
+            write_trc(files[".trc"], replace(trial.trajectories, paths=paths))
         if "mot" in kinds:
-            write_storage(folder / f"{stem}_angles.mot", _of_kind(one, "angle"), rate=rate, in_degrees=True)
+            write_storage(files["_angles.mot"], _of_kind(one, "angle"), rate=rate, in_degrees=True)
             if reactions := _reactions(one, counts):
-                write_storage(folder / f"{stem}_reaction.mot", reactions, rate=rate)
+                write_storage(files["_reaction.mot"], reactions, rate=rate)
         if "sto" in kinds and mass_kg is not None and (moments := _of_kind(one, "moment", times=mass_kg)):
-            write_storage(folder / f"{stem}_moments.sto", moments, rate=rate)
+            write_storage(files["_moments.sto"], moments, rate=rate)
     if "gcd" in kinds:
         strides = [stride for *_, one in walks for stride in one.counted]
         means: dict[str, dict[str, float]] = {
             side: {name: mean for name, (mean, _, _) in averages(strides, side).items()} for side in SIDES
         }
-        write_gcd(folder / "gait.gcd", curves, means)
+        write_gcd(folder / GCD, curves, means)
 
 
 def _of_kind(one: GaitOfTrial, kind: str, times: float = 1.0) -> dict[str, Floats]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,8 +25,9 @@ from ...report.gait_page import write_gait_page
 from ...report.words import with_words
 from ..gait_clusters import with_stated_clusters, with_usual_clusters
 from ..identities import identity_of_file
-from .exports import exports_of, write_exports
+from .exports import export_files, exports_of, write_exports
 from .settings import GaitSettings
+from .trial_files import check_targets, trial_names
 from .walks import (
     KnownMeasures,
     Recorded,
@@ -41,6 +43,7 @@ from .walks import (
 )
 
 PAGE, FIGURES = "gait.html", "gait.json"
+CURVES, TIME_DISTANCE, KEY_VALUES = "curves.csv", "time_distance.csv", "key_values.csv"
 
 
 class GaitResult(NamedTuple):
@@ -56,6 +59,7 @@ class GaitResult(NamedTuple):
 def gait_of_files(
     walks: Sequence[Path],
     *,
+    left_out: Sequence[Path] = (),
     static: Path | None = None,
     functional: Path | None = None,
     measures: Path | SubjectMeasures | None = None,
@@ -71,7 +75,8 @@ def gait_of_files(
     """Read walks, compute gait, and write page, tables, figures, and each walk as C3D with its results.
 
     Args:
-        walks: trials of one subject with named markers.
+        walks: trials of one subject with named markers; a file that is given twice counts once.
+        left_out: files of the same recordings in another format, which are told and kept.
         static: a standing trial, for the feet.
         functional: a motion that turns the hips in all directions, which shows their centres.
         measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
@@ -84,49 +89,73 @@ def gait_of_files(
         settings: all else. self_contained: the page holds the drawing library.
 
     Raises:
-        KinemarkError: there are no walks, a file cannot be read, a marker is missing, or the folder cannot be written.
+        KinemarkError: there are no walks, a file cannot be read, a marker is missing, the folder cannot be written, or
+            a file of the results would overwrite one that was given.
     """
     settings, kinds = settings or GaitSettings(), exports_of(exports)
     if not walks:
         raise KinemarkError("There is no walk. Give one or more trials of the subject.")
+    walks = list({path.resolve(): path for path in reversed(walks)}.values())[::-1]
+    names = trial_names([*walks, *(path for path in (static, functional) if path is not None)])
+    into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
+    stated_in = measures if isinstance(measures, Path) else None
+    check_targets(
+        _targets(into, [names[path.resolve()] for path in walks], kinds),
+        [*walks, *left_out, static, functional, stated_in, reference, mvc],
+    )
     band = None if reference is None else read_reference(reference)
     if clusters and static is None:
         raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
-    still = None if static is None else _read(static, markers, settings)
+    still = None if static is None else _read(static, names, markers, settings)
     if still is not None and clusters:
         still = with_stated_clusters(still, clusters)
-    read = [_read(path, markers, settings, still) for path in walks]
+    read = [_read(path, names, markers, settings, still) for path in walks]
     if still is not None:
         still = with_usual_clusters(still, read, settings)
     whole = [completed(walk, still) for walk in read]
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     if functional is not None:
-        moved = _read(functional, markers, settings, still)
+        moved = _read(functional, names, markers, settings, still)
         known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
-    figures = _figures(whole, still, found, known, static, band, settings)
+    files = {names[path.resolve()]: str(path) for path in walks}
+    figures = _figures(whole, still, found, known, static, band, settings, files)
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
     figures["identity"] = identity_of_file(whole[0].given, walks[0])
-    into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
     notes = _written(into, whole, found, figures, band, self_contained=self_contained)
     write_exports(
         into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(whole, found.trials, strict=True)],
         found.curves, counts=settings.made.mechanics.counts, mass_kg=known.measures.mass_kg,
     )  # fmt: skip
+    if left_out:
+        notes = (FileNote("left_out", "files", tuple(str(path) for path in left_out)), *notes)
     return GaitResult(found.trials, found.curves, figures, into, notes)
 
 
 def _read(
-    path: Path, markers: Mapping[str, str] | None, settings: GaitSettings, static: Recorded | None = None
-) -> Recorded:
+    path: Path, names: Mapping[Path, str], markers: Mapping[str, str] | None, settings: GaitSettings,
+    static: Recorded | None = None,
+) -> Recorded:  # fmt: skip
     """A file; markers that it does not have are missed where they are wanted."""
-    return recorded(path.stem, read_trial(path), markers or {}, settings, like=static)
+    name = names[path.resolve()]
+    return recorded(name, replace(read_trial(path), name=name), markers or {}, settings, like=static)
+
+
+def _targets(folder: Path, names: Sequence[str], kinds: Sequence[str]) -> Iterable[Path]:
+    """All files that the results may be."""
+    whole = [folder / name for name in (PAGE, FIGURES, CURVES, TIME_DISTANCE, KEY_VALUES)]
+    return [*whole, *(_c3d(folder, name) for name in names), *export_files(folder, kinds, names)]
+
+
+def _c3d(folder: Path, name: str) -> Path:
+    """Of a walk with its results."""
+    return folder / f"{name}_gait.c3d"
 
 
 def _figures(
     walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
-    band: GaitReference | None, settings: GaitSettings,
+    band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str],
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
@@ -137,7 +166,7 @@ def _figures(
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
-            stated=stated,
+            stated=stated, files=files,
         )
     )  # fmt: skip
 
@@ -151,10 +180,10 @@ def _written(
     notes: list[FileNote] = []
     for walk, one in zip(walks, found.trials, strict=True):
         notes += read_notes(walk.given.notes)
-        notes += write_c3d(folder / f"{walk.name}_gait.c3d", with_gait(walk, one))
-    write_curves_csv(folder / "curves.csv", found.curves)
-    write_time_distance_csv(folder / "time_distance.csv", {one.name: one.strides for one in found.trials})
-    write_key_values_csv(folder / "key_values.csv", {one.name: one.keys for one in found.trials})
+        notes += write_c3d(_c3d(folder, walk.name), with_gait(walk, one))
+    write_curves_csv(folder / CURVES, found.curves)
+    write_time_distance_csv(folder / TIME_DISTANCE, {one.name: one.strides for one in found.trials})
+    write_key_values_csv(folder / KEY_VALUES, {one.name: one.keys for one in found.trials})
     with replacing(folder / FIGURES) as beside:
         beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     write_gait_page(

@@ -97,6 +97,13 @@ def _no_moments(found: Finding) -> str:
     return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
 
 
+def _for_strides(found: Finding) -> str:
+    walk = "ecord a longer walk, or check the names of heel and toe markers."
+    if found.severity == "red":
+        return f"R{walk}"
+    return fill('If it is the standing trial, name it: --static "{file}". Else r', found) + walk
+
+
 def _for_moments(found: Finding) -> str:
     return FOR_MOMENTS.get(str(found.values["why"]), "Give a trial with plates, and the mass in the measures.")
 
@@ -104,7 +111,7 @@ def _for_moments(found: Finding) -> str:
 GAIT_WORDS = {
     "gait_without_strides": Words(
         "{trial}: no foot strikes the floor twice, so that there is no stride.",
-        "Record a longer walk, or check the names of heel and toe markers.",
+        _for_strides,
     ),
     "gait_subjects_differ": Words(
         "The files state different subjects: {subjects_list}. They are averaged as one person's.",

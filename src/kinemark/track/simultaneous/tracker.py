@@ -325,8 +325,9 @@ def _agree_better(noise: Noise, left: Noise, images: Images) -> bool:
     The images' own variances hide it: with any rig they are no less than what is stated. But where residuals have
     less than that with the rig as given, nothing is to be gained.
     """
-    before, after = (np.median(one.seen[images.camera]) for one in (noise, left))
-    stated = np.median(images.variance - noise.added[images.camera] ** 2)
+    camera = images.camera[images.usable]
+    before, after = (np.median(one.seen[camera]) for one in (noise, left))
+    stated = np.median(images.variance[images.usable] - noise.added[camera] ** 2)
     return bool(before > stated and after <= ADJUSTED_VARIANCE_RATIO * before)
 
 

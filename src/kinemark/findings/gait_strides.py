@@ -1,0 +1,29 @@
+"""Whether the trials of a gait report have strides enough."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ..data import Finding, make_finding
+from ..data.finding import Severity
+from ..data.strides import Stride
+from ..data.subject_measures import SIDES
+
+FEW_STRIDES = 3
+"""Of a side, below which their spread says little; chosen."""
+
+
+def of_strides(each: Mapping[str, Sequence[Stride]], files: Mapping[str, str]) -> Iterator[Finding]:
+    """Findings of trials without a stride, which leave the others' result as it is, and of sides with few.
+
+    Args:
+        each: strides by the name of their trial. files: of the trials, by their names.
+    """
+    severity: Severity = "amber" if any(each.values()) else "red"
+    for trial, own in each.items():
+        if not own:
+            yield make_finding("gait_without_strides", severity=severity, trial=trial, file=files.get(trial, trial))
+    for side in SIDES:
+        n = sum(one.side == side and one.counts for own in each.values() for one in own)
+        if 0 < n < FEW_STRIDES:
+            yield make_finding("gait_few_strides", side=side, strides=n)

@@ -34,7 +34,7 @@ from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .candidate_points import fundamentals
 from .detection_index import Images
-from .epipolar_noise import camera_noise, mixture_of_cameras, residuals
+from .epipolar_noise import camera_noise, mixture, pair_of, residuals
 from .kalman_states import KalmanStates
 from .measurement_noise import sampled_frames
 
@@ -128,7 +128,7 @@ def stands_apart(offset: Floats | None, others: Images) -> bool:
     if offset is None:
         return False
     some, C = residuals(others, fundamentals(others.P), sampled_frames(others)), len(others.P)
-    variance = camera_noise(some, mixture_of_cameras(some, C), C).variance
+    variance = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C).variance
     sd = np.sqrt(np.median(variance[np.isfinite(variance)])) if np.isfinite(variance).any() else np.inf
     far = float(np.linalg.norm(offset))
     return bool(sd < AGREEING if np.isnan(far) else far > APART * sd)

@@ -9,8 +9,8 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.angles.settings import AngleSettings
+from ...engine.clusters_said import clusters_of
 from ...engine.gait.settings import GaitSettings
-from ...engine.naming.clusters_said import clusters_of
 from ...io.notes import file_note_figures, file_note_text
 from ..output import (
     FailOn,

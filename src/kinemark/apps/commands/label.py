@@ -75,8 +75,8 @@ def label(
             names; status 3 where there are any.
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
+    from ...engine.clusters_said import clusters_of
     from ...engine.folders import trials_in
-    from ...engine.naming.clusters_said import clusters_of
     from ...engine.naming.subject_templates import Known
 
     every = trials_in((source, *sources), besides=template or (), say=print_note)

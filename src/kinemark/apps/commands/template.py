@@ -47,7 +47,7 @@ def learn(
         heights_mm: of the other subjects, mm, one for each file.
         json: print what it holds for a machine.
     """
-    from ...engine.naming.clusters_said import clusters_of
+    from ...engine.clusters_said import clusters_of
     from ...engine.naming.subject_templates import Known, subject_template, template_figures, template_text
     from ...engine.naming.template_files import save_template
 

@@ -203,7 +203,11 @@ def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: floa
             if (beside := _beside(parts.off[k:], most)) is None:
                 return [make_finding("camera_moved", cameras=[name], frames=when)]
             u, v = beside
-            return [make_finding("camera_shifted", cameras=[name], frames=when, offset_u_px=u, offset_v_px=v)]
+            return [
+                make_finding(
+                    "camera_shifted", cameras=[name], frames=when, offset_u_px=u, offset_v_px=v, left_out=False
+                )
+            ]
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > most)  # (1)
     if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)

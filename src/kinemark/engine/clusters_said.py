@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...data import KinemarkError
-from ...gait.clusters import SEGMENTS, segment_name
+from ..data import KinemarkError
+from ..gait.clusters import SEGMENTS, segment_name
 
 
 def clusters_of(texts: Sequence[str]) -> dict[str, tuple[str, ...]]:

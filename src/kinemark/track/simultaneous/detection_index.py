@@ -156,10 +156,8 @@ def read_images(
     of_camera, frame = _places(detections) if other is None else (other.camera, other.frame)
     uv = _ideal(detections, rig)
     usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
-    own = [_of_camera(detections, c) for c in range(len(rig))]
-    size = np.array([extent(camera, uv[rows][usable[rows]]) for camera, rows in zip(rig, own, strict=True)])
-    number = np.array([usable[rows].sum() for rows in own])
-    clutter = np.maximum(number / max(detections.n_frames, 1), 1.0) / size.prod(1)
+    size = np.array([extent(camera, uv[_of_camera(detections, c)]) for c, camera in enumerate(rig)])
+    clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
     middle = common_view_centre(rig)
     calibration = np.array([_open(camera, middle) for camera in rig])
     stated, usual = _usual_noise(detections)

@@ -83,7 +83,9 @@ class Decided:
     def free(self, stretches: Stretches, tracks: Ints) -> NDArray[np.bool_]:
         """(n, L) whether a label is free wherever a track is seen."""
         lo, hi = stretches.start[tracks].min(), stretches.stop[tracks].max()
-        both = stretches.seen[tracks, lo:hi].astype(np.float32) @ self.taken[:, lo:hi].T.astype(np.float32)
+        seen, taken = (some.astype(np.float32) for some in (stretches.seen[tracks, lo:hi], self.taken[:, lo:hi].T))
+        with np.errstate(invalid="ignore"):  # all are 0 or 1; BLAS may flag what it reads beyond them, and throws away
+            both = seen @ taken
         return both == 0
 
     def assign(self, stretches: Stretches, tracks: Ints, score: Floats, least: float = 0.0) -> None:

@@ -1,5 +1,6 @@
 """The server as a process: killed in the midst of acts nothing that was answered is lost; and it says what it lacks."""
 
+import asyncio
 import http.client
 import json
 import os
@@ -115,6 +116,25 @@ def test_whoever_lets_others_in_is_told_what_that_means(tmp_path, monkeypatch):
     for host in ("0.0.0.0", "127.0.0.1"):
         server.serve((file_in(tmp_path),), host=host, browser=False, say=said.append)
     assert ["patients' data" in one for one in said] == [True, False, False]
+
+
+def test_small_answers_go_at_once():
+    """A browser waited 40 ms for the second part of an answer that has two."""
+    found = []
+
+    async def answered(reader, writer):
+        connection = writer.get_extra_info("socket")
+        found.append(connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+        writer.close()
+
+    async def asked():
+        async with await asyncio.start_server(answered, sock=server._listen("127.0.0.1", 0)) as there:
+            reader, writer = await asyncio.open_connection(*there.sockets[0].getsockname())
+            await reader.read()
+            writer.close()
+
+    asyncio.run(asked())
+    assert found[0]
 
 
 def test_whoever_is_told_the_address_is_heard_at_once(tmp_path, monkeypatch):

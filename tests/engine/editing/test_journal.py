@@ -137,16 +137,3 @@ def test_a_disk_that_refuses_says_so_and_leaves_the_journal_as_it_was(journal, m
         journal.append([Trim(1, 6)])
     monkeypatch.setattr(os, "write", write)
     assert journal.path.read_bytes() == before
-
-
-def test_where_no_thread_can_be_begun_nothing_is_said(journal, monkeypatch):
-    journal.append([Trim(1, 5)])
-    before = journal.path.read_bytes()
-
-    def refused(thread):
-        raise RuntimeError("can't start new thread")
-
-    monkeypatch.setattr(threading.Thread, "start", refused)
-    with pytest.raises(RuntimeError):
-        journal.append([Trim(1, 6)])
-    assert journal.path.read_bytes() == before

@@ -56,9 +56,9 @@ def act(document: OpenDocument, body: ActBody) -> ActDone:
         if body.head != document.head:
             raise StaleJournal(STALE)
         before = document.now
-        with document.editing.saying(*edits_of(document, body.act), why=body.why, head=body.head) as said:
-            document.refresh()
-            return done(document, said, before)  # which is answered when the disk has it
+        said = document.editing.say(*edits_of(document, body.act), why=body.why, head=body.head)
+        document.refresh()
+        return done(document, said, before)
 
 
 def done(document: OpenDocument, said: Said, before: Edited) -> ActDone:

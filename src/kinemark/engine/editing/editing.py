@@ -7,8 +7,7 @@ which is never changed: `files.write_edited` writes another one. What is said go
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -151,19 +150,9 @@ class Editing:
         Raises:
             KinemarkError: a choice for a gap is no method, or the journal cannot be written or has gone on.
         """
-        with self.saying(*edits, why=why, head=head) as said:
-            return said
-
-    @contextmanager
-    def saying(self, *edits: Edit, why: str = "", head: str | None = None) -> Iterator[Said]:
-        """The same, with time for what follows from it while the disk takes it: it stands when the block has ended.
-
-        Raises:
-            KinemarkError: as `say` does, at the end of the block too.
-        """
         check_methods(edits)
-        with self.journal.appending(self._anchored(edits), by=self.by, why=why, head=head) as entry:
-            yield Said(entry, tuple(one for one in self.edited().applied if one.entry == entry.id))
+        entry = self.journal.append(self._anchored(edits), by=self.by, why=why, head=head)
+        return Said(entry, tuple(one for one in self.edited().applied if one.entry == entry.id))
 
     def claim(
         self,

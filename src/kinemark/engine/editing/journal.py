@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import getpass
 import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -85,39 +83,16 @@ class Journal:
             KinemarkError: there is nothing to write, an undo is of no entry, another process has the journal for long,
                 or the file cannot be written.
         """
-        with self.appending(edits, by=by, why=why, head=head) as entry:
-            return entry
-
-    @contextmanager
-    def appending(
-        self, edits: Sequence[Edit], *, by: str = "", why: str = "", head: str | None = None
-    ) -> Iterator[Entry]:
-        """Write one act; what is done in the block is done while the disk takes it, and the block ends when it has.
-
-        Arguments and errors as `append` has them; the block ends with an error where the disk did not take it, and
-        nothing was said then.
-        """
         if not edits:
             raise KinemarkError("There is nothing to write: give at least one edit.")
-        with self._alone():
-            content, entry = self._next(tuple(edits), by or _user(), why, head)
-            with _writing_through(self.path, content):
-                yield entry
-
-    @contextmanager
-    def _alone(self) -> Iterator[None]:
-        """With the journal's lock held."""
-        lock = FileLock(self.path.with_name(f".{self.path.name}.lock"), timeout=WAIT_S)
-        with _disk_errors(self.path):
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            try:
-                lock.acquire()
-            except Timeout as error:
-                raise KinemarkError(f"Another process writes to {self.path}. Try again when it is done.") from error
         try:
-            yield
-        finally:
-            lock.release()
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with FileLock(self.path.with_name(f".{self.path.name}.lock"), timeout=WAIT_S):
+                return self._append(tuple(edits), by or _user(), why, head)
+        except Timeout as error:
+            raise KinemarkError(f"Another process writes to {self.path}. Try again when it is done.") from error
+        except OSError as error:
+            raise KinemarkError(f"{self.path} cannot be written: {error}. Nothing was said.") from error
 
     def undo(self, of: int | None = None, *, by: str = "", why: str = "", head: str | None = None) -> Entry:
         """Take an entry back, the last that counts where None.
@@ -142,10 +117,9 @@ class Journal:
             raise KinemarkError(f"There is nothing to redo in {self.path}: nothing was undone last.")
         return self.append([Undo(last.id)], by=by, why=why, head=head)
 
-    def _next(self, edits: tuple[Edit, ...], by: str, why: str, head: str | None) -> tuple[bytes, Entry]:
-        """What is to be added to the file, and the entry that it is; with the lock held."""
-        with _disk_errors(self.path):
-            content = self.path.read_bytes() if self.path.is_file() else b""
+    def _append(self, edits: tuple[Edit, ...], by: str, why: str, head: str | None) -> Entry:
+        """With the lock held."""
+        content = self.path.read_bytes() if self.path.is_file() else b""
         known = parse_journal(content)
         if head is not None and head != known.head:
             raise StaleJournal(
@@ -156,7 +130,8 @@ class Journal:
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         entry = Entry(number, now, by, why, __version__, known.head, edits)
         cut_off = b"" if not content or content.endswith(b"\n") else b"\n"  # what a killed process left
-        return cut_off + line_of(entry), entry
+        _write_through(self.path, cut_off + line_of(entry))
+        return entry
 
 
 def hash_of_entry(entry: Entry) -> str:
@@ -199,54 +174,24 @@ def _user() -> str:
         return str(os.getuid()) if hasattr(os, "getuid") else "unknown"
 
 
-@contextmanager
-def _disk_errors(path: Path) -> Iterator[None]:
-    """Errors of the disk in words."""
-    try:
-        yield
-    except OSError as error:
-        raise KinemarkError(f"{path} cannot be written: {error}. Nothing was said.") from error
-
-
-@contextmanager
-def _writing_through(path: Path, line: bytes) -> Iterator[None]:
-    """Add a line to a file; the block ends when the disk has it. A line that is cut off by an error is taken away."""
-    with _disk_errors(path):
-        folder = None if path.exists() else path.parent
-        file = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+def _write_through(path: Path, line: bytes) -> None:
+    """Add a line to a file, and wait until the disk has it; a line that is cut off by an error is taken away again."""
+    new = not path.exists()
+    file = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
     try:
         size = os.fstat(file).st_size
-        with ThreadPoolExecutor(1, "disk") as disk:
-            disk.submit(int).result()  # where no thread can be begun, nothing is written
-            with _disk_errors(path), _taken_back(file, size):
-                if os.write(file, line) != len(line):
-                    raise OSError("the disk took only a part of it")
-            synced = disk.submit(_sync, file, folder)
-            try:
-                yield
-            finally:
-                with _disk_errors(path), _taken_back(file, size):
-                    synced.result()
+        try:
+            if os.write(file, line) != len(line):
+                raise OSError("the disk took only a part of it")
+            os.fsync(file)
+        except OSError:
+            os.ftruncate(file, size)
+            raise
     finally:
         os.close(file)
-
-
-@contextmanager
-def _taken_back(file: int, size: int) -> Iterator[None]:
-    """Cut a file to its size from before where the disk has an error."""
-    try:
-        yield
-    except OSError:
-        os.ftruncate(file, size)
-        raise
-
-
-def _sync(file: int, folder: Path | None) -> None:
-    """Wait until the disk has a file, and the folder where it is new."""
-    os.fsync(file)
-    if folder is not None and os.name == "posix":
-        place = os.open(folder, os.O_RDONLY)
+    if new and os.name == "posix":
+        folder = os.open(path.parent, os.O_RDONLY)
         try:
-            os.fsync(place)
+            os.fsync(folder)
         finally:
-            os.close(place)
+            os.close(folder)

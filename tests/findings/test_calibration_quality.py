@@ -18,6 +18,7 @@ from kinemark.report.calibration_text import calibration_summary
 from kinemark.report.figures_calibration import lost_figure
 from kinemark.report.words import headline_of, text_of
 from support.calibrations import POINTS, RIG, of_control_points, seen
+from support.drawings import checked
 from support.findings import found, kinds
 from support.laboratory import camera
 
@@ -165,7 +166,7 @@ def test_where_a_lost_camera_is_missed_is_drawn_as_it_is_predicted(good):
     k = int(np.argmin(np.abs(grid.axes[2] - lost["level_mm"])))
     assert lost["axis"] == 2 and 0 < k < len(grid.axes[2]) - 1
     assert np.allclose(lost["without_sd_mm"], grid.without[:, :, :, k], rtol=1e-3)
-    drawn = lost_figure(figures).data
+    drawn = checked(lost_figure(figures)).data
     assert len(drawn) == len(RIG)
     for c, panel in enumerate(drawn):
         assert np.allclose(panel.z, (grid.without[c] / grid.sd)[:, :, k].T, rtol=2e-3)

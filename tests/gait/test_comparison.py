@@ -13,6 +13,7 @@ from kinemark.engine.gait.settings import GaitSettings
 from kinemark.gait.comparison import Condition, difference, stretches
 from kinemark.io.c3d import write_c3d
 from kinemark.synth import walking
+from support.drawings import check_page
 
 PERCENT = np.linspace(0, 2 * np.pi, 101)
 
@@ -73,7 +74,7 @@ def test_a_faster_walk_differs_and_the_same_does_not(conditions):
     rows = {(row["name"], row["side"]): row for row in fast["time_distance"]}
     assert rows["speed", "left"]["exceeds"] and rows["speed", "left"]["difference"] == pytest.approx(600, rel=0.1)
     page = (conditions / "out/comparison.html").read_text()
-    assert "walking speed" in page and "Knee flexion" in page
+    assert "walking speed" in page and "Knee flexion" in page and check_page(page)
     again = compare_gait(conditions / "slow", conditions / "again/gait.json", folder=conditions / "same").figures
     assert not any(row["exceeds"] for row in again["time_distance"] if row["name"] in ("speed", "stride_length"))
     differing = [part for row in again["curves"] for part in row["components"] if part["stretches"]]

@@ -15,6 +15,7 @@ from kinemark.report.scene3d import scene
 from kinemark.report.tables import MOST_ROWS, Table
 from kinemark.report.templating import environment
 from kinemark.report.thin import MOST_MARKERS, fullest, thinned
+from support.drawings import checked
 from support.many_tracks import fragments, long_trial
 
 MOST_BYTES = 1_000_000
@@ -75,7 +76,7 @@ def test_the_fullest_markers_are_drawn_in_the_order_of_the_trial():
 
 def test_every_other_track_is_drawn_too():
     trial = long_trial(200, 500)
-    fig = scene(trial["rig"], trial["tracks"], trial["trajectories"])
+    fig = checked(scene(trial["rig"], trial["tracks"], trial["trajectories"]))
     (rest,) = [trace for trace in fig.data if trace.name == f"{200 - MOST_MARKERS} others"]
     breaks = np.isnan(np.asarray(rest.x, float)).sum()
     assert breaks == 200 - MOST_MARKERS

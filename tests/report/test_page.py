@@ -20,6 +20,7 @@ from kinemark.report.scene3d import corners, scene
 from kinemark.report.tables import spots_table
 from kinemark.report.thin import blocks, envelope
 from support.captures import RATE, camera_at, capture, judge, ring, walk
+from support.drawings import checked
 
 EVIL = '<script>alert("1")</script><a href="http://evil.example/">'
 
@@ -74,7 +75,8 @@ def test_points_in_no_track_are_drawn_apart():
     rig = ring()
     records = capture(rig, walk(markers=3))
     tracks = Tracks(records["tracks"].cloud, np.where(records["tracks"].id == 1, -1, records["tracks"].id))
-    (loose,) = [t for t in scene(rig, tracks, records["trajectories"]).data if t.name == "points in no track"]
+    fig = checked(scene(rig, tracks, records["trajectories"]))
+    (loose,) = [t for t in fig.data if t.name == "points in no track"]
     assert np.allclose(np.stack([loose.x, loose.y, loose.z], 1), walk(markers=3)[1], atol=1e-3)
 
 
@@ -85,6 +87,7 @@ def test_lines_break_at_gaps_and_the_timeline_hides_none():
     rig = ring(3)
     records = capture(rig, xyz)
     drawn = page_figures(judge(rig, records), rig, records["detections"], records["tracks"], records["trajectories"])
+    drawn = {name: checked(drawn[name]) for name in ("timeline", "trajectories")}
     timeline = drawn["timeline"].data[0]
     k = round(timeline.dx * RATE)
     row = list(drawn["timeline"].layout.yaxis.ticktext).index("m0")
@@ -157,7 +160,7 @@ def test_the_frame_that_is_shown_is_the_one_with_most_to_tell():
 def test_every_spot_of_the_frame_is_drawn_once_with_its_reason():
     seen = spots()
     assert kinds_of(seen)[[0, 1, 5, 6, 7]].tolist() == [VALID, "too small", SEPARATED, "at edge", "masked"]
-    fig = spots_figure(seen, CAMERAS)
+    fig = checked(spots_figure(seen, CAMERAS))
     for c, f in enumerate(fullest_frames(seen)):
         axis = f"x{c + 1 if c else ''}"
         drawn = {t.name: np.stack([t.x, t.y], 1) for t in fig.data if t.name and t.xaxis == axis}
@@ -183,7 +186,7 @@ def test_pictures_lie_under_the_spots_and_keep_the_brightest_pixels(tmp_path):
     picture[101, 203] = 200
     coarse = brightest(picture, 2)
     assert coarse.shape == (240, 320) and np.argwhere(coarse).tolist() == [[50, 101]]
-    fig = spots_figure(spots(), CAMERAS, [picture, 16 * picture[:100].astype(np.uint16) + 1])
+    fig = checked(spots_figure(spots(), CAMERAS, [picture, 16 * picture[:100].astype(np.uint16) + 1]))
     first, second = (t for t in fig.data if t.type == "image")
     grey, other = (decoded(t.source, tmp_path / "picture.png") for t in (first, second))
     assert grey.max() == 255 and other.max() == 255 and grey.shape == (480 // 2, 640 // 2)

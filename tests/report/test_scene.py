@@ -10,6 +10,7 @@ from kinemark.findings.cameras import upwards
 from kinemark.report.motion3d import GREATEST, motion
 from kinemark.report.scene3d import scene
 from support.captures import RATE, capture, ring, walk
+from support.drawings import checked
 from support.many_tracks import fragments
 
 TURNS = {
@@ -31,7 +32,7 @@ def turned(up, markers=4):
 def test_the_floor_stays_level_while_the_scene_is_turned(up):
     rig, records = turned(up)
     assert upwards(rig) == up
-    fig = scene(rig, records["tracks"], records["trajectories"])
+    fig = checked(scene(rig, records["tracks"], records["trajectories"]))
     assert fig.layout.scene.dragmode == "turntable"  # which turns about Plotly's z and never tips
     assert fig.layout.scene.camera.up.to_plotly_json() == {"x": 0, "y": 0, "z": 1}
     (floor,) = [trace for trace in fig.data if trace.type == "mesh3d"]
@@ -45,7 +46,7 @@ def test_the_floor_stays_level_while_the_scene_is_turned(up):
 def starts(up):
     """(M, 3) where each path begins, as plotted."""
     rig, records = turned(up)
-    fig = scene(rig, records["tracks"], records["trajectories"])
+    fig = checked(scene(rig, records["tracks"], records["trajectories"]))
     lines = [trace for trace in fig.data if trace.type == "scatter3d" and trace.legendgroup]
     return np.array([[trace[axis][k] for axis in "xyz"] for trace in lines for k in (0, 20, 39)])
 
@@ -61,7 +62,7 @@ def test_the_scene_is_turned_and_not_mirrored(up):
 @pytest.mark.parametrize("up", [0, 1, 2])
 def test_it_opens_on_the_subject_and_shows_the_laboratory_on_request(up):
     rig, records = turned(up)
-    fig = scene(rig, records["tracks"], records["trajectories"])
+    fig = checked(scene(rig, records["tracks"], records["trajectories"]))
     box = np.array([fig.layout.scene[f"{axis}axis"].range for axis in "xyz"])
     unit = np.prod(np.ptp(box, axis=1)) ** (1 / 3)
     centre = np.array([fig.layout.scene.camera.center[axis] for axis in "xyz"]) * unit + box.mean(1)
@@ -76,10 +77,10 @@ def test_it_opens_on_the_subject_and_shows_the_laboratory_on_request(up):
 
 def test_a_ghost_far_away_does_not_make_the_subject_small():
     rig, xyz = ring(4), walk(markers=4, frames=200)
-    here = scene(rig, *[capture(rig, xyz)[k] for k in ("tracks", "trajectories")]).layout.scene.camera
+    here = checked(scene(rig, *[capture(rig, xyz)[k] for k in ("tracks", "trajectories")])).layout.scene.camera
     odd = xyz.copy()
     odd[0, 3] += 1500.0
-    there = scene(rig, *[capture(rig, odd)[k] for k in ("tracks", "trajectories")]).layout.scene.camera
+    there = checked(scene(rig, *[capture(rig, odd)[k] for k in ("tracks", "trajectories")])).layout.scene.camera
     away = [np.linalg.norm([c.eye[a] - c.center[a] for a in "xyz"]) for c in (here, there)]
     assert away[1] == pytest.approx(away[0], rel=0.5)
 

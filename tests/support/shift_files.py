@@ -233,9 +233,9 @@ def _(by):
 @law(scene, trajectories_figure, filling_figures, mm=0.01)
 def _(by):
     paths = kinemark.to_trajectories(moved(tracks(), by), moved(rig(), by))
-    traces = [t for t in scene(moved(rig(), by), moved(tracks(), by), paths).data if t.type != "mesh3d"]
+    traces = [t for t in scene(moved(rig(), by), moved(tracks(), by), paths).data if t["type"] != "mesh3d"]
     lines = [np.stack([np.asarray(t[axis], float) for axis in "xyz"], -1) for t in traces]
-    curves = [np.asarray(t.y, float) for t in trajectories_figure(paths).data]
+    curves = [np.asarray(t["y"], float) for t in trajectories_figure(paths).data]
     filled = kinemark.fill(moved(trial(), by), method=Linear())
     told = filling_figures(filled, moved(trial(), by), source="s", method="linear", limit_mm=20.0)
     return Answer((lines, [np.stack(curves[k : k + 3], -1) for k in range(0, len(curves), 3)]), told)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import plotly.graph_objects as go
-
 from ..data import Angles
 from ..kinematics import Cycles, Model
 from ..kinematics.chain import Points
+from .drawing import Figure
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_angles import cycle_figure, joint_figure
 from .formatting import number, percent
@@ -27,7 +26,7 @@ class JointCard(NamedTuple):
 
     name: str
     text: str
-    figure: go.Figure
+    figure: Figure
 
 
 def write_angles_page(

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..calibrate.quality import Evidence
 from ..data import Rig
@@ -21,6 +20,7 @@ from .calibration_tables import (
     place_table,
     point_table,
 )
+from .drawing import Figure
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_calibration import (
     fit_figure,
@@ -94,7 +94,7 @@ def calibration_page(
     )
 
 
-def drawings(figures: dict[str, Any], rig: Rig, evidence: Evidence) -> dict[str, go.Figure]:
+def drawings(figures: dict[str, Any], rig: Rig, evidence: Evidence) -> dict[str, Figure]:
     """All figures of the page by name."""
     return {
         "slices": slices_figure(figures, upwards(rig)),

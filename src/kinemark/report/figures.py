@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..data import Origin, Trajectories
 from ..findings.markers import sample_deviation
 from ..numerics.row_quantiles import row_quantiles
+from .drawing import Figure
 from .panels import axis_title, panel, panels
 from .theme import HUES, STATES, empty, figure, hue, labels
 from .thin import MOST_MARKERS, blocks, fullest, short, thinned
@@ -25,7 +25,7 @@ ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 NO_MARKERS = "There are no trajectories to draw."
 
 
-def trajectories_figure(trajectories: Trajectories) -> go.Figure:
+def trajectories_figure(trajectories: Trajectories) -> Figure:
     """x, y, z against time, one line a marker, broken at gaps; the legend shows and hides markers."""
     if not trajectories.n_frames:
         return empty(NO_MARKERS)
@@ -39,13 +39,13 @@ def trajectories_figure(trajectories: Trajectories) -> go.Figure:
     for m, path in enumerate(trajectories):
         for axis in range(3):
             curve = thinned(path.xyz[:, axis], most)
-            fig.add_scatter(
-                **curve.at(trajectories.rate), y=short(curve.values), mode=single,
+            fig.add(
+                "scatter", **curve.at(trajectories.rate), y=short(curve.values), mode=single,
                 line={"color": hue(m), "width": 1.5}, connectgaps=False, name=names[m],
                 legendgroup=str(m), showlegend=axis == 0, **panel(axis),
                 hovertemplate="%{x:.3f} s: %{y:.1f} mm",
             )  # fmt: skip
-    return fig.update_layout(updatemenus=[_all_or_none()])
+    return fig.arrange(updatemenus=[_all_or_none()])
 
 
 def _all_or_none() -> dict[str, Any]:
@@ -57,7 +57,7 @@ def _all_or_none() -> dict[str, Any]:
     return {"type": "buttons", "direction": "right", "showactive": False, "buttons": buttons, **place}
 
 
-def timeline_figure(trajectories: Trajectories) -> go.Figure:
+def timeline_figure(trajectories: Trajectories) -> Figure:
     """A row a marker, the least complete at the top: measured, filled, edited or missing through time.
 
     Where a column stands for several frames it shows the least certain of them, so that no gap is hidden.
@@ -73,16 +73,17 @@ def timeline_figure(trajectories: Trajectories) -> go.Figure:
     names = [called[m] for m in order]
     k = -(-trajectories.n_frames // state.shape[1])
     fig = figure(110 + 17 * len(trajectories), margin={"l": 110, "t": 40})
-    fig.add_heatmap(
+    fig.add(
+        "heatmap",
         z=state[order].astype(np.uint8), x0=0, dx=k / trajectories.rate, y0=0, dy=1, zmin=-0.5, zmax=3.5, ygap=2,
         colorscale=_steps(), showscale=False, hovertemplate="%{y}: %{x:.2f} s<extra></extra>",
     )  # fmt: skip
     for name, colour in STATES.items():
         style = {"color": colour, "symbol": "square", "size": 11}
-        fig.add_scatter(x=[None], y=[None], mode="markers", marker=style, name=name, showlegend=True)
-    fig.update_yaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", showgrid=False, tickfont={"size": 11})
-    fig.update_xaxes(title_text="time (s)", showgrid=False)
-    return fig.update_layout(showlegend=True, legend=ABOVE)
+        fig.add("scatter", x=[None], y=[None], mode="markers", marker=style, name=name, showlegend=True)
+    fig.y_axes(tickvals=list(range(len(names))), ticktext=names, ticks="", showgrid=False, tickfont={"size": 11})
+    fig.x_axes(title={"text": "time (s)"}, showgrid=False)
+    return fig.arrange(showlegend=True, legend=ABOVE)
 
 
 def _steps() -> list[list[Any]]:
@@ -91,7 +92,7 @@ def _steps() -> list[list[Any]]:
     return [[(i + j) / len(colours), colour] for i, colour in enumerate(colours) for j in (0, 1)]
 
 
-def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
+def uncertainty_figure(trajectories: Trajectories) -> Figure:
     """Standard deviation of one axis through time: the median marker and the band that holds nine of ten markers."""
     sd = np.array([sample_deviation(path) for path in trajectories]).reshape(len(trajectories), trajectories.n_frames)
     known = np.isfinite(sd).any(0)
@@ -102,16 +103,16 @@ def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
     fig = figure(320, showlegend=True, legend=ABOVE)
     for values, name, colour in ((high, "95 %", HUES[5]), (median, "median", HUES[0]), (low, "5 %", HUES[5])):
         curve = thinned(values, QUANTILES)
-        fig.add_scatter(
-            **curve.at(trajectories.rate), y=curve.values.astype(np.float32), name=name, connectgaps=False,
+        fig.add(
+            "scatter", **curve.at(trajectories.rate), y=curve.values.astype(np.float32), name=name, connectgaps=False,
             mode="lines" if len(values) > 1 else "markers", line={"color": colour, "width": 1.6},
             hovertemplate="%{x:.3f} s: %{y:.2f} mm",
         )  # fmt: skip
-    fig.update_yaxes(title_text="σ per axis (mm)", range=[0, 1.1 * float(np.nanquantile(high, 0.99))])
-    return fig.update_xaxes(title_text="time (s)")
+    fig.y_axes(title={"text": "σ per axis (mm)"}, range=[0, 1.1 * float(np.nanquantile(high, 0.99))])
+    return fig.x_axes(title={"text": "time (s)"})
 
 
-def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
+def exactness_figure(markers: list[dict[str, Any]]) -> Figure:
     """A place a marker, in the trial's order: the predicted standard deviation and the observed jitter."""
     if len(markers) > MOST_MARKERS:
         markers = sorted(markers, key=lambda marker: -int(marker["samples"]))[:MOST_MARKERS]
@@ -120,7 +121,8 @@ def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
         return empty("Neither covariance nor jitter of the markers is known.")
     fig = figure(360, showlegend=True, legend=ABOVE)
     for i, (name, key) in enumerate(series):
-        fig.add_scatter(
+        fig.add(
+            "scatter",
             x=list(range(len(markers))),
             y=[marker[key] for marker in markers],
             mode="markers",
@@ -129,5 +131,5 @@ def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
             hovertemplate="%{x}: %{y:.2f} mm",
         )
     names = labels(marker["name"] for marker in markers)
-    fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
-    return fig.update_yaxes(title_text="mm per axis", rangemode="tozero")
+    fig.x_axes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
+    return fig.y_axes(title={"text": "mm per axis"}, rangemode="tozero")

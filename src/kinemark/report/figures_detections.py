@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from ..data import Detections, Validity
 from ..data.array_types import GreyLevels
 from ..io.images import png_bytes
+from .drawing import Figure
 from .formatting import number
 from .panels import image_axes, panel, panels
 from .theme import empty, labels
@@ -65,7 +65,7 @@ def spots_figure(
     pictures: Sequence[GreyLevels] | None = None,
     *,
     first_frame: int = 1,
-) -> go.Figure:
+) -> Figure:
     """A panel a camera: its picture (H, W) of the frame of `fullest_frames`, the spots in it, and all invalid ones.
 
     `first_frame` is the number of the first frame in the recording.
@@ -107,7 +107,7 @@ def kinds_of(detections: Detections) -> NDArray[np.str_]:
 class _Legend:
     """Draws spots, each kind once in the legend."""
 
-    def __init__(self, fig: go.Figure) -> None:
+    def __init__(self, fig: Figure) -> None:
         self.fig, self.in_legend = fig, set[str]()
 
     def draw(
@@ -118,7 +118,8 @@ class _Legend:
             of_kind = rows[kinds[rows] == kind]
             if not len(of_kind):
                 continue
-            self.fig.add_scatter(
+            self.fig.add(
+                "scatter",
                 x=detections.uv[of_kind, 0].astype(np.float32), y=detections.uv[of_kind, 1].astype(np.float32),
                 mode="markers", name=kind, legendgroup=kind, showlegend=kind not in self.in_legend,
                 marker={"size": 10, "color": colour, "symbol": symbol, "line": {"color": colour, "width": 1.6}},
@@ -129,14 +130,15 @@ class _Legend:
 
 
 def _elsewhere(
-    fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, str], *, most: int
+    fig: Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, str], *, most: int
 ) -> None:
     """Dots where spots of any frame were invalid: what stays in one place is no marker."""
     rows = np.flatnonzero((detections.camera == c) & ~detections.valid)
     rows = rows[:: max(1, -(-len(rows) // max(most, 1)))]
     if not len(rows):
         return
-    fig.add_scatter(
+    fig.add(
+        "scatter",
         x=detections.uv[rows, 0].astype(np.float32), y=detections.uv[rows, 1].astype(np.float32), mode="markers",
         marker={"size": 3, "opacity": 0.6, "color": [KINDS[str(kind)][0] for kind in kinds[rows]]},
         showlegend=False, hoverinfo="skip", **place,
@@ -149,14 +151,21 @@ def _size_text(detections: Detections, row: int) -> str:
     return f"area {number(area, 1)} px², peak {number(peak, 0)}" if np.isfinite(area) else ""
 
 
-def _picture(fig: go.Figure, picture: GreyLevels, place: dict[str, str], *, most: int) -> None:
+def _picture(fig: Figure, picture: GreyLevels, place: dict[str, str], *, most: int) -> None:
     """The image in grey, coarser where it is large, and in few levels, as a compressed picture."""
     k = max(1, -(-picture.shape[1] // WIDEST))
     while len(content := _png(brightest(picture, k))) > most and picture.shape[1] > 2 * k * LEAST_WIDE:
         k += 1
     data = base64.b64encode(content).decode()
-    fig.add_image(
-        source=f"data:image/png;base64,{data}", x0=(k - 1) / 2, dx=k, y0=(k - 1) / 2, dy=k, hoverinfo="skip", **place
+    fig.add(
+        "image",
+        source=f"data:image/png;base64,{data}",
+        x0=(k - 1) / 2,
+        dx=k,
+        y0=(k - 1) / 2,
+        dy=k,
+        hoverinfo="skip",
+        **place,
     )
 
 

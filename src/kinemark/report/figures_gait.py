@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..data.gait_curves import GaitCurves, GaitReference
+from .drawing import Figure
 from .stride_panels import Part, band, corner, directions, line, stride_figure, upright
 from .theme import INK, empty, label
 
@@ -74,7 +74,7 @@ def panels_figure(
     reference: GaitReference | None = None,
     *,
     heads: Sequence[str] = (),
-) -> go.Figure:
+) -> Figure:
     """Mean of each side, its spread as a band, the measurement's SD as thin lines, foot off as dashed uprights.
 
     The reference's mean ± SD is a grey band below them; `heads` stand above the columns.
@@ -116,13 +116,13 @@ def _key(place: tuple[float, float], *, with_sd: bool, with_reference: bool) -> 
     ]  # fmt: skip
 
 
-def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
+def emg_figures(curves: Sequence[GaitCurves]) -> list[Figure]:
     """A panel a channel, a printed page of them a figure."""
     muscles = [one for one in curves if one.axes == ("envelope", "on")]
     return [_emg_figure(muscles[first : first + PER_PAGE]) for first in range(0, len(muscles), PER_PAGE)]
 
 
-def _emg_figure(muscles: Sequence[GaitCurves]) -> go.Figure:
+def _emg_figure(muscles: Sequence[GaitCurves]) -> Figure:
     """The mean envelope with its spread, and a bar where the muscle is on in most strides."""
     titles = [label(one.name.rsplit(".", 1)[-1]) for one in muscles]
     traces, shapes = [], []

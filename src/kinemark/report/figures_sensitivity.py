@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..data import Rig
 from ..data.array_types import Floats
 from ..sensitivity import Ranking
+from .drawing import Figure
 from .panels import axis_title, image_axes, panel, panels
 from .theme import FAINT, HUES, empty, figure, label, labels
 from .thin import MOST_MARKERS
@@ -28,7 +28,7 @@ ARROW = 0.16
 """Longest arrow, as a share of the image's width; chosen."""
 
 
-def ranked_figure(figures: dict[str, Any]) -> go.Figure:
+def ranked_figure(figures: dict[str, Any]) -> Figure:
     """A row a source, the greatest at the top, and the loss of the camera most missed; one frame, and a mean."""
     unit, rows = figures["ranked_by"], list(figures["ranking"])
     if figures["lost"] and figures["lost"][0][f"cost_{unit}"] is not None:
@@ -42,20 +42,20 @@ def ranked_figure(figures: dict[str, Any]) -> go.Figure:
         (unit, "a single frame", HUES[0], "circle"),
         (f"mean_{unit}", f"a mean over {figures['cycles']} cycles", HUES[1], "diamond"),
     ):
-        fig.add_scatter(
-            x=[row[key] for row in rows], y=names, mode="markers+text", name=title,
+        fig.add(
+            "scatter", x=[row[key] for row in rows], y=names, mode="markers+text", name=title,
             text=[f"{row[key]:.2g}" if row[key] and key == unit else "" for row in rows], textposition="middle right",
             marker={"size": 12, "color": colour, "symbol": symbol}, hovertemplate="%{y}: %{x:.3g}<extra></extra>",
         )  # fmt: skip
     for row in rows:
         if row[unit] is not None:
             line = {"color": "#C9D1D8", "width": 6}
-            fig.add_shape(type="line", x0=0, x1=row[unit], y0=row["source"], y1=row["source"], line=line, layer="below")
-    fig.update_xaxes(title_text=UNITS[unit], rangemode="tozero")
-    return fig.update_yaxes(ticks="", showgrid=False)
+            fig.shape(type="line", x0=0, x1=row[unit], y0=row["source"], y1=row["source"], line=line, layer="below")
+    fig.x_axes(title={"text": UNITS[unit]}, rangemode="tozero")
+    return fig.y_axes(ticks="", showgrid=False)
 
 
-def cycles_figure(figures: dict[str, Any]) -> go.Figure:
+def cycles_figure(figures: dict[str, Any]) -> Figure:
     """All sources, and those of the cameras, against the number of cycles; dotted what no averaging takes away."""
     unit = figures["ranked_by"]
     rows = figures["by_cycles"]
@@ -65,48 +65,49 @@ def cycles_figure(figures: dict[str, Any]) -> go.Figure:
         (("all sources", unit, ""), ("without the placement of markers", f"cameras_{unit}", "marker placement"))
     ):
         floor = float(np.sqrt(sum(row[unit] ** 2 for row in fixed if row["source"] != left_out)))
-        fig.add_scatter(
-            x=[row["cycles"] for row in rows], y=[row[key] for row in rows], mode="lines+markers", name=name,
+        fig.add(
+            "scatter", x=[row["cycles"] for row in rows], y=[row[key] for row in rows], mode="lines+markers", name=name,
             line={"color": HUES[i], "width": 2}, marker={"size": 8, "symbol": ("circle", "diamond")[i]},
             hovertemplate="%{x} cycles: %{y:.3g}<extra></extra>",
         )  # fmt: skip
         line = {"color": HUES[i], "width": 1.5, "dash": "dot"}
-        fig.add_scatter(
+        fig.add(
+            "scatter",
             x=[1, rows[-1]["cycles"]], y=[floor, floor], mode="lines", name="what no averaging takes away", line=line,
             hoverinfo="skip", showlegend=False,
         )  # fmt: skip
-    fig.update_xaxes(title_text="cycles in the mean")
-    return fig.update_yaxes(title_text=UNITS[unit], type="log", dtick=0.30103, tickformat=".2~g")
+    fig.x_axes(title={"text": "cycles in the mean"})
+    return fig.y_axes(title={"text": UNITS[unit]}, type="log", dtick=0.30103, tickformat=".2~g")
 
 
-def marker_figure(figures: dict[str, Any]) -> go.Figure:
+def marker_figure(figures: dict[str, Any]) -> Figure:
     """A place a marker: each source that cameras are to blame for, mm."""
     return _places(figures["by_marker"], "marker", UNITS["mm"], [n for n in COLOURS if n != "marker placement"])
 
 
-def angle_figure(figures: dict[str, Any]) -> go.Figure:
+def angle_figure(figures: dict[str, Any]) -> Figure:
     """A place an angle or segment: each source, degrees, on a logarithmic scale."""
     if not figures["by_angle"]:
         return empty("No two markers keep their distance, and no model was named: there are no angles.")
     fig = _places(figures["by_angle"], "angle", UNITS["deg"], list(COLOURS))
-    return fig.update_yaxes(type="log", rangemode="normal", dtick=1, minor={"showgrid": True, "gridcolor": "#F2F4F6"})
+    return fig.y_axes(type="log", rangemode="normal", dtick=1, minor={"showgrid": True, "gridcolor": "#F2F4F6"})
 
 
-def _places(rows: list[dict[str, Any]], key: str, title: str, sources: list[str]) -> go.Figure:
+def _places(rows: list[dict[str, Any]], key: str, title: str, sources: list[str]) -> Figure:
     fig = figure(400, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 48})
     if len(rows) > MOST_MARKERS:  # the largest
         rows = sorted(rows, key=lambda row: -max(row[source] or 0.0 for source in sources))[:MOST_MARKERS]
     for source in sources:
-        fig.add_scatter(
-            x=list(range(len(rows))), y=[row[source] or None for row in rows], mode="markers", name=source,
+        fig.add(
+            "scatter", x=list(range(len(rows))), y=[row[source] or None for row in rows], mode="markers", name=source,
             marker={"size": 8, "color": COLOURS[source]}, hovertemplate="%{x}: %{y:.3g}",
         )  # fmt: skip
     names = labels(row[key] for row in rows)
-    fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
-    return fig.update_yaxes(title_text=title, rangemode="tozero")
+    fig.x_axes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
+    return fig.y_axes(title={"text": title}, rangemode="tozero")
 
 
-def loss_figure(figures: dict[str, Any]) -> go.Figure:
+def loss_figure(figures: dict[str, Any]) -> Figure:
     """A place a camera: what the cameras' part becomes without it, at the points that are left, and the points gone."""
     lost = figures["lost"]
     if not lost:
@@ -119,18 +120,19 @@ def loss_figure(figures: dict[str, Any]) -> go.Figure:
     margin = {"l": 60, "r": 20, "t": 44, "b": 60}
     fig = panels(330, (1, 2), axes, gaps=(0.12, 0.0), showlegend=True, legend=ABOVE, margin=margin)
     for name, key, symbol, i in (("without it", "mm", "circle", 1), ("with it", "all_mm", "diamond", 0)):
-        fig.add_scatter(
-            x=x, y=[row[key] for row in rows], mode="markers", name=name, hovertemplate="%{y:.3g} mm",
+        fig.add(
+            "scatter", x=x, y=[row[key] for row in rows], mode="markers", name=name, hovertemplate="%{y:.3g} mm",
             marker={"size": 10, "color": HUES[i], "symbol": symbol}, **panel(0),
         )  # fmt: skip
-    fig.add_scatter(
+    fig.add(
+        "scatter",
         x=x, y=[100 * row["gone_share"] for row in rows], mode="markers", name="points gone", showlegend=False,
         marker={"size": 10, "color": HUES[6]}, hovertemplate="%{y:.1f} %<extra></extra>", **panel(1),
     )  # fmt: skip
     return fig
 
 
-def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
+def field_figure(ranking: Ranking, rig: Rig) -> Figure:
     """A panel a camera: the mean residual of each part of its image as a line, much enlarged."""
     cells, edges = ranking.evidence.cells, ranking.evidence.edges
     size = np.linalg.norm(cells, axis=-1)
@@ -146,13 +148,13 @@ def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
     )  # fmt: skip
     for c in range(len(rig)):
         _arrows(fig, cells[c], edges[c], scale, panel(c))
-    return fig.add_annotation(
+    return fig.annotate(
         text=f"drawn {scale:,.0f} times as long", showarrow=False, x=1, y=0, xref="paper", yref="paper", yshift=-50,
         xanchor="right", font={"color": FAINT, "size": 12},
     )  # fmt: skip
 
 
-def _arrows(fig: go.Figure, cells: Floats, edges: Floats, scale: float, place: dict[str, str]) -> None:
+def _arrows(fig: Figure, cells: Floats, edges: Floats, scale: float, place: dict[str, str]) -> None:
     nu, nv = cells.shape[:2]
     step = (edges[1] - edges[0]) / (nu, nv)
     at = edges[0] + (np.stack(np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij"), -1) + 0.5) * step
@@ -160,14 +162,15 @@ def _arrows(fig: go.Figure, cells: Floats, edges: Floats, scale: float, place: d
     known = np.isfinite(off).all(1)
     line = np.stack([a[known], a[known] + scale * off[known], np.full_like(a[known], np.nan)], 1).reshape(-1, 2)
     style = {"color": HUES[1], "width": 1.6}
-    fig.add_scatter(
+    fig.add(
+        "scatter",
         x=line[:, 0].astype(np.float32), y=line[:, 1].astype(np.float32), mode="lines", line=style, hoverinfo="skip",
         **place,
     )  # fmt: skip
     text = [f"{np.linalg.norm(o):.3f} px" for o in off[known]]
     x, y = a[known].T.astype(np.float32)
     dot = {"size": 4, "color": HUES[1]}
-    fig.add_scatter(x=x, y=y, mode="markers", marker=dot, text=text, hovertemplate="%{text}<extra></extra>", **place)
+    fig.add("scatter", x=x, y=y, mode="markers", marker=dot, text=text, hovertemplate="%{text}<extra></extra>", **place)
 
 
 def _enlargement(length: float, width: float) -> float:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..gait.comparison import Condition, Difference, stretches
+from .drawing import Figure
 from .drawing_library import drawing_library
 from .figures_gait import KINEMATICS, KINETICS, REFERENCE_COLOUR, SIDE_COLOURS, UNITS, Panel
 from .formatting import number
@@ -123,7 +123,7 @@ def parameters_table(figures: dict[str, Any]) -> Table:
     return Table(["", *names, "difference", "its error (95 %)", ""], rows, marked=marked)
 
 
-def side_figure(curves: Sequence[ComparedCurve], side: str) -> go.Figure:
+def side_figure(curves: Sequence[ComparedCurve], side: str) -> Figure:
     """Means of both conditions; grey: what the second may be off by its error; bars below: where it is off by more."""
     by_name = {one.name[1:]: one for one in curves}
     panels = [p for p in (*KINEMATICS, *KINETICS) if p.name in by_name]

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import plotly.graph_objects as go
-
 from ..data import Detections, Rig, Tracks, Trajectories
 from ..data.array_types import GreyLevels
 from ..findings.cameras import upwards
@@ -15,6 +13,7 @@ from ..findings.trial_findings import LONG_GAP_S, inconsistent_cameras
 from ..track.simultaneous import Simultaneous
 from .ambiguous_table import ambiguous_table
 from .digitised import digitised_line, digitised_table
+from .drawing import Figure
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
@@ -130,7 +129,7 @@ def of_session(figures: Mapping[str, Any]) -> str:
 
 def figures(
     quality: dict[str, Any], rig: Rig, detections: Detections, tracks: Tracks, trajectories: Trajectories
-) -> dict[str, go.Figure]:
+) -> dict[str, Figure]:
     """All figures of the page by name."""
     return {
         "scene": scene(rig, tracks, trajectories),

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..data.array_types import Floats
 from ..planning import CameraPlan, walks
+from .drawing import Figure
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_calibration import slices_figure, space_figure
 from .formatting import measure, millimetres, number, percent
@@ -106,7 +106,7 @@ def _measured(body: dict[str, Any] | None) -> list[str]:
     return [percent(body["seen_by_2_share"]), percent(body["seen_by_3_share"]), number(body["sd_median_mm"], 2)]
 
 
-def marker_figure(body: dict[str, Any] | None) -> go.Figure:
+def marker_figure(body: dict[str, Any] | None) -> Figure:
     """Per marker of the walking body, the shares of its samples that so many cameras measure, and its σ."""
     if not body:
         return empty("The plan was made for the empty volume, without a subject.")
@@ -114,18 +114,18 @@ def marker_figure(body: dict[str, Any] | None) -> go.Figure:
     names = labels(row["marker"] for row in rows)
     fig = figure(360, showlegend=True, legend={"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0})
     for i, (key, name) in enumerate((("seen_by_2_share", "two or more"), ("seen_by_3_share", "three or more"))):
-        fig.add_bar(
-            x=names, y=[row[key] and 100 * row[key] for row in rows], name=name, marker={"color": HUES[i]},
+        fig.add(
+            "bar", x=names, y=[row[key] and 100 * row[key] for row in rows], name=name, marker={"color": HUES[i]},
             hovertemplate=f"%{{x}}: %{{y:.1f}} % by {name}<extra></extra>",
         )  # fmt: skip
-    fig.add_scatter(
-        x=names, y=[row["sd_median_mm"] for row in rows], name="σ (mm)", mode="markers", yaxis="y2",
+    fig.add(
+        "scatter", x=names, y=[row["sd_median_mm"] for row in rows], name="σ (mm)", mode="markers", yaxis="y2",
         marker={"color": HUES[2], "symbol": "diamond", "size": 9}, hovertemplate="%{x}: σ %{y:.3g} mm<extra></extra>",
     )  # fmt: skip
     title = {"text": "σ (mm)", "standoff": 10}
     side = {"overlaying": "y", "side": "right", "rangemode": "tozero", "title": title, "showgrid": False, "nticks": 5}
-    fig.update_layout(barmode="group", yaxis2=side, margin={"r": 70})
-    return fig.update_layout(yaxis={"title": {"text": "samples measured (%)"}, "range": [0, 105]})
+    fig.arrange(barmode="group", yaxis2=side, margin={"r": 70})
+    return fig.arrange(yaxis={"title": {"text": "samples measured (%)"}, "range": [0, 105]})
 
 
 def _markers(plan: CameraPlan) -> Floats:
@@ -137,10 +137,10 @@ def _markers(plan: CameraPlan) -> Floats:
     return bodies[0].xyz.reshape(-1, 3)
 
 
-def _space(figures: dict[str, Any], plan: CameraPlan) -> go.Figure:
+def _space(figures: dict[str, Any], plan: CameraPlan) -> Figure:
     """It opens on the whole laboratory, as the cameras are what is asked for."""
     fig = space_figure(figures, plan.rig, _markers(plan), called="markers of the walking body")
-    return fig.update_layout(fig.layout.updatemenus[0].buttons[1].args[0])
+    return fig.arrange(scene={"camera": fig.layout["updatemenus"][0]["buttons"][1]["args"][0]["scene.camera"]})
 
 
 def _tiles(figures: dict[str, Any]) -> list[Tile]:

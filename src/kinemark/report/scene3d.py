@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..data import Camera, Rig, Tracks, Trajectories
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
 from ..findings.markers import in_view, positions, present
+from .drawing import Figure
 from .motion3d import motion
 from .theme import FAINT, INK, figure, hue, labels
 from .thin import fullest, short
@@ -39,7 +39,7 @@ LOOSE = 1000
 HOVER = "x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm"
 
 
-def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
+def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> Figure:
     """Cameras with names and viewing directions, control volume, floor, paths, loose points, markers that move.
 
     It opens on the subject. What plays is in `layout.meta`, as `motion` describes it.
@@ -59,12 +59,12 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     _loose_points(fig, tracks)
     if len(seen):
         _markers(fig, trajectories)
-        fig.update_layout(meta={"motion": motion(trajectories, up, trace=len(fig.data) - 1)})
+        fig.arrange(meta={"motion": motion(trajectories, up, trace=len(fig.data) - 1)})
     subject = np.quantile(seen, SUBJECT, axis=0) if len(seen) else extent
     return stand_upright(fig, up, subject)
 
 
-def stand_upright(fig: go.Figure, up: int, subject: Floats, *, called: str = "subject") -> go.Figure:
+def stand_upright(fig: Figure, up: int, subject: Floats, *, called: str = "subject") -> Figure:
     """A scene with its vertical axis as Plotly's z, the only one that it turns about with the floor level.
 
     The other axes keep their order, so that nothing is mirrored. Places are given to Plotly's camera in its own units:
@@ -77,10 +77,10 @@ def stand_upright(fig: go.Figure, up: int, subject: Floats, *, called: str = "su
     """
     order = [(up + 1) % 3, (up + 2) % 3, up]
     for trace in fig.data:
-        values = [trace.x, trace.y, trace.z]
-        trace.update(dict(zip("xyz", (values[axis] for axis in order), strict=True)))
-        if trace.hovertemplate:
-            trace.hovertemplate = trace.hovertemplate.replace(HOVER, _hover(order))
+        values = [trace["x"], trace["y"], trace["z"]]
+        trace.update(zip("xyz", (values[axis] for axis in order), strict=True))
+        if "hovertemplate" in trace:
+            trace["hovertemplate"] = trace["hovertemplate"].replace(HOVER, _hover(order))
     places = np.array([[_ends(trace[axis]) for axis in "xyz"] for trace in fig.data])
     low, high = places[..., 0].min(0), places[..., 1].max(0)
     width = np.maximum(high - low, 1.0)
@@ -89,7 +89,7 @@ def stand_upright(fig: go.Figure, up: int, subject: Floats, *, called: str = "su
     look = {"background": "#F7F9FA", "grid": "#DDE3E8"}
     axes = {
         f"{plotted}axis": {
-            "title": f"{'xyz'[axis]} (mm)",
+            "title": {"text": f"{'xyz'[axis]} (mm)"},
             "range": [low[k], high[k]],
             "backgroundcolor": look["background"],
             "gridcolor": look["grid"],
@@ -106,7 +106,7 @@ def stand_upright(fig: go.Figure, up: int, subject: Floats, *, called: str = "su
     ]
     place = {"x": 0, "y": 1.0, "xanchor": "left", "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
     menu = {"type": "buttons", "direction": "right", "showactive": False, "buttons": buttons, **place}
-    return fig.update_layout(scene=scene, updatemenus=[menu])
+    return fig.arrange(scene=scene, updatemenus=[menu])
 
 
 def view_of(box: Floats, middle: Floats, unit: float) -> dict[str, Any]:
@@ -153,19 +153,19 @@ def extent_of(*places: Floats) -> Floats:
     return np.array([np.minimum(extent[0], 0.0), np.maximum(extent[1], 0.0)]) if near else extent
 
 
-def draw_floor(fig: go.Figure, extent: Floats, up: int) -> None:
+def draw_floor(fig: Figure, extent: Floats, up: int) -> None:
     """The level plane through the world's origin, or below all that is drawn where the origin is far off."""
     (a0, b0, c0), (a1, b1, c1) = np.roll(extent, 2 - up, axis=1)
     level = 0.0 if c0 <= 0 <= c1 else c0
     corner = np.array([[a0, b0, level], [a1, b0, level], [a1, b1, level], [a0, b1, level]])
     x, y, z = np.roll(corner, up - 2, axis=1).T
-    fig.add_mesh3d(
-        x=x, y=y, z=z, i=[0, 0], j=[1, 2], k=[2, 3],
+    fig.add(
+        "mesh3d", x=x, y=y, z=z, i=[0, 0], j=[1, 2], k=[2, 3],
         color="#B8C2CC", opacity=0.25, hoverinfo="skip", showlegend=False,
     )  # fmt: skip
 
 
-def draw_box(fig: go.Figure, volume: Floats) -> None:
+def draw_box(fig: Figure, volume: Floats) -> None:
     """Its twelve edges in one line with breaks."""
     corner = np.array([[volume[i, 0], volume[j, 1], volume[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     edges = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b) in (1, 2, 4)]
@@ -173,7 +173,7 @@ def draw_box(fig: go.Figure, volume: Floats) -> None:
     draw_line(fig, line, FAINT, name="control volume", width=3, dash="dash", showlegend=True, hoverinfo="name")
 
 
-def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Floats, *, name: str) -> None:
+def draw_camera(fig: Figure, camera: Camera, colour: str, target: Floats, *, name: str) -> None:
     """Pyramid, name and the line along its axis to beside the subject."""
     distance = float(np.linalg.norm(target - camera.centre)) or 1000.0
     ring = corners(camera, 0.15 * distance)
@@ -183,14 +183,14 @@ def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Floats, *, 
     axis = camera.R[2] * max(0.3 * distance, float(camera.R[2] @ (target - camera.centre)))
     draw_line(fig, np.array([camera.centre, camera.centre + axis]), colour, width=2, opacity=0.45, hoverinfo="skip")
     x, y, z = camera.centre
-    fig.add_scatter3d(
-        x=[x], y=[y], z=[z], mode="markers+text", text=[f"<b>{name}</b>"], textposition="top center",
+    fig.add(
+        "scatter3d", x=[x], y=[y], z=[z], mode="markers+text", text=[f"<b>{name}</b>"], textposition="top center",
         textfont={"color": colour, "size": 13}, marker={"color": colour, "size": 4}, showlegend=False,
         hovertemplate=f"%{{text}}<br>{HOVER}<extra></extra>",
     )  # fmt: skip
 
 
-def _paths(fig: go.Figure, trajectories: Trajectories) -> None:
+def _paths(fig: Figure, trajectories: Trajectories) -> None:
     """A line a marker, of the fullest ones; the others together, in grey."""
     some, others = fullest(trajectories)
     names = labels(some.names)
@@ -217,19 +217,20 @@ def _joined(trajectories: Trajectories) -> Floats:
     return np.concatenate(broken) if broken else np.zeros((0, 3))
 
 
-def _loose_points(fig: go.Figure, tracks: Tracks) -> None:
+def _loose_points(fig: Figure, tracks: Tracks) -> None:
     """Points in no track, faint: ghosts and reflections stand where they arise; hidden until asked for."""
     xyz = tracks.cloud.xyz[(tracks.id < 0) & np.isfinite(tracks.cloud.xyz).all(axis=1)]
     if not len(xyz):
         return
     x, y, z = short(xyz[:: -(-len(xyz) // LOOSE)].T)
-    fig.add_scatter3d(
+    fig.add(
+        "scatter3d",
         x=x, y=y, z=z, mode="markers", name="points in no track", marker={"size": 2, "color": FAINT, "opacity": 0.6},
         visible="legendonly", hovertemplate=HOVER,
     )  # fmt: skip
 
 
-def _markers(fig: go.Figure, trajectories: Trajectories) -> None:
+def _markers(fig: Figure, trajectories: Trajectories) -> None:
     """Dots at the fullest frame nearest to the middle of the time in view."""
     xyz, middle = positions(trajectories), sum(in_view(trajectories)) / 2
     there = present(trajectories)
@@ -238,15 +239,15 @@ def _markers(fig: go.Figure, trajectories: Trajectories) -> None:
     f = int(full[np.abs(full - middle).argmin()])
     rows = np.flatnonzero(there[:, f])
     x, y, z = xyz[rows, f].T
-    fig.add_scatter3d(
-        x=x, y=y, z=z, mode="markers", name=f"markers at {trajectories.time[f]:.2f} s",
+    fig.add(
+        "scatter3d", x=x, y=y, z=z, mode="markers", name=f"markers at {trajectories.time[f]:.2f} s",
         marker={"size": 4, "color": INK}, text=labels(trajectories.names[m] for m in rows),
         hovertemplate=f"%{{text}}<br>{HOVER}<extra></extra>",
     )  # fmt: skip
 
 
-def draw_line(fig: go.Figure, xyz: Floats, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
+def draw_line(fig: Figure, xyz: Floats, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
     """A line through points (n, 3) mm, broken where they are NaN."""
     x, y, z = short(xyz.T)
     style = {"color": colour, "width": width, "dash": dash}
-    fig.add_scatter3d(x=x, y=y, z=z, mode="lines", line=style, **{"showlegend": False, **more})
+    fig.add("scatter3d", x=x, y=y, z=z, mode="lines", line=style, **{"showlegend": False, **more})

@@ -1,7 +1,6 @@
 """Curves over the stride, in rows of three panels: what a gait page draws, as the parts that Plotly takes.
 
-A part (line, band, upright, words) is a value that names its panel; `stride_figure` puts all of them into one figure at
-once, as adding them one by one takes Plotly seconds.
+A part (line, band, upright, words) is a value that names its panel; `stride_figure` puts all of them into one figure.
 """
 
 from __future__ import annotations
@@ -10,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ..data.array_types import Floats
 from ..findings.plain import runs
-from .panels import domains, panel, panels
+from .drawing import Figure
+from .panels import domains, panel, panels, within
 from .theme import FAINT
 
 COLUMNS = 3
@@ -34,7 +33,7 @@ def stride_figure(
     *,
     heads: Sequence[str] = (),
     axes: Mapping[int, tuple[Part, Part]] | None = None,
-) -> go.Figure:
+) -> Figure:
     """Panels with a stride below the lowest of each column, and their parts.
 
     Args:
@@ -48,10 +47,13 @@ def stride_figure(
     both = [_axes(i in lowest, more.get(i, ({}, {}))) for i in range(len(titles))]
     fig = panels(
         60 + 190 * rows, (rows, COLUMNS), both, titles=titles, title_font=SMALL, gaps=gaps_of(len(titles)),
-        notes=[*map(_head, range(len(heads)), heads), *notes], shapes=list(shapes),
+        notes=[*map(_head, range(len(heads)), heads), *notes],
         margin={"l": 44, "r": 24, "t": 78 if heads else 40, "b": 44},
     )  # fmt: skip
-    return fig.add_traces(list(traces))
+    fig.data.extend(traces)
+    for shape in shapes:
+        fig.shape(**shape)
+    return fig
 
 
 def gaps_of(count: int) -> tuple[float, float]:
@@ -89,10 +91,8 @@ def band(low: Floats, high: Floats, colour: str, i: int) -> list[Part]:
 
 def upright(x: float, colour: str, i: int) -> Part:
     """A dashed line from the lower to the upper edge of the i-th panel, at x percent of the stride."""
-    at = panel(i)
     look = {"color": colour, "width": 0.8, "dash": "dash"}
-    span = {"x0": x, "x1": x, "y0": 0, "y1": 1, "xref": at["xaxis"], "yref": f"{at['yaxis']} domain"}
-    return {"type": "line", "line": look, **span}
+    return {"type": "line", "line": look, "x0": x, "x1": x, "y0": 0, "y1": 1, **within(i, "y")}
 
 
 def directions(up: str, down: str, i: int) -> list[Part]:

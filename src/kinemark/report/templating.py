@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import plotly.graph_objects as go
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from ..io.files import replacing
+from .drawing import Figure
 from .words import TAGS, advice_of, headline_of, sentences_of, text_of
 
 
@@ -58,6 +58,6 @@ def write_text(path: Path | str, text: str) -> None:
 
 def _as_json(value: Any) -> str:
     """A figure as Plotly reads it, or plain data; the filter `tojson` makes it harmless inside a script."""
-    if isinstance(value, go.Figure):
-        return str(value.to_json())
+    if isinstance(value, Figure):
+        return value.to_json()
     return json.dumps(value, separators=(",", ":"))

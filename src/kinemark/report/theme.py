@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
-import plotly.graph_objects as go
+from .drawing import Figure, merged
 
 HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#4D4D4D")
 SHADES = ((0, 0.0), (0, 0.45), (255, 0.45))
@@ -87,10 +87,14 @@ def axis_style() -> dict[str, Any]:
     }
 
 
-def figure(height: int, **layout: Any) -> go.Figure:
+def even_scale(*colours: str) -> list[list[Any]]:
+    """A colour scale on which these are evenly spaced."""
+    return [[i / (len(colours) - 1), colour] for i, colour in enumerate(colours)]
+
+
+def figure(height: int, **layout: Any) -> Figure:
     """An empty figure in the house style, `height` px high."""
     base = {
-        "template": "none",
         "height": height,
         "margin": {"l": 60, "r": 20, "t": 24, "b": 48},
         "paper_bgcolor": PAPER,
@@ -102,17 +106,10 @@ def figure(height: int, **layout: Any) -> go.Figure:
         "legend": {"itemsizing": "constant", "font": {"size": 12}},
         "showlegend": False,
     }
-    return go.Figure(layout=_merged(base, layout))
+    return Figure(layout=merged(base, layout))
 
 
-def _merged(base: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
-    """Both, what is in a dict of both put together; faster than Plotly's `update_layout` by tens of milliseconds."""
-    dicts = (key for key in base.keys() & more.keys() if isinstance(base[key], dict) and isinstance(more[key], dict))
-    both = {key: _merged(base[key], more[key]) for key in dicts}
-    return {**base, **more, **both}
-
-
-def empty(message: str) -> go.Figure:
+def empty(message: str) -> Figure:
     """A low frame that says why there is nothing to draw."""
     blank = figure(110, xaxis={"visible": False}, yaxis={"visible": False})
-    return blank.add_annotation(text=message, showarrow=False, font={"color": FAINT, "size": 14}, x=0.5, y=0.5)
+    return blank.annotate(text=message, showarrow=False, font={"color": FAINT, "size": 14}, x=0.5, y=0.5)

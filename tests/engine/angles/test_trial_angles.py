@@ -23,6 +23,7 @@ from kinemark.report.drawing_library import library_name
 from kinemark.report.figures_angles import joint_figure
 from kinemark.report.stick import MOST_FRAMES, stick_data
 from kinemark.synth.arm import arm
+from support.drawings import checked
 from support.findings import found, kinds
 from support.schema import check_findings
 from support.shared import shared_data
@@ -183,7 +184,7 @@ def test_ranges_locks_and_joints_without_frames_are_told():
     assert "gimbal_lock" in kinds(result.figures, "amber") and result.figures["verdict"]["grade"] == "amber"
     table = next(row for row in result.figures["angles"] if row["joint"] == "elbow" and row["positive"] == "flexion")
     assert table["frames"] == 300 and table["outside_frames"] > 0  # marked, not hidden
-    shapes = joint_figure(result.angles, result.model, 1).layout.shapes
+    shapes = checked(joint_figure(result.angles, result.model, 1)).layout.shapes
     assert sum(shape.type == "line" and shape.y0 == 100.0 for shape in shapes) == 1  # the limit of flexion
     assert sum(shape.type == "rect" for shape in shapes) == 2 * len(result.figures["joints"][1]["locked"])
     blind = replace(trial, trajectories=replace(trial.trajectories, paths=tuple(

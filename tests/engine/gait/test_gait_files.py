@@ -20,6 +20,7 @@ from kinemark.io.notes import file_note_text
 from kinemark.io.trial import read_trial
 from kinemark.report.figures_gait import KINEMATICS, panels_figure
 from kinemark.synth import WalkingBody, gait_laboratory, walking
+from support.drawings import check_page
 from support.plug_in_gait import ADULT
 from support.shared import shared_data
 
@@ -89,6 +90,7 @@ def test_a_walk_gives_page_tables_figures_and_a_file(walk):
     assert speed == pytest.approx(1100, rel=0.02)
     page = (found.folder / "gait.html").read_text()
     assert "Knee flexion" in page and "walking speed" in page and "Harmonics of the stride" in page
+    assert check_page(page)
     assert figures["harmonics"]["stride_hz"]["left"] == pytest.approx(
         figures["time_distance"]["left"]["cadence"]["mean"] / 120, rel=0.01
     )

@@ -68,6 +68,13 @@ def test_a_page_goes_from_one_way_to_the_other_and_back(tmp_path):
     relink(tmp_path / "absent.html", assets, self_contained=True)
 
 
+def test_a_page_that_shares_the_library_is_not_searched_for_it(tmp_path, monkeypatch):
+    page, assets = tmp_path / "walk01/report.html", tmp_path / ASSETS
+    written(page, assets)
+    monkeypatch.setattr("kinemark.report.drawing_library.inside", lambda: pytest.fail("4.8 MB for nothing"))
+    relink(page, assets, self_contained=False)
+
+
 def test_pages_in_the_results_of_a_session_share_its_library(tmp_path):
     assert assets_for(tmp_path / "walk01_angles") == tmp_path / "walk01_angles" / ASSETS
     drawing_library(tmp_path / "calibration.html", tmp_path / ASSETS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
@@ -57,13 +58,14 @@ def relink(page: Path, assets: Path, *, self_contained: bool) -> None:
     """
     if not page.is_file():
         return
-    shared = drawing_library(page, assets) if not self_contained else _linked(page, assets / library_name())
-    old, new = (render("library.html", library=way) for way in (shared, inside()))
-    if not self_contained:
-        old, new = new, old
-    text = page.read_text("utf-8")
-    if old in text:
-        write_text(page, text.replace(old, new))
+    way = drawing_library(page, assets) if not self_contained else _linked(page, assets / library_name())
+    shared, text = render("library.html", library=way), page.read_text("utf-8")
+    if (shared in text) != self_contained:
+        return  # before the library, of some MB, is looked at
+    whole = render("library.html", library=inside())
+    again = text.replace(shared, whole) if self_contained else text.replace(whole, shared)
+    if again != text:
+        write_text(page, again)
 
 
 def self_contained(page: Path, assets: Path) -> str:
@@ -82,10 +84,15 @@ def _linked(page: Path, file: Path) -> DrawingLibrary:
 
 def _put(file: Path) -> None:
     """Write the library, whole or not at all; a file that is whole stays."""
-    text = get_plotlyjs().encode()
-    if not file.is_file() or file.stat().st_size != len(text):
+    if not file.is_file() or file.stat().st_size != _size():
         with replacing(file) as beside:
-            beside.write_bytes(text)
+            beside.write_bytes(get_plotlyjs().encode())
+
+
+@cache
+def _size() -> int:
+    """Of the library, bytes."""
+    return len(get_plotlyjs().encode())
 
 
 def assets_for(folder: Path) -> Path:

@@ -43,6 +43,8 @@ MISFIT = 0.45
 were bumped by 12 px 23 had -0.15 to 0.32, those bumped along the lines of others 0.6 to 0.8."""
 SURE = 5.0
 """Standard deviations of chance that n of the other cameras must be; chosen."""
+AT_ONCE = 1 << 14
+"""Points that are projected together; chosen for memory."""
 STEP, MIDDLE = 2.0, 30
 """px between the d that are looked at, chosen: a box of three by three holds the images of one marker; and how many
 there are to either side, chosen: by a turn of some 3°."""
@@ -137,8 +139,8 @@ def stands_apart(offset: Floats | None, others: Images) -> bool:
 def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:
     """S of a camera; None where too few points are in its view."""
     cloud = tracks.cloud
-    uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
-    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
+    uv, has = _projected(images.P[c : c + 1], cloud.xyz), cloud.detection >= 0
+    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & (has.sum(1) - has[:, c] >= 2)
     if inside.sum() < LEAST_POINTS or len(np.unique(tracks.id[inside])) < LEAST_MARKERS:
         return None
     rows = np.flatnonzero(inside)
@@ -150,6 +152,13 @@ def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:
     u, v = (int(k) for k in np.unravel_index(int(beside.argmax()), shares.shape))
     clear = beside[u, v] > STANDS_OUT * np.where(_around(beside, u, v), 0.0, beside).max()
     return Peaks(here, float(beside[u, v]), bool(clear), STEP * (np.array([u, v]) - MIDDLE))
+
+
+def _projected(P: Floats, xyz: Floats) -> Floats:
+    """(P, 2) px of points (P, 3) mm in the camera P (1, 3, 4), some at once: what else is predicted takes memory."""
+    parts = np.array_split(xyz, -(-len(xyz) // AT_ONCE) or 1)
+    uv = [predict_images(P, KalmanStates(part.T, np.zeros((3, 3, len(part))))).uv[0].T for part in parts]
+    return np.concatenate(uv)
 
 
 def _steps(tracks: Tracks, uv: Floats) -> Floats:

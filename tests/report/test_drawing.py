@@ -4,6 +4,8 @@ The pages of gait are looked at in `tests/gait/test_comparison.py` and `tests/en
 """
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import plotly.graph_objects as go
@@ -19,6 +21,17 @@ from support.pages import PAGES
 def test_plotly_knows_all_that_a_page_draws(page):
     drawn = check_page(PAGES[page]("plain"))
     assert bool(drawn) == (page != "gaps"), "gaps are drawn without Plotly"
+
+
+def test_pages_are_written_without_plotlys_objects():
+    """They take a tenth of a second to load, and check every value."""
+    modules = ("page", "calibration_page", "sensitivity_page", "angles_page", "gait_page", "gait_comparison_page")
+    code = "; ".join(f"import kinemark.report.{name}" for name in modules)
+    code += (
+        "; import sys; print([m for m in ('plotly.basedatatypes', 'plotly.subplots', 'narwhals') if m in sys.modules])"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == "[]"
 
 
 def test_a_wrong_key_a_wrong_value_and_another_spelling_are_seen():

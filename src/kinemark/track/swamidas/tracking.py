@@ -139,9 +139,7 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
         active = advance(active, taken, points, sd=known.sd, process_sd=process_sd)
         with_points += len(points) > 0
         if method.initiate_from == "any" or with_points <= INITIATION_FRAMES:
-            new = np.flatnonzero(mine < 0)
-            mine[new], why[new] = int(identity.max(initial=-1)) + 1 + np.arange(len(new)), Constraint.BEGIN
-            active = initiate(active, mine[new], points[new])
+            active = _begun(active, mine, why, points, int(identity.max(initial=-1)) + 1)
         active = active.keep(active.missed <= max_missed)
         known.learn(mine, points, learning_frames, method)
         if guide:
@@ -149,6 +147,13 @@ def _forward(cloud: Cloud, method: Swamidas) -> SwamidasResult:
             guide.advance(frames[-1].id, said, mine, points)
     use = ModelUse(guide.track is not None, missing, placed) if guide else None
     return SwamidasResult(Tracks(cloud, identity), by, frames, use)
+
+
+def _begun(active: ActiveSwamidasTracks, mine: Ints, why: Ints, points: Floats, first: int) -> ActiveSwamidasTracks:
+    """The tracks and those that points of no track begin, numbered from `first`; noted in mine and why (n)."""
+    new = np.flatnonzero(mine < 0)
+    mine[new], why[new] = first + np.arange(len(new)), Constraint.BEGIN
+    return initiate(active, mine[new], points[new])
 
 
 def _with_model(cloud: Cloud, method: Swamidas) -> Swamidas:

@@ -32,13 +32,12 @@ class SpikeCause(NamedTuple):
     """Where an angle leapt and why.
 
     Attributes:
-        at: index of the frame, from 0. off_deg: how far the angle is from its own bridge there, deg.
+        at: index of the frame, from 0.
         marker: the one that made it, as the trial calls it; change_deg: by how much the angle is less without its leap.
         others: the other markers and what they change, deg, the largest first.
     """
 
     at: int
-    off_deg: float
     marker: str
     change_deg: float
     others: tuple[tuple[str, float], ...]
@@ -85,7 +84,7 @@ def spike_cause(
         changed = float(_turned(deg[at] - angle(replace(window, paths=paths))[at]))
         changes[path.name] = abs(changed) if np.isfinite(changed) else 0.0
     order = sorted(changes.items(), key=lambda one: -one[1])  # (2)
-    return SpikeCause(at + start, float(off[at]), *order[0], tuple(order[1:]))
+    return SpikeCause(at + start, *order[0], tuple(order[1:]))
 
 
 def _cut(trajectories: Trajectories, start: int, stop: int) -> Trajectories:

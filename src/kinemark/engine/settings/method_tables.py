@@ -6,7 +6,7 @@ All that there is to say of a method is declared beside its function (`data.meth
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, cast
+from typing import Any
 
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
@@ -39,11 +39,6 @@ COMMON: dict[str, tuple[Parameter, ...]] = {
 
 WHOLE: dict[str, type[Any]] = {"label": Labelling, "fill": Filling}
 """Of stages that have parameters besides those of their methods, what holds both."""
-
-
-def filling_of(table: dict[str, Any]) -> Filling:
-    """What `[fill]` says: see `whole_of`."""
-    return cast(Filling, whole_of("fill", table))
 
 
 def whole_of(stage: str, table: dict[str, Any]) -> Any:

@@ -9,9 +9,9 @@ from typing import Any
 
 from ...data import KinemarkError
 from ...data.method import Declaration, Parameter, Stage
+from ...data.nearest_word import are, guess
 from ...data.parameter import ONE
 from .method_tables import COMMON, STAGES
-from .suggestions import are, guess
 
 WIDTH = 118
 """Of a line on the terminal, characters; chosen."""

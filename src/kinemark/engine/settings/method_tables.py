@@ -13,6 +13,7 @@ from typing_extensions import TypedDict
 
 from ...calibrate import CALIBRATE
 from ...data.method import Declaration, Parameter, Stage, parameters_of
+from ...data.nearest_word import are, guess
 from ...detect import DETECT
 from ...digitise import DIGITISE
 from ...fill import FILL, Filling
@@ -21,7 +22,6 @@ from ...label import LABEL, Labelling
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT
 from ...track import TRACK
-from .suggestions import are, guess
 
 STAGES: dict[str, Stage] = {
     stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, LABEL, FILL, DIGITISE, ANGLES, SMOOTH)

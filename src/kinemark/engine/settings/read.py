@@ -10,9 +10,9 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from ...data import KinemarkError
+from ...data.nearest_word import are, guess
 from .overrides import overridden
 from .session_file import Settings
-from .suggestions import are, guess
 
 ADVICE = "A session is a folder with a session.toml, saved as UTF-8; kinemark init FOLDER writes a first one."
 

@@ -153,15 +153,15 @@ def _common_shift(
     """(2,) px; the densest place among differences of detections from all marks, if there is any."""
     frames = np.unique(np.linspace(0, detections.n_frames - 1, MOST_FRAMES).astype(int))
     uv = np.concatenate([detections[c, f] for f in frames if f >= 0] or [np.zeros((0, 2))])
-    off = (uv[:, None] - places[np.isfinite(places[:, 0])]).reshape(-1, 2)
-    off = off[np.linalg.norm(off, axis=1) <= reach]
-    if len(off) == 0:
+    offset = (uv[:, None] - places[np.isfinite(places[:, 0])]).reshape(-1, 2)
+    offset = offset[np.linalg.norm(offset, axis=1) <= reach]
+    if len(offset) == 0:
         return None
-    tree = scipy.spatial.KDTree(off)
-    many = tree.query_ball_point(off, still, return_length=True)
-    good = off[many >= NEARLY_AS_MANY * many.max()]
+    tree = scipy.spatial.KDTree(offset)
+    many = tree.query_ball_point(offset, still, return_length=True)
+    good = offset[many >= NEARLY_AS_MANY * many.max()]
     nearest = good[np.linalg.norm(good, axis=1).argmin()]
-    return np.asarray(np.median(off[tree.query_ball_point(nearest, still)], axis=0))
+    return np.asarray(np.median(offset[tree.query_ball_point(nearest, still)], axis=0))
 
 
 def _shift_of(name: str, moved: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
@@ -182,11 +182,11 @@ def _shift_of(name: str, moved: NDArray[np.float64], tolerance: float) -> NDArra
 
 def _spread(moved: NDArray[np.float64], shift: NDArray[np.float64]) -> float:
     """(3) over all frames (F, K, 2); NaN where no frame has two marks."""
-    off = moved - shift[:, None]
-    seen = np.isfinite(off[..., 0]) & np.isfinite(off[..., 1])
+    residual = moved - shift[:, None]
+    seen = np.isfinite(residual[..., 0]) & np.isfinite(residual[..., 1])
     both = seen.sum(1) >= 2
     freedom = int((seen[both].sum(1) - 1).sum())
-    return float(np.sqrt(np.nansum(off[both] ** 2) / freedom)) if freedom else float("nan")
+    return float(np.sqrt(np.nansum(residual[both] ** 2) / freedom)) if freedom else float("nan")
 
 
 def _disagreement(

@@ -66,10 +66,10 @@ class RefinedByRays(NamedTuple):
 
 
 class _RayImages(NamedTuple):
-    """Of one camera and L frames: detection index of the image that fits, −1: none; off (L, 2) px; J and S of (1)."""
+    """Of one camera and L frames: index of the image that fits, −1: none; its innovation (L, 2) px; J and S of (1)."""
 
     detection: NDArray[np.int64]
-    off: Floats
+    innovation: Floats
     J: Floats
     S: Floats
 
@@ -91,7 +91,7 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> RefinedByRays
             continue
         J, P = found.J[rows], cov[rows]
         gain = P @ J.transpose(0, 2, 1) @ np.linalg.inv(found.S[rows])
-        xyz[rows] += (gain @ found.off[rows, :, None])[..., 0]  # (3)
+        xyz[rows] += (gain @ found.innovation[rows, :, None])[..., 0]  # (3)
         P = P - gain @ J @ P
         cov[rows] = (P + P.transpose(0, 2, 1)) / 2
         detection[rows, c] = found.detection[rows]
@@ -102,7 +102,7 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
     """The images of a camera that count."""
     seen = rays.detections
     n = len(xyz)
-    detection, off = np.full(n, -1), np.full((n, 2), np.nan)
+    detection, innovation = np.full(n, -1), np.full((n, 2), np.nan)
     known = np.asarray(np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2)))
     safe = np.where(known[:, None], xyz, camera.centre + camera.R[2] * 1000)
     uv, J = project(camera, safe), point_jacobian(camera, safe)
@@ -121,9 +121,9 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
         squared = (difference * np.linalg.solve(JPJ[i] + noise, difference[..., None])[..., 0]).sum(1)
         near = np.flatnonzero(squared < GATE)  # (1)
         if len(near) == 1:
-            detection[i], off[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
+            detection[i], innovation[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
     detection[~_lasting(detection >= 0)] = -1
-    return _RayImages(detection, off, J, S)
+    return _RayImages(detection, innovation, J, S)
 
 
 def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:

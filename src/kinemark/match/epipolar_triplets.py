@@ -200,10 +200,10 @@ def _neighbours(edges: TripletEdges, n: int, n_cameras: int) -> tuple[Ints, Ints
 
 def _nearest(xyz: Floats, candidates: Ints, uv: Floats, P: Floats, radius: float) -> Ints:
     """Of candidates (H, k) the one nearest to the projection of xyz (H, 3), if within the radius, else −1."""
-    off = _squared(uv[candidates], _project(xyz, P)[:, None])
-    off = np.where((candidates >= 0) & (off < radius**2), off, np.inf)
-    best = off.argmin(1)[:, None]
-    found = np.isfinite(np.take_along_axis(off, best, 1))
+    squared = _squared(uv[candidates], _project(xyz, P)[:, None])
+    squared = np.where((candidates >= 0) & (squared < radius**2), squared, np.inf)
+    best = squared.argmin(1)[:, None]
+    found = np.isfinite(np.take_along_axis(squared, best, 1))
     return np.where(found, np.take_along_axis(candidates, best, 1), -1)[:, 0]
 
 

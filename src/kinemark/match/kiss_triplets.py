@@ -132,8 +132,8 @@ def crossings(rig: Rig) -> Floats:
     """(C, C) sine of the angle between two cameras' lines of sight to the point nearest to all optical axes."""
     along = np.array([camera.R[2] for camera in rig])
     across = np.eye(3) - along[:, :, None] * along[:, None]
-    middle = np.linalg.lstsq(across.sum(0), (across @ rig.centres[..., None]).sum(0)[:, 0])[0]
-    sight = middle - rig.centres
+    centre = np.linalg.lstsq(across.sum(0), (across @ rig.centres[..., None]).sum(0)[:, 0])[0]
+    sight = centre - rig.centres
     sight /= np.linalg.norm(sight, axis=1, keepdims=True)
     return np.linalg.norm(np.cross(sight[:, None], sight), axis=-1)
 
@@ -232,7 +232,7 @@ def _joined(frame: TripletFrame, marker: list[int], ranked: Ranked, radius: floa
             continue
         lines = [frame.lines[s][image] for image in marker]
         u, v = _meet(*max(combinations(lines, 2), key=lambda two: abs(_steepness(*two))))
-        off, best = min((hypot(u - frame.uv[j][0], v - frame.uv[j][1]), j) for j in images)
-        if off < radius:
+        distance, best = min((hypot(u - frame.uv[j][0], v - frame.uv[j][1]), j) for j in images)
+        if distance < radius:
             joined.append(best)
     return joined

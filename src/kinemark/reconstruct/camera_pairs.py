@@ -95,13 +95,13 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
     area = np.where(seen, detections.area[matches.detection], np.nan)
     cov = centroid_cov(detections.cov[matches.detection], rig, xyz, uv, method.centroid_sd)
     cov = cov + (hidden_variance(rig, xyz, area) + method.model_sd**2)[..., None, None] * np.eye(2)
-    off = uv - np.stack([project(camera, xyz) for camera in rig], 1)
+    residual = uv - np.stack([project(camera, xyz) for camera in rig], 1)
     cloud = Cloud(
         rate=detections.rate,
         start=np.searchsorted(matches.frame, np.arange(matches.n_frames + 1)),
         xyz=xyz,
-        cov=_covariance(rig, xyz, kept, off, cov),
-        residual=np.sqrt(np.nansum(off**2, axis=(1, 2)) / np.maximum(seen.sum(1), 1)),
+        cov=_covariance(rig, xyz, kept, residual, cov),
+        residual=np.sqrt(np.nansum(residual**2, axis=(1, 2)) / np.maximum(seen.sum(1), 1)),
         detection=matches.detection,
     )
     margin = method.volume_margin if method.within_volume else None
@@ -155,7 +155,7 @@ def _mean(each: Floats, kept: Bools) -> Floats:
         return np.asarray(total / kept.sum(1)[:, None])
 
 
-def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) -> Floats:
+def _covariance(rig: Rig, xyz: Floats, kept: Bools, residual: Floats, cov: Floats) -> Floats:
     """(P, 3, 3) mm², of the mean of the solutions kept (7), widened by (8)."""
     pull, normal, image = _pair_terms(rig, xyz, cov)
     H = np.zeros_like(pull)  # (P, C, 3, 2)
@@ -167,7 +167,7 @@ def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) ->
             H[own, c] += inverse @ pull[own, c]  # (6)
             used[own, c] = True
     H /= np.maximum(kept.sum(1), 1)[:, None, None, None]
-    squared = (off * np.linalg.solve(image, off[..., None])[..., 0]).sum(-1)
+    squared = (residual * np.linalg.solve(image, residual[..., None])[..., 0]).sum(-1)
     usual = 2 * scipy.special.gammaincinv(np.maximum(used.sum(1) - 1.5, 0.5), 0.95)
     widened = np.maximum(np.sum(squared, axis=1, where=used) / usual, 1.0)  # (8)
     part = H @ image @ H.swapaxes(-1, -2)

@@ -126,8 +126,10 @@ def refine_phase(
     weight = np.where(np.isnan(y), 0.0, 1 / spread)
     y = np.nan_to_num(y)
     for _ in range(rounds):
-        off, slope = weight * (y - template(phase)), weight * template.slope(phase)
-        gradient = INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, off) - _smoothness_gradient(phase, cycle)
+        residual, slope = weight * (y - template(phase)), weight * template.slope(phase)
+        gradient = INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, residual) - _smoothness_gradient(
+            phase, cycle
+        )
         try:
             step = np.asarray(
                 scipy.linalg.solveh_banded(_matrix(_information(slope, cycle), cycle), gradient, lower=True)
@@ -137,8 +139,8 @@ def refine_phase(
         phase = phase + step.clip(-0.05, 0.05)
         if np.abs(step).max() < 1e-5:
             break
-    off = weight * (y - template(phase))
-    return CyclePhase(phase, float((off**2).sum() / max((weight > 0).sum(), 1)))
+    residual = weight * (y - template(phase))
+    return CyclePhase(phase, float((residual**2).sum() / max((weight > 0).sum(), 1)))
 
 
 def _smoothness_gradient(phase: Floats, cycle: float) -> Floats:

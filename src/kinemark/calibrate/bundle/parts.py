@@ -48,10 +48,10 @@ class Sticks:
 
     def tangents(self) -> Floats:
         """(n, K, 3, 5) of (2)."""
-        turns = perpendicular_pair(self.direction)
+        perpendicular = perpendicular_pair(self.direction)
         J = np.zeros((len(self.centre), len(self.along), 3, 5))
         J[..., :3] = np.eye(3)
-        J[..., 3:] = self.along[:, None, None] * turns[:, None]
+        J[..., 3:] = self.along[:, None, None] * perpendicular[:, None]
         return J
 
     def moved(self, step: Floats) -> Sticks:
@@ -115,9 +115,9 @@ class FreePoints:
         """(3): its share of the normal matrix (n, 3, 3), of the right side (n, 3) and of χ²."""
         if self.surveyed is None or self.information is None:
             return _nothing(len(self.at), 3)
-        off = self.surveyed - self.at
-        pull = np.einsum("nij,nj->ni", self.information, off)
-        return self.information, pull, float((off * pull).sum())
+        difference = self.surveyed - self.at
+        pull = np.einsum("nij,nj->ni", self.information, difference)
+        return self.information, pull, float((difference * pull).sum())
 
     def supported(self, views: NDArray[np.int64]) -> Bools:
         """(n) whether they are seen often enough, from how many cameras see each (n, 1)."""
@@ -213,8 +213,8 @@ def sticks_through(xyz: Floats, along: Floats) -> Sticks:
     n = np.maximum(there.sum(1), 1)
     s = np.where(there, along, 0.0)
     s_mean, mean = s.sum(1) / n, np.where(there[..., None], xyz, 0.0).sum(1) / n[:, None]
-    off = np.where(there, along - s_mean[:, None], 0.0)
-    direction = (off[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
+    centred = np.where(there, along - s_mean[:, None], 0.0)
+    direction = (centred[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
     length = np.linalg.norm(direction, axis=1)
     direction = direction / np.where((there.sum(1) >= 2) & (length > 0), length, np.nan)[:, None]
     return Sticks(mean - s_mean[:, None] * direction, direction, np.asarray(along, np.float64))

@@ -219,8 +219,8 @@ def rows_of_points(
     length = np.linalg.norm(d, axis=1)
     pairs, a, d, length = (x[length > 0] for x in (pairs, a, d, length))
     offset = uv[None] - a[:, None]
-    off_line = np.abs(offset[..., 0] * d[:, None, 1] - offset[..., 1] * d[:, None, 0]) / length[:, None]
-    near = off_line <= tolerance
+    distance = np.abs(offset[..., 0] * d[:, None, 1] - offset[..., 1] * d[:, None, 0]) / length[:, None]
+    near = distance <= tolerance
     near = np.unique(near[(near.sum(1) >= fewest) & (near.sum(1) <= most)], axis=0)
     return [_in_order(uv, np.flatnonzero(row)) for row in near]
 
@@ -323,8 +323,8 @@ def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float,
     return fit.camera if _rms(fit.residual) <= tolerance else None
 
 
-def _rms(off: NDArray[np.float64]) -> float:
-    return float(np.sqrt((off**2).sum(1).mean()))
+def _rms(residual: NDArray[np.float64]) -> float:
+    return float(np.sqrt((residual**2).sum(1).mean()))
 
 
 def _nearest(projected: NDArray[np.float64], uv: NDArray[np.float64], reach: float) -> NDArray[np.int64]:

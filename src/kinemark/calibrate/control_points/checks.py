@@ -119,27 +119,27 @@ def _check_thickness(xyz: NDArray[np.float64]) -> None:
     centred = xyz - xyz.mean(0)
     _, s, Vt = np.linalg.svd(centred, full_matrices=False)
     if s[1] < FLAT * s[0]:  # (1)
-        off = float(np.linalg.norm(centred - np.outer(centred @ Vt[0], Vt[0]), axis=1).max())
+        distance = float(np.linalg.norm(centred - np.outer(centred @ Vt[0], Vt[0]), axis=1).max())
         raise KinemarkError(
-            f"The {len(xyz)} control points all lie within {_length(off)} of a line, and no camera follows from that. "
-            "Use points spread through the whole volume."
+            f"The {len(xyz)} control points all lie within {_length(distance)} of a line, and no camera follows from "
+            "that. Use points spread through the whole volume."
         )
     if s[2] < FLAT * s[0]:  # (2)
-        off = float(np.abs(centred @ Vt[2]).max())
+        distance = float(np.abs(centred @ Vt[2]).max())
         raise KinemarkError(
-            f"The {len(xyz)} control points all lie within {_length(off)} of a plane, {_plane(Vt[2], xyz.mean(0))}, "
-            f"and spread over {_length(_extent(xyz))} in it; no camera follows from that. Use points spread through "
-            "the whole volume."
+            f"The {len(xyz)} control points all lie within {_length(distance)} of a plane, "
+            f"{_plane(Vt[2], xyz.mean(0))}, and spread over {_length(_extent(xyz))} in it; no camera follows "
+            "from that. Use points spread through the whole volume."
         )
 
 
-def _plane(normal: NDArray[np.float64], middle: NDArray[np.float64]) -> str:
+def _plane(normal: NDArray[np.float64], centre: NDArray[np.float64]) -> str:
     """A plane in words: x = 3 mm, where it is at right angles to an axis."""
     k = int(np.abs(normal).argmax())
     if abs(normal[k]) > UPRIGHT:
-        return f"about {'xyz'[k]} = {middle[k]:.0f} mm"
+        return f"about {'xyz'[k]} = {centre[k]:.0f} mm"
     normal = np.round(normal * np.sign(normal[k]), 2) + 0.0  # no -0.00
-    return f"at right angles to ({', '.join(f'{x:.2f}' for x in normal)}) through ({_place(middle)}) mm"
+    return f"at right angles to ({', '.join(f'{x:.2f}' for x in normal)}) through ({_place(centre)}) mm"
 
 
 def _place(point: NDArray[np.float64]) -> str:

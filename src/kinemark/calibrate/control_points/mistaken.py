@@ -48,12 +48,12 @@ def find_swapped_points(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> Sw
     image_of = np.arange(n)
     start = total = _start(xyz, uv)
     for _ in range(MOST_SWAPS):
-        tried = [_swapped(image_of, pair) for pair in _best_pairs(xyz, uv[image_of])]
-        sums = [sum_of_squares(xyz, uv[t]) for t in tried]
+        candidates = [_swapped(image_of, pair) for pair in _best_pairs(xyz, uv[image_of])]
+        sums = [sum_of_squares(xyz, uv[t]) for t in candidates]
         best = int(np.argmin(sums))
         if not sums[best] < total / 2:
             break
-        image_of, total = tried[best], sums[best]
+        image_of, total = candidates[best], sums[best]
     nu = 2 * n - int(_parameters(n))
     if not total < start or scipy.special.fdtrc(nu, nu, start / max(total, 1e-12)) > CHANCE / (n * (n - 1) / 2):  # (2)
         return None

@@ -82,8 +82,8 @@ def score_lenses(
     mean = (e * n).sum(1) / n.sum()  # (1)
     best = int(mean.argmin())
     with np.errstate(invalid="ignore"):
-        off = e - e[best] - (mean - mean[best])[:, None]
-        error = np.sqrt(len(n) / (len(n) - 1) * ((n * off) ** 2).sum(1)) / n.sum()  # (2)
+        deviation = e - e[best] - (mean - mean[best])[:, None]
+        error = np.sqrt(len(n) / (len(n) - 1) * ((n * deviation) ** 2).sum(1)) / n.sum()  # (2)
     error = np.where(np.isfinite(mean), error, np.inf)
     found = zip(models, np.sqrt(mean), mean - mean[best], error, strict=True)
     return [LensScore(*model, float(rms), float(worse), float(s)) for model, rms, worse, s in found]

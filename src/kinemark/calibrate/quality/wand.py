@@ -65,8 +65,8 @@ def judge_poses(
             rig = bundle(fit.rig, [part], flat, freedoms=freedoms, method=replace(method, reject=np.inf)).rig
         except KinemarkError:  # too few poses without the fold
             continue
-        xyz, off = reconstructed(rig, uv[:, out])
-        lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), off
+        xyz, misfit = reconstructed(rig, uv[:, out])
+        lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), misfit
     return LeftOutPoses(lengths, residual)
 
 
@@ -100,11 +100,11 @@ def reconstructed(rig: Rig, uv: Floats) -> tuple[Floats, Floats]:
     return point.xyz.reshape(f, k, 3), point.residual.transpose(1, 0, 2).reshape(uv.shape)
 
 
-def image_errors(off: Floats) -> Floats:
+def image_errors(residual: Floats) -> Floats:
     """Lengths (C, N) px of residuals (C, N, 2), enlarged by (3) to those of the images; NaN for fewer than two."""
-    n = np.isfinite(off[..., 0]).sum(0)
+    n = np.isfinite(residual[..., 0]).sum(0)
     enlarged = np.sqrt(2 * n / np.where(n >= 2, 2 * n - 3, np.nan))
-    return np.linalg.norm(off, axis=-1) * enlarged
+    return np.linalg.norm(residual, axis=-1) * enlarged
 
 
 def _known(camera: Camera) -> Camera:

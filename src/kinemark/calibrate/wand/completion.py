@@ -56,8 +56,8 @@ def completed(
 def stiff(xyz: Floats, along: Floats) -> Floats:
     """The sticks (F, K, 3) through markers (F, K, 3) of which at least two are seen, by (2) and (3)."""
     stick = sticks_through(xyz, along).xyz  # (2)
-    off = np.nan_to_num(np.linalg.norm(stick - xyz, axis=-1)).max(1)
-    return np.where((off < STIFF * (along[-1] - along[0]))[:, None, None], stick, np.nan)  # (3)
+    distance = np.nan_to_num(np.linalg.norm(stick - xyz, axis=-1)).max(1)
+    return np.where((distance < STIFF * (along[-1] - along[0]))[:, None, None], stick, np.nan)  # (3)
 
 
 def _apart(expected: Floats, detections: Detections, c: int, search_radius: float) -> Floats:

@@ -157,8 +157,10 @@ def _check_gaps(ratio: Floats, along: Floats) -> None:
     if len(gaps) < 2 or len(seen) < FEWEST:
         return
     wanted_ratio = np.log(gaps[0] / gaps[-1])
-    off = np.where(np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio)
-    if abs(median := float(np.median(off))) > WRONG_GAPS:
+    difference = np.where(
+        np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio
+    )
+    if abs(median := float(np.median(difference))) > WRONG_GAPS:
         found = np.exp(median + wanted_ratio)
         raise KinemarkError(
             f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "

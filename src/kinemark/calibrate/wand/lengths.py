@@ -66,9 +66,9 @@ def wand_lengths(
     ideal = np.stack([undistort(camera, ends[:, c]) for c, camera in enumerate(rig)], 1)
     xyz = refine(rig, triangulate(ideal, rig.P), ends, spread).xyz
     pair = xyz.reshape(f, 2, 3)
-    ahead = pair[:, 1] - pair[:, 0]
-    length = np.linalg.norm(ahead, axis=1)
-    sd = np.sqrt(_variance(rig, xyz, ends, spread, ahead / length[:, None], joint))
+    difference = pair[:, 1] - pair[:, 0]
+    length = np.linalg.norm(difference, axis=1)
+    sd = np.sqrt(_variance(rig, xyz, ends, spread, difference / length[:, None], joint))
     both = np.isfinite(uv[:, :, [0, -1]]).all((2, 3)).sum(0)
     return WandLengths(pair.mean(1), length, length - (along[-1] - along[0]), sd, both)
 

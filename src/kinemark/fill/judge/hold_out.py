@@ -121,7 +121,7 @@ def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, se
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
     for number, index in enumerate(order):
         tell(number, len(order))
-        told = source.moving.references(gaps[index])
+        references = source.moving.references(gaps[index])
         for start, gap, stop in _windows(source, gaps[index], per_gap, rng, occupancy if tight else None):
             own = gap.marker == gaps[index].marker
             shape, marker = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop)), gaps[index].marker
@@ -132,7 +132,7 @@ def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, se
             if not own:
                 made.copies[copy] += [Gap(gap.marker, a, b) for a, b in true_runs(~source.seen[marker]).tolist()]  # (6)
             keep = (gap.start - shape.start, gap.stop - shape.start)
-            moving = source.moving.of_gap(gap, told if own else None)
+            moving = source.moving.of_gap(gap, references if own else None)
             made.tests.append(HoldOutGap(int(index), copy, shape, keep, own, moving))
     return made
 
@@ -243,11 +243,11 @@ def _windows(
 def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple[Ints, bool]:
     """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether it moves
     clearly less in all of them."""
-    told = moving.references(gap)
-    off = np.log(moving.of(gap.marker, starts, length, told) / moving.of_gap(gap, told))
-    alike = max(LIKE, float(np.quantile(np.abs(off), LEAST)))
-    chosen = np.abs(off) <= alike
-    return starts[chosen], bool(off[chosen].max() < -EASY)
+    references = moving.references(gap)
+    difference = np.log(moving.of(gap.marker, starts, length, references) / moving.of_gap(gap, references))
+    alike = max(LIKE, float(np.quantile(np.abs(difference), LEAST)))
+    chosen = np.abs(difference) <= alike
+    return starts[chosen], bool(difference[chosen].max() < -EASY)
 
 
 def _windows_of_neighbours(source: _Source, gap: Gap, length: int, n: int) -> list[Gap]:

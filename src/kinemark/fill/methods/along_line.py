@@ -116,9 +116,9 @@ def _line(known: KnownSamples, marker: int, pair: Ints, learnt: dict[tuple[int, 
         s = ((x - a) * unit(b - a)).sum(-1)
         some = np.isfinite(s)
         if some.any():
-            middle = float(s[some].mean())
+            share = float(s[some].mean())
             step = int(frames[1] - frames[0]) if len(frames) > 1 else 1
-            learnt[key] = Line(pair, middle, Leftover.of(x - a - middle * unit(b - a), step))
+            learnt[key] = Line(pair, share, Leftover.of(x - a - share * unit(b - a), step))
         else:
             learnt[key] = None
     return learnt[key]

@@ -187,8 +187,8 @@ def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
         return FreePoints(xyz)
     markers = xyz.reshape(-1, views.markers, 3)
     sticks = sticks_through(markers, views.along)
-    off = np.linalg.norm(sticks.xyz - markers, axis=-1)
-    wrong = ~(np.where(np.isnan(off), 0.0, off).max(1) <= LONGER * np.ptp(views.along))
+    distance = np.linalg.norm(sticks.xyz - markers, axis=-1)
+    wrong = ~(np.where(np.isnan(distance), 0.0, distance).max(1) <= LONGER * np.ptp(views.along))
     return type(sticks)(np.where(wrong[:, None], np.nan, sticks.centre), sticks.direction, sticks.along)
 
 

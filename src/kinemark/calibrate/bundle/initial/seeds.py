@@ -109,8 +109,8 @@ def projections(xyz: Floats, xy: Floats) -> Floats:
     there = complete(xyz)
     n = np.minimum(np.maximum(there.sum(1), 1), xyz.shape[1] - 1)[:, None]
     X = np.where(there[..., None], xyz, 0.0)
-    middle = X.sum(1, keepdims=True) / n[..., None]
-    X = np.where(there[..., None], X - middle, 0.0)
+    centre = X.sum(1, keepdims=True) / n[..., None]
+    X = np.where(there[..., None], X - centre, 0.0)
     size = np.sqrt((X**2).sum((1, 2), keepdims=True) / (3 * n[..., None])) + 1e-300
     Xh = homogeneous(X / size)
     zero = np.zeros_like(Xh)
@@ -122,12 +122,14 @@ def projections(xyz: Floats, xy: Floats) -> Floats:
         rows = (A * weight[..., None, None]).reshape(len(A), -1, 12)
         P = np.linalg.eigh(rows.transpose(0, 2, 1) @ rows)[1][..., 0].reshape(-1, 3, 4)
         image = Xh @ P.transpose(0, 2, 1)
-        off = np.linalg.norm(image[..., :2] / (np.abs(image[..., 2:]) + 1e-12) * np.sign(image[..., 2:]) - xy, axis=-1)
-        typical = np.take_along_axis(np.sort(np.where(there, off, np.inf), axis=1), n // 2, axis=1)
-        weight = (there & (off <= 4 * typical)).astype(np.float64)
+        residual = np.linalg.norm(
+            image[..., :2] / (np.abs(image[..., 2:]) + 1e-12) * np.sign(image[..., 2:]) - xy, axis=-1
+        )
+        typical = np.take_along_axis(np.sort(np.where(there, residual, np.inf), axis=1), n // 2, axis=1)
+        weight = (there & (residual <= 4 * typical)).astype(np.float64)
     T = np.zeros((len(P), 4, 4))
     T[:, :3, :3] = np.eye(3) / size
-    T[:, :3, 3] = -(middle / size)[:, 0]
+    T[:, :3, 3] = -(centre / size)[:, 0]
     T[:, 3, 3] = 1.0
     return np.asarray(P @ T)
 

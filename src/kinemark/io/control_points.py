@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .files import replacing
+from .csv_table import write_table
 from .number_text import read_text
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre; chosen
@@ -143,12 +143,11 @@ def write_pointed(path: Path, points: PointedPoints) -> None:
         KinemarkError: the file cannot be written.
     """
     heading = ["name", "x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in points.cameras for axis in "uv")]
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heading)
-        for n, name in enumerate(points.names):
-            cells = [_cell(x, asked) for c, asked in enumerate(points.asked[:, n]) for x in points.uv[c, n]]
-            writer.writerow([name, *(f"{x:.10g}" for x in points.xyz[n]), *cells])
+    rows = []
+    for n, name in enumerate(points.names):
+        cells = [_cell(x, asked) for c, asked in enumerate(points.asked[:, n]) for x in points.uv[c, n]]
+        rows.append([name, *(f"{x:.10g}" for x in points.xyz[n]), *cells])
+    write_table(path, heading, rows)
 
 
 def _cell(value: float, asked: bool) -> str:

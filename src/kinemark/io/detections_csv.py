@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .files import replacing
+from .csv_table import write_table
 from .number_text import AGAIN, bad_line, numbers, plain, read_text, separator, whole
 
 NEEDED = ("camera", "frame", "u_px", "v_px")
@@ -217,7 +217,4 @@ def write_detections_csv(path: Path | str, detections: Detections | NamedDetecti
     for name, values in optional.items():
         if variances_known if name in VARIANCES else np.isfinite(values).any():
             columns[name] = list(map(plain, values.tolist()))
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
+    write_table(path, list(columns), zip(*columns.values(), strict=True))

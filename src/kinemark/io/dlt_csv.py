@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data import KinemarkError
-from .files import replacing
+from .files import write_text
 from .number_text import bad_line, numbers, plain
 from .trajectories_csv import csv_rows
 
@@ -48,10 +48,7 @@ def write_dlt_csv(path: Path | str, L: ArrayLike) -> None:
     L = np.asarray(L, np.float64)
     if L.ndim != 2 or L.shape[1] != N_DLT or not len(L) or not np.isfinite(L).all():
         raise ValueError(f"L has shape {L.shape}, wanted (cameras, {N_DLT}), all finite")
-    with replacing(path) as beside:
-        beside.write_text(
-            "".join(",".join(map(plain, row)) + "\n" for row in L.T.tolist()), encoding="utf-8", newline="\n"
-        )
+    write_text(path, "".join(",".join(map(plain, row)) + "\n" for row in L.T.tolist()))
 
 
 def read_dltdv_xy(path: Path | str) -> NDArray[np.float64]:

@@ -21,7 +21,7 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitReference
-from .files import replacing
+from .files import write_text
 from .number_text import read_text
 
 POINTS = 101
@@ -38,8 +38,7 @@ def write_reference(path: Path | str, reference: GaitReference) -> None:
     table = {"source": reference.source, "subjects": reference.subjects, "curves": curves}
     if reference.log_score is not None:
         table["log_score"] = reference.log_score
-    with replacing(path) as beside:
-        beside.write_text(json.dumps(table, allow_nan=False) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(table, allow_nan=False) + "\n")
 
 
 def read_reference(path: Path | str) -> GaitReference:

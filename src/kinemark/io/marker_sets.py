@@ -23,7 +23,7 @@ import tomlkit
 from ..data import KinemarkError, MarkerSet
 from ..data.marker_set import FACES, known
 from ..data.nearest_word import guess
-from .files import replacing
+from .files import write_text
 from .number_text import read_text
 
 KEYS = {
@@ -205,8 +205,7 @@ def write_marker_set(path: Path | str, marker_set: MarkerSet) -> None:
     Raises:
         KinemarkError: the file cannot be written.
     """
-    with replacing(path) as beside:
-        beside.write_text(marker_set_toml(marker_set), encoding="utf-8")
+    write_text(path, marker_set_toml(marker_set))
 
 
 def marker_set_toml(of: MarkerSet) -> str:

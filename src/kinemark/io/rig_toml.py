@@ -18,7 +18,7 @@ import tomlkit
 from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError, Rig
-from .files import replacing
+from .files import write_text
 from .number_text import read_text
 from .units import CALLERS, USUAL_UNITS, mm_per
 
@@ -150,8 +150,7 @@ def write_rig_toml(path: Path | str, rig: Rig, *, metadata: Mapping[str, Any] | 
     about = {"units": "mm", "method": rig.method, "residuals_px": residuals, **(metadata or {})}
     document = {f"cam_{c}": shared(camera) for c, camera in enumerate(rig)} | {"metadata": about}
     document["kinemark"] = {"volume_mm": rig.volume} | {f"cam_{c}": own(camera) for c, camera in enumerate(rig)}
-    with replacing(path) as beside:
-        beside.write_text(tomlkit.dumps(plain(document)), encoding="utf-8", newline="\n")
+    write_text(path, tomlkit.dumps(plain(document)))
 
 
 def shared(camera: Camera) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
-from .files import replacing
+from .csv_table import write_table
 from .number_text import bad_line, numbers, plain, read_text, separator, whole
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
@@ -99,8 +99,11 @@ def write_trajectories_csv(path: Path | str, trajectories: Trajectories) -> None
     """
     n, first = trajectories.n_frames, trajectories.first_frame
     flat = trajectories.xyz.transpose(1, 0, 2).reshape(n, -1)
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)])
-        for f, values in enumerate(flat.tolist(), first):
-            writer.writerow([str(f), plain((f - 1) / trajectories.rate), *map(plain, values)])
+    write_table(
+        path,
+        ["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)],
+        (
+            [str(f), plain((f - 1) / trajectories.rate), *map(plain, values)]
+            for f, values in enumerate(flat.tolist(), first)
+        ),
+    )

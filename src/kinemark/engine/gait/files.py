@@ -14,7 +14,7 @@ from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
 from ...gait.clusters import Clusters
 from ...io.c3d import write_c3d
-from ...io.files import replacing
+from ...io.files import write_text
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
 from ...io.gait_reference import read_reference
 from ...io.measures_toml import read_measures
@@ -202,8 +202,7 @@ def _written(
     write_curves_csv(folder / CURVES, found.curves)
     write_time_distance_csv(folder / TIME_DISTANCE, {one.name: one.strides for one in found.trials})
     write_key_values_csv(folder / KEY_VALUES, {one.name: one.keys for one in found.trials})
-    with replacing(folder / FIGURES) as beside:
-        beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_text(folder / FIGURES, json.dumps(figures, indent=1) + "\n")
     write_gait_page(
         folder / PAGE, figures=figures, curves=found.curves, reference=band,
         assets=None if self_contained else assets_for(folder),

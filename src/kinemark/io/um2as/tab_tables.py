@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError
-from ..files import replacing
+from ..files import write_text
 from ..number_text import bad_line, read_text
 from ..units import MM as UNITS_MM
 
@@ -116,8 +116,7 @@ def number(value: float, decimals: int) -> str:
 
 def write_lines(path: Path | str, lines: list[str]) -> None:
     """Lines of text, whole or not at all."""
-    with replacing(path) as beside:
-        beside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8", newline="\n")
+    write_text(path, "".join(f"{line}\n" for line in lines))
 
 
 def heading(header: TabHeader) -> str:

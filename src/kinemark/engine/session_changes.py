@@ -58,7 +58,7 @@ def parsed(file: Path) -> TOMLDocument:
     try:
         return tomlkit.parse(read_text(file))
     except TOMLKitError as error:
-        raise KinemarkError(f"{file} is not TOML: {error}. Correct that line.") from error
+        raise KinemarkError(f"{file} is no TOML: {error}. Correct that line.") from error
 
 
 def write_session(file: Path, document: TOMLDocument) -> None:

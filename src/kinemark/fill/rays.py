@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..data.trajectories import camera_bits
 from ..geometry import point_jacobian, project
 from ..numerics.runs import true_runs
@@ -41,7 +41,7 @@ class Rays(NamedTuple):
 
     rig: Rig
     detections: Detections
-    free: NDArray[np.bool_]
+    free: Bools
 
     @classmethod
     def left_by(cls, tracks: Tracks, detections: Detections, rig: Rig) -> Rays:
@@ -57,7 +57,7 @@ class RefinedByRays(NamedTuple):
 
     xyz: Floats
     cov: Floats
-    detection: NDArray[np.int64]
+    detection: Ints
 
     @property
     def cameras(self) -> NDArray[np.uint32]:
@@ -68,7 +68,7 @@ class RefinedByRays(NamedTuple):
 class _RayImages(NamedTuple):
     """Of one camera and L frames: index of the image that fits, −1: none; its innovation (L, 2) px; J and S of (1)."""
 
-    detection: NDArray[np.int64]
+    detection: Ints
     innovation: Floats
     J: Floats
     S: Floats
@@ -108,11 +108,11 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
     uv, J = project(camera, safe), point_jacobian(camera, safe)
     JPJ = J @ np.where(known[:, None, None], cov, 0.0) @ J.transpose(0, 2, 1)
     S = JPJ + np.eye(2) * USUAL_SD**2
-    ahead: NDArray[np.bool_] = (safe @ camera.R[2] + camera.t[2]) > 0
+    ahead: Bools = (safe @ camera.R[2] + camera.t[2]) > 0
     own = rays.free[seen.camera == c]
     density = own.sum() / max(seen.n_frames, 1) / max(float(np.prod(camera.size)), 1.0)
     sure = np.pi * GATE * np.sqrt(np.linalg.det(S)) * density < CHANCE  # (2)
-    looked: NDArray[np.bool_] = known & ahead & sure & (start + np.arange(n) < seen.n_frames)
+    looked: Bools = known & ahead & sure & (start + np.arange(n) < seen.n_frames)
     for i in np.flatnonzero(looked).tolist():
         first, stop, _ = seen.rows(c, start + i).indices(len(seen))
         rows = first + np.flatnonzero(rays.free[first:stop])
@@ -126,7 +126,7 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
     return _RayImages(detection, innovation, J, S)
 
 
-def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _lasting(found: Bools) -> Bools:
     """Which (L) lie in runs of LEAST and more (4); a gap shorter than that has all of its frames for a run."""
     out = np.zeros(len(found), bool)
     for first, stop in true_runs(found):

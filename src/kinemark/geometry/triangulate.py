@@ -18,10 +18,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera, Rig
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..numerics.small_matrices import inverse3, solve3
 from .camera import calibration_variance, project_with_jacobian
 
@@ -79,12 +78,12 @@ class _View(NamedTuple):
     """What a camera sees: the n points, their uv (2, n) px and the xx, xy and yy of C⁻¹ (3, n) 1/px²."""
 
     camera: Camera
-    point: NDArray[np.int64]
+    point: Ints
     uv: Floats
     weight: Floats
 
 
-def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Floats, uv: Floats, cov: Floats) -> _View:
+def _view(camera: Camera, c: int, seen: Bools, xyz: Floats, uv: Floats, cov: Floats) -> _View:
     """What camera c sees of points at xyz (N, 3) mm."""
     point = np.flatnonzero(seen)
     C = cov[point, c].transpose(1, 2, 0)

@@ -21,10 +21,9 @@ of which the right one has most points in front of both cameras. There x₂ ~ R 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..numerics.robust import SD_PER_MEDIAN
 
 FEWEST = 8  # pairs that the eight-point method needs; by definition
@@ -57,7 +56,7 @@ def fit_fundamental(uv1: Floats, uv2: Floats) -> Floats:
 
 def robust_fundamental(
     uv1: Floats, uv2: Floats, *, tolerance: float | None = None, seed: int = 0, trials: int = TRIALS
-) -> tuple[Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Bools]:
     """F (3, 3) from pairs (N, 2) of which some are wrong, and which ones (N) are within tolerance of it.
 
     Args:

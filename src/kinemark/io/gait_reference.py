@@ -12,7 +12,6 @@ of the computing and may stand there.
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from ..data.array_types import Floats
 from ..data.gait_curves import GaitReference
 from .files import write_text
 from .number_text import read_text
+from .toml_text import toml_table
 
 POINTS = 101
 """Of a curve, 0 to 100 % of the stride; conventional."""
@@ -47,7 +47,7 @@ def read_reference(path: Path | str) -> GaitReference:
     Raises:
         KinemarkError: the file is absent, neither JSON nor TOML, or no such band.
     """
-    table = _read_toml(path) if Path(path).suffix.lower() == ".toml" else read_json(path)
+    table = toml_table(read_text(path), str(path)) if Path(path).suffix.lower() == ".toml" else read_json(path)
     try:
         curves = {name: (_curve(one["mean"]), _curve(one["sd"])) for name, one in table["curves"].items()}
         found = str(table["source"]), int(table["subjects"]), _pair(table.get("log_score"))
@@ -82,15 +82,8 @@ def read_json(path: Path | str) -> Any:
     """
     try:
         return json.loads(read_text(path))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise KinemarkError(f"{path} is no JSON: {error}.") from None
-
-
-def _read_toml(path: Path | str) -> Any:
-    try:
-        return tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise KinemarkError(f"{path} is no TOML: {error}.") from None
 
 
 def _pair(value: Any) -> tuple[float, float] | None:

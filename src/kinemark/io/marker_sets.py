@@ -11,7 +11,6 @@ links = [["SACR", "LASI"], { markers = ["LASI", "RASI"], length_mm = 240.0, spre
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -25,6 +24,7 @@ from ..data.marker_set import FACES, known
 from ..data.nearest_word import guess
 from .files import write_text
 from .number_text import read_text
+from .toml_text import toml_table
 
 KEYS = {
     "the file": ("name", "description", "source", "pairs", "links", "markers", "segments", "joints"),
@@ -77,10 +77,7 @@ def marker_set_from_toml(text: str) -> MarkerSet:
     Raises:
         KinemarkError: it is no TOML, a key is unknown, or the set does not hold together.
     """
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"The marker set is no TOML: {error}. Correct that line.") from None
+    table = toml_table(text, "The marker set")
     try:
         return _marker_set(table)
     except (ValueError, TypeError) as error:

@@ -26,6 +26,7 @@ from typing import Any, Literal, TypeVar
 from ..data import KinemarkError
 from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from .number_text import read_text
+from .toml_text import toml_table
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
@@ -86,10 +87,7 @@ def model_from_toml(text: str, *, side: Literal["right", "left"] | None = None) 
     Raises:
         KinemarkError: it is no TOML, a key is unknown or absent, or the model does not hold together.
     """
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"The model is no TOML: {error}.") from None
+    table = toml_table(text, "The model")
     try:
         return _model(_on_base(table), side)
     except (ValueError, TypeError) as error:

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
 from ..data import MarkerTrajectory as MarkerPath
+from ..data.array_types import Floats
 from .c3d.points import distinct
 from .csv_table import write_table
 from .number_text import bad_line, numbers, plain, read_text, separator, whole
@@ -74,7 +74,7 @@ def markers(path: Path | str, heading: list[str]) -> list[str]:
     return names
 
 
-def rate_of(path: Path | str, time: NDArray[np.float64], lines: Sequence[int]) -> float:
+def rate_of(path: Path | str, time: Floats, lines: Sequence[int]) -> float:
     """Frames a second of times (F) s that stand in these lines; see `read_trajectories_csv`."""
     if not len(time):
         raise KinemarkError(f"{path} has a heading and no frames. Export it again.")

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from .number_text import bad_line, numbers
 from .units import mm_per
 
@@ -53,7 +53,7 @@ class TrcTable(NamedTuple):
 
     values: dict[str, str]
     names: tuple[str, ...]
-    table: NDArray[np.float64]
+    table: Floats
     lines: list[int]
     heading: int
     naming: int

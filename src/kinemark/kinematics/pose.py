@@ -22,10 +22,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from ..data.arrays import column, set_columns
 
 ON_A_LINE = 1e-3
@@ -45,7 +44,7 @@ class Pose(NamedTuple):
     R: Floats
     t: Floats
     residual: Floats
-    used: NDArray[np.int64]
+    used: Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -37,10 +37,9 @@ from math import hypot, inf
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 from ..data.method import Method, parameter
 from ..data.progress import tell
 from ..geometry import fundamental
@@ -121,7 +120,7 @@ def match_kiss(detections: Detections, rig: Rig, *, method: KissTriplets) -> Mat
     return collected([(detection, costs(detection, uv, P))], detections)
 
 
-def sharing(matches: Matches) -> NDArray[np.bool_]:
+def sharing(matches: Matches) -> Bools:
     """(G) groups that share an image with another one. Of those that share an image, all but one are ghosts."""
     seen = matches.detection >= 0
     uses = np.bincount(matches.detection[seen], minlength=1)

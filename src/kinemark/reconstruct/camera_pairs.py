@@ -49,10 +49,9 @@ from itertools import combinations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ..data import Cloud, Detections, Matches, Rig
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..data.method import ONE, Method, parameter
 from ..geometry import parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
 from ..geometry.hidden_images import hidden_variance
@@ -122,7 +121,7 @@ def solutions(rig: Rig, uv: Floats) -> Floats:
     return out
 
 
-def agreeing(each: Floats, views: NDArray[np.int64], *, outlier_ratio: float = 2.0) -> Bools:
+def agreeing(each: Floats, views: Ints, *, outlier_ratio: float = 2.0) -> Bools:
     """(P, Q) the solutions (P, Q, 3) that are not left out by (5), of points seen by `views` (P) cameras."""
     kept = np.zeros(each.shape[:2], bool)
     step = max(1, BLOCK // max(each.shape[1] ** 2, 1))
@@ -137,7 +136,7 @@ def agreeing(each: Floats, views: NDArray[np.int64], *, outlier_ratio: float = 2
     return kept
 
 
-def _nearest(each: Floats, k: NDArray[np.int64]) -> Floats:
+def _nearest(each: Floats, k: Ints) -> Floats:
     """(P, Q) mm: distance of each solution (P, Q, 3) from the k-th (P) nearest other one; inf where there is none."""
     square = sum((x[:, :, None] - x[:, None]) ** 2 for x in np.moveaxis(each, -1, 0))
     square = np.where(np.isnan(square) | np.eye(each.shape[1], dtype=bool), np.inf, square)

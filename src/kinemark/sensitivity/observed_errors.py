@@ -31,10 +31,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import PARAMETERS, Rig
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..geometry import origin_near, parameter_jacobian, point_jacobian, refine, rig_about
 from ..numerics.small_matrices import inverse3
 
@@ -191,7 +190,7 @@ def _without_outliers(residual: Floats, usable: Bools) -> Bools:
     return np.asarray(left)
 
 
-def _disturbed(residual: Floats, views: NDArray[np.int64], used: Bools) -> Floats:
+def _disturbed(residual: Floats, views: Ints, used: Bools) -> Floats:
     """(N) px² by (9)."""
     three = (views >= 3) & np.isfinite(residual).any((1, 2))
     own = np.where(three & ~used, np.nansum(residual**2, axis=(1, 2)) / np.maximum(2 * views - 3, 1), 0.0)
@@ -267,7 +266,7 @@ class _Field(NamedTuple):
         high = np.array([np.nanmax(uv[:, c], axis=0, initial=-1e9) for c in range(len(rig))])
         return cls(np.stack([low, np.maximum(high, low + 1)], 1))
 
-    def cell(self, uv: Floats, seen: Bools) -> NDArray[np.int64]:
+    def cell(self, uv: Floats, seen: Bools) -> Ints:
         """(N, C) which cell of all each image lies in."""
         share = (np.nan_to_num(uv) - self.edges[:, 0]) / (self.edges[:, 1] - self.edges[:, 0])
         at = np.clip((share * CELLS).astype(np.int64), 0, np.array(CELLS) - 1)

@@ -25,9 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
 """Of (3): steps and frames a cycle, the mean advance and the greatest; chosen."""
@@ -176,9 +175,7 @@ def phase_variance(
     return variance_at(information(~np.isnan(y), template, spread, phase, cycle=cycle), frames, cycle=cycle)
 
 
-def information(
-    there: NDArray[np.bool_], template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float
-) -> Floats:
+def information(there: Bools, template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float) -> Floats:
     """(F) the first term of the matrix of (4), from what is there (F, K) of the sequences."""
     return _information(np.where(there, template.slope(phase) / spread, 0.0), cycle)
 

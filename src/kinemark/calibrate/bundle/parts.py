@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...numerics.vectors import perpendicular_pair
 
 
@@ -64,7 +63,7 @@ class Sticks:
         """What is known beforehand: nothing."""
         return _nothing(len(self.centre), self.degrees)
 
-    def supported(self, views: NDArray[np.int64]) -> Bools:
+    def supported(self, views: Ints) -> Bools:
         """(n) whether two markers are seen by two cameras each, from how many cameras see each marker (n, K)."""
         return np.asarray((views >= 2).sum(1) >= 2)
 
@@ -72,7 +71,7 @@ class Sticks:
         """In a world where X is scale · R X + t."""
         return Sticks(scale * self.centre @ R.T + t, self.direction @ R.T, scale * self.along)
 
-    def take(self, rows: NDArray[np.int64]) -> Sticks:
+    def take(self, rows: Ints) -> Sticks:
         """Some of the bodies."""
         return replace(self, centre=self.centre[rows], direction=self.direction[rows])
 
@@ -119,7 +118,7 @@ class FreePoints:
         pull = np.einsum("nij,nj->ni", self.information, difference)
         return self.information, pull, float((difference * pull).sum())
 
-    def supported(self, views: NDArray[np.int64]) -> Bools:
+    def supported(self, views: Ints) -> Bools:
         """(n) whether they are seen often enough, from how many cameras see each (n, 1)."""
         return np.asarray(views[:, 0] >= (1 if self.known else 2))
 
@@ -129,7 +128,7 @@ class FreePoints:
         information = None if self.information is None else R @ self.information @ R.T / scale**2
         return FreePoints(scale * self.at @ R.T + t, surveyed, information)
 
-    def take(self, rows: NDArray[np.int64]) -> FreePoints:
+    def take(self, rows: Ints) -> FreePoints:
         """Some of the points."""
         optional = (None if a is None else a[rows] for a in (self.surveyed, self.information))
         return FreePoints(self.at[rows], *optional)
@@ -169,11 +168,11 @@ class KnownPoints:
         """Nothing that could change."""
         return _nothing(len(self.at), 0)
 
-    def supported(self, views: NDArray[np.int64]) -> Bools:
+    def supported(self, views: Ints) -> Bools:
         """(n) whether a camera sees them."""
         return np.asarray(views[:, 0] >= 1)
 
-    def take(self, rows: NDArray[np.int64]) -> KnownPoints:
+    def take(self, rows: Ints) -> KnownPoints:
         """Some of the points."""
         return KnownPoints(self.at[rows])
 

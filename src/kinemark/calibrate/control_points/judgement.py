@@ -26,9 +26,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data import Finding, Severity, make_finding
+from ...data.array_types import Floats, Ints
 from ...data.finding import most_severe_first
 from ...geometry import project
 from .fit import ControlFit
@@ -222,7 +222,7 @@ def _images(fit: ControlFit) -> list[Finding]:
     return findings
 
 
-def _left_out(fit: ControlFit, c: int, rows: NDArray[np.int64]) -> Finding:
+def _left_out(fit: ControlFit, c: int, rows: Ints) -> Finding:
     """Which images a camera left out, how far off they are, and where they seem to belong."""
     expected = project(fit.rig[c], fit.xyz)
     s, _ = scatter(fit, [c])
@@ -294,7 +294,7 @@ def _survey(fit: ControlFit, wrong: Displaced | None, highest: int) -> list[Find
     ]
 
 
-def _elsewhere(fit: ControlFit, rows: NDArray[np.int64], offset: NDArray[np.float64]) -> str:
+def _elsewhere(fit: ControlFit, rows: Ints, offset: Floats) -> str:
     """Where points are instead: "other", at each other's places, all shifted "alike", or here and there, "apart"."""
     found, far = fit.xyz[rows] + offset, np.linalg.norm(offset, axis=1)
     if len(rows) == 2 and np.linalg.norm(found - fit.xyz[rows[::-1]], axis=1).max() < ALIKE * far.min():

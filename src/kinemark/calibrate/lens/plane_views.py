@@ -33,10 +33,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data import Camera
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, project
 from ...geometry.dlt import normalising
 from ...numerics.levenberg_marquardt import damped_step, minimise
@@ -60,7 +59,7 @@ class PlanePoints(NamedTuple):
     A residual times `whiten` has unit noise.
     """
 
-    view: NDArray[np.int64]
+    view: Ints
     xyz: Floats
     uv: Floats
     whiten: Floats
@@ -103,7 +102,7 @@ class PlaneFit(NamedTuple):
         return self.chi2 / self.nu + 1e-16
 
 
-def known_of(size: NDArray[np.int64], uv: Floats) -> KnownOptics:
+def known_of(size: Ints, uv: Floats) -> KnownOptics:
     """What is known of a camera with images of this size (2) px, (0, 0) where unknown, that has seen points (N, 2)."""
     side = size.astype(np.float64) if size.all() else uv.max(0) - uv.min(0)
     image_centre = (side - 1) / 2 if size.all() else (uv.max(0) + uv.min(0)) / 2
@@ -123,7 +122,7 @@ def fit_homography(xy: Floats, uv: Floats) -> Floats:
     return np.asarray(H / np.linalg.norm(H))
 
 
-def start_planes(name: str, size: NDArray[np.int64], points: PlanePoints, known: KnownOptics) -> list[Planes]:
+def start_planes(name: str, size: Ints, points: PlanePoints, known: KnownOptics) -> list[Planes]:
     """Planes to begin with, for some focal lengths: that of (1), and the nominal one and its like."""
     each = [points.part(points.view == v) for v in range(int(points.view.max()) + 1)]
     flat = [fit_homography(p.xyz[:, :2], p.uv - known.image_centre) for p in each]

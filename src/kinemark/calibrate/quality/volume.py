@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry.common_view import common_view_centre, seen_by
 from .predicted_covariance import block_diagonal, covariance_from, views
 
@@ -41,7 +41,7 @@ class VolumeMap(NamedTuple):
     """
 
     axes: tuple[Floats, Floats, Floats]
-    seen: NDArray[np.int64]
+    seen: Ints
     angle: Floats
     sd: Floats
     sd_largest_axis: Floats
@@ -104,7 +104,7 @@ def largest_axis_deviation(cov: Floats) -> Floats:
     return np.where(known, np.sqrt(np.maximum(largest, 0.0)), np.nan)
 
 
-def ray_angle(rig: Rig, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
+def ray_angle(rig: Rig, xyz: Floats, seen: Bools) -> Floats:
     """(N) deg by (3) at places (N, 3) mm that cameras see (C, N); NaN with fewer than two."""
     direction = xyz[None] - rig.centres[:, None]
     direction /= np.maximum(np.linalg.norm(direction, axis=-1, keepdims=True), 1e-9)

@@ -19,10 +19,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Rig
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate, undistort
 from ...numerics.small_matrices import inverse3
 from ..quality import block_diagonal
@@ -42,7 +42,7 @@ class WandLengths(NamedTuple):
     length: Floats
     error: Floats
     sd: Floats
-    cameras: NDArray[np.int64]
+    cameras: Ints
 
 
 def wand_lengths(

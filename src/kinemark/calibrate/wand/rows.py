@@ -25,9 +25,8 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 
 NOISE = 1.5
 """px by which a short row may be bent, of (2); chosen (see benchmarks/bundle.py)."""
@@ -52,7 +51,7 @@ class Readings(NamedTuple):
     straightest row of the image as it was seen, whether it fits the wand or not, NaN without a straight row.
     """
 
-    points: NDArray[np.int64]
+    points: Ints
     lead: Floats
     ratio: Floats
 
@@ -73,7 +72,7 @@ def read_rows(uv: Floats, along: Floats) -> Readings:
     return Readings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def _read(uv: Floats, chosen: NDArray[np.int64], along: Floats) -> Readings:
+def _read(uv: Floats, chosen: Ints, along: Floats) -> Readings:
     order, q, line_distance = _in_order(uv[:, chosen])  # (g, m, K)
     forward, backward = (_misfit(s, q, line_distance) for s in (along, along[-1] - along[::-1]))
     cost = np.minimum(forward, backward)  # (g, m)
@@ -91,7 +90,7 @@ def _read(uv: Floats, chosen: NDArray[np.int64], along: Floats) -> Readings:
     return Readings(np.where(read[:, None], points, -1), np.where(read, lead, 0.0), _seen_ratio(q, line_distance))
 
 
-def _in_order(points: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+def _in_order(points: Floats) -> tuple[Ints, Floats, Floats]:
     """For rows (…, K, 2): order along the row (…, K), places along it in that order, px, and off its line (…), px."""
     centred = points - points.mean(-2, keepdims=True)
     farthest = (centred**2).sum(-1).argmax(-1)[..., None, None]

@@ -73,10 +73,10 @@ def spike_cause(
         return joint_angles(of, model=model, template=template, method=method).deg[joint, :, turn]
 
     deg = angle(window)
-    off = np.array([_off(deg, k) if abs(k + start - index) <= NEAR else np.nan for k in range(len(deg))])
-    if np.isnan(off).all():
+    deviation = np.array([_deviation(deg, k) if abs(k + start - index) <= NEAR else np.nan for k in range(len(deg))])
+    if np.isnan(deviation).all():
         raise KinemarkError("The angle is missing there, or too few frames beside it have it.")
-    at = int(np.nanargmax(off))
+    at = int(np.nanargmax(deviation))
     changes = {}
     for i in places.values():
         path = _bridged(window.paths[i], at)
@@ -95,7 +95,7 @@ def _cut(trajectories: Trajectories, start: int, stop: int) -> Trajectories:
     return Trajectories(tuple(paths), trajectories.rate, trajectories.first_frame + start)
 
 
-def _off(deg: Floats, at: int) -> float:
+def _deviation(deg: Floats, at: int) -> float:
     """How far an angle (F,) deg is from its bridge in a frame; NaN where either is unknown."""
     known = np.isfinite(deg)
     whole = deg.copy()

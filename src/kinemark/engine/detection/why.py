@@ -57,9 +57,9 @@ def _row_at(found: InFrame, u: float, v: float, v_offset: float) -> int:
     blobs = found.blobs
     if not len(blobs.uv):
         return -1
-    off = np.abs(blobs.uv - [u, v + v_offset])
-    near = (off <= np.stack([blobs.width, blobs.height], -1) / 2 + 1.5).all(1)
-    away = np.where(near, np.hypot(*off.T), np.inf)
+    distance = np.abs(blobs.uv - [u, v + v_offset])
+    near = (distance <= np.stack([blobs.width, blobs.height], -1) / 2 + 1.5).all(1)
+    away = np.where(near, np.hypot(*distance.T), np.inf)
     return int(away.argmin()) if near.any() else -1
 
 
@@ -132,8 +132,8 @@ def _dark(found: InFrame, u: float, v: float) -> PlaceVerdict:
 def _ground(found: InFrame) -> tuple[float, float]:
     """Median of the image without ground, and the standard deviation of its noise, grey levels of 8 bits."""
     scale = grey_scale(found.image.dtype)
-    low, middle = (float(np.quantile(found.seen, q)) / scale for q in (0.1587, 0.5))
-    return middle, middle - low
+    low, median = (float(np.quantile(found.seen, q)) / scale for q in (0.1587, 0.5))
+    return median, median - low
 
 
 def _group_at(white: Bools, u: float, v: float) -> Bools | None:

@@ -136,8 +136,8 @@ def snapped(markers: ImageMarkers, u: float, v: float) -> tuple[float, float]:
     inside = -0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5
     owner = int(markers.owner[round(v), round(u)]) if inside else -1
     if owner < 0 and len(markers.uv):
-        off = np.hypot(markers.uv[:, 0] - u, markers.uv[:, 1] - v)
-        owner = int(off.argmin()) if inside and off.min() <= SNAP else -1
+        distance = np.hypot(markers.uv[:, 0] - u, markers.uv[:, 1] - v)
+        owner = int(distance.argmin()) if inside and distance.min() <= SNAP else -1
     if owner < 0:
         raise KinemarkError(
             f"No white pixel of a marker is within {SNAP:g} px of ({u:.0f}, {v:.0f}). Point at one, change the "

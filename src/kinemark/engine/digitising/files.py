@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ...detect import Centroids, Masks
 from ...digitise import (
     Answer,
@@ -64,7 +63,7 @@ class DigitisedFrames:
         *,
         method: Centroids | None = None,
         last: int | None = None,
-        mask: NDArray[np.bool_] | None = None,
+        mask: Bools | None = None,
     ) -> None:
         if last is not None and last < 1:
             raise KinemarkError(f"There is no frame up to frame {last}. Say 1 or more.")
@@ -167,7 +166,7 @@ def proposer_of(views: OtherViews | None, method: SemiAutomatic) -> Any:
         return None
 
     def proposer(
-        frame: int, marker: int, shift: Floats, expected: Floats, image_markers: ImageMarkers, free: NDArray[np.bool_]
+        frame: int, marker: int, shift: Floats, expected: Floats, image_markers: ImageMarkers, free: Bools
     ) -> PlaceProposal | None:
         if frame >= views.uv.shape[2]:
             return None
@@ -193,7 +192,7 @@ class Digitising(NamedTuple):
     masks: Masks | None = None
     last: int | None = None
 
-    def mask(self, camera: str) -> NDArray[np.bool_] | None:
+    def mask(self, camera: str) -> Bools | None:
         """(H, W) of a camera, where it has one."""
         return self.masks.pixels(camera) if self.masks and camera in self.masks.cameras else None
 

@@ -136,8 +136,8 @@ def _curves(tables: tuple[dict[str, Any], ...], same: bool) -> list[ComparedCurv
 def _difference(first: Condition, second: Condition, *, angle: bool) -> Difference:
     """Angles differ by less than half a turn."""
     if angle:
-        turns = np.round((second.mean - first.mean) / 360.0) * 360.0
-        second = second._replace(mean=second.mean - turns)
+        whole_turns = np.round((second.mean - first.mean) / 360.0) * 360.0
+        second = second._replace(mean=second.mean - whole_turns)
     return difference(first, second)
 
 

@@ -237,8 +237,8 @@ def subject_gait(
         own = _uncertain(walk.trial, known, static, settings)
         trials.append(gait_of_trial(walk.trial, measures, settings, own, body))
         causes = causes or own
-    told = with_counts([one.strides for one in trials])
-    trials = [one._replace(strides=strides) for one, strides in zip(trials, told, strict=True)]
+    counted = with_counts([one.strides for one in trials])
+    trials = [one._replace(strides=strides) for one, strides in zip(trials, counted, strict=True)]
     trials = [one._replace(keys=key_values(one.gait.signals, one.counted)) for one in trials]
     whole = _whole(trials, settings, mvc)
     each = [(*gait_curves(one.gait.signals, one.counted), *emg_curves(one.emg, one.counted, whole=whole))
@@ -262,9 +262,9 @@ def _shown(walks: Sequence[Recorded], static: Recorded | None, body: CalibratedB
     if static is None or body is None:
         return None
     misfits = [body.misfit(walk.points) for walk in walks]
-    worst = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
-    told = {segment: tuple(static.clusters[segment]) for segment in static.by_names}
-    return ClustersShown(static.name, worst, told)
+    largest = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
+    clusters = {segment: tuple(static.clusters[segment]) for segment in static.by_names}
+    return ClustersShown(static.name, largest, clusters)
 
 
 def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | None) -> dict[str, float]:

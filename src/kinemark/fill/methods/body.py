@@ -43,9 +43,8 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...data.method import parameter
 from ..jumping_markers import JumpingMarkers
 from ..marker_array import Gap, MarkerArray, Prediction
@@ -115,7 +114,7 @@ class Body(FillMethod):
 
 class _Trial(NamedTuple):
     motion: MarkerArray
-    seen: NDArray[np.bool_]
+    seen: Bools
     partner: Ints
     ranks: Ranks
     trust: JumpingMarkers
@@ -236,7 +235,7 @@ def _references(trial: _Trial, gap: Gap, most: int) -> Ints:
     thin = trial.seen[:, :: max(1, trial.seen.shape[1] // 400)]
     chosen: list[int] = []
     together = thin[marker]
-    ready: NDArray[np.bool_] = np.logical_and.reduce(trial.seen[:, gap.start : gap.stop], axis=1)
+    ready: Bools = np.logical_and.reduce(trial.seen[:, gap.start : gap.stop], axis=1)
     ready &= trial.trust.of(gap)
     n = np.count_nonzero(together)
     missing = ~ready

@@ -15,10 +15,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import Camera, KinemarkError
-from ....data.array_types import Floats
+from ....data.array_types import Floats, Ints
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
@@ -192,7 +191,7 @@ def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
     return type(sticks)(np.where(wrong[:, None], np.nan, sticks.centre), sticks.direction, sticks.along)
 
 
-def _some_bodies(part: Part, uv: Floats) -> NDArray[np.int64]:
+def _some_bodies(part: Part, uv: Floats) -> Ints:
     """At most `BODIES` of those that are supported, evenly."""
     n, K = part.xyz.shape[:2]
     good = np.flatnonzero(supported((part,), complete(uv)).any(0).reshape(n, K).any(1))

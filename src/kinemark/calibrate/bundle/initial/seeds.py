@@ -16,9 +16,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....data.array_types import Floats
+from ....data.array_types import Floats, Ints
 from ....geometry.two_view import essential, homogeneous, midpoints, relative_pose
 from ..parts import complete
 from .unknown_optics import UnknownOptics
@@ -91,7 +90,7 @@ def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: in
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], t[g], float(score[g])) for g in chosen]
 
 
-def _evenly(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _evenly(rows: Ints) -> Ints:
     """At most `JUDGES` of them."""
     return rows[np.linspace(0, len(rows) - 1, min(JUDGES, len(rows))).astype(int)]
 

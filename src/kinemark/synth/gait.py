@@ -34,8 +34,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..data import Angles, Events
 from ..data.array_types import Floats
 from .body_segments import LINKS, NAMES, BodySegments, WalkingPose, build
+from .smooth_noise import smooth_noise
 from .subjects import Subject, pairs
-from .wobble import smooth_noise
 
 HIP = (27, 26, 24, 20, 15, 10, 5, 0, -4, -8, -10, -8, 0, 9, 19, 27, 32, 33, 32, 29.5)
 """deg, flexion at 0, 5, … 95 % of the stride; typical of normal gait, chosen."""

@@ -73,24 +73,6 @@ def wand_lengths(
     return WandLengths(pair.mean(1), length, length - (along[-1] - along[0]), sd, both)
 
 
-def by_place(place: Floats, error: Floats, *, cells: tuple[int, int, int] = (3, 3, 3)) -> tuple[Floats, Floats]:
-    """Mean and standard deviation of errors (F), mm, at places (F, 3), in each cell (X, Y, Z) of the box around them.
-
-    NaN in cells with fewer than two frames.
-    """
-    good = np.isfinite(error) & np.isfinite(place).all(1)
-    place, error = place[good], error[good]
-    low, high = place.min(0), place.max(0)
-    share = (place - low) / np.where(high > low, high - low, 1.0)
-    at = np.minimum((share * cells).astype(np.int64), np.array(cells) - 1)
-    cell = np.ravel_multi_index((at[:, 0], at[:, 1], at[:, 2]), cells)
-    count, total, square = (np.bincount(cell, w, int(np.prod(cells))) for w in (None, error, error**2))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.where(count > 1, total / count, np.nan)
-        sd = np.sqrt(np.maximum(square - count * mean**2, 0.0) / (count - 1))
-    return mean.reshape(cells), sd.reshape(cells)
-
-
 def _variance(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, e: Floats, joint: Floats | None) -> Floats:
     """(2), mm² (F), of ends (2F, 3), one after the other, seen at uv (2F, C, 2)."""
     n, p = len(xyz), 15

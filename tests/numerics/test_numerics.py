@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from kinemark.numerics.evenly import evenly
 from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Iterates, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
     MEDIAN_OF_NORMAL,
@@ -22,7 +23,7 @@ from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_r
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
 from kinemark.numerics.small_matrices import inverse2, inverse3, solve3, solve3_entries
-from kinemark.numerics.vectors import cross, cross_matrix, perpendicular_pair
+from kinemark.numerics.vectors import across, cross, cross_matrix, perpendicular_pair
 
 T = np.linspace(0, 2, 40)
 
@@ -335,3 +336,18 @@ def test_medians_and_quantiles_of_rows_with_gaps_are_those_of_numpy_to_the_last_
     rows[np.isnan(rows).all(-1), 0] = 1.0
     assert (row_medians(rows) == np.nanmedian(rows, axis=-1)).all()
     assert (row_quantiles(rows, share) == np.nanquantile(rows, share, axis=-1)).all()
+
+
+@pytest.mark.parametrize(("n", "most"), [(0, 5), (1, 5), (5, 5), (6, 5), (99, 7), (1000, 300), (7, 1)])
+def test_a_few_of_many_are_distinct_and_reach_both_ends(n, most):
+    few = evenly(n, most)
+    assert len(few) == min(n, most) and (np.diff(few) > 0).all()
+    assert n == 0 or few[0] == 0
+    assert min(n, most) < 2 or (few[-1] == n - 1 and np.ptp(np.diff(few)) <= 1)
+
+
+def test_what_is_across_a_direction_has_nothing_along_it():
+    d = np.random.default_rng(3).normal(size=(4, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    pair = perpendicular_pair(d)
+    np.testing.assert_allclose(across(d), pair @ pair.mT, atol=1e-12)

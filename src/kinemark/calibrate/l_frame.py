@@ -18,6 +18,7 @@ import numpy as np
 
 from ..data import KinemarkError, Rig
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly
 from .world_frame import similarity
 
 MOST = 12  # points in which the frame is looked for at most; chosen, as all orders are tried
@@ -113,7 +114,7 @@ def resting_l_frame(
 
 def _spread(n: int) -> Ints:
     """Frames of n that are read."""
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_FRAMES)).astype(np.int64)) if n else np.zeros(0, np.int64)
+    return evenly(n, MOST_FRAMES)
 
 
 def _model(long: float | Sequence[float], short: float | Sequence[float]) -> Floats:

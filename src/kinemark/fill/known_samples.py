@@ -108,6 +108,14 @@ class Span(NamedTuple):
         """(L) from 0 at the sample before to 1 at the sample after; only for a gap inside."""
         return (self.frames - self.before) / (self.after - self.before)
 
+    def share_of_after(self) -> Floats:
+        """(L, 1) how much the sample after counts beside that before, in a line; 0 at an end of the path."""
+        return self.progress()[:, None] if self.inside else np.zeros((self.length, 1))
+
+    def with_edges(self, frames: Ints) -> Ints:
+        """(L + 2) frames (L), then those before and after the gap; 0 for one that is not there."""
+        return np.concatenate([frames, [max(self.before, 0), max(self.after, 0)]])
+
     def bow(self) -> Floats:
         """(L) 0 at the known samples beside the gap and 1 in its middle; at an end it grows beyond 1."""
         if self.inside:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..data import Camera, Rig
 from ..data.array_types import Floats
+from ..numerics.vectors import homogeneous
 from . import lens
 
 
@@ -51,6 +52,11 @@ def undistort(camera: Camera, uv: Floats) -> Floats:
     return pixels(camera, lens.undistort(normalised(camera, uv), camera.distortion))
 
 
+def undistort_all(rig: Rig, uv: Floats) -> Floats:
+    """Pixels (P, C, 2) of every camera as ideal lenses would draw them (P, C, 2)."""
+    return np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1)
+
+
 def distort(camera: Camera, uv: Floats) -> Floats:
     """Pixels of an ideal lens (…, 2) as this lens draws them (…, 2)."""
     return pixels(camera, lens.distort(normalised(camera, uv), camera.distortion))
@@ -59,7 +65,7 @@ def distort(camera: Camera, uv: Floats) -> Floats:
 def rays(camera: Camera, uv: Floats) -> Floats:
     """Unit directions (…, 3) in the world from `camera.centre` to what is seen at pixels (…, 2)."""
     xy = lens.undistort(normalised(camera, uv), camera.distortion)
-    direction = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
+    direction = homogeneous(xy) @ camera.R
     return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
 
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from ..data import Camera, KinemarkError
 from ..data.array_types import Floats
+from ..numerics.vectors import across
 
 SINGULAR = 1e12
 """Condition of M, above which no camera follows; chosen."""
@@ -119,11 +120,11 @@ def cameras_from_dlt(names: Sequence[str], L: Floats) -> tuple[Camera, ...]:
     if len(P) > 1 and (np.linalg.cond(P[:, :, :3]) < SINGULAR).all():
         centre = -np.linalg.solve(P[:, :, :3], P[:, :, 3:])[..., 0]
         d = P[:, 2, :3] / np.linalg.norm(P[:, 2, :3], axis=1, keepdims=True)
-        across = np.eye(3) - d[:, :, None] * d[:, None]
+        projectors = across(d)
         mean = centre.mean(0)
-        if np.linalg.eigvalsh(across.mean(0))[0] > PARALLEL:
-            right = (across @ (centre - mean)[..., None]).sum(0)[:, 0]
-            front = mean + np.linalg.solve(across.sum(0), right)  # (7)
+        if np.linalg.eigvalsh(projectors.mean(0))[0] > PARALLEL:
+            right = (projectors @ (centre - mean)[..., None]).sum(0)[:, 0]
+            front = mean + np.linalg.solve(projectors.sum(0), right)  # (7)
     return tuple(camera_from_dlt(name, row, front=front) for name, row in zip(names, L, strict=True))
 
 

@@ -37,7 +37,7 @@ from numpy.typing import ArrayLike
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats, Ints
 from ..numerics.robust import student_widening
-from .camera import undistort
+from .camera import undistort_all
 from .hidden_images import hidden_variance
 from .sphere_offset import sphere_offset
 from .triangulate import Triangulated, refine, triangulate
@@ -117,7 +117,7 @@ def weighted_points(
 
 def _linear(rig: Rig, uv: Floats) -> Floats:
     """First solutions (P, 3) mm of images (P, C, 2) px."""
-    return triangulate(np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1), rig.P)
+    return triangulate(undistort_all(rig, uv), rig.P)
 
 
 def _sphere_offsets(rig: Rig, xyz: Floats, diameter: float) -> Floats:

@@ -44,6 +44,7 @@ from ..data.method import Method, parameter
 from ..data.progress import tell
 from ..geometry import fundamental
 from ..geometry.ideal_pixels import ideal_pixels
+from ..numerics.vectors import across
 from .epipolar_triplets import collected, costs
 from .stage import MATCH
 
@@ -130,8 +131,8 @@ def sharing(matches: Matches) -> Bools:
 def crossings(rig: Rig) -> Floats:
     """(C, C) sine of the angle between two cameras' lines of sight to the point nearest to all optical axes."""
     along = np.array([camera.R[2] for camera in rig])
-    across = np.eye(3) - along[:, :, None] * along[:, None]
-    centre = np.linalg.lstsq(across.sum(0), (across @ rig.centres[..., None]).sum(0)[:, 0])[0]
+    projectors = across(along)
+    centre = np.linalg.lstsq(projectors.sum(0), (projectors @ rig.centres[..., None]).sum(0)[:, 0])[0]
     sight = centre - rig.centres
     sight /= np.linalg.norm(sight, axis=1, keepdims=True)
     return np.linalg.norm(np.cross(sight[:, None], sight), axis=-1)

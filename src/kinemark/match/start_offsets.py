@@ -27,6 +27,7 @@ from ..data import Detections, KinemarkError, Rig
 from ..data.array_types import Floats, Ints
 from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
+from ..numerics.evenly import evenly
 
 TOLERANCE = 1.5
 """px from an epipolar line; chosen: usual calibrations leave half a pixel, and more would let chance in."""
@@ -104,7 +105,7 @@ def agreement(detections: Detections, rig: Rig, uv: Floats, a: int, b: int, most
     start = detections.start
     total, counted = np.zeros(2 * most + 1), np.zeros(2 * most + 1)
     shown = np.flatnonzero(np.diff(start[a]))
-    for f in shown[np.unique(np.linspace(0, len(shown) - 1, MOST_FRAMES).astype(np.int64))] if len(shown) else []:
+    for f in shown[evenly(len(shown), MOST_FRAMES)]:
         first, last = max(f - most, 0), min(f + most, n - 1)
         others = uv[start[b, first] : start[b, last + 1]]
         lines = epipolar_lines(F, uv[start[a, f] : start[a, f + 1]])

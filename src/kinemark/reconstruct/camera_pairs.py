@@ -53,7 +53,8 @@ import scipy
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats, Ints
 from ..data.method import ONE, Method, parameter
-from ..geometry import parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
+from ..geometry import parameter_jacobian, point_jacobian, project, to_camera, triangulate
+from ..geometry.camera import undistort_all
 from ..geometry.hidden_images import hidden_variance
 from ..geometry.weighted_points import centroid_cov, usable_points
 from ..numerics.small_matrices import inverse3
@@ -112,7 +113,7 @@ def solutions(rig: Rig, uv: Floats) -> Floats:
 
     uv (P, C, 2) px, NaN where unseen. NaN where one of a pair does not see the point, or where the rays are parallel.
     """
-    ideal = np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1)
+    ideal = undistort_all(rig, uv)
     pairs = list(combinations(range(len(rig)), 2))
     out = np.full((len(uv), len(pairs), 3), np.nan)
     for q, pair in enumerate(pairs):

@@ -21,7 +21,8 @@ import numpy as np
 
 from ...data import Camera, KinemarkError, Rig
 from ...data.array_types import Bools, Floats
-from ...geometry import project_all, refine, triangulate, undistort
+from ...geometry import project_all, refine, triangulate
+from ...geometry.camera import undistort_all
 from ..bundle import Bundle, BundleFit, Freedom, FreePoints, Part, bundle, sticks_through
 
 FOLDS = 3  # parts of the cross-validation; chosen (see studies/calibration_quality.py)
@@ -93,7 +94,7 @@ def reconstructed(rig: Rig, uv: Floats) -> tuple[Floats, Floats]:
     """Markers (F, K, 3) mm seen at (C, F, K, 2) px, each by itself, and their residuals (C, F, K, 2) px by (2)."""
     c, f, k, _ = uv.shape
     seen = uv.reshape(c, f * k, 2).transpose(1, 0, 2)
-    ideal = np.stack([undistort(camera, seen[:, i]) for i, camera in enumerate(rig)], 1)
+    ideal = undistort_all(rig, seen)
     alike = np.broadcast_to(np.eye(2), (*seen.shape, 2))
     plain = Rig(tuple(_known(camera) for camera in rig))
     point = refine(plain, triangulate(ideal, rig.P), seen, alike, steps=2)

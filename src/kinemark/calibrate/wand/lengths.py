@@ -23,7 +23,8 @@ from numpy.typing import ArrayLike
 
 from ...data import Rig
 from ...data.array_types import Floats, Ints
-from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate, undistort
+from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate
+from ...geometry.camera import undistort_all
 from ...numerics.small_matrices import inverse3
 from ..quality import block_diagonal
 
@@ -63,7 +64,7 @@ def wand_lengths(
     spread = np.full((*uv.shape, 2), np.nan) if cov is None else cov
     spread = spread[:, :, [0, -1]].reshape(n, 2 * f, 2, 2).transpose(1, 0, 2, 3)
     spread = np.where(np.isfinite(spread), spread, GUESS**2 * np.eye(2))
-    ideal = np.stack([undistort(camera, ends[:, c]) for c, camera in enumerate(rig)], 1)
+    ideal = undistort_all(rig, ends)
     xyz = refine(rig, triangulate(ideal, rig.P), ends, spread).xyz
     pair = xyz.reshape(f, 2, 3)
     difference = pair[:, 1] - pair[:, 0]

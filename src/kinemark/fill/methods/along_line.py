@@ -125,7 +125,7 @@ def _line(known: KnownSamples, marker: int, pair: Ints, learnt: dict[tuple[int, 
 
 
 def _carry(known: KnownSamples, span: Span, line: Line, frames: Ints) -> tuple[Floats, Floats]:
-    at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
+    at = span.with_edges(frames)
     a, b = known.at(line.pair[:, None], at)
     xyz = a + line.s * unit(b - a)  # (1)
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]

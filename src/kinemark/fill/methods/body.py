@@ -46,6 +46,7 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import parameter
+from ...numerics.evenly import evenly
 from ..jumping_markers import JumpingMarkers
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..mirrored_markers import partners
@@ -137,7 +138,7 @@ def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Pre
 def common_hyper(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> Hyper:
     """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
     trial = _trial(motion, method)
-    some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
+    some = [gaps[k] for k in evenly(len(gaps), FEW)]
     each = [found for gap in some if not isinstance(found := _gap_training(trial, gap, method), str)]
     return _best(each)
 

@@ -248,5 +248,5 @@ def _taken_over(known: KnownSamples, span: Span, lag: float) -> Floats:
     a, b = x[np.clip(low, 0, last)], x[np.clip(low + 1, 0, last)]
     y = np.where(np.isnan(b) | (part == 0), a, np.where(np.isnan(a), b, (1 - part) * a + part * b))
     first, end = x[span.edges[0]] - y[-2], x[span.edges[-1]] - y[-1]
-    s = span.progress()[:, None] if span.inside else np.zeros((span.length, 1))
+    s = span.share_of_after()
     return y[:-2] + (1 - s) * first + s * end

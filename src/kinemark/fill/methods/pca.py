@@ -120,7 +120,7 @@ def _reconstruct(known: KnownSamples, span: Span, learnt: _LearntComponents, met
 
 
 def _apply(known: KnownSamples, span: Span, found: Map, frames: Ints, bridged: bool) -> tuple[Floats, Floats]:
-    at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
+    at = span.with_edges(frames)
     xyz = found.at(known, at)
     if not bridged:
         return xyz[:-2], np.broadcast_to(found.left.cov, (len(frames), 3, 3))

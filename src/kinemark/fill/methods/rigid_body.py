@@ -130,7 +130,7 @@ def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: Rigid
 
 
 def _carry(known: KnownSamples, span: Span, body: BodyShape, frames: Ints) -> tuple[Floats, Floats]:
-    at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
+    at = span.with_edges(frames)
     xyz = body.carry(known.at(body.references[:, None], at))
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
     beside[[span.before < 0, span.after < 0]] = np.nan

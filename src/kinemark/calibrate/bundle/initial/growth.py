@@ -18,6 +18,7 @@ import numpy as np
 
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats, Ints
+from ....numerics.evenly import evenly
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
@@ -200,7 +201,7 @@ def _some_bodies(part: Part, uv: Floats) -> Ints:
             f"Only {len(good)} of {n} poses or places are seen whole by two cameras and fit each other. Wave longer, "
             "where the cameras look, and check the lengths and the order of the markers."
         )
-    return good[np.linspace(0, len(good) - 1, min(BODIES, len(good))).astype(int)]
+    return good[evenly(len(good), BODIES)]
 
 
 def _next_camera(views: TargetViews, cameras: dict[int, Camera]) -> dict[int, Camera]:

@@ -18,7 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ....data.array_types import Floats, Ints
-from ....geometry.two_view import essential, homogeneous, midpoints, relative_pose
+from ....geometry.two_view import essential, midpoints, relative_pose
+from ....numerics.evenly import evenly
+from ....numerics.vectors import homogeneous
 from ..parts import complete
 from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair
@@ -92,7 +94,7 @@ def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: in
 
 def _evenly(rows: Ints) -> Ints:
     """At most `JUDGES` of them."""
-    return rows[np.linspace(0, len(rows) - 1, min(JUDGES, len(rows))).astype(int)]
+    return rows[evenly(len(rows), JUDGES)]
 
 
 def known_focus_seed(optics: list[UnknownOptics], pair: Pair, uv: Floats) -> Seed:

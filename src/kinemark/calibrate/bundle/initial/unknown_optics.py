@@ -22,6 +22,7 @@ from ....data import Camera
 from ....data.array_types import Bools, Floats, Ints
 from ....geometry import undistort
 from ....geometry.two_view import fit_fundamental, sampson_distance
+from ....numerics.evenly import evenly
 from ..solver import POWERS
 
 COMMON = (0.0, -0.05, -0.1, -0.16, -0.24, 0.06)
@@ -103,4 +104,4 @@ def straightened(optics: list[UnknownOptics], uv: Floats, pairs: dict[tuple[int,
 
 def _thinned(rows: Ints) -> Ints:
     """At most `ENOUGH` of them, evenly."""
-    return rows[np.linspace(0, len(rows) - 1, min(len(rows), ENOUGH)).astype(int)]
+    return rows[evenly(len(rows), ENOUGH)]

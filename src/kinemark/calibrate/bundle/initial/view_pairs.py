@@ -16,8 +16,9 @@ import numpy as np
 
 from ....data import KinemarkError
 from ....data.array_types import Bools, Floats, Ints
-from ....geometry.two_view import homogeneous, robust_fundamental, sampson_distance
+from ....geometry.two_view import robust_fundamental, sampson_distance
 from ....numerics.robust import SD_PER_MEDIAN
+from ....numerics.vectors import homogeneous
 from ..parts import complete
 from .unknown_optics import UnknownOptics, straightened
 

@@ -22,6 +22,7 @@ from ..detect import Blobs, Centroids, detect_frames
 from ..detect.centroids_method import grey_scale
 from ..detect.levels import levelled
 from ..detect.masks import masked
+from ..geometry.camera import in_image
 
 TOUCHING = np.ones((3, 3))  # pixels that touch along a side or at a corner are one; by definition
 AROUND = 6
@@ -135,7 +136,7 @@ def clicked(image_markers: ImageMarkers, uv: Floats) -> int:
     """
     width, height = image_markers.size
     u, v = (float(x) for x in uv)
-    if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+    if not in_image((width, height), u, v):
         raise KinemarkError(f"({u:g}, {v:g}) is outside the image of {width} × {height} px. Point into it.")
     owner = int(image_markers.owner[round(v), round(u)])
     if owner < 0:

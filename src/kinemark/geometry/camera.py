@@ -11,6 +11,8 @@ K₂ is the upper left 2 × 2 of K.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..data import Camera, Rig
@@ -40,6 +42,11 @@ def project(camera: Camera, xyz: Floats) -> Floats:
     x_cam = to_camera(camera, xyz)
     depth = np.where(x_cam[..., 2:] > 0, x_cam[..., 2:], np.nan)
     return pixels(camera, lens.distort(x_cam[..., :2] / depth, camera.distortion))
+
+
+def in_image(size: Sequence[int], u: float, v: float) -> bool:
+    """Whether pixel (u, v) is in an image of `size` (width, height) px; (0, 0) is the centre of its first pixel."""
+    return -0.5 <= u < size[0] - 0.5 and -0.5 <= v < size[1] - 0.5
 
 
 def project_all(rig: Rig, xyz: Floats) -> Floats:

@@ -11,6 +11,7 @@ from ...data import Validity
 from ...data.array_types import Bools, Ints
 from ...detect import Centroids
 from ...detect.centroids_method import grey_scale
+from ...geometry.camera import in_image
 from .open_detection import InFrame
 
 REACH = 6
@@ -43,7 +44,7 @@ def why(found: InFrame, u: float, v: float, *, v_offset: float = 0.0) -> PlaceVe
         ValueError: the place is outside the image.
     """
     height, width = found.image.shape
-    if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+    if not in_image((width, height), u, v):
         raise ValueError(f"({u:g}, {v:g}) is outside the image of {width} × {height} px")
     row = _row_at(found, u, v, v_offset)
     if row >= 0:

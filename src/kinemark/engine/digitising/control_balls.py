@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...data import KinemarkError
 from ...detect import Centroids
 from ...digitise import ImageMarkers, find_markers
+from ...geometry.camera import in_image
 from ...io.control_points import SNAP, PointedPoints, read_pointed, write_pointed
 from ...io.images import ImageSource
 from ...io.um2as import read_rf
@@ -132,8 +133,7 @@ def snapped(markers: ImageMarkers, u: float, v: float) -> tuple[float, float]:
     Raises:
         KinemarkError: there is none.
     """
-    width, height = markers.size
-    inside = -0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5
+    inside = in_image(markers.size, u, v)
     owner = int(markers.owner[round(v), round(u)]) if inside else -1
     if owner < 0 and len(markers.uv):
         distance = np.hypot(markers.uv[:, 0] - u, markers.uv[:, 1] - v)

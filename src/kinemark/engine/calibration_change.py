@@ -1,4 +1,4 @@
-"""Another way of calibration for a session that exists: what its recordings allow, asked for, written.
+"""Another way of calibrating an existing session: what its recordings allow, what must be asked, what is written.
 
 `[calibration]` is written anew; fixed marks and lenses stay, and so does everything else, with its comments. Former
 calibrations are kept among the results.

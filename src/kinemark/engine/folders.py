@@ -1,4 +1,4 @@
-"""Folders where files of trajectories are wanted: whoever has a hundred trials names their folder."""
+"""A folder in place of files of trajectories: all that it holds, for commands that take many files."""
 
 from __future__ import annotations
 

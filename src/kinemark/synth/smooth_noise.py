@@ -1,4 +1,4 @@
-"""Smooth chance: what soft tissue, hands and attention add to a motion."""
+"""Smooth noise: what soft tissue, hands and attention add to a motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cameras from something waved about, a wand or a single marker, whose places nobody surveyed."""
+"""Cameras from a target that was moved about, a wand or a single marker, at places that were not surveyed."""
 
 from __future__ import annotations
 

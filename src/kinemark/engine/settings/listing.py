@@ -1,4 +1,4 @@
-"""What methods there are, and what can be said to each: for reading, for a machine, and for the documentation."""
+"""All methods and their parameters: as text, as data, and as the tables of the documentation."""
 
 from __future__ import annotations
 

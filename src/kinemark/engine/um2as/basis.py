@@ -1,4 +1,4 @@
-"""What UM²AS's files of a session were made from, so that its menu knows which have to be made again.
+"""What UM²AS's files of a session were made from, by which its menu knows which of them are out of date.
 
 `made.json` beside the files keeps, of each that a screen wrote, a key of its content and keys of all that the session
 then said and it depends on. A file that is not as a screen wrote it, as those of the command line, tells nothing.

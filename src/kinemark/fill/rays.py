@@ -108,11 +108,11 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
     uv, J = project(camera, safe), point_jacobian(camera, safe)
     JPJ = J @ np.where(known[:, None, None], cov, 0.0) @ J.transpose(0, 2, 1)
     S = JPJ + np.eye(2) * USUAL_SD**2
-    ahead: Bools = (safe @ camera.R[2] + camera.t[2]) > 0
+    in_front: Bools = (safe @ camera.R[2] + camera.t[2]) > 0
     own = rays.free[seen.camera == c]
     density = own.sum() / max(seen.n_frames, 1) / max(float(np.prod(camera.size)), 1.0)
     sure = np.pi * GATE * np.sqrt(np.linalg.det(S)) * density < CHANCE  # (2)
-    looked: Bools = known & ahead & sure & (start + np.arange(n) < seen.n_frames)
+    looked: Bools = known & in_front & sure & (start + np.arange(n) < seen.n_frames)
     for i in np.flatnonzero(looked).tolist():
         first, stop, _ = seen.rows(c, start + i).indices(len(seen))
         rows = first + np.flatnonzero(rays.free[first:stop])

@@ -154,11 +154,11 @@ def _by_pose(v: Floats) -> tuple[Floats, float]:
 def _by_spheres(v: Floats) -> tuple[Floats, float]:
     """(3) mm of the centre, and the residual, by (1) from (2)."""
 
-    def off(m: Floats) -> Floats:
+    def residual(m: Floats) -> Floats:
         radius = np.linalg.norm(v - m, axis=-1)
         return np.asarray((radius - radius.mean(1, keepdims=True)).ravel())
 
-    found = scipy.optimize.least_squares(off, gamage(v), method="lm")
+    found = scipy.optimize.least_squares(residual, gamage(v), method="lm")
     return np.asarray(found.x), float(np.sqrt(np.mean(found.fun**2)))
 
 

@@ -58,19 +58,20 @@ def undistort(xy: Floats, k: Floats) -> Floats:
     x, y = xy[..., 0].copy(), xy[..., 1].copy()
     with np.errstate(all="ignore"):  # points outside the model's range run away and become NaN below
         for _ in range(NEWTON_STEPS):
-            off_x, off_y = _off(x, y, xy, k)
+            residual_x, residual_y = _residual(x, y, xy, k)
             xx, cross, yy = jacobian_entries(x, y, k)
             det = xx * yy - cross * cross
-            x, y = x - (yy * off_x - cross * off_y) / det, y - (xx * off_y - cross * off_x) / det
-            if not max(np.nanmax(np.abs(off), initial=0.0) for off in (off_x, off_y)) > 1e-13:
+            x, y = x - (yy * residual_x - cross * residual_y) / det, y - (xx * residual_y - cross * residual_x) / det
+            if not max(np.nanmax(np.abs(residual), initial=0.0) for residual in (residual_x, residual_y)) > 1e-13:
                 break
         xx, cross, yy = jacobian_entries(x, y, k)
-        off_x, off_y = _off(x, y, xy, k)
-        good = (np.abs(off_x) < 1e-9) & (np.abs(off_y) < 1e-9) & (xx * yy > cross * cross)  # and not folded over
+        residual_x, residual_y = _residual(x, y, xy, k)
+        good = (np.abs(residual_x) < 1e-9) & (np.abs(residual_y) < 1e-9)
+        good &= xx * yy > cross * cross  # not folded over
     return np.stack([np.where(good, x, np.nan), np.where(good, y, np.nan)], -1)
 
 
-def _off(x: Floats, y: Floats, xy: Floats, k: Floats) -> tuple[Floats, Floats]:
+def _residual(x: Floats, y: Floats, xy: Floats, k: Floats) -> tuple[Floats, Floats]:
     """How far the lens draws ideal points x, y from xy (…, 2)."""
     drawn_x, drawn_y = distorted_entries(x, y, k)
     return drawn_x - xy[..., 0], drawn_y - xy[..., 1]

@@ -197,12 +197,12 @@ def _triplet(frame: TripletFrame, i: int, ranked: Ranked, radius: float) -> list
     for _, second in others:
         for j in first:
             for k in second:
-                if all(_off(frame, *three) < radius for three in ((i, j, k), (i, k, j), (j, k, i))):
+                if all(_distance(frame, *three) < radius for three in ((i, j, k), (i, k, j), (j, k, i))):
                     return [i, j, k]
     return []
 
 
-def _off(frame: TripletFrame, one: int, other: int, image: int) -> float:
+def _distance(frame: TripletFrame, one: int, other: int, image: int) -> float:
     """Distance px of an image from where the epipolar lines of two others meet in its camera."""
     lines = frame.lines[frame.camera[image]]
     u, v = _meet(lines[one], lines[other])

@@ -9,7 +9,7 @@ import pytest
 from kinemark.apps.cli import app
 from kinemark.data import AngleModel, KinemarkError, Origin, Trajectories, same
 from kinemark.engine.fill_files import angle_model, fill_file, fill_files, fill_method, filled_figures, filled_text
-from kinemark.engine.settings.method_tables import filling_of
+from kinemark.engine.settings.method_tables import whole_of
 from kinemark.fill import Auto, Body, Gap, KalmanAngles, LimbAngles, Linear, MarkerArray
 from kinemark.fill.methods.angles import fill_limb_angles
 from kinemark.io.angle_model_csv import write_angle_model
@@ -288,7 +288,7 @@ def test_a_marker_from_the_static_trial_is_told_apart(tmp_path):
 def test_the_thesis_own_algorithm_is_selectable_and_auto_leaves_it_out():
     method = fill_method("kalman_angles", ["feedback=measured", "segment_tolerance=0.05"])
     assert method == KalmanAngles("measured", segment_tolerance=0.05)
-    assert filling_of({"method": "kalman_angles", "feedback": "path"}).method == KalmanAngles("path")
+    assert whole_of("fill", {"method": "kalman_angles", "feedback": "path"}).method == KalmanAngles("path")
     assert "kalman_angles" not in Auto().candidates and "limb_angles" in Auto().candidates
     with pytest.raises(KinemarkError, match="feedback"):
         fill_method("kalman_angles", ["feedback=x"])

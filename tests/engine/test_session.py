@@ -176,7 +176,8 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         ('name = "one"', 'name = "a/b"', r"trials.0.name"),
         ("[calibration]", '[cameras]\nnames = ["c0", "c9"]\n[calibration]', r"not c9"),
         ("[calibration]", '[cameras]\nnames = ["c0"]\n[calibration]', r"1 camera, and a point in space needs two"),
-        ("[calibration]", "[calibration", r"is not TOML"),
+        ("[calibration]", "[calibration", r"is no TOML"),
+        ("[calibration]", "x = " + "[" * 5000, r"is no TOML"),
     ],
 )
 def test_settings_that_cannot_be_used_are_explained(folder, old, new, said):

@@ -9,7 +9,7 @@ import pytest
 from kinemark.apps.cli import app
 from kinemark.data import Fills, MarkerTrajectory, Origin, same
 from kinemark.engine.fill_files import fill_file, filled_text
-from kinemark.engine.settings.method_tables import filling_of
+from kinemark.engine.settings.method_tables import whole_of
 from kinemark.fill import Cubic, FilledGap, Filling, Gap, Linear, Prediction, Rays, RigidBody, fill, fill_recording
 from kinemark.fill.filled_gap import Filled
 from kinemark.fill.judge.expected_error import SLOPE, MeasuredErrors
@@ -76,12 +76,12 @@ def test_nothing_measured_is_replaced_by_default_and_what_is_suspicious_is_liste
 
 def test_trim_is_the_same_in_a_session_in_python_and_on_the_command_line(tmp_path):
     source, _ = trimmed_file(tmp_path)
-    assert filling_of({"method": "linear", "trim": 0}).trim == 0 and filling_of({"trim": 5}).trim == 5
-    assert filling_of({}).trim == Filling().trim == 0
-    assert filling_of({"method": "linear"}).name == "linear" and filling_of({}).name == "auto"
+    assert whole_of("fill", {"method": "linear", "trim": 0}).trim == 0 and whole_of("fill", {"trim": 5}).trim == 5
+    assert whole_of("fill", {}).trim == Filling().trim == 0
+    assert whole_of("fill", {"method": "linear"}).name == "linear" and whole_of("fill", {}).name == "auto"
     for bad in ({"trim": -1}, {"trim": "x"}, {"limit_mm": np.nan}):
         with pytest.raises(ValueError):
-            filling_of(bad)
+            whole_of("fill", bad)
     app(["fill", str(source), "-o", str(tmp_path / "o.c3d"), "--method", "rigid_body", "--trim", "0"],
         result_action="return_value")  # fmt: skip
     app(["fill", str(source), "-o", str(tmp_path / "d.c3d"), "--method", "rigid_body"], result_action="return_value")

@@ -85,9 +85,13 @@ def test_a_leg_that_swings_in_a_plane_or_hardly_shows_no_hip():
         functional_hip({name: xyz for name, xyz in still.items() if name != "LKNE"}, "left")
 
 
+def hips_of(lab):
+    return [functional_hip(marker_points(lab.functional), side, tissue_mm=0.0) for side in SIDES]
+
+
 def test_the_model_takes_it_in_place_of_the_regression():
     lab = gait_laboratory(WalkingBody(MEASURES, hip_error_mm=OFF), duration_s=0.5, rate=50.0)
-    known = with_functional_hips(MEASURES, marker_points(lab.functional), tissue_mm=0.0)
+    known = with_functional_hips(MEASURES, hips_of(lab))
     for measures, low, high in ((known, 0, 0.01), (MEASURES, 15, 30)):
         limbs = lower_limbs(marker_points(lab.walk), measures)
         for side in SIDES:
@@ -97,7 +101,7 @@ def test_the_model_takes_it_in_place_of_the_regression():
 
 def test_its_own_error_is_on_the_curves_and_a_misplaced_pelvis_marker_leaves_it_in_the_bone():
     lab = gait_laboratory(WalkingBody(MEASURES, hip_error_mm=OFF), duration_s=0.5, rate=50.0)
-    known = with_functional_hips(MEASURES, marker_points(lab.functional), tissue_mm=0.0)
+    known = with_functional_hips(MEASURES, hips_of(lab))
     errors = GaitErrors(placement_mm=0, width_mm=0, tissue_mm=0, plate_mm=0, draws=0)
 
     def knee(measures, **changed):
@@ -108,7 +112,7 @@ def test_its_own_error_is_on_the_curves_and_a_misplaced_pelvis_marker_leaves_it_
     assert knee(known)["hip centre"] < 0.01 * knee(MEASURES)["hip centre"]
     pelvis = WalkingBody(MEASURES, hip_error_mm=OFF, placement_mm={"SACR": np.array([0.0, 0.0, 10.0])})
     misplaced = gait_laboratory(pelvis, duration_s=0.5, rate=50.0)
-    again = with_functional_hips(MEASURES, marker_points(misplaced.functional), tissue_mm=0.0)
+    again = with_functional_hips(MEASURES, hips_of(misplaced))
     there = [lower_limbs(marker_points(one.walk), m).left.hip for one, m in ((lab, known), (misplaced, again))]
     np.testing.assert_allclose(*there, atol=0.01)
     stated = gait_uncertainty(lab.walk, known, method=Physical(smoothing="none"),

@@ -105,3 +105,9 @@ def test_an_edit_of_a_later_version_is_named_and_not_half_applied():
         found = parse_journal(body + b',"hash":"' + hash_of(body).encode() + b'"}\n')
         assert [fault.kind for fault in found.faults] == ["unknown"] and not found.entries
     json.loads(line)  # other programs can read it
+
+
+def test_a_line_nested_too_deeply_is_named():
+    body = b'{"edits":' + b"[" * 100_000
+    found = parse_journal(body + b',"hash":"' + hash_of(body).encode() + b'"}\n')
+    assert [fault.kind for fault in found.faults] == ["unknown"]

@@ -46,14 +46,16 @@ def test_a_band_may_be_toml_and_keeps_the_scale_of_its_controls(tmp_path):
     (tmp_path / "band.toml").write_text(head.replace("0.25", "-1.0") + tables, encoding="utf-8")
     with pytest.raises(KinemarkError, match="log_score"):
         read_reference(tmp_path / "band.toml")
-    (tmp_path / "band.toml").write_text("source =", encoding="utf-8")
-    with pytest.raises(KinemarkError, match="no TOML"):
-        read_reference(tmp_path / "band.toml")
+    for broken in ("source =", "source = " + "[" * 5000):
+        (tmp_path / "band.toml").write_text(broken, encoding="utf-8")
+        with pytest.raises(KinemarkError, match="no TOML"):
+            read_reference(tmp_path / "band.toml")
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("{", "no JSON"), ("[]", "no reference band"), ('{"source": "a", "subjects": 2}', "gait-reference"),
+    [("{", "no JSON"), ("[" * 100_000, "no JSON"), ("[]", "no reference band"),
+     ('{"source": "a", "subjects": 2}', "gait-reference"),
      ('{"source": "a", "subjects": 2, "curves": {"K": {"mean": [[1]], "sd": [[1]]}}}', r"wanted \(101")],
 )  # fmt: skip
 def test_what_is_no_band_is_told(tmp_path, text, said):

@@ -42,7 +42,7 @@ def test_measures_are_read(tmp_path):
         ("knee_mm = 101", "", "lacks knee_mm"),
         ("leg_mm = 880", "leg_mm = 0.88", "millimetres"),
         ("leg_mm = 880", 'leg_mm = "long"', "wanted a number"),
-        ("[left]", "[lft]", "Did you mean left"),
+        ("[left]", "[lft]", "did you mean 'left'"),
         ("mass_kg = 61.5", "mass_kg = 61500", "mass_kg"),
         ("[left]", "[left", "no TOML"),
     ],

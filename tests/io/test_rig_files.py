@@ -108,7 +108,7 @@ def test_an_edited_rotation_counts(tmp_path):
         ("[ 640, 480,]", "[ 640, 1e30,]", "whole pixels"),
         ("600.0, 0.0, 319.5", "0.0, 0.0, 319.5", "K must be finite"),
         ('"left"', '"int_right"', "names must differ"),
-        ('"left"', '"left', "not valid TOML"),
+        ('"left"', '"left', "is no TOML"),
         ("matrix", "intrinsic", r"\[cam_0\]: matrix is 'absent'"),
         ("matrix = [ [ 600.0, 0.0, 319.5,], [ 0.0, 610.0, 239.5,], [ 0.0, 0.0, 1.0,],]\n", "", r"\[cam_0\]: matrix is"),
     ],

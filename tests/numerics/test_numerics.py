@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from kinemark.numerics.evenly import evenly
 from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Iterates, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
     MEDIAN_OF_NORMAL,
@@ -21,8 +22,8 @@ from kinemark.numerics.row_quantiles import row_medians, row_quantiles
 from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_rows
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
-from kinemark.numerics.small_matrices import inverse2, inverse3, solve2, solve3, solve3_entries
-from kinemark.numerics.vectors import cross, cross_matrix, perpendicular_pair
+from kinemark.numerics.small_matrices import inverse2, inverse3, solve3, solve3_entries
+from kinemark.numerics.vectors import across, cross, cross_matrix, perpendicular_pair
 
 T = np.linspace(0, 2, 40)
 
@@ -224,14 +225,13 @@ def positive(n, *batch, seed=0):
 
 def test_small_systems_are_those_of_lapack():
     A3, b3 = positive(3, 30), np.random.default_rng(1).normal(size=(30, 3))
-    A2, b2 = np.random.default_rng(2).normal(size=(30, 2, 2)), b3[:, :2]
+    A2 = np.random.default_rng(2).normal(size=(30, 2, 2))
     x3 = np.linalg.solve(A3, b3[..., None])[..., 0]
     assert inverse3(A3) == pytest.approx(np.linalg.inv(A3), rel=1e-8)
     assert solve3(A3, b3) == pytest.approx(x3, rel=1e-8)
     entries = [A3[:, i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
     assert pytest.approx(x3, rel=1e-8) == solve3_entries(entries, list(b3.T)).T
     assert inverse2(A2) == pytest.approx(np.linalg.inv(A2), rel=1e-8)
-    assert solve2(A2, b2) == pytest.approx(np.linalg.solve(A2, b2[..., None])[..., 0], rel=1e-8)
 
 
 def test_singular_systems_have_no_solution():
@@ -336,3 +336,18 @@ def test_medians_and_quantiles_of_rows_with_gaps_are_those_of_numpy_to_the_last_
     rows[np.isnan(rows).all(-1), 0] = 1.0
     assert (row_medians(rows) == np.nanmedian(rows, axis=-1)).all()
     assert (row_quantiles(rows, share) == np.nanquantile(rows, share, axis=-1)).all()
+
+
+@pytest.mark.parametrize(("n", "most"), [(0, 5), (1, 5), (5, 5), (6, 5), (99, 7), (1000, 300), (7, 1)])
+def test_a_few_of_many_are_distinct_and_reach_both_ends(n, most):
+    few = evenly(n, most)
+    assert len(few) == min(n, most) and (np.diff(few) > 0).all()
+    assert n == 0 or few[0] == 0
+    assert min(n, most) < 2 or (few[-1] == n - 1 and np.ptp(np.diff(few)) <= 1)
+
+
+def test_what_is_across_a_direction_has_nothing_along_it():
+    d = np.random.default_rng(3).normal(size=(4, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    pair = perpendicular_pair(d)
+    np.testing.assert_allclose(across(d), pair @ pair.mT, atol=1e-12)

@@ -83,8 +83,8 @@ def _(by):
     body = WalkingBody(MEASURES)
     swung = {name: on_grid(xyz) + by for name, xyz in body.markers(body.swinging(np.arange(240) / 10.0)).items()}
     found = gait.functional_hip(swung, "left", tissue_mm=0.1)
-    measures = gait.with_functional_hips(MEASURES, swung, tissue_mm=0.1)
-    return Answer(rest=(found.place, found.sd, np.array(measures.right.hip_mm)))
+    measures = gait.with_functional_hips(MEASURES, [found])
+    return Answer(rest=(found.place, found.sd, np.array(measures.left.hip_mm)))
 
 
 @law(gait.standard_trial, gait.with_heels, gait.estimated_measures)

@@ -203,10 +203,10 @@ def _(by):
     return Answer((fit.xyz, fit.rig.centres), (rest, spread, fit.residual, fit.kept, fit.chi2, fit.freedom, judged))
 
 
-@law(calibrate.wand_lengths, calibrate.by_place, share=OPEN)
+@law(calibrate.wand_lengths, share=OPEN)
 def _(by):
     found = calibrate.wand_lengths(moved(rig(), by), waved()[1], along=[0.0, 500.0])
-    return Answer(found.place, (found._replace(place=None), calibrate.by_place(found.place, found.error)))
+    return Answer(found.place, found._replace(place=None))
 
 
 @law(calibrate.assign_points)

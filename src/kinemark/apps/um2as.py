@@ -131,9 +131,14 @@ def calibrate(
     found = _image_markers(image, frame, threshold, inverted, white_pixels)
     n = len(at) if at else len(table(measured)[1])
     uv = np.array([pointed(found, f"control ball {i + 1}", at[i] if at else None) for i in range(n)]).reshape(-1, 2)
-    _, off = calibrate_file(measured, output, uv * _square(aspect_ratio), made=_date(made) if camera == 1 else None)
-    rms = float(np.sqrt((off**2).sum(1).mean()))
-    say(f"{output} is written. The balls are {rms:.2f} px off on average (RMS), at most {np.hypot(*off.T).max():.2f}.")
+    _, residual = calibrate_file(
+        measured, output, uv * _square(aspect_ratio), made=_date(made) if camera == 1 else None
+    )
+    rms = float(np.sqrt((residual**2).sum(1).mean()))
+    say(
+        f"{output} is written. The balls are {rms:.2f} px off on average (RMS), at most "
+        f"{np.hypot(*residual.T).max():.2f}."
+    )
 
 
 @um2as.command(name="digitise")

@@ -1,4 +1,4 @@
-"""What is said of a command line that is not understood: what is wanted, what that is, and where the rest stands."""
+"""Messages for a command line that is not understood: what was found, what is wanted, and where the help is."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ from .lens.linearisation import GridView, LensFit, Linearisation, linearise, str
 from .quality import map_volume, predicted_covariance
 from .reference_marker import MarkShift, corrected, find_marks, mark_shift, reference_shift
 from .stage import CALIBRATE
-from .wand import Wand, WandLengths, by_place, calibrate_wand, wand_lengths, wand_points
+from .wand import Wand, WandLengths, calibrate_wand, wand_lengths, wand_points
 
 __all__ = [
     "CALIBRATE",
@@ -51,7 +51,6 @@ __all__ = [
     "WandLengths",
     "aspect_ratio",
     "assign_points",
-    "by_place",
     "calibrate_control_frame",
     "calibrate_control_points",
     "calibrate_points",

@@ -88,15 +88,15 @@ def assign_points(uv: Floats, xyz: Floats, *, picked: NDArray[np.integer], at: F
 
 def _map(xyz: Floats, uv: Floats) -> Map:
     """(1) from points (m, 3) at (m, 2) px by (2)."""
-    middle = xyz.mean(0) if len(xyz) else np.zeros(3)
-    _, s, axes = np.linalg.svd(xyz - middle) if len(xyz) else (None, np.zeros(3), np.eye(3))
+    centre = xyz.mean(0) if len(xyz) else np.zeros(3)
+    _, s, axes = np.linalg.svd(xyz - centre) if len(xyz) else (None, np.zeros(3), np.eye(3))
     if len(xyz) < 3 or s[1] < FLAT * s[0]:
         raise KinemarkError(
             f"{len(xyz)} points of the target are picked, wanted at least three that are not on one line. Pick more."
         )
     k = 2 if len(xyz) == 3 or s[2] < FLAT * s[0] else 3
     size, origin, reach = np.sqrt((s**2).sum() / len(xyz)), uv.mean(0), uv.std()
-    x, at = (xyz - middle) @ axes[:k].T / size, (uv - origin) / reach
+    x, at = (xyz - centre) @ axes[:k].T / size, (uv - origin) / reach
     whole = np.column_stack([x, np.ones(len(x))])
     zero = np.zeros_like(whole)
     rows = [
@@ -107,7 +107,7 @@ def _map(xyz: Floats, uv: Floats) -> Map:
     found = np.linalg.lstsq(np.concatenate(rows), np.concatenate([at.T.ravel(), np.zeros(k)]))[0]  # (2)
 
     def to_image(points: Floats) -> Floats:
-        x = (points - middle) @ axes[:k].T / size
+        x = (points - centre) @ axes[:k].T / size
         above = np.column_stack([x, np.ones(len(x))]) @ found[: 2 * k + 2].reshape(2, k + 1).T
         return np.asarray(origin + reach * above / (1 + x @ found[2 * k + 2 :])[:, None])  # (1)
 
@@ -117,8 +117,8 @@ def _map(xyz: Floats, uv: Floats) -> Map:
 def _close(places: Floats, uv: Floats, index: Ints, tolerance: float) -> float:
     """What is near in the end: some times as far as most dots are off, at most `tolerance`, px."""
     seen = index >= 0
-    off = np.linalg.norm(places[seen] - uv[index[seen]], axis=1)
-    return float(min(tolerance, max(OFF * np.median(off), LEAST))) if seen.any() else tolerance
+    distance = np.linalg.norm(places[seen] - uv[index[seen]], axis=1)
+    return float(min(tolerance, max(OFF * np.median(distance), LEAST))) if seen.any() else tolerance
 
 
 def _to_next(places: Floats) -> Floats:

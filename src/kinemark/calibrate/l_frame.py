@@ -18,6 +18,7 @@ import numpy as np
 
 from ..data import KinemarkError, Rig
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly
 from .world_frame import similarity
 
 MOST = 12  # points in which the frame is looked for at most; chosen, as all orders are tried
@@ -103,17 +104,17 @@ def resting_l_frame(
     if not read:
         raise trouble
     places = np.array(read)
-    off = np.linalg.norm(places - np.median(places, axis=0), axis=2).max(1)
-    rests: Bools = off <= max(MOVED * float(np.median(off)), STILL * float(_distances(places).max()))
+    distance = np.linalg.norm(places - np.median(places, axis=0), axis=2).max(1)
+    rests: Bools = distance <= max(MOVED * float(np.median(distance)), STILL * float(_distances(places).max()))
     seen = places[rests].mean(0)
     known = _facing(rig, seen, model, scale, cameras_above=True) + np.array([0.0, 0.0, height])
     mm = float(_distances(known).max() / _distances(seen).max())  # a unit of the rig's world
-    return RestingLFrame(seen, known, len(places), int((~rests).sum()), mm * float(off.max()))
+    return RestingLFrame(seen, known, len(places), int((~rests).sum()), mm * float(distance.max()))
 
 
 def _spread(n: int) -> Ints:
     """Frames of n that are read."""
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_FRAMES)).astype(np.int64)) if n else np.zeros(0, np.int64)
+    return evenly(n, MOST_FRAMES)
 
 
 def _model(long: float | Sequence[float], short: float | Sequence[float]) -> Floats:
@@ -148,14 +149,14 @@ def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> li
     found = _distances(xyz[choices])
     if scale:
         found = found * ((found * wanted).sum(-1) / np.maximum((found**2).sum(-1), 1e-300))[:, None]
-    off = np.abs(found - wanted).max(-1) / wanted.max()
-    best = np.argsort(off)[:2]
-    if not off[best[0]] <= tolerance:
+    difference = np.abs(found - wanted).max(-1) / wanted.max()
+    best = np.argsort(difference)[:2]
+    if not difference[best[0]] <= tolerance:
         raise KinemarkError(
             f"No {len(model)} of {len(there)} points have the L-frame's distances: the best are off by "
-            f"{off[best[0]] * wanted.max():.1f} mm. Check its lengths, and that all its markers are seen."
+            f"{difference[best[0]] * wanted.max():.1f} mm. Check its lengths, and that all its markers are seen."
         )
-    if len(best) > 1 and off[best[1]] <= tolerance:
+    if len(best) > 1 and difference[best[1]] <= tolerance:
         raise KinemarkError(
             "The L-frame's markers can be taken in two ways: its distances are too much alike, or there are points "
             "beside it. Use arms of unequal lengths, or a smaller tolerance."

@@ -24,9 +24,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.array_types import Floats
 from ..data.arrays import check_positive
 
 TOLERANCE = 3.0  # px within which a mark has not moved; chosen
@@ -40,17 +40,13 @@ FAR = 2.0  # times the tolerance, beyond which an image is another thing; chosen
 class MarkShift(NamedTuple):
     """Shifts (C, 2) or (C, F, 2) px; spread (C) px of (3), over all frames, NaN where one mark is all there is."""
 
-    shift: NDArray[np.float64]
-    spread: NDArray[np.float64]
+    shift: Floats
+    spread: Floats
 
 
 def reference_shift(
-    before: NDArray[np.float64],
-    now: NDArray[np.float64],
-    *,
-    tolerance: float = TOLERANCE,
-    names: Sequence[str] | None = None,
-) -> NDArray[np.float64]:
+    before: Floats, now: Floats, *, tolerance: float = TOLERANCE, names: Sequence[str] | None = None
+) -> Floats:
     """How far the images have shifted, (C, 2) px; one shift a frame, (C, F, 2), where `now` has frames.
 
     Args:
@@ -68,11 +64,7 @@ def reference_shift(
 
 
 def mark_shift(
-    before: NDArray[np.float64],
-    now: NDArray[np.float64],
-    *,
-    tolerance: float = TOLERANCE,
-    names: Sequence[str] | None = None,
+    before: Floats, now: Floats, *, tolerance: float = TOLERANCE, names: Sequence[str] | None = None
 ) -> MarkShift:
     """As `reference_shift`, with the marks' spread about it."""
     check_positive(tolerance=tolerance)
@@ -95,7 +87,7 @@ def mark_shift(
     return MarkShift(shift if now.ndim == 4 else shift[:, 0], spread)
 
 
-def corrected(detections: Detections, shift: NDArray[np.float64]) -> Detections:
+def corrected(detections: Detections, shift: Floats) -> Detections:
     """The detections where they would have been seen without the shift, (C, 2) or (C, F, 2) px.
 
     Raises:
@@ -108,9 +100,7 @@ def corrected(detections: Detections, shift: NDArray[np.float64]) -> Detections:
     return replace(detections, uv=detections.uv - moved)
 
 
-def find_marks(
-    detections: Detections, before: NDArray[np.float64], *, reach: float = REACH, still: float = TOLERANCE
-) -> NDArray[np.float64]:
+def find_marks(detections: Detections, before: Floats, *, reach: float = REACH, still: float = TOLERANCE) -> Floats:
     """Where the fixed marks are in a recording: (C, F, K, 2) px, NaN where a mark is not seen.
 
     Args:
@@ -147,24 +137,22 @@ def find_marks(
     return found
 
 
-def _common_shift(
-    detections: Detections, c: int, places: NDArray[np.float64], reach: float, still: float
-) -> NDArray[np.float64] | None:
+def _common_shift(detections: Detections, c: int, places: Floats, reach: float, still: float) -> Floats | None:
     """(2,) px; the densest place among differences of detections from all marks, if there is any."""
     frames = np.unique(np.linspace(0, detections.n_frames - 1, MOST_FRAMES).astype(int))
     uv = np.concatenate([detections[c, f] for f in frames if f >= 0] or [np.zeros((0, 2))])
-    off = (uv[:, None] - places[np.isfinite(places[:, 0])]).reshape(-1, 2)
-    off = off[np.linalg.norm(off, axis=1) <= reach]
-    if len(off) == 0:
+    offset = (uv[:, None] - places[np.isfinite(places[:, 0])]).reshape(-1, 2)
+    offset = offset[np.linalg.norm(offset, axis=1) <= reach]
+    if len(offset) == 0:
         return None
-    tree = scipy.spatial.KDTree(off)
-    many = tree.query_ball_point(off, still, return_length=True)
-    good = off[many >= NEARLY_AS_MANY * many.max()]
+    tree = scipy.spatial.KDTree(offset)
+    many = tree.query_ball_point(offset, still, return_length=True)
+    good = offset[many >= NEARLY_AS_MANY * many.max()]
     nearest = good[np.linalg.norm(good, axis=1).argmin()]
-    return np.asarray(np.median(off[tree.query_ball_point(nearest, still)], axis=0))
+    return np.asarray(np.median(offset[tree.query_ball_point(nearest, still)], axis=0))
 
 
-def _shift_of(name: str, moved: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+def _shift_of(name: str, moved: Floats, tolerance: float) -> Floats:
     """(F, 2) from the marks' own displacements (F, K, 2), by (1)."""
     seen = np.isfinite(moved[..., 0]) & np.isfinite(moved[..., 1])
     known = seen.any(1)
@@ -180,18 +168,16 @@ def _shift_of(name: str, moved: NDArray[np.float64], tolerance: float) -> NDArra
     return np.stack([np.interp(frames, frames[known], shift[known, k]) for k in (0, 1)], 1)
 
 
-def _spread(moved: NDArray[np.float64], shift: NDArray[np.float64]) -> float:
+def _spread(moved: Floats, shift: Floats) -> float:
     """(3) over all frames (F, K, 2); NaN where no frame has two marks."""
-    off = moved - shift[:, None]
-    seen = np.isfinite(off[..., 0]) & np.isfinite(off[..., 1])
+    residual = moved - shift[:, None]
+    seen = np.isfinite(residual[..., 0]) & np.isfinite(residual[..., 1])
     both = seen.sum(1) >= 2
     freedom = int((seen[both].sum(1) - 1).sum())
-    return float(np.sqrt(np.nansum(off[both] ** 2) / freedom)) if freedom else float("nan")
+    return float(np.sqrt(np.nansum(residual[both] ** 2) / freedom)) if freedom else float("nan")
 
 
-def _disagreement(
-    name: str, before: NDArray[np.float64], films: NDArray[np.float64], spread: float, tolerance: float
-) -> str:
+def _disagreement(name: str, before: Floats, films: Floats, spread: float, tolerance: float) -> str:
     """What the marks (K, 2) and (F, K, 2) of a camera tell instead of a shift, by (4)."""
     at = np.array([np.nanmedian(p) if np.isfinite(p).any() else np.nan for p in films.reshape(-1, before.size).T])
     both = np.isfinite(at.reshape(-1, 2)).all(1) & np.isfinite(before).all(1)

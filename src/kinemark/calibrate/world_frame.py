@@ -91,11 +91,12 @@ def similarity(seen: Floats, known: Floats, *, scale: bool = False) -> tuple[Flo
     A = (U * signs) @ Vt  # (4)
     grown = float((D * signs).sum() / (x**2).sum())
     s = grown if scale else 1.0
-    off, size = np.sqrt(((s * x @ A.T - y) ** 2).sum(1).mean()), np.sqrt((y**2).sum(1).mean())
-    if off > MISFIT * size:
+    residual, size = np.sqrt(((s * x @ A.T - y) ** 2).sum(1).mean()), np.sqrt((y**2).sum(1).mean())
+    if residual > MISFIT * size:
         raise KinemarkError(
-            f"Known points differ from those seen by {off:.0f} mm RMS, and are only {size:.0f} mm from their middle. "
-            f"Their sizes are as {grown:.3g} to 1. Check which point is which, the units, and whether scale is free."
+            f"Known points differ from those seen by {residual:.0f} mm RMS, and are only {size:.0f} mm from their "
+            f"middle. Their sizes are as {grown:.3g} to 1. Check which point is which, the units, and whether scale "
+            "is free."
         )
     return A, b.mean(0) - s * A @ a.mean(0), s
 

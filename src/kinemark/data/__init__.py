@@ -14,7 +14,6 @@ from .events import Events
 from .fills import Fills
 from .finding import SEVERITIES, Finding, FindingKind, Grade, Severity
 from .finding_kinds import KINDS, make_finding
-from .identity import Identity
 from .marker_set import MarkerSet
 from .matches import Matches
 from .poses import Poses
@@ -23,7 +22,7 @@ from .rods import Rods
 from .sample_images import SampleImages, images_of, matches_of
 from .signals import Signal, Signals
 from .trajectories import MarkerTrajectory, Origin, Trajectories
-from .trial import Step, Trial
+from .trial import Identity, Step, Trial
 
 __all__ = [
     "KINDS",

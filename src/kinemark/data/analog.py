@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats
 from .arrays import column, set_columns
 
 
@@ -25,7 +25,7 @@ class Analog:
     names: tuple[str, ...]
     units: tuple[str, ...]
     rate: float
-    values: NDArray[np.float64]
+    values: Floats
     start: float = 0.0
 
     def __post_init__(self) -> None:
@@ -42,7 +42,7 @@ class Analog:
     def __len__(self) -> int:
         return len(self.names)
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Floats:
         """(N) the samples of one channel."""
         if name not in self.names:
             raise KeyError(f"no channel {name!r}; there are {', '.join(self.names)}")
@@ -64,11 +64,11 @@ class ForcePlate:
     """
 
     type: int
-    corners: NDArray[np.float64]
-    origin: NDArray[np.float64]
+    corners: Floats
+    origin: Floats
     channels: tuple[str, ...]
-    calibration: NDArray[np.float64] | None = field(default=None)
-    zero_frames: NDArray[np.float64] | None = field(default=None)
+    calibration: Floats | None = field(default=None)
+    zero_frames: Floats | None = field(default=None)
 
     def __post_init__(self) -> None:
         set_columns(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .arrays import check_positive, column, set_columns
 
 
@@ -27,13 +27,13 @@ class AngleModel:
     """
 
     names: tuple[str, ...]
-    links: NDArray[np.int64]
-    bank: NDArray[np.int64]
-    length: NDArray[np.float64]
-    spread: NDArray[np.float64]
-    direction: NDArray[np.float64]
-    cov: NDArray[np.float64]
-    cycles: NDArray[np.int64]
+    links: Ints
+    bank: Ints
+    length: Floats
+    spread: Floats
+    direction: Floats
+    cov: Floats
+    cycles: Ints
     period: float
 
     def __post_init__(self) -> None:
@@ -63,12 +63,12 @@ class AngleModel:
             raise ValueError("direction must be unit vectors")
 
     @property
-    def angles(self) -> NDArray[np.float64]:
+    def angles(self) -> Floats:
         """(S, B, 3) the component angles with the axes x, y and z (3.35), deg."""
         return np.degrees(np.arccos(np.clip(self.direction, -1.0, 1.0)))
 
     @property
-    def deviation(self) -> NDArray[np.float64]:
+    def deviation(self) -> Floats:
         """(S, B, 3) standard deviation of the component angles, deg: dθ = −d cos θ / sin θ, 90 at most."""
         variance = np.maximum(np.diagonal(self.cov, axis1=-2, axis2=-1), 0.0)
         sine = np.sqrt(np.maximum(1 - self.direction**2, 1e-12))

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Bools, Floats
 from .arrays import column, set_columns
 from .signals import Signal, Signals
 
@@ -30,10 +30,10 @@ class Angles:
 
     joints: tuple[str, ...]
     sequence: tuple[str, ...]
-    deg: NDArray[np.float64]
-    cov: NDArray[np.float64]
+    deg: Floats
+    cov: Floats
     rate: float
-    locked: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
+    locked: Bools = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
 
     def __post_init__(self) -> None:
         n, f = len(self.joints), self.deg.shape[1]
@@ -50,16 +50,16 @@ class Angles:
             raise ValueError(f"sequence has {len(self.sequence)} entries, wanted {n}")
 
     @property
-    def sd(self) -> NDArray[np.float64]:
+    def sd(self) -> Floats:
         """(J, F, 3) deg, the standard deviation of each angle, NaN where unknown."""
         return np.sqrt(np.diagonal(self.cov, axis1=-2, axis2=-1))
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Floats:
         """(F) seconds from the first frame."""
         return np.arange(self.deg.shape[1]) / self.rate
 
-    def __getitem__(self, joint: str) -> NDArray[np.float64]:
+    def __getitem__(self, joint: str) -> Floats:
         """(F, 3) deg of one joint."""
         if joint not in self.joints:
             raise KeyError(f"no joint {joint!r}; there are {', '.join(self.joints)}")

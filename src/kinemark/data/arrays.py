@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from .array_types import Ints
+
 
 def column(name: str, value: ArrayLike, dtype: DTypeLike, *shape: int | None) -> NDArray[Any]:
     """A read-only view of `value` with this dtype and shape; None in `shape` means any length.
@@ -32,7 +34,7 @@ def set_columns(record: object, **columns: NDArray[Any] | tuple[Any, ...]) -> No
         object.__setattr__(record, name, value)
 
 
-def check_offsets(name: str, start: NDArray[np.int64], total: int) -> None:
+def check_offsets(name: str, start: Ints, total: int) -> None:
     """Offsets along the last axis must begin anywhere, never fall, and end the flat columns.
 
     Raises:

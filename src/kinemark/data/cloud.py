@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Bools, Floats, Ints
 from .arrays import check_offsets, column, set_columns
 
 
@@ -24,11 +24,11 @@ class Cloud:
     """
 
     rate: float
-    start: NDArray[np.int64]
-    xyz: NDArray[np.float64]
-    cov: NDArray[np.float64]
-    residual: NDArray[np.float64]
-    detection: NDArray[np.int64]
+    start: Ints
+    xyz: Floats
+    cov: Floats
+    residual: Floats
+    detection: Ints
 
     def __post_init__(self) -> None:
         n = len(self.xyz)
@@ -45,7 +45,7 @@ class Cloud:
     def __len__(self) -> int:
         return len(self.xyz)
 
-    def __getitem__(self, f: int) -> NDArray[np.float64]:
+    def __getitem__(self, f: int) -> Floats:
         """A view of xyz: the points of frame f, (n, 3) mm."""
         return self.xyz[self.rows(f)]
 
@@ -59,11 +59,11 @@ class Cloud:
         return len(self.start) - 1
 
     @property
-    def frame(self) -> NDArray[np.int64]:
+    def frame(self) -> Ints:
         """(P) the frame of each row."""
         return np.repeat(np.arange(self.n_frames), np.diff(self.start))
 
-    def keep(self, mask: NDArray[np.bool_]) -> Cloud:
+    def keep(self, mask: Bools) -> Cloud:
         """Only the rows where `mask` (P) is true; the same record where all are."""
         if mask.all():
             return self
@@ -88,7 +88,7 @@ class Tracks:
     """
 
     cloud: Cloud
-    id: NDArray[np.int64]
+    id: Ints
 
     def __post_init__(self) -> None:
         set_columns(self, id=column("id", self.id, np.int64, len(self.cloud)))
@@ -102,6 +102,6 @@ class Tracks:
         return int(self.id.max(initial=-1)) + 1
 
     @property
-    def lengths(self) -> NDArray[np.int64]:
+    def lengths(self) -> Ints:
         """Points of each track."""
         return np.bincount(self.id[self.id >= 0], minlength=len(self))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .array_types import Bools, Floats, Ints
 from .arrays import check_offsets, column, set_columns
 
 
@@ -30,19 +31,19 @@ LEAN = ("cov", "area", "width", "height", "peak")
 """Those that are in memory once where all rows are alike: files often state nothing but places."""
 
 
-def alike_in_all(values: NDArray[np.float64]) -> bool:
+def alike_in_all(values: Floats) -> bool:
     """Whether a column of `Detections` is one value that stands for all rows."""
     return len(values) > 1 and values.strides[0] == 0
 
 
-def _lean(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _lean(values: Floats) -> Floats:
     """The column, or one value in place of as many that are alike."""
     if len(values) < 2 or alike_in_all(values) or not _equal(values[-1], values[0]) or not _equal(values, values[0]):
         return values
     return np.broadcast_to(values[0].copy(), values.shape)
 
 
-def _equal(values: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+def _equal(values: Floats, other: Floats) -> bool:
     """Whether values are another, NaN being NaN."""
     return bool(((values == other) | (np.isnan(values) & np.isnan(other))).all())
 
@@ -68,15 +69,15 @@ class Detections:
 
     cameras: tuple[str, ...]
     rate: float
-    start: NDArray[np.int64]
-    uv: NDArray[np.float64]
-    cov: NDArray[np.float64]
-    area: NDArray[np.float64]
-    width: NDArray[np.float64]
-    height: NDArray[np.float64]
-    peak: NDArray[np.float64]
+    start: Ints
+    uv: Floats
+    cov: Floats
+    area: Floats
+    width: Floats
+    height: Floats
+    peak: Floats
     validity: NDArray[np.uint8]
-    merged: NDArray[np.bool_]
+    merged: Bools
     ground_subtracted: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -137,7 +138,7 @@ class Detections:
     def __len__(self) -> int:
         return len(self.uv)
 
-    def __getitem__(self, camera_frame: tuple[int, int]) -> NDArray[np.float64]:
+    def __getitem__(self, camera_frame: tuple[int, int]) -> Floats:
         """A view of uv: what camera c saw in frame f, (n, 2) px."""
         return self.uv[self.rows(*camera_frame)]
 
@@ -151,22 +152,22 @@ class Detections:
         return self.start.shape[1] - 1
 
     @property
-    def counts(self) -> NDArray[np.int64]:
+    def counts(self) -> Ints:
         """(C, F) detections a camera and frame."""
         return np.diff(self.start, axis=1)
 
     @property
-    def camera(self) -> NDArray[np.int64]:
+    def camera(self) -> Ints:
         """(D) the camera of each row."""
         return np.repeat(np.arange(len(self.cameras)), self.counts.sum(1))
 
     @property
-    def frame(self) -> NDArray[np.int64]:
+    def frame(self) -> Ints:
         """(D) the frame of each row."""
         return np.repeat(np.tile(np.arange(self.n_frames), len(self.cameras)), self.counts.reshape(-1))
 
     @property
-    def valid(self) -> NDArray[np.bool_]:
+    def valid(self) -> Bools:
         """(D) whether the row goes on to matching."""
         return self.validity == Validity.VALID
 
@@ -184,7 +185,7 @@ class Detections:
         found = Detections.build(tuple(names), self.rate, self.counts[chosen], **columns)
         return replace(found, ground_subtracted=tuple(name for name in names if name in self.ground_subtracted))
 
-    def keep(self, mask: NDArray[np.bool_]) -> Detections:
+    def keep(self, mask: Bools) -> Detections:
         """Only the rows where `mask` (D) is true."""
         before = np.concatenate([[0], np.cumsum(mask)])
         columns = {f.name: getattr(self, f.name)[mask] for f in fields(self) if f.name not in NOT_ROWS}

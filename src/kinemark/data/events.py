@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats
 from .arrays import column, set_columns
 
 
@@ -22,7 +22,7 @@ class Events:
 
     label: tuple[str, ...] = ()
     side: tuple[str, ...] = ()
-    time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    time: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         set_columns(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .arrays import column, set_columns
 from .trajectories import MarkerTrajectory, Origin, Trajectories
 
@@ -23,11 +23,11 @@ class Fills:
         gaps: figures of each gap, filled or not, as JSON.
     """
 
-    marker: NDArray[np.int64]
-    frame: NDArray[np.int64]
-    xyz: NDArray[np.float64]
-    cov: NDArray[np.float64]
-    detection: NDArray[np.int64]
+    marker: Ints
+    frame: Ints
+    xyz: Floats
+    cov: Floats
+    detection: Ints
     gaps: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -76,13 +76,7 @@ class Fills:
         return replace(trajectories, paths=tuple(paths))
 
 
-def _filled(
-    path: MarkerTrajectory,
-    frame: NDArray[np.int64],
-    xyz: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    detection: NDArray[np.int64],
-) -> MarkerTrajectory:
+def _filled(path: MarkerTrajectory, frame: Ints, xyz: Floats, cov: Floats, detection: Ints) -> MarkerTrajectory:
     """One marker with its samples."""
     names = ("xyz", "cov", "origin", "residual", "cameras")
     columns = {name: getattr(path, name).copy() for name in names} | {
@@ -94,7 +88,7 @@ def _filled(
     return replace(path, **columns)
 
 
-def detection_columns(path: MarkerTrajectory, cameras: int) -> NDArray[np.int64]:
+def detection_columns(path: MarkerTrajectory, cameras: int) -> Ints:
     """A copy (F, C) of a marker's images with columns for so many cameras, where it knows none."""
     known = path.detection.shape[1]
     return path.detection.copy() if known else np.full((len(path), cameras), -1, np.int64)

@@ -10,14 +10,12 @@ from typing import Any
 
 from .finding import Finding, FindingKind, Severity, plain_value
 from .finding_kinds_of_calibration import CALIBRATION_KINDS
-from .finding_kinds_of_edits import EDIT_KINDS
 from .finding_kinds_of_gait import GAIT_KINDS
-from .finding_kinds_of_plans import PLAN_KINDS
-from .finding_kinds_of_stages import STAGE_KINDS
+from .finding_kinds_of_stages import PLAN_KINDS, STAGE_KINDS
 from .finding_kinds_of_trial import TRIAL_KINDS
 
 KINDS: dict[str, FindingKind] = {
-    kind.name: kind for kind in (*TRIAL_KINDS, *CALIBRATION_KINDS, *STAGE_KINDS, *EDIT_KINDS, *GAIT_KINDS, *PLAN_KINDS)
+    kind.name: kind for kind in (*TRIAL_KINDS, *CALIBRATION_KINDS, *STAGE_KINDS, *GAIT_KINDS, *PLAN_KINDS)
 }
 
 

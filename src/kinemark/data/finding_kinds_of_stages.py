@@ -1,4 +1,5 @@
-"""What may be found by filling, joint angles, the error budget and the proposal of detection, with their verdicts."""
+"""What may be found by labelling, edits, filling, joint angles, the error budget, the proposal of detection and the
+planning of cameras, with their verdicts."""
 
 from __future__ import annotations
 
@@ -127,4 +128,33 @@ PROPOSAL = (
     Kind("few_bits_used", "detect", "info", "Images of 16 bits use no level above this.", {"white": "level"}),
 )  # fmt: skip
 
-STAGE_KINDS = (*LABELLING, *FILLING, *KINEMATICS, *SENSITIVITY, *PROPOSAL)
+EDITS = (
+    Kind("edits_orphaned", "edit", "amber", "Edits that no longer find their place; they are kept and applied to "
+         "nothing: the number of each entry, and why.", {"edits": "count", "entries_list": "text"}),
+    Kind("edits_thin", "edit", "amber", "Edits that stand on few of their witnesses: the number of each entry, and "
+         "how many were found.", {"edits": "count", "entries_list": "text"}),
+    Kind("edits_unreadable", "edit", "amber", "Lines of the journal that are damaged, were changed, or are of a later "
+         "version: the number of each line, and what is wrong.", {"lines": "count", "lines_list": "text"}),
+    Kind("edits_applied", "edit", "info", "What became of the journal's entries: those that stand, that had nothing "
+         "left to do, and that later ones took the place of.",
+         {"entries": "count", "held": "count", "moot": "count", "overruled": "count"}),
+)  # fmt: skip
+
+PLAN_KINDS = (
+    Kind("plan_covers", "plan", "info", "The verdict: shares of the walking body's markers (of the places of the "
+         "volume where there is no body) that at least two, and at least three cameras measure. Red below 95 % by two, "
+         "amber below 99 % by two or 95 % by three.",
+         {"camera_count": "count", "two_share": "share", "three_share": "share", "body": "flag"}),
+    Kind("plan_error", "plan", "info", "Median and 95th percentile of the predicted standard deviation of a marker's "
+         "position, per axis, and the centroids' it was predicted from; calibrated: cameras that state their own "
+         "calibration's error.",
+         {"sd_median_mm": "mm", "sd_95_mm": "mm", "centroid_px": "px", "body": "flag", "calibrated": "count"}),
+    Kind("plan_volume", "plan", "info", "The same shares of the empty volume, and the median standard deviation there.",
+         {"two_share": "share", "three_share": "share", "sd_median_mm": "mm"}),
+    Kind("plan_following", "plan", "info", "What one more camera would bring, at the best place for it.",
+         {"three_share": "share", "three_share_after": "share", "sd_median_mm": "mm", "sd_median_after_mm": "mm"}),
+    Kind("plan_camera_most_missed", "plan", "info", "The camera without which fewest is measured: the share that two "
+         "cameras measure then, and the median standard deviation.", {"two_share": "share", "sd_median_mm": "mm"}),
+)  # fmt: skip
+
+STAGE_KINDS = (*LABELLING, *FILLING, *KINEMATICS, *SENSITIVITY, *PROPOSAL, *EDITS)

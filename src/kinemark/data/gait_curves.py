@@ -40,8 +40,8 @@ class GaitCurves(NamedTuple):
     def spread(self) -> Floats:
         """(101, A) standard deviation between strides; NaN with one alone."""
         n = np.isfinite(self.values).sum(0)
-        off = np.where(n > 1, np.nansum((self.values - self.mean) ** 2, 0), np.nan)
-        return np.sqrt(off / np.maximum(n - 1, 1))
+        squares = np.where(n > 1, np.nansum((self.values - self.mean) ** 2, 0), np.nan)
+        return np.sqrt(squares / np.maximum(n - 1, 1))
 
     @property
     def measurement_sd(self) -> Floats:

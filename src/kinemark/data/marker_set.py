@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .arrays import column, set_columns
 from .nearest_word import guess
 
@@ -43,9 +43,9 @@ class MarkerSet:
 
     names: tuple[str, ...]
     segments: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    links: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
-    length: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    spread: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    links: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    length: Floats = field(default_factory=lambda: np.zeros(0))
+    spread: Floats = field(default_factory=lambda: np.zeros(0))
     pairs: tuple[tuple[str, str], ...] = ()
     name: str = ""
     description: str = ""

@@ -10,7 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from .array_types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,8 +26,8 @@ class Masks:
     """
 
     cameras: tuple[str, ...]
-    sizes: NDArray[np.int64]
-    polygons: tuple[tuple[NDArray[np.float64], ...], ...]
+    sizes: Ints
+    polygons: tuple[tuple[Floats, ...], ...]
 
     def __post_init__(self) -> None:
         sizes = np.array(self.sizes, np.int64).reshape(-1, 2)
@@ -47,7 +49,7 @@ class Masks:
         """How many cameras have a mask."""
         return len(self.cameras)
 
-    def pixels(self, camera: str) -> NDArray[np.bool_]:
+    def pixels(self, camera: str) -> Bools:
         """(H, W) whether each pixel of a camera is masked.
 
         Raises:
@@ -63,7 +65,7 @@ class Masks:
         return mask
 
 
-def rasterised(polygon: NDArray[np.float64], width: int, height: int) -> NDArray[np.bool_]:
+def rasterised(polygon: Floats, width: int, height: int) -> Bools:
     """(height, width) whether the centre of each pixel lies in a polygon (n, 2) px, by (1)."""
     crossed = np.zeros((height, width + 1), np.bool_)
     for (x1, y1), (x2, y2) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
@@ -76,7 +78,7 @@ def rasterised(polygon: NDArray[np.float64], width: int, height: int) -> NDArray
     return np.logical_xor.accumulate(crossed[:, :width], axis=1)
 
 
-def _polygon(points: ArrayLike) -> NDArray[np.float64]:
+def _polygon(points: ArrayLike) -> Floats:
     polygon = np.array(points, np.float64)
     if polygon.ndim != 2 or polygon.shape[1] != 2 or len(polygon) < 3 or not np.isfinite(polygon).all():
         raise ValueError(f"a polygon has shape {polygon.shape}, wanted three or more finite corners (x, y), px")

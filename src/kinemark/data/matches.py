@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .arrays import column, set_columns
 
 
@@ -21,9 +21,9 @@ class Matches:
         n_frames: F of the recording.
     """
 
-    frame: NDArray[np.int64]
-    detection: NDArray[np.int64]
-    cost: NDArray[np.float64]
+    frame: Ints
+    detection: Ints
+    cost: Floats
     n_frames: int
 
     def __post_init__(self) -> None:
@@ -41,6 +41,6 @@ class Matches:
         return len(self.frame)
 
     @property
-    def n_cameras(self) -> NDArray[np.int64]:
+    def n_cameras(self) -> Ints:
         """(G) how many cameras see the marker of each group."""
         return (self.detection >= 0).sum(1)

@@ -20,3 +20,8 @@ def some_names(names: Sequence[Any], most: int = MOST_LISTED) -> str:
     """`a, b and 3 more`; `none` where there are none."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(map(str, names[:most])) + more or "none"
+
+
+def are(words: Sequence[str]) -> str:
+    """What there is, after "there": "is only a", "are a, b"."""
+    return ("is only " if len(words) == 1 else "are ") + ", ".join(words)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .angles import Angles
+from .array_types import Bools
 from .models import JointMotion, Model
 
 
@@ -29,7 +29,7 @@ def named_angles(model: Model) -> tuple[NamedAngle, ...]:
     )
 
 
-def outside(angles: Angles, model: Model) -> NDArray[np.bool_]:
+def outside(angles: Angles, model: Model) -> Bools:
     """(J, F, 3) whether an angle is beyond its normal range; False where the range or the angle is unknown."""
     out = np.zeros(angles.deg.shape, np.bool_)
     for j, t, motion in named_angles(model):

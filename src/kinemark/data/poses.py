@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats
 from .arrays import check_positive, column, set_columns
 
 
@@ -24,8 +24,8 @@ class Poses:
 
     names: tuple[str, ...]
     rate: float
-    T_world_segment: NDArray[np.float64]
-    reliability: NDArray[np.float64]
+    T_world_segment: Floats
+    reliability: Floats
     start: float = 0.0
 
     def __post_init__(self) -> None:
@@ -42,7 +42,7 @@ class Poses:
     def __len__(self) -> int:
         return len(self.names)
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Floats:
         """(N, 4, 4) the poses of one segment."""
         if name not in self.names:
             raise KeyError(f"no segment {name!r}; there are {', '.join(self.names)}")

@@ -16,8 +16,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .arrays import column, set_columns
 
 PARAMETERS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "rx", "ry", "rz", "tx", "ty", "tz")
@@ -41,12 +41,12 @@ class Camera:
     """
 
     name: str
-    size: NDArray[np.int64]
-    K: NDArray[np.float64]
-    R: NDArray[np.float64]
-    t: NDArray[np.float64]
-    distortion: NDArray[np.float64] = field(default_factory=lambda: np.zeros(5))
-    cov: NDArray[np.float64] = field(default_factory=lambda: np.zeros((15, 15)))
+    size: Ints
+    K: Floats
+    R: Floats
+    t: Floats
+    distortion: Floats = field(default_factory=lambda: np.zeros(5))
+    cov: Floats = field(default_factory=lambda: np.zeros((15, 15)))
     residual: float = float("nan")
 
     def __post_init__(self) -> None:
@@ -66,12 +66,12 @@ class Camera:
             raise ValueError(f"camera {self.name}: R must be a rotation, found {self.R}")
 
     @property
-    def P(self) -> NDArray[np.float64]:
+    def P(self) -> Floats:
         """(3, 4) projection of homogeneous world points, mm, to pixels of an ideal lens."""
         return self.K @ np.column_stack([self.R, self.t])
 
     @property
-    def centre(self) -> NDArray[np.float64]:
+    def centre(self) -> Floats:
         """(3,) the optical centre in the world, mm."""
         return -self.R.T @ self.t
 
@@ -88,7 +88,7 @@ class Rig:
 
     cameras: tuple[Camera, ...]
     method: str = ""
-    volume: NDArray[np.float64] = field(default_factory=lambda: np.full((2, 3), np.nan))
+    volume: Floats = field(default_factory=lambda: np.full((2, 3), np.nan))
 
     def __post_init__(self) -> None:
         set_columns(self, cameras=tuple(self.cameras), volume=column("volume", self.volume, np.float64, 2, 3))
@@ -110,12 +110,12 @@ class Rig:
         return tuple(camera.name for camera in self.cameras)
 
     @property
-    def P(self) -> NDArray[np.float64]:
+    def P(self) -> Floats:
         """(C, 3, 4) projections for ideal lenses, px from mm."""
         return np.array([camera.P for camera in self.cameras]).reshape(-1, 3, 4)
 
     @property
-    def centres(self) -> NDArray[np.float64]:
+    def centres(self) -> Floats:
         """(C, 3) optical centres, mm."""
         return np.array([camera.centre for camera in self.cameras]).reshape(-1, 3)
 

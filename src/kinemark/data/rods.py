@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Bools, Floats
 from .arrays import column, set_columns
 
 
@@ -22,7 +22,7 @@ class Rods:
     """
 
     names: tuple[str, ...]
-    xyz: NDArray[np.float64]
+    xyz: Floats
     marker_diameter: float = float("nan")
 
     def __post_init__(self) -> None:
@@ -36,19 +36,19 @@ class Rods:
             )
 
     @property
-    def present(self) -> NDArray[np.bool_]:
+    def present(self) -> Bools:
         """(R, K) whether the rod has that many markers."""
         return np.asarray(np.isfinite(self.xyz).all(-1))
 
     @property
-    def axes(self) -> NDArray[np.float64]:
+    def axes(self) -> Floats:
         """(R, 3) direction of each rod, from its first marker to its last."""
         last = self.present.sum(1) - 1
         axis = self.xyz[np.arange(len(last)), last] - self.xyz[:, 0]
         return np.asarray(axis / np.linalg.norm(axis, axis=1, keepdims=True))
 
     @property
-    def along(self) -> NDArray[np.float64]:
+    def along(self) -> Floats:
         """(R, K) place of each marker along its rod, from its first marker, mm."""
         return np.asarray(np.einsum("rki,ri->rk", self.xyz - self.xyz[:, :1], self.axes))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .detections import Detections
 from .matches import Matches
 from .trajectories import Trajectories
@@ -21,9 +21,9 @@ class SampleImages(NamedTuple):
         cov: (C, 2, 2) px², NaN where unknown.
     """
 
-    detection: NDArray[np.int64]
-    uv: NDArray[np.float64]
-    cov: NDArray[np.float64]
+    detection: Ints
+    uv: Floats
+    cov: Floats
 
 
 def images_of(trajectories: Trajectories, marker: str, frame: int, detections: Detections) -> SampleImages:
@@ -59,7 +59,7 @@ def matches_of(trajectories: Trajectories, marker: str, detections: Detections) 
     return Matches(detections.frame[first], detection[several], np.full(len(several), np.nan), detections.n_frames)
 
 
-def _detection(trajectories: Trajectories, marker: str, detections: Detections) -> NDArray[np.int64]:
+def _detection(trajectories: Trajectories, marker: str, detections: Detections) -> Ints:
     """(F, C) a marker's images; all −1 where they are not known.
 
     Raises:

@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .array_types import Floats
 from .arrays import check_positive, column, set_columns
 
 KINDS = ("angle", "moment", "power", "force", "emg", "scalar")
@@ -39,8 +40,8 @@ class Signal:
     unit: str
     axes: tuple[str, ...]
     rate: float
-    values: NDArray[np.float64]
-    cov: NDArray[np.float64]
+    values: Floats
+    cov: Floats
     start: float = 0.0
     description: str = ""
 
@@ -69,16 +70,16 @@ class Signal:
         return len(self.values)
 
     @property
-    def sd(self) -> NDArray[np.float64]:
+    def sd(self) -> Floats:
         """(N, A) standard deviation of each component, NaN where unknown."""
         return np.sqrt(np.diagonal(self.cov, axis1=-2, axis2=-1))
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Floats:
         """(N) seconds after the first frame."""
         return self.start + np.arange(len(self)) / self.rate
 
-    def __getitem__(self, axis: str) -> NDArray[np.float64]:
+    def __getitem__(self, axis: str) -> Floats:
         """(N) one component."""
         if axis not in self.axes:
             raise KeyError(f"{self.name} has no axis {axis!r}; there are {', '.join(self.axes)}")

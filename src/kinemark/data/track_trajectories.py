@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .array_types import Floats, Ints
 from .cloud import Tracks
 from .trajectories import MarkerTrajectory, Trajectories
 
 
-def trajectories_of(tracks: Tracks, residual: NDArray[np.float64] | None = None) -> Trajectories:
+def trajectories_of(tracks: Tracks, residual: Floats | None = None) -> Trajectories:
     """Each track as a marker named `*1`, `*2`, … in the order of their identities.
 
     Args:
@@ -19,7 +20,7 @@ def trajectories_of(tracks: Tracks, residual: NDArray[np.float64] | None = None)
         residual: (P) how far the rays of its cameras pass from each point, mm; unknown where None.
     """
     cloud, frame = tracks.cloud, tracks.cloud.frame
-    off = np.full(len(cloud), np.nan) if residual is None else residual
+    residual = np.full(len(cloud), np.nan) if residual is None else residual
     order = np.argsort(tracks.id, kind="stable")
     edges = np.searchsorted(tracks.id[order], np.arange(len(tracks) + 1))
     paths = []
@@ -31,14 +32,14 @@ def trajectories_of(tracks: Tracks, residual: NDArray[np.float64] | None = None)
                 f"*{i + 1}",
                 _spread(cloud.xyz[own], *at, np.nan),
                 cov=_spread(cloud.cov[own], *at, np.nan),
-                residual=_spread(off[own], *at, np.nan),
+                residual=_spread(residual[own], *at, np.nan),
                 detection=_spread(cloud.detection[own], *at, -1),
             )
         )
     return Trajectories(tuple(paths), cloud.rate)
 
 
-def _spread(values: NDArray[Any], frame: NDArray[np.int64], n_frames: int, blank: float) -> NDArray[Any]:
+def _spread(values: NDArray[Any], frame: Ints, n_frames: int, blank: float) -> NDArray[Any]:
     """Values (n, …) at their frames of an array (F, …) that is blank elsewhere."""
     whole = np.full((n_frames, *values.shape[1:]), blank, values.dtype)
     whole[frame] = values

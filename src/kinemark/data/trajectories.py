@@ -9,6 +9,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .array_types import Bools, Floats, Ints
 from .arrays import column, set_columns
 from .nearest_word import some_names
 
@@ -38,12 +39,12 @@ class MarkerTrajectory:
     """
 
     name: str
-    xyz: NDArray[np.float64]
-    cov: NDArray[np.float64]
+    xyz: Floats
+    cov: Floats
     origin: NDArray[np.uint8]
-    residual: NDArray[np.float64]
+    residual: Floats
     cameras: NDArray[np.uint32]
-    detection: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+    detection: Ints = field(default_factory=lambda: np.zeros((0, 0), np.int64))
 
     def __post_init__(self) -> None:
         n = len(self.xyz)
@@ -94,7 +95,7 @@ class MarkerTrajectory:
         names = ("xyz", "cov", "origin", "residual", "cameras", "detection")
         return replace(self, **{name: getattr(self, name)[first:stop] for name in names})
 
-    def only(self, rows: NDArray[np.bool_]) -> MarkerTrajectory:
+    def only(self, rows: Bools) -> MarkerTrajectory:
         """The samples of some frames (F); the others are missing, with all that was known of them."""
         blank = {
             "xyz": np.nan, "cov": np.nan, "origin": Origin.MISSING, "residual": np.nan, "cameras": 0, "detection": -1
@@ -106,7 +107,7 @@ class MarkerTrajectory:
         return replace(self, **columns)
 
 
-def camera_bits(detection: NDArray[np.int64]) -> NDArray[np.uint32]:
+def camera_bits(detection: Ints) -> NDArray[np.uint32]:
     """(F) bit c is set where camera c of the first 32 has an image in `detection` (F, C)."""
     bits = np.left_shift(np.uint32(1), np.arange(min(detection.shape[1], 32), dtype=np.uint32))
     return np.asarray(((detection[:, :32] >= 0) * bits).sum(1), np.uint32)
@@ -154,12 +155,12 @@ class Trajectories:
         return len(self.paths[0]) if self.paths else 0
 
     @property
-    def xyz(self) -> NDArray[np.float64]:
+    def xyz(self) -> Floats:
         """(M, F, 3) mm, marker-major, NaN where missing."""
         return np.array([path.xyz for path in self.paths]).reshape(len(self.paths), self.n_frames, 3)
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Floats:
         """(F) seconds from the first frame."""
         return np.arange(self.n_frames) / self.rate
 

@@ -1,4 +1,4 @@
-"""All of one capture."""
+"""All of one capture, and whose it is."""
 
 from __future__ import annotations
 
@@ -15,6 +15,21 @@ from .trajectories import Trajectories
 
 UP = "up"
 """Of what is known of a capture: the axis that goes up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """What a recording says of itself, or the user of it; empty where nobody says it.
+
+    Attributes:
+        subject: who was recorded, as a name or a code.
+        date: of the recording, YYYY-MM-DD.
+        file_date: when its file was last changed, YYYY-MM-DD, which copying may alter.
+    """
+
+    subject: str = ""
+    date: str = ""
+    file_date: str = ""
 
 
 @dataclass(frozen=True, slots=True)

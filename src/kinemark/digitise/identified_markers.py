@@ -11,19 +11,19 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Cloud, Detections, MarkerTrajectory, Matches, Tracks, Trajectories
+from ..data.array_types import Floats, Ints
 
 
 class Identified(NamedTuple):
     """Detections (D rows) and the marker that each is, (D)."""
 
     detections: Detections
-    marker: NDArray[np.int64]
+    marker: Ints
 
 
-def identified(uv: NDArray[np.float64], *, cameras: Sequence[str], rate: float) -> Identified:
+def identified(uv: Floats, *, cameras: Sequence[str], rate: float) -> Identified:
     """Digitised places (C, M, F, 2) px, NaN where not present, as detections at `rate` Hz.
 
     Raises:
@@ -39,7 +39,7 @@ def identified(uv: NDArray[np.float64], *, cameras: Sequence[str], rate: float) 
     return Identified(Detections.build(tuple(cameras), rate, seen.sum(2), places[seen]), marker)
 
 
-def identified_matches(detections: Detections, marker: NDArray[np.int64]) -> Matches:
+def identified_matches(detections: Detections, marker: Ints) -> Matches:
     """The groups of (1) that two or more cameras see, in order of frame and marker; rows of marker −1 are in none.
 
     Raises:
@@ -59,7 +59,7 @@ def identified_matches(detections: Detections, marker: NDArray[np.int64]) -> Mat
     return Matches(frame, detection[several], np.full(int(several.sum()), np.nan), detections.n_frames)
 
 
-def identified_tracks(cloud: Cloud, marker: NDArray[np.int64]) -> Tracks:
+def identified_tracks(cloud: Cloud, marker: Ints) -> Tracks:
     """The points with the markers (D) that their rows are."""
     return Tracks(cloud, marker[cloud.detection.max(1)] if len(cloud) else np.zeros(0, np.int64))
 

@@ -17,11 +17,12 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..detect import Blobs, Centroids, detect_frames
 from ..detect.centroids_method import grey_scale
 from ..detect.levels import levelled
 from ..detect.masks import masked
+from ..geometry.camera import in_image
 
 TOUCHING = np.ones((3, 3))  # pixels that touch along a side or at a corner are one; by definition
 AROUND = 6
@@ -40,7 +41,7 @@ class ImageMarkers:
 
     owner: NDArray[np.int32]
     uv: Floats
-    usable: NDArray[np.bool_]
+    usable: Bools
 
     @property
     def size(self) -> tuple[int, int]:
@@ -52,7 +53,7 @@ def find_markers(
     image: NDArray[np.uint8 | np.uint16],
     *,
     method: Centroids | None = None,
-    mask: NDArray[np.bool_] | None = None,
+    mask: Bools | None = None,
     v_offset: float = 0.0,
 ) -> ImageMarkers:
     """An image (H, W) of grey levels, ready to be pointed at.
@@ -86,13 +87,13 @@ def threshold_of(image: NDArray[np.uint8 | np.uint16], method: Centroids | None 
     return None if ready is None else float(ready.limits.threshold)
 
 
-def _white(image: NDArray[np.uint8 | np.uint16], method: Centroids) -> NDArray[np.bool_]:
+def _white(image: NDArray[np.uint8 | np.uint16], method: Centroids) -> Bools:
     """(H, W) which pixels are white."""
     level = method.limits.threshold * grey_scale(image.dtype)
     return np.asarray(image < level if method.inverted else image > level)
 
 
-def _owners(white: NDArray[np.bool_], blobs: Blobs) -> NDArray[np.int32]:
+def _owners(white: Bools, blobs: Blobs) -> NDArray[np.int32]:
     """(H, W) by (1)."""
     found, n = scipy.ndimage.label(white, TOUCHING)
     group = np.asarray(found, np.int32)
@@ -135,7 +136,7 @@ def clicked(image_markers: ImageMarkers, uv: Floats) -> int:
     """
     width, height = image_markers.size
     u, v = (float(x) for x in uv)
-    if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+    if not in_image((width, height), u, v):
         raise KinemarkError(f"({u:g}, {v:g}) is outside the image of {width} × {height} px. Point into it.")
     owner = int(image_markers.owner[round(v), round(u)])
     if owner < 0:
@@ -146,9 +147,7 @@ def clicked(image_markers: ImageMarkers, uv: Floats) -> int:
     return owner
 
 
-def nearest_free(
-    image_markers: ImageMarkers, uv: Floats, *, free: NDArray[np.bool_], side: int
-) -> tuple[float, int] | None:
+def nearest_free(image_markers: ImageMarkers, uv: Floats, *, free: Bools, side: int) -> tuple[float, int] | None:
     """The marker by (2) among those that are `free` (B), in a square of `side` px, and how far it is, px."""
     if not np.isfinite(uv).all():
         return None

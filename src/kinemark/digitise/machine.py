@@ -26,10 +26,9 @@ from dataclasses import replace
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, Undo, Verify, Yes
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from .image_markers import ImageMarkers, clicked, nearest_free
 from .search import constant_place, expected, images_taken, searched, shift_of
 from .semi_automatic import FIRST, SemiAutomatic
@@ -46,7 +45,7 @@ from .state import (
 ImageSource = Callable[[int], ImageMarkers]
 """Gives the image of a frame, counted from 0."""
 
-Proposer = Callable[[int, int, Floats, Floats, ImageMarkers, NDArray[np.bool_]], PlaceProposal | None]
+Proposer = Callable[[int, int, Floats, Floats, ImageMarkers, Bools], PlaceProposal | None]
 """Called with frame, marker, shift (2,), where the marker is expected (2,), the image, and which markers are free."""
 
 

@@ -17,10 +17,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Rig
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..data.arrays import column, set_columns
 from ..geometry import epipolar_lines, fundamental, line_distance, project, triangulate, undistort
 from .image_markers import ImageMarkers, nearest_free
@@ -40,7 +39,7 @@ class OtherViews:
 
     rig: Rig
     camera: int
-    uv: NDArray[np.float64]
+    uv: Floats
 
     def __post_init__(self) -> None:
         set_columns(self, uv=column("uv", self.uv, np.float64, len(self.rig), None, None, 2))
@@ -56,7 +55,7 @@ def propose(
     shift: Floats,
     expected: Floats,
     image_markers: ImageMarkers,
-    free: NDArray[np.bool_],
+    free: Bools,
     method: SemiAutomatic,
 ) -> PlaceProposal | None:
     """The answer that other cameras give, if they do.
@@ -82,12 +81,7 @@ def propose(
 
 
 def _where_lines_meet(
-    views: OtherViews,
-    uv: Floats,
-    shift: Floats,
-    image_markers: ImageMarkers,
-    free: NDArray[np.bool_],
-    method: SemiAutomatic,
+    views: OtherViews, uv: Floats, shift: Floats, image_markers: ImageMarkers, free: Bools, method: SemiAutomatic
 ) -> PlaceProposal | None:
     """(1) and (2)."""
     ideal = np.stack([undistort(camera, at[None]) for camera, at in zip(views.rig, uv, strict=True)], 1)
@@ -108,7 +102,7 @@ def _on_the_line(
     shift: Floats,
     expected: Floats,
     image_markers: ImageMarkers,
-    free: NDArray[np.bool_],
+    free: Bools,
     method: SemiAutomatic,
 ) -> PlaceProposal | None:
     """(3) and (4)."""

@@ -23,9 +23,8 @@ With c the places without the image's shift s, by (1) and (2) of `machine`:
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from .image_markers import ImageMarkers, nearest_free
 from .semi_automatic import SemiAutomatic
 from .state import DigitisedFrame, DigitisingState, MarkerStatus
@@ -56,11 +55,7 @@ def searched(
 
 
 def _ambiguous(
-    image_of: dict[int, int],
-    places: Floats,
-    image_markers: ImageMarkers,
-    free: NDArray[np.bool_],
-    method: SemiAutomatic,
+    image_of: dict[int, int], places: Floats, image_markers: ImageMarkers, free: Bools, method: SemiAutomatic
 ) -> list[int]:
     """The markers of those found, each with its image, that (6) holds for; `free` (B) images are nobody's."""
     owner = {image: m for m, image in image_of.items()}
@@ -86,7 +81,7 @@ def _swappable(other: float, own: float, uv: Floats, place: Floats, k: float) ->
     return bool(other + swapped < k * (own + kept))
 
 
-def images_taken(draft: DigitisedFrame, image_markers: ImageMarkers) -> NDArray[np.bool_]:
+def images_taken(draft: DigitisedFrame, image_markers: ImageMarkers) -> Bools:
     """(B) which markers of the image serve one of the frame already."""
     uv = draft.uv[np.isfinite(draft.uv[:, 0])]
     return np.asarray((np.abs(image_markers.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))

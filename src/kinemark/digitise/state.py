@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from ..data.arrays import column, set_columns
 
 
@@ -54,7 +54,7 @@ class DigitisedFrame:
         return cls(np.full((n, 2), np.nan), np.zeros(n, np.uint8), np.zeros(2))
 
     @property
-    def open(self) -> NDArray[np.int64]:
+    def open(self) -> Ints:
         """The markers that nothing is settled of yet, ambiguous ones among them."""
         return np.flatnonzero(np.isin(self.found, (MarkerStatus.OPEN, MarkerStatus.AMBIGUOUS)))
 

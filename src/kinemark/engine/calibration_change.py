@@ -1,4 +1,4 @@
-"""Another way of calibration for a session that exists: what its recordings allow, asked for, written.
+"""Another way of calibrating an existing session: what its recordings allow, what must be asked, what is written.
 
 `[calibration]` is written anew; fixed marks and lenses stay, and so does everything else, with its comments. Former
 calibrations are kept among the results.
@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Set
 from pathlib import Path
 
-import tomlkit
 from tomlkit import TOMLDocument
 
 from ..data import KinemarkError
-from ..io.files import replacing
 from ..report.words.first_session import question_text
 from .first_session import (
     FoundRecording,
@@ -27,9 +25,8 @@ from .first_session import (
 from .first_session.calibration_way import MOVING, WAYS
 from .first_session.session_text import points_of_measured
 from .session import Session
-from .session_file_text import parsed
+from .session_changes import parsed, write_session
 from .session_name import FILE
-from .settings import read_settings
 
 STAYS = ("reference_marker", "mark_reach_px", "mark_tolerance_px", "linearisation")
 """Keys of `[calibration]` that go with any way; a world frame goes with a wand or a single marker alone."""
@@ -121,13 +118,10 @@ def _put(document: TOMLDocument, proposal: SessionProposal) -> None:
 
 def _write(file: Path, document: TOMLDocument) -> None:
     """Whole or not at all; a `[calibrate]` that is of the former way goes with it."""
-    with replacing(file) as beside:
-        beside.write_text(tomlkit.dumps(document), "utf-8")
-        try:
-            read_settings(beside)
-        except KinemarkError as error:
-            if "calibrate" not in document:
-                raise KinemarkError(str(error).replace(str(beside), FILE)) from error
-            del document["calibrate"]
-            beside.write_text(tomlkit.dumps(document), "utf-8")
-            read_settings(beside)
+    try:
+        write_session(file, document)
+    except KinemarkError:
+        if "calibrate" not in document:
+            raise
+        del document["calibrate"]
+        write_session(file, document)

@@ -1,12 +1,12 @@
-"""Folders where files of trajectories are wanted: whoever has a hundred trials names their folder."""
+"""A folder in place of files of trajectories: all that it holds, for commands that take many files."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from ..data import KinemarkError
+from ..io.toml_text import toml_table
 from .session_name import FILE
 
 RECORDINGS = (".c3d", ".trc", ".tdf", ".tdc")
@@ -67,9 +67,10 @@ def _is_trial(path: Path) -> bool:
     if not file.is_file():
         return False
     try:
-        trials = tomllib.loads(file.read_text("utf-8")).get("trials", [])
+        trials = toml_table(file.read_text("utf-8"), str(file)).get("trials", [])
         return path.name in [trial.get("name") for trial in trials]
-    except (OSError, ValueError, AttributeError, TypeError):  # whoever opens the session says what is wrong with it
+    except (KinemarkError, OSError, ValueError, AttributeError, TypeError):
+        # whoever opens the session says what is wrong with it
         return True
 
 

@@ -1,4 +1,4 @@
-"""Calibration targets as they are found in a session's images: to look at, beside the calibration that is made of them.
+"""Calibration targets as they are found in a session's images, to be looked at beside the calibration.
 
 Rods, a grid and a wand are recognised as a calibration does it, each image by itself (the wand with those about it, by
 which its ends agree). The L-frame is where the last calibration has it: over its image, it shows whether that is right.

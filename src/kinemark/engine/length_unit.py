@@ -1,4 +1,4 @@
-"""Whether the calibration's unit of length may be another one, as by the markers and the subject.
+"""Whether the calibration may be in another unit of length, judged by the sizes of markers and subject.
 
 Images tell no scale. What does is the size of things that is known: markers are sold from SMALLEST_MM to LARGEST_MM,
 and a person's are metres from the cameras and from each other. The image of a marker of area A at the depth Z of a

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.array_types import Ints
 from ..data.masks import Masks as StaticMasks
 from ..data.progress import tell
 from ..detect import combined_masks, detect, learn_masks
@@ -26,7 +26,7 @@ class Recorded(NamedTuple):
     """What cameras saw: detections of them all, and the sizes (C, 2) of their images, px, 0 where unknown."""
 
     detections: Detections
-    sizes: NDArray[np.int64]
+    sizes: Ints
 
 
 def open_cameras(
@@ -151,7 +151,7 @@ def masks_key(root: Path, settings: Settings, names: Sequence[str]) -> list[obje
     return [file_key(*files, *files_of(root, settings, way.empty, names)), way.model_dump_json(), *said]
 
 
-def size_of_cameras(root: Path, settings: Settings, names: Sequence[str]) -> NDArray[np.int64]:
+def size_of_cameras(root: Path, settings: Settings, names: Sequence[str]) -> Ints:
     """(C, 2) px as the settings say, or the images of the first trial that has any show; 0 where neither is there.
 
     Raises:

@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
+from tomlkit import TOMLDocument
 from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import Table
 
 from ..data import KinemarkError
 from ..io.files import replacing
+from ..io.number_text import read_text
 from .session_name import FILE
 from .settings import read_settings
 
@@ -25,18 +28,10 @@ def change_session(root: Path, changes: Mapping[tuple[str, ...], Any]) -> None:
         KinemarkError: the file cannot be read or written, or would not be understood then: it is left as it was.
     """
     path = root / FILE
-    try:
-        document = tomlkit.parse(path.read_text("utf-8"))
-    except (OSError, ValueError, TOMLKitError) as error:
-        raise KinemarkError(f"{path} cannot be read: {error}. Correct it.") from error
+    document = parsed(path)
     for key, value in changes.items():
         _put(document, key, value)
-    with replacing(path) as beside:
-        beside.write_text(tomlkit.dumps(document), "utf-8")
-        try:
-            read_settings(beside)
-        except KinemarkError as error:
-            raise KinemarkError(str(error).replace(str(beside), FILE)) from error
+    write_session(path, document)
 
 
 def _put(table: Any, key: tuple[str, ...], value: Any) -> None:
@@ -52,3 +47,38 @@ def _put(table: Any, key: tuple[str, ...], value: Any) -> None:
         table.pop(name, None)
     else:
         table[name] = value
+
+
+def parsed(file: Path) -> TOMLDocument:
+    """The file.
+
+    Raises:
+        KinemarkError: it is no TOML.
+    """
+    try:
+        return tomlkit.parse(read_text(file))
+    except TOMLKitError as error:
+        raise KinemarkError(f"{file} is no TOML: {error}. Correct that line.") from error
+
+
+def write_session(file: Path, document: TOMLDocument) -> None:
+    """Write the file whole or not at all.
+
+    Raises:
+        KinemarkError: it cannot be written, or would not be understood then: what was there stays.
+    """
+    with replacing(file) as beside:
+        beside.write_text(tomlkit.dumps(document), "utf-8")
+        try:
+            read_settings(beside)
+        except KinemarkError as error:
+            raise KinemarkError(str(error).replace(str(beside), file.name)) from error
+
+
+def table_in(parent: Any, name: str, *, within: bool = False) -> Any:
+    """A table by its name, made where it is not there; `within`: only a heading for others."""
+    if name not in parent:
+        if not isinstance(parent, Table):  # at the end of the file, apart from what is before
+            parent.add(tomlkit.nl())
+        parent[name] = tomlkit.table(within)
+    return parent[name]

@@ -120,10 +120,10 @@ class Scene:
         if self.motion == "walk" and self.c3d is None:
             return ring(self.cameras, **options)
         low, high = np.nanmin(subject.xyz, axis=(0, 1)) - 150, np.nanmax(subject.xyz, axis=(0, 1)) + 150
-        middle, reach = (low + high) / 2, float(np.linalg.norm(high - low))
+        centre, reach = (low + high) / 2, float(np.linalg.norm(high - low))
         away = max(1.5 * reach, 1200.0)
-        heights = (middle[2] + 0.2 * away, middle[2] + 0.5 * away)
-        return ring(self.cameras, radius=away, height=heights, target=middle, volume=[low, high], **options)
+        heights = (centre[2] + 0.2 * away, centre[2] + 0.5 * away)
+        return ring(self.cameras, radius=away, height=heights, target=centre, volume=[low, high], **options)
 
 
 def _first_seconds(trajectories: Trajectories, seconds: float) -> Trajectories:

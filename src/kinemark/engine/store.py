@@ -21,7 +21,7 @@ from filelock import FileLock, Timeout
 from ..data import KinemarkError, Step
 from ..data.method import plain_parameters
 from ..data.progress import Listener
-from ..io.files import replacing
+from ..io.files import write_text
 from ..version import __version__
 from .keys import code_key
 
@@ -135,8 +135,7 @@ class Store:
         done = {step.stage for step in self.steps}
         rows = [asdict(step) for step in self.steps]
         rows += [asdict(step) for stage, step in self.old.items() if stage not in done]
-        with replacing(self.folder / STEPS) as part:
-            part.write_text(json.dumps(rows, indent=1), "utf-8")
+        write_text(self.folder / STEPS, json.dumps(rows, indent=1))
 
 
 @contextmanager
@@ -175,3 +174,15 @@ def _parameters(method: Any, cameras: Mapping[str, Any]) -> dict[str, Any]:
     own = {name: plain_parameters(one) for name, one in cameras.items()}
     differ = {name: {k: v for k, v in one.items() if v != usual.get(k)} for name, one in own.items()}
     return usual | ({"cameras": differ} if differ else {})
+
+
+def load_figures(path: Path) -> dict[str, Any]:
+    """Figures that an earlier run left as JSON.
+
+    Raises:
+        KinemarkError: the file is damaged.
+    """
+    try:
+        return dict(json.loads(path.read_text("utf-8")))
+    except (OSError, ValueError) as error:
+        raise KinemarkError(f"{path} is damaged: {error}. Delete it.") from error

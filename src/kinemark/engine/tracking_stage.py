@@ -14,7 +14,7 @@ from ..data import Detections, Finding, KinemarkError, Matches, Rig, Tracks
 from ..digitise import identified_matches, identified_tracks
 from ..geometry.ideal_pixels import check_cameras
 from ..geometry.weighted_points import inside_volume
-from ..io.files import replacing
+from ..io.files import write_text
 from ..io.records import load, save
 from ..reconstruct import LeastSquares, image_errors, reconstruct
 from ..track import track
@@ -150,8 +150,7 @@ def save_tracked(path: Path, record: Tracked) -> None:
     """The tracks, and beside them what was ambiguous."""
     decisions = [decision.as_dict() for decision in record.ambiguous_decisions]
     said = {"ambiguous_decisions": decisions, "diagnostics": [found.as_dict() for found in record.diagnostics]}
-    with replacing(_beside(path)) as beside:
-        beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    write_text(_beside(path), json.dumps(said, indent=1, ensure_ascii=False) + "\n")
     save(path, record.tracks)
 
 

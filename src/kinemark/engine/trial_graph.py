@@ -22,7 +22,6 @@ from ..data import (
     Detections,
     Fills,
     Finding,
-    KinemarkError,
     Matches,
     Step,
     Trajectories,
@@ -44,7 +43,7 @@ from ..report.filling_page import write_filling_page
 from ..report.page import write_report
 from ..report.trial_quality import quality
 from ..track import matches_itself
-from .angles.stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles, model_key
+from .angles.stage import ANGLE_FILES, compute_angles, found_by_angles, model_key
 from .calibration.calibrated import Calibrated
 from .camera_checks.pixel_axes import pixel_axes
 from .camera_checks.start_times import with_start_times
@@ -61,6 +60,7 @@ from .naming.label_stage import given_of, name_trial, static_of
 from .naming.naming import with_names
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
+from .store import load_figures
 from .tracking_stage import (
     DECISIONS,
     TRACKS,
@@ -107,11 +107,11 @@ def trial_graph(
         stages.append(Stage("fill", needs(), ("fills.h5",), _fill, save, reader(Fills), s.fill))
     if s.angles is not None:
         given = (s.angles, model_key(source.of), beside_key(source))
-        stages.append(Stage("angles", needs(), ANGLE_FILES, _angles, _done, load_angles, given=given, in_place=True))
+        stages.append(Stage("angles", needs(), ANGLE_FILES, _angles, _done, load_figures, given=given, in_place=True))
     made = [(step.input, step.method) for step in calibrated.steps]
     about = asdict(stated_identity(s, source.of.entry))
     stated = (s.name, about, s.match, s.reconstruct, made, calibrated.figures, beside_key(source))
-    stages.append(Stage("quality", needs(), (QUALITY,), _quality, write_quality, _load_quality, given=stated))
+    stages.append(Stage("quality", needs(), (QUALITY,), _quality, write_quality, load_figures, given=stated))
     outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
     stages.append(Stage("write", needs(), outputs, _write, _done, _nothing, in_place=True))
     return Graph(tuple(stages))
@@ -303,14 +303,6 @@ def _write(inputs: TrialInputs, records: Records) -> None:
 def _own(steps: Sequence[Step]) -> tuple[Step, ...]:
     """The steps that made the trajectories."""
     return tuple(step for step in steps if step.stage not in ("angles", "quality", "write"))
-
-
-def _load_quality(path: Path) -> dict[str, Any]:
-    """The figures that an earlier run left."""
-    try:
-        return dict(json.loads(path.read_text("utf-8")))
-    except (OSError, ValueError) as error:
-        raise KinemarkError(f"{path} is damaged: {error}. Delete it.") from error
 
 
 def _done(path: Path, record: None) -> None:

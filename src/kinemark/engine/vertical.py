@@ -1,4 +1,4 @@
-"""A trial with another axis upwards, as the program that reads it next wants it.
+"""A trial turned so that another axis goes up, as another program expects it.
 
 Which axis goes up is shown by the markers of pelvis and ankles, if it has them; else it is what the file says; else
 the one along which the markers of somebody who stands or walks are far longer than wide and begin near 0, where the

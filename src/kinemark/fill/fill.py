@@ -91,7 +91,7 @@ def fill(
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
     chosen = chosen_gaps(known.motion, trajectories, choices)
     fills = _fills(known.motion, gaps, candidates, chosen, seed)
-    apart = without_suspicious(known.trimmed, {one.gap: one.tied() for one in fills if known.doubts(one)})
+    apart = without_suspicious(known.trimmed, {one.gap: one.tied() for one in fills if known.is_doubtful(one)})
     written = TrialCopy(trajectories)
     written.drop(~known.plausible)
     done = [_left_open(known.motion, gap) for gap, choice in chosen.items() if choice == OPEN]
@@ -131,23 +131,23 @@ class _KnownEdges(NamedTuple):
             return cls(motion, judged.motion, judged.suspicious(), motion.seen)
         return cls(judged.motion, judged.motion, {}, motion.seen)
 
-    def doubts(self, one: _Fill) -> bool:
+    def is_doubtful(self, one: _Fill) -> bool:
         """Whether a fill is tied to suspicious samples."""
         return one.gap in self.suspicious and bool(one.found.method)
 
 
 class _Fill(NamedTuple):
-    """The method chosen for a gap, what is said of it, its prediction with the covariance, and all that was tried."""
+    """The method chosen for a gap, what is said of it, its prediction with the covariance, and all candidates."""
 
     gap: Gap
     found: FilledGap
     prediction: Prediction
     cov: Floats
-    tried: Sequence[CandidateFill]
+    candidates: Sequence[CandidateFill]
 
     def tied(self) -> TiedFill:
         """The fill, and the method that is asked again without suspicious samples."""
-        return TiedFill(self.prediction.xyz, method_again(self.found.method, self.tried))
+        return TiedFill(self.prediction.xyz, method_again(self.found.method, self.candidates))
 
 
 def _candidates(method: Any, limit_mm: float) -> tuple[FillMethod, ...]:

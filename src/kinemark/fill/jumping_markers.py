@@ -15,9 +15,8 @@ fastest moment of a trial. Only reference markers whose own path bends by more t
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from .marker_array import Gap, MarkerArray
 from .reference_ranking import Ranks
 
@@ -37,14 +36,14 @@ class JumpingMarkers:
         """Of a trial and the order of its markers."""
         self.motion, self.ranks = motion, ranks
         x = motion.xyz
-        self.bends: NDArray[np.bool_] = np.zeros(x.shape[:2], np.bool_)
+        self.bends: Bools = np.zeros(x.shape[:2], np.bool_)
         with np.errstate(invalid="ignore", over="ignore"):
             self.bends[:, 1:-1] = np.square(x[:, 2:] - 2 * x[:, 1:-1] + x[:, :-2]).sum(-1) > JUMP**2  # (3)
 
-    def of(self, gap: Gap) -> NDArray[np.bool_]:
+    def of(self, gap: Gap) -> Bools:
         """(M) False for the markers that jump in a gap."""
         frames = slice(max(gap.start - 1, 0), gap.stop + 1)
-        out: NDArray[np.bool_] = ~np.logical_or.reduce(self.bends[:, frames], axis=1)
+        out: Bools = ~np.logical_or.reduce(self.bends[:, frames], axis=1)
         for marker in np.flatnonzero(~out):
             out[marker] = not self._jumps(int(marker), gap)
         return out

@@ -47,8 +47,8 @@ def plausible(xyz: Floats) -> Bools:
 def _within(xyz: Floats, place: Floats, reach: float) -> Bools:
     """(M, F) which samples lie within so many mm of a place (3,)."""
     with np.errstate(over="ignore", invalid="ignore"):
-        off = xyz - place
-        return np.asarray(np.einsum("mfi,mfi->mf", off, off) < reach**2)
+        difference = xyz - place
+        return np.asarray(np.einsum("mfi,mfi->mf", difference, difference) < reach**2)
 
 
 def known_median(values: Floats) -> Floats:
@@ -58,8 +58,8 @@ def known_median(values: Floats) -> Floats:
     order = np.sort(values, axis=0)  # what is not known comes last
     count = np.count_nonzero(~np.isnan(values), axis=0)
     low, high = np.maximum(count - 1, 0) // 2, count // 2
-    middle = np.take_along_axis(order, np.stack([low, np.minimum(high, len(values) - 1)]), axis=0).mean(0)
-    return np.asarray(np.where(count > 0, middle, np.nan))
+    median = np.take_along_axis(order, np.stack([low, np.minimum(high, len(values) - 1)]), axis=0).mean(0)
+    return np.asarray(np.where(count > 0, median, np.nan))
 
 
 class Span(NamedTuple):
@@ -107,6 +107,14 @@ class Span(NamedTuple):
     def progress(self) -> Floats:
         """(L) from 0 at the sample before to 1 at the sample after; only for a gap inside."""
         return (self.frames - self.before) / (self.after - self.before)
+
+    def share_of_after(self) -> Floats:
+        """(L, 1) how much the sample after counts beside that before, in a line; 0 at an end of the path."""
+        return self.progress()[:, None] if self.inside else np.zeros((self.length, 1))
+
+    def with_edges(self, frames: Ints) -> Ints:
+        """(L + 2) frames (L), then those before and after the gap; 0 for one that is not there."""
+        return np.concatenate([frames, [max(self.before, 0), max(self.after, 0)]])
 
     def bow(self) -> Floats:
         """(L) 0 at the known samples beside the gap and 1 in its middle; at an end it grows beyond 1."""

@@ -12,10 +12,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Trajectories
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..numerics.runs import true_runs
 
 
@@ -51,7 +50,7 @@ class MarkerArray(NamedTuple):
         return cls(trajectories.xyz, trajectories.rate, trajectories.names)
 
     @property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Bools:
         """(M, F)."""
         return ~np.isnan(self.xyz[..., 0])
 

@@ -8,14 +8,15 @@ the middle is its own partner.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..data.array_types import Ints
 
 OTHER = {"L": "R", "R": "L", "l": "r", "r": "l"}
 REFLECTED = np.array([-1.0, 1.0, 1.0])
 """Any plane serves, as positions are seen from a local frame afterwards; by definition."""
 
 
-def partners(names: tuple[str, ...]) -> NDArray[np.int64]:
+def partners(names: tuple[str, ...]) -> Ints:
     """(M) each marker's partner; all their own where fewer than two pairs are found."""
     short = [name.rsplit(":", 1)[-1] for name in names]
     index = {name: k for k, name in enumerate(short)}

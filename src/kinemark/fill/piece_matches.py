@@ -97,11 +97,11 @@ def _filled(motion: MarkerArray, gaps: list[Gap], methods: Sequence[FillMethod])
 
 def _match(motion: MarkerArray, gap: Gap, said: Prediction, piece: MarkerTrajectory, frames: Ints) -> PieceMatch:
     """(1) of one marker."""
-    off = piece.xyz[frames] - said.xyz[frames - gap.start]
+    difference = piece.xyz[frames] - said.xyz[frames - gap.start]
     cov = np.nan_to_num(said.cov[frames - gap.start]) + _covariance(piece, frames)
-    deviations = np.sqrt((off * np.linalg.solve(cov, off[..., None])[..., 0]).sum(1))
+    deviations = np.sqrt((difference * np.linalg.solve(cov, difference[..., None])[..., 0]).sum(1))
     apart = np.abs(np.flatnonzero(motion.seen[gap.marker])[:, None] - frames[[0, -1]]).min()
-    distance = float(np.median(np.linalg.norm(off, axis=1)))
+    distance = float(np.median(np.linalg.norm(difference, axis=1)))
     return PieceMatch(motion.names[gap.marker], int(apart) - 1, distance, float(np.median(deviations)))
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..data.trajectories import camera_bits
 from ..geometry import point_jacobian, project
 from ..numerics.runs import true_runs
@@ -41,7 +41,7 @@ class Rays(NamedTuple):
 
     rig: Rig
     detections: Detections
-    free: NDArray[np.bool_]
+    free: Bools
 
     @classmethod
     def left_by(cls, tracks: Tracks, detections: Detections, rig: Rig) -> Rays:
@@ -57,7 +57,7 @@ class RefinedByRays(NamedTuple):
 
     xyz: Floats
     cov: Floats
-    detection: NDArray[np.int64]
+    detection: Ints
 
     @property
     def cameras(self) -> NDArray[np.uint32]:
@@ -66,10 +66,10 @@ class RefinedByRays(NamedTuple):
 
 
 class _RayImages(NamedTuple):
-    """Of one camera and L frames: detection index of the image that fits, −1: none; off (L, 2) px; J and S of (1)."""
+    """Of one camera and L frames: index of the image that fits, −1: none; its innovation (L, 2) px; J and S of (1)."""
 
-    detection: NDArray[np.int64]
-    off: Floats
+    detection: Ints
+    innovation: Floats
     J: Floats
     S: Floats
 
@@ -91,7 +91,7 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> RefinedByRays
             continue
         J, P = found.J[rows], cov[rows]
         gain = P @ J.transpose(0, 2, 1) @ np.linalg.inv(found.S[rows])
-        xyz[rows] += (gain @ found.off[rows, :, None])[..., 0]  # (3)
+        xyz[rows] += (gain @ found.innovation[rows, :, None])[..., 0]  # (3)
         P = P - gain @ J @ P
         cov[rows] = (P + P.transpose(0, 2, 1)) / 2
         detection[rows, c] = found.detection[rows]
@@ -102,17 +102,17 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
     """The images of a camera that count."""
     seen = rays.detections
     n = len(xyz)
-    detection, off = np.full(n, -1), np.full((n, 2), np.nan)
+    detection, innovation = np.full(n, -1), np.full((n, 2), np.nan)
     known = np.asarray(np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2)))
     safe = np.where(known[:, None], xyz, camera.centre + camera.R[2] * 1000)
     uv, J = project(camera, safe), point_jacobian(camera, safe)
     JPJ = J @ np.where(known[:, None, None], cov, 0.0) @ J.transpose(0, 2, 1)
     S = JPJ + np.eye(2) * USUAL_SD**2
-    ahead: NDArray[np.bool_] = (safe @ camera.R[2] + camera.t[2]) > 0
+    in_front: Bools = (safe @ camera.R[2] + camera.t[2]) > 0
     own = rays.free[seen.camera == c]
     density = own.sum() / max(seen.n_frames, 1) / max(float(np.prod(camera.size)), 1.0)
     sure = np.pi * GATE * np.sqrt(np.linalg.det(S)) * density < CHANCE  # (2)
-    looked: NDArray[np.bool_] = known & ahead & sure & (start + np.arange(n) < seen.n_frames)
+    looked: Bools = known & in_front & sure & (start + np.arange(n) < seen.n_frames)
     for i in np.flatnonzero(looked).tolist():
         first, stop, _ = seen.rows(c, start + i).indices(len(seen))
         rows = first + np.flatnonzero(rays.free[first:stop])
@@ -121,12 +121,12 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
         squared = (difference * np.linalg.solve(JPJ[i] + noise, difference[..., None])[..., 0]).sum(1)
         near = np.flatnonzero(squared < GATE)  # (1)
         if len(near) == 1:
-            detection[i], off[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
+            detection[i], innovation[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
     detection[~_lasting(detection >= 0)] = -1
-    return _RayImages(detection, off, J, S)
+    return _RayImages(detection, innovation, J, S)
 
 
-def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _lasting(found: Bools) -> Bools:
     """Which (L) lie in runs of LEAST and more (4); a gap shorter than that has all of its frames for a run."""
     out = np.zeros(len(found), bool)
     for first, stop in true_runs(found):

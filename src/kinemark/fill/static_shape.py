@@ -30,7 +30,11 @@ class StaticShape(NamedTuple):
         known = KnownSamples.of(static)
         rows = np.flatnonzero(known.seen.any(1))
         places = [np.median(known.x[k, known.seen[k]], axis=0) for k in rows]
-        off = [((known.x[k, known.seen[k]] - p) ** 2).sum(1).mean() ** 0.5 for k, p in zip(rows, places, strict=True)]
+        residual = [
+            ((known.x[k, known.seen[k]] - p) ** 2).sum(1).mean() ** 0.5 for k, p in zip(rows, places, strict=True)
+        ]
         return cls(
-            tuple(known.names[k] for k in rows), np.array(places).reshape(-1, 3), np.array(off, np.float64).reshape(-1)
+            tuple(known.names[k] for k in rows),
+            np.array(places).reshape(-1, 3),
+            np.array(residual, np.float64).reshape(-1),
         )

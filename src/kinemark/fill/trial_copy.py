@@ -6,10 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Origin, Trajectories
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from .marker_array import Gap
 
 
@@ -31,7 +30,7 @@ class TrialCopy:
         path = self.source.paths[marker]
         return self.changed.setdefault(marker, {name: getattr(path, name).copy() for name in names})
 
-    def drop(self, missing: NDArray[np.bool_]) -> None:
+    def drop(self, missing: Bools) -> None:
         """Make samples (M, F) missing that are no positions, whether their gap is filled or stays open."""
         for marker, path in enumerate(self.source.paths):
             outliers = missing[marker] & (path.origin != Origin.MISSING)

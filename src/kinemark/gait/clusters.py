@@ -83,8 +83,8 @@ class CalibratedBody:
             xyz = np.array([points[marker] for marker in template.markers])
             pose = body_pose(template.xyz, xyz)
             there = np.einsum("fij,kj->kfi", pose.R, template.xyz) + pose.t
-            off = ((there - xyz) ** 2).sum(-1)
-            found[name] = float(np.sqrt(np.nanmean(off))) if np.isfinite(off).any() else np.nan
+            squared = ((there - xyz) ** 2).sum(-1)
+            found[name] = float(np.sqrt(np.nanmean(squared))) if np.isfinite(squared).any() else np.nan
         return found
 
 

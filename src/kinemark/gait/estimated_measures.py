@@ -1,4 +1,4 @@
-"""Measures of a subject whom nobody measured, from the markers and plates of a trial.
+"""Measures of a subject that were not taken, estimated from the markers and plates of a trial.
 
 leg     from the front of the pelvis to the ankle's marker, as long as it gets: its 85 % quantile              (1)
 knee, ankle   as wide as their outer and inner markers are apart, less a marker; where there are no inner ones,

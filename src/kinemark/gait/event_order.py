@@ -1,4 +1,4 @@
-"""Which of the found foot events can have been: strikes and offs of a foot take turns, a while apart.
+"""Which of the found foot events are possible: strikes and offs of a foot alternate, some time apart.
 
 With T the median stride, of one foot two events of a kind are at least `SAME` T apart, and an off and a strike at least
 `OTHER` T. Of events that contradict each other those are kept that leave the most, and, where that is equal, the most

@@ -81,40 +81,40 @@ def foot_motion(points: Mapping[str, Floats], side: Side, rate: float, up: Float
     raw[:3] = [xyz - pelvis.origin[known[0]] for xyz in raw[:3]]  # third derivatives would show a far origin's rounding
     frames = np.arange(known[0], known[-1] + 1)
     time = np.arange(known[0] / rate, known[-1] / rate, 1 / FINE_HZ)
-    heel, toe, middle, x = (_read(each, frames, known, rate, time) for each in raw)
+    heel, toe, centre, x = (_read(each, frames, known, rate, time) for each in raw)
     seen = np.interp(time, frames / rate, there[frames]) == 1.0
-    return _moving(time, seen, heel, toe, middle, unit(x - (x @ up)[:, None] * up), up)
+    return _moving(time, seen, heel, toe, centre, unit(x - (x @ up)[:, None] * up), up)
 
 
 def _moving(time: Floats, seen: Bools, heel: Floats, toe: Floats, pelvis: Floats, d: Floats, up: Floats) -> Foot:
     """Of markers and the pelvis' own direction d on the floor, (N, 3)."""
-    sole, middle = toe - heel, (heel + toe) / 2
+    sole, centre = toe - heel, (heel + toe) / 2
     e, length = unit(sole), float(np.median(np.linalg.norm(sole, axis=1)))
-    floor = _floor(_rate(middle), _rate(pelvis), d, up)
+    floor = _floor(_rate(centre), _rate(pelvis), d, up)
     tip = _rate(toe + TIP * length * e) - floor
     tip_speed = np.linalg.norm(tip - (tip @ up)[:, None] * up, axis=1)
-    ahead = ((toe - pelvis) * d).sum(1)
+    forward = ((toe - pelvis) * d).sum(1)
     return Foot(
         time, seen,
         heel_ahead=((heel - pelvis) * d).sum(1),
-        toe_ahead=ahead,
-        toe_forward=_rate(ahead),
+        toe_ahead=forward,
+        toe_forward=_rate(forward),
         heel_z=heel @ up,
         toe_down=-_rate(toe @ up),
         heel_jerk=(_rate(heel, 3) * d).sum(1),
         heel_jerk_up=_rate(heel @ up, 3),
-        middle_jerk_up=_rate(middle @ up, 3),
+        middle_jerk_up=_rate(centre @ up, 3),
         turning_jerk=_rate(np.arcsin(np.clip(-(e @ up), -1, 1)), 3),
-        middle_speed=np.linalg.norm(_rate(middle) - floor, axis=1),
+        middle_speed=np.linalg.norm(_rate(centre) - floor, axis=1),
         tip_speed=tip_speed,
         tip_gain=_rate(tip_speed),
     )  # fmt: skip
 
 
-def _floor(middle: Floats, pelvis: Floats, d: Floats, up: Floats) -> Floats:
+def _floor(centre: Floats, pelvis: Floats, d: Floats, up: Floats) -> Floats:
     """(3) mm/s velocity of the floor (2), from velocities (N, 3) of the foot's middle and the pelvis."""
-    back = ((middle - pelvis) * d).sum(1)
-    v = np.median(middle[back <= np.percentile(back, STANDING)], axis=0)
+    back = ((centre - pelvis) * d).sum(1)
+    v = np.median(centre[back <= np.percentile(back, STANDING)], axis=0)
     v = v - (v @ up) * up
     return v if np.linalg.norm(v) >= BELT_MM_S else np.zeros(3)
 

@@ -27,7 +27,7 @@ import scipy
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
-from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
+from ..data.subject_measures import LETTER, Side, SubjectMeasures
 from ..kinematics import Pose, body_pose, joint_centre
 from .lower_limb import pelvis_of
 
@@ -94,23 +94,8 @@ def functional_hip(points: Mapping[str, Floats], side: Side, *, tissue_mm: float
     return FunctionalHip(side, place, sd, residual, way)
 
 
-def with_functional_hips(
-    measures: SubjectMeasures, points: Mapping[str, Floats], *, tissue_mm: float = 5.0
-) -> SubjectMeasures:
-    """The measures with both hips where a motion shows them.
-
-    Args:
-        measures: of the subject. points: (F, 3) mm by the model's names, of the motion.
-        tissue_mm: how far skin moves the thigh's markers over the bone, along each axis (RMS).
-
-    Raises:
-        KinemarkError: see `functional_hip`.
-    """
-    return with_hips_of(measures, [functional_hip(points, side, tissue_mm=tissue_mm) for side in SIDES])
-
-
-def with_hips_of(measures: SubjectMeasures, hips: Sequence[FunctionalHip]) -> SubjectMeasures:
-    """The measures with these hips."""
+def with_functional_hips(measures: SubjectMeasures, hips: Sequence[FunctionalHip]) -> SubjectMeasures:
+    """The measures of a subject with these hips in place of what regressions say."""
     for hip in hips:
         (x, y, z), (sx, sy, sz) = hip.place.tolist(), hip.sd.tolist()
         leg = replace(measures.leg(hip.side), hip_mm=(x, y, z), hip_sd_mm=(sx, sy, sz))
@@ -169,11 +154,11 @@ def _by_pose(v: Floats) -> tuple[Floats, float]:
 def _by_spheres(v: Floats) -> tuple[Floats, float]:
     """(3) mm of the centre, and the residual, by (1) from (2)."""
 
-    def off(m: Floats) -> Floats:
+    def residual(m: Floats) -> Floats:
         radius = np.linalg.norm(v - m, axis=-1)
         return np.asarray((radius - radius.mean(1, keepdims=True)).ravel())
 
-    found = scipy.optimize.least_squares(off, gamage(v), method="lm")
+    found = scipy.optimize.least_squares(residual, gamage(v), method="lm")
     return np.asarray(found.x), float(np.sqrt(np.mean(found.fun**2)))
 
 

@@ -141,8 +141,8 @@ def movement_analysis_profile(
     found = {}
     for title, (name, axis) in PROFILE.items():
         if name in by_name and name in reference.mean:
-            off = by_name[name][:, axis] - reference.mean[name][:, axis]
-            found[title] = float(np.sqrt(np.mean(off**2)))
+            difference = by_name[name][:, axis] - reference.mean[name][:, axis]
+            found[title] = float(np.sqrt(np.mean(difference**2)))
         else:
             found[title] = np.nan
     return found, float(np.sqrt(np.mean(np.square(list(found.values())))))

@@ -1,4 +1,4 @@
-"""Where the hip joint is in the pelvis, by regression on measures of the living.
+"""The hip joint centre in the pelvis, by regression equations.
 
 Axes of the pelvis: x forward, y to the left, z up, from the midpoint of the front points (ASIS). With L the mean length
 of the legs, D the distance of the front points, P the depth of the pelvis, t from front point to trochanter, r the

@@ -139,10 +139,10 @@ def pelvis_of(points: Mapping[str, Floats]) -> tuple[Segment, Floats]:
     """The pelvis (1), and the (…, 3) mm point at its back."""
     left, right = points["LASI"], points["RASI"]
     back = _back(points)
-    middle = (left + right) / 2
+    centre = (left + right) / 2
     y = unit(left - right)
-    x = perpendicular(middle - back, y)
-    return Segment(np.stack([x, y, np.cross(x, y)], -1), middle), back
+    x = perpendicular(centre - back, y)
+    return Segment(np.stack([x, y, np.cross(x, y)], -1), centre), back
 
 
 def _back(points: Mapping[str, Floats]) -> Floats:

@@ -38,10 +38,10 @@ def marker_leaps(points: Mapping[str, Floats], names: tuple[str, ...], *, rate: 
         points: (F, 3) mm by name, not smoothed. names: that count. rate: frames a second.
     """
     limit = max(LEAST_MM, LEAST_M_S2 * 1000.0 / rate**2)
-    off = {n: np.linalg.norm(np.diff(points[n], 2, axis=0), axis=1) for n in names if n in points}
-    most = {n: float(y.max(initial=0.0, where=y > limit)) for n, y in off.items()}
+    leap = {n: np.linalg.norm(np.diff(points[n], 2, axis=0), axis=1) for n in names if n in points}
+    most = {n: float(y.max(initial=0.0, where=y > limit)) for n, y in leap.items()}
     leaping = sorted((n for n in most if most[n] > 0), key=lambda n: -most[n])
     if not leaping:
         return MarkerLeaps()
-    frames = np.any([off[n] > limit for n in leaping], axis=0)
+    frames = np.any([leap[n] > limit for n in leaping], axis=0)
     return MarkerLeaps(tuple(leaping), int(frames.sum()), most[leaping[0]])

@@ -92,24 +92,24 @@ def _loads(loaded: Bools, rate: float) -> list[tuple[int, int]]:
 
 
 class _Foot(NamedTuple):
-    """(F, 3) mm heel, toe and middle, mm/s of the toe; (F) whether it stands; mm its length."""
+    """(F, 3) mm heel, toe and the centre between them, mm/s of the toe; (F) whether it stands; mm its length."""
 
     heel: Floats
     toe: Floats
     toe_v: Floats
-    middle: Floats
+    centre: Floats
     stands: Bools
     length: float
 
     @classmethod
     def of(cls, points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> _Foot:
         heel, toe = points[LETTER[side] + "HEE"], points[LETTER[side] + "TOE"]
-        middle = (heel + toe) / 2
-        speed = np.linalg.norm(np.gradient(middle, axis=0), axis=1) * rate if len(middle) > 1 else np.zeros(len(middle))
+        centre = (heel + toe) / 2
+        speed = np.linalg.norm(np.gradient(centre, axis=0), axis=1) * rate if len(centre) > 1 else np.zeros(len(centre))
         length = np.linalg.norm(toe - heel, axis=1)
         known = length[np.isfinite(length)]
         toe_v = np.gradient(toe, axis=0) * rate if len(toe) > 1 else np.zeros_like(toe)
-        return cls(heel, toe, toe_v, middle, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
+        return cls(heel, toe, toe_v, centre, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
 
 
 def _judged(
@@ -137,25 +137,27 @@ def _judged(
 
 def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> float:
     """(1), mm; NaN where the foot is not seen."""
-    off = reaction.centre[first:stop] - foot.middle[first:stop]
-    off = off - (off @ up)[:, None] * up
+    offset = reaction.centre[first:stop] - foot.centre[first:stop]
+    offset = offset - (offset @ up)[:, None] * up
     weight = np.abs(reaction.force[first:stop] @ up)
-    seen = np.isfinite(off).all(1) & (weight > 0)
+    seen = np.isfinite(offset).all(1) & (weight > 0)
     return (
-        float((weight[seen] * np.linalg.norm(off[seen], axis=1)).sum() / weight[seen].sum()) if seen.any() else np.nan
+        float((weight[seen] * np.linalg.norm(offset[seen], axis=1)).sum() / weight[seen].sum())
+        if seen.any()
+        else np.nan
     )
 
 
 def _inside(reaction: Reaction, xyz: Floats, margin: float) -> Bools:
     """(n) whether points (n, 3) mm are above the plate or within `margin` of it; missing points are not."""
-    R, middle = plate_axes(reaction.corners)
-    half = np.abs((reaction.corners - middle) @ R[:, :2]).max(0)
-    return np.asarray((np.abs((xyz - middle) @ R[:, :2]) <= half + margin).all(1))
+    R, centre = plate_axes(reaction.corners)
+    half = np.abs((reaction.corners - centre) @ R[:, :2]).max(0)
+    return np.asarray((np.abs((xyz - centre) @ R[:, :2]) <= half + margin).all(1))
 
 
 def _on_plate(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> Bools:
     """(n) whether the foot stands on the plate."""
-    return _inside(reaction, foot.middle[first:stop], 0.0) & foot.stands[first:stop]
+    return _inside(reaction, foot.centre[first:stop], 0.0) & foot.stands[first:stop]
 
 
 def _swinging(toe_v: Floats) -> int:

@@ -40,10 +40,10 @@ sway turns the way at a moment by up to 15."""
 
 def progression(limbs: LowerLimbs, up: Floats = Z_UP) -> Floats:
     """(3, 3) forward, left and up of (1) as columns: a horizontal axis of the laboratory."""
-    ahead = _walked(limbs, up)
-    if np.linalg.norm(ahead) < WALKED_MM:
-        ahead = _faced(limbs, up)
-    return _turned_to(_nearest_axis(ahead), up)
+    forward = _walked(limbs, up)
+    if np.linalg.norm(forward) < WALKED_MM:
+        forward = _faced(limbs, up)
+    return _turned_to(_nearest_axis(forward), up)
 
 
 def way_walked(limbs: LowerLimbs, up: Floats = Z_UP, *, rate: float) -> Floats:
@@ -54,20 +54,20 @@ def way_walked(limbs: LowerLimbs, up: Floats = Z_UP, *, rate: float) -> Floats:
     Args:
         limbs: over frames. up: of the laboratory. rate: frames a second.
     """
-    ahead = _walked(limbs, up)
-    if _bends(limbs, ahead, up) and (each := _at_each_moment(limbs, up, rate)) is not None:
+    forward = _walked(limbs, up)
+    if _bends(limbs, forward, up) and (each := _at_each_moment(limbs, up, rate)) is not None:
         return _turned_to(_with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate)), up)
-    if np.linalg.norm(ahead) < WALKED_MM:
-        ahead = _stepped(limbs, up)
-    if np.linalg.norm(ahead) == 0:
+    if np.linalg.norm(forward) < WALKED_MM:
+        forward = _stepped(limbs, up)
+    if np.linalg.norm(forward) == 0:
         return progression(limbs, up)
-    return _turned_to(_along_axis(unit(ahead)), up)
+    return _turned_to(_along_axis(unit(forward)), up)
 
 
-def _along_axis(ahead: Floats) -> Floats:
+def _along_axis(forward: Floats) -> Floats:
     """(3) of the laboratory's axis, where a direction is that near to it."""
-    axis = _nearest_axis(ahead)
-    return axis if ahead @ axis >= np.cos(np.radians(ALONG_DEG)) else ahead
+    axis = _nearest_axis(forward)
+    return axis if forward @ axis >= np.cos(np.radians(ALONG_DEG)) else forward
 
 
 def _with_passes(each: Floats, passes: Sequence[Pass]) -> Floats:
@@ -85,16 +85,16 @@ def _turned_to(forward: Floats, up: Floats) -> Floats:
     return np.stack([forward, np.cross(up, forward), np.broadcast_to(up, forward.shape)], -1)
 
 
-def _bends(limbs: LowerLimbs, ahead: Floats, up: Floats) -> bool:
+def _bends(limbs: LowerLimbs, forward: Floats, up: Floats) -> bool:
     """Whether the pelvis walks and leaves the line between the ends of its way, or goes back along it."""
     at = _floor(limbs.pelvis.origin, up)
     at = at[np.isfinite(at).all(-1)]
     if not len(at):
         return False
-    line = unit(ahead) if np.linalg.norm(ahead) >= WALKED_MM else np.zeros(3)
-    off = at - at[0]
-    far = np.linalg.norm(off - np.outer(off @ line, line), axis=1).max()
-    back = (np.maximum.accumulate(off @ line) - off @ line).max()
+    line = unit(forward) if np.linalg.norm(forward) >= WALKED_MM else np.zeros(3)
+    offset = at - at[0]
+    far = np.linalg.norm(offset - np.outer(offset @ line, line), axis=1).max()
+    back = (np.maximum.accumulate(offset @ line) - offset @ line).max()
     return bool(far > (BEND_MM if line.any() else WALKED_MM) or back > WALKED_MM)
 
 
@@ -117,10 +117,10 @@ def _floor(v: Floats, up: Floats) -> Floats:
     return np.asarray(v - (v @ up)[..., None] * up)
 
 
-def _nearest_axis(ahead: Floats) -> Floats:
+def _nearest_axis(forward: Floats) -> Floats:
     """(3) of the laboratory."""
-    k = int(np.abs(ahead).argmax())
-    return np.asarray(np.eye(3)[k] * (np.sign(ahead[k]) or 1.0))
+    k = int(np.abs(forward).argmax())
+    return np.asarray(np.eye(3)[k] * (np.sign(forward[k]) or 1.0))
 
 
 def _walked(limbs: LowerLimbs, up: Floats) -> Floats:

@@ -191,9 +191,9 @@ def _to_house(record: Analog, name: str) -> float:
 def at_frames(values: Floats, record: Analog, *, n_frames: int, rate: float, averaged: bool) -> Floats:
     """(F, K) of (N, K) samples at the markers' frames: with k samples a frame, the mean of 2 ⌊k / 2⌋ + 1 about each."""
     k = record.rate / rate
-    middle = np.round((np.arange(n_frames) / rate - record.start) * record.rate).astype(np.int64)
+    sample = np.round((np.arange(n_frames) / rate - record.start) * record.rate).astype(np.int64)
     half = int(k // 2) if averaged else 0
-    first, stop = np.clip(middle - half, 0, len(values)), np.clip(middle + half + 1, 0, len(values))
+    first, stop = np.clip(sample - half, 0, len(values)), np.clip(sample + half + 1, 0, len(values))
     total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(np.nan_to_num(values), axis=0)])
     with np.errstate(invalid="ignore", divide="ignore"):
         return (total[stop] - total[first]) / (stop - first)[:, None]

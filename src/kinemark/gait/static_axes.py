@@ -57,9 +57,9 @@ def with_knees(static: Mapping[str, Floats]) -> dict[str, Floats]:
     for letter in LETTER.values():
         inner = {letter + name for name in ("ASI", "ANK")}
         if device_worn(static, letter) and inner <= set(static) and not _seen(static, letter + "KNE"):
-            middle = np.mean([static[name] for name in inner], axis=0)
+            centre = np.mean([static[name] for name in inner], axis=0)
             kax, kd1, kd2 = (static[letter + name] for name in DEVICE)
-            out[letter + "KNE"] = _apex(kax, kd1, kd2, middle)
+            out[letter + "KNE"] = _apex(kax, kd1, kd2, centre)
     return out
 
 

@@ -84,8 +84,8 @@ def _first_away(way: Floats) -> Floats:
 
 def _straight(x: Floats) -> bool:
     """(2) of places (n, 3)."""
-    off, line = x - x[0], x[-1] - x[0]
+    offset, line = x - x[0], x[-1] - x[0]
     if np.linalg.norm(line) < WALKED_MM:
         return False
     d = unit(line)
-    return bool(np.linalg.norm(off - np.outer(off @ d, d), axis=1).max() <= BEND_MM)
+    return bool(np.linalg.norm(offset - np.outer(offset @ d, d), axis=1).max() <= BEND_MM)

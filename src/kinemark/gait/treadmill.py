@@ -1,4 +1,4 @@
-"""How fast the floor moves below the feet: a treadmill's belt.
+"""The velocity of the floor below the feet: the belt of a treadmill.
 
 While a foot stands flat, between `FLAT` of its stance, its heel goes with the floor: the slope of its place over time
 is the floor's velocity v (1). The median over a foot's stances, and the mean of both feet, which roll outwards to

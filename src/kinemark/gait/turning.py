@@ -55,10 +55,10 @@ def ways(strides: Sequence[Stride]) -> list[list[Stride]]:
     the first way."""
     found: list[list[Stride]] = []
     for one in sorted(strides, key=lambda one: bool(np.isnan(one.facing_deg))):
-        off = [abs(_wrapped(one.facing_deg - other[0].facing_deg)) for other in found]
-        near = [k for k, deg in enumerate(off) if not deg > WAY_DEG]
+        difference = [abs(_wrapped(one.facing_deg - other[0].facing_deg)) for other in found]
+        near = [k for k, deg in enumerate(difference) if not deg > WAY_DEG]
         if near:
-            found[min(near, key=lambda k: off[k])].append(one)
+            found[min(near, key=lambda k: difference[k])].append(one)
         else:
             found.append([one])
     return found

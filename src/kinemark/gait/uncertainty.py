@@ -339,8 +339,8 @@ def _lost(trial: Trial, model: _Model) -> dict[str, Floats]:
     total: dict[str, Floats] = {}
     for points in others:
         for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
-            off = within_half_turn(y - once[name]) if name.endswith("Angles") else y - once[name]
-            total[name] = total.get(name, 0.0) + off**2
+            difference = within_half_turn(y - once[name]) if name.endswith("Angles") else y - once[name]
+            total[name] = total.get(name, 0.0) + difference**2
     return {name: np.sqrt(square) for name, square in total.items()}
 
 

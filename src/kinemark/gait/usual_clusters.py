@@ -1,4 +1,4 @@
-"""Clusters that nobody has to state, for what the markers are called says on which segment they sit.
+"""Clusters that need no statement, because the names of the markers tell their segment.
 
 Sets without wands have three or more markers on thigh and shank: the landmarks of the Rizzoli sets and of the ISB
 (trochanter, epicondyles; head of the fibula, tuberosity of the tibia, malleoli; Leardini et al. 2007), plates or skin

@@ -13,8 +13,8 @@ Where det H > 0, R is the polar factor of H as well, which Newton's method finds
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from ..numerics.vectors import cross
 
 LEAST_DET = 1e-14
@@ -23,9 +23,7 @@ ROUNDS = 20
 """Of (3) at most; five to seven are usual; chosen."""
 
 
-def rigid_align(
-    source: NDArray[np.float64], target: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def rigid_align(source: Floats, target: Floats) -> tuple[Floats, Floats]:
     """R (3, 3), t (3,) that minimise Σ |R source + t − target|² over pairs (N, 3) without NaN.
 
     Raises:
@@ -40,7 +38,7 @@ def rigid_align(
     return R, cb - R @ ca
 
 
-def best_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
+def best_rotations(H: Floats) -> Floats:
     """The rotations (…, 3, 3) that maximise tr(Rᵀ H), for H (…, 3, 3) without NaN of any rank; exact, by SVD."""
     U, _, Vt = np.linalg.svd(H)
     side = np.ones((*H.shape[:-2], 1, 3))
@@ -48,7 +46,7 @@ def best_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
     return (U * side) @ Vt  # (1)
 
 
-def nearest_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
+def nearest_rotations(H: Floats) -> Floats:
     """The rotations (…, 3, 3) that maximise tr(Rᵀ H), for H (…, 3, 3) without NaN; NaN where its rank is below 2."""
     _, V = np.linalg.eigh(H.mT @ H)  # (2)
     v1, v2 = V[..., 2], V[..., 1]
@@ -59,7 +57,7 @@ def nearest_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
     return left @ np.stack([v1, v2, cross(v1, v2)], -1).mT
 
 
-def polar_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
+def polar_rotations(H: Floats) -> Floats:
     """`nearest_rotations` of many H (N, 3, 3) at once by (3), in a third of the time."""
     X = np.moveaxis(H, 0, -1).copy()
     det = _determinant(X, _cofactors(X))
@@ -79,20 +77,18 @@ def polar_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
     return R
 
 
-def _cofactors(X: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cofactors(X: Floats) -> Floats:
     """Of (3, 3, N)."""
     round_it = [0, 1, 2, 0, 1]
     Y = X[round_it][:, round_it]
     return Y[1:4, 1:4] * Y[2:, 2:] - Y[1:4, 2:] * Y[2:, 1:4]
 
 
-def _determinant(X: NDArray[np.float64], cofactors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _determinant(X: Floats, cofactors: Floats) -> Floats:
     return np.asarray(X[0, 0] * cofactors[0, 0] + X[0, 1] * cofactors[0, 1] + X[0, 2] * cofactors[0, 2])
 
 
-def rigid_poses(
-    shape: NDArray[np.float64], points: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def rigid_poses(shape: Floats, points: Floats) -> tuple[Floats, Floats]:
     """R (F, 3, 3) and the centres (F, 3) that lay a shape (N, 3) on points (F, N, 3) without NaN.
 
     A point p of the body then lies at R (p − mean of the shape) + centre.
@@ -102,6 +98,6 @@ def rigid_poses(
     return nearest_rotations(H), centre
 
 
-def _unit(v: NDArray[np.float64]) -> NDArray[np.float64]:
+def _unit(v: Floats) -> Floats:
     length = np.sqrt((v * v).sum(-1, keepdims=True))
     return np.divide(v, length, out=np.full_like(v, np.nan), where=length > 0)

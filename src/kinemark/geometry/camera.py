@@ -11,10 +11,13 @@ K₂ is the upper left 2 × 2 of K.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..data import Camera, Rig
 from ..data.array_types import Floats
+from ..numerics.vectors import homogeneous
 from . import lens
 
 
@@ -41,6 +44,11 @@ def project(camera: Camera, xyz: Floats) -> Floats:
     return pixels(camera, lens.distort(x_cam[..., :2] / depth, camera.distortion))
 
 
+def in_image(size: Sequence[int], u: float, v: float) -> bool:
+    """Whether pixel (u, v) is in an image of `size` (width, height) px; (0, 0) is the centre of its first pixel."""
+    return -0.5 <= u < size[0] - 0.5 and -0.5 <= v < size[1] - 0.5
+
+
 def project_all(rig: Rig, xyz: Floats) -> Floats:
     """Pixels (C, …, 2) of world points (…, 3) mm in every camera."""
     return np.stack([project(camera, xyz) for camera in rig])
@@ -51,6 +59,11 @@ def undistort(camera: Camera, uv: Floats) -> Floats:
     return pixels(camera, lens.undistort(normalised(camera, uv), camera.distortion))
 
 
+def undistort_all(rig: Rig, uv: Floats) -> Floats:
+    """Pixels (P, C, 2) of every camera as ideal lenses would draw them (P, C, 2)."""
+    return np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1)
+
+
 def distort(camera: Camera, uv: Floats) -> Floats:
     """Pixels of an ideal lens (…, 2) as this lens draws them (…, 2)."""
     return pixels(camera, lens.distort(normalised(camera, uv), camera.distortion))
@@ -59,7 +72,7 @@ def distort(camera: Camera, uv: Floats) -> Floats:
 def rays(camera: Camera, uv: Floats) -> Floats:
     """Unit directions (…, 3) in the world from `camera.centre` to what is seen at pixels (…, 2)."""
     xy = lens.undistort(normalised(camera, uv), camera.distortion)
-    direction = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
+    direction = homogeneous(xy) @ camera.R
     return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..data import Camera, Rig
 from ..data.array_types import Floats, Ints
+from ..numerics.vectors import across
 
 GRID = np.linspace(0.1, 0.9, 5)
 """Shares of an image's width and height at which rays are followed; chosen: five by five rays."""
@@ -26,9 +27,9 @@ DEPTHS = np.geomspace(0.5, 4.0, 13)
 def common_view_centre(rig: Rig) -> Floats | None:
     """(3) mm, a place in the middle of what two and more cameras see; None where no two see anything in common."""
     axes = np.array([camera.R[2] for camera in rig]).reshape(-1, 3)
-    across = np.eye(3) - axes[:, :, None] * axes[:, None]
+    projectors = across(axes)
     try:
-        centre = np.linalg.solve(across.sum(0), np.einsum("cij,cj->i", across, rig.centres))  # (1)
+        centre = np.linalg.solve(projectors.sum(0), np.einsum("cij,cj->i", projectors, rig.centres))  # (1)
     except np.linalg.LinAlgError:
         centre = np.full(3, np.nan)
     if seen_by(rig, centre[None])[0] >= 2:

@@ -19,9 +19,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Camera, KinemarkError
+from ..data.array_types import Floats
+from ..numerics.vectors import across
 
 SINGULAR = 1e12
 """Condition of M, above which no camera follows; chosen."""
@@ -29,7 +31,7 @@ PARALLEL = 0.01
 """Mean squared sine of the angle between optical axes and their common direction: about 6°; chosen."""
 
 
-def to_dlt(P: NDArray[np.float64]) -> NDArray[np.float64]:
+def to_dlt(P: Floats) -> Floats:
     """The eleven parameters (…, 11) of projections (…, 3, 4).
 
     Raises:
@@ -44,13 +46,13 @@ def to_dlt(P: NDArray[np.float64]) -> NDArray[np.float64]:
     return (P / scale).reshape(*P.shape[:-2], 12)[..., :11]
 
 
-def from_dlt(L: ArrayLike) -> NDArray[np.float64]:
+def from_dlt(L: ArrayLike) -> Floats:
     """The projections (…, 3, 4) of eleven parameters (…, 11)."""
     L = np.asarray(L, np.float64)
     return np.concatenate([L, np.ones_like(L[..., :1])], -1).reshape(*L.shape[:-1], 3, 4)
 
 
-def fit_dlt(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def fit_dlt(xyz: Floats, uv: Floats) -> Floats:
     """The eleven parameters (11,) that best turn control points (N, 3) mm into pixels (N, 2), by (2).
 
     Both sides are first brought to zero mean and unit spread (Hartley 1997), without which (2) loses
@@ -73,9 +75,7 @@ def fit_dlt(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.flo
     return to_dlt(np.linalg.inv(U) @ Vt[-1].reshape(3, 4) @ T)
 
 
-def equations(
-    xyz: NDArray[np.float64], uv: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def equations(xyz: Floats, uv: Floats) -> tuple[Floats, Floats, Floats]:
     """(2) with L12 free, (N, 2, 12), for coordinates normalised by T (4, 4) and U (3, 3).
 
     The vector that it takes to nearly nothing is P', and P = U⁻¹ P' T.
@@ -88,9 +88,7 @@ def equations(
     return np.stack(rows, 1), T, U
 
 
-def decompose(
-    P: NDArray[np.float64], *, front: ArrayLike = (0.0, 0.0, 0.0)
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def decompose(P: Floats, *, front: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Floats, Floats, Floats]:
     """K (3, 3), R (3, 3), t (3,) with P ~ K [R | t]; `front` is a world point (3,) that the camera has before it.
 
     Raises:
@@ -110,7 +108,7 @@ def decompose(
     return K / K[2, 2], R, t
 
 
-def cameras_from_dlt(names: Sequence[str], L: NDArray[np.float64]) -> tuple[Camera, ...]:
+def cameras_from_dlt(names: Sequence[str], L: Floats) -> tuple[Camera, ...]:
     """`camera_from_dlt` of cameras (C, 11) that look at one place.
 
     What the cameras have before them eleven parameters do not say. It is the place (3,) nearest to all optical axes,
@@ -122,11 +120,11 @@ def cameras_from_dlt(names: Sequence[str], L: NDArray[np.float64]) -> tuple[Came
     if len(P) > 1 and (np.linalg.cond(P[:, :, :3]) < SINGULAR).all():
         centre = -np.linalg.solve(P[:, :, :3], P[:, :, 3:])[..., 0]
         d = P[:, 2, :3] / np.linalg.norm(P[:, 2, :3], axis=1, keepdims=True)
-        across = np.eye(3) - d[:, :, None] * d[:, None]
+        projectors = across(d)
         mean = centre.mean(0)
-        if np.linalg.eigvalsh(across.mean(0))[0] > PARALLEL:
-            right = (across @ (centre - mean)[..., None]).sum(0)[:, 0]
-            front = mean + np.linalg.solve(across.sum(0), right)  # (7)
+        if np.linalg.eigvalsh(projectors.mean(0))[0] > PARALLEL:
+            right = (projectors @ (centre - mean)[..., None]).sum(0)[:, 0]
+            front = mean + np.linalg.solve(projectors.sum(0), right)  # (7)
     return tuple(camera_from_dlt(name, row, front=front) for name, row in zip(names, L, strict=True))
 
 
@@ -136,7 +134,7 @@ def camera_from_dlt(name: str, L: ArrayLike, *, front: ArrayLike = (0.0, 0.0, 0.
     return Camera(name, np.asarray(size, np.int64), K, R, t)
 
 
-def normalising(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def normalising(points: Floats) -> Floats:
     """The homogeneous transform that brings points (N, d) to zero mean and unit spread."""
     d = points.shape[1]
     scale = 1 / max(float(np.sqrt(points.var(0).mean())), 1e-300)

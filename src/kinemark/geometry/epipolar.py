@@ -17,12 +17,12 @@ with the rows of KISS eq. 7. Being bilinear in (u1, v1) and (u2, v2), (2) is KIS
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .dlt import from_dlt
 
 
-def fundamental(P1: NDArray[np.float64], P2: NDArray[np.float64]) -> NDArray[np.float64]:
+def fundamental(P1: Floats, P2: Floats) -> Floats:
     """F (3, 3) of (1), of unit norm, for two projections (3, 4)."""
     turn = P2[:, :3] @ np.linalg.inv(P1[:, :3])
     ex, ey, ez = P2[:, 3] - turn @ P1[:, 3]
@@ -31,7 +31,7 @@ def fundamental(P1: NDArray[np.float64], P2: NDArray[np.float64]) -> NDArray[np.
     return np.asarray(F / (size if size > 0 else np.nan))  # NaN: cameras in one place share no epipolar lines
 
 
-def epipolar_constants(L1: NDArray[np.float64], L2: NDArray[np.float64]) -> NDArray[np.float64]:
+def epipolar_constants(L1: Floats, L2: Floats) -> Floats:
     """m1 … m9 (9,) of KISS eq. 8 from the eleven DLT parameters of two cameras, of unit norm.
 
     Each constant multiplies one product of {u1, v1, 1} and {u2, v2, 1}. A row of KISS eq. 7 for u is
@@ -50,7 +50,7 @@ def epipolar_constants(L1: NDArray[np.float64], L2: NDArray[np.float64]) -> NDAr
     return m / np.linalg.norm(m)
 
 
-def epipolar_lines(F: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def epipolar_lines(F: Floats, uv: Floats) -> Floats:
     """Lines (…, 3) a u2 + b v2 + c = 0 in camera 2 of pixels (…, 2) in camera 1, with a² + b² = 1.
 
     So a pixel's product with the line is its distance in px.
@@ -59,6 +59,6 @@ def epipolar_lines(F: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[n
     return np.asarray(line / np.linalg.norm(line[..., :2], axis=-1, keepdims=True))
 
 
-def line_distance(lines: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def line_distance(lines: Floats, uv: Floats) -> Floats:
     """Signed distance (…), px, of pixels (…, 2) from lines (…, 3)."""
     return (lines[..., :2] * uv).sum(-1) + lines[..., 2]

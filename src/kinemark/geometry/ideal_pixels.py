@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError, Rig
+from ..data.array_types import Floats
 from . import undistort
 
 MOST = 1000  # images of one camera and frame; more are noise, and their pairs would take hours; chosen
@@ -28,7 +28,7 @@ def check_cameras(detections: Detections, rig: Rig) -> None:
         )
 
 
-def ideal_pixels(detections: Detections, rig: Rig, *, cameras: Sequence[int] | None = None) -> NDArray[np.float64]:
+def ideal_pixels(detections: Detections, rig: Rig, *, cameras: Sequence[int] | None = None) -> Floats:
     """(D, 2) the valid detections without lens distortion, NaN for the others and those of cameras not asked for.
 
     Args:

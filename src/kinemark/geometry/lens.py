@@ -13,19 +13,18 @@ With r² = x² + y² and the terms k1 k2 p1 p2 k3
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..data.array_types import Floats
 
 NEWTON_STEPS = 12  # at most; three or four are enough wherever the model is one to one; chosen
 
 
-def distort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+def distort(xy: Floats, k: Floats) -> Floats:
     """Where the lens draws the ideal point: (…, 2) → (…, 2), normalised; `k` is (5,)."""
     return np.stack(distorted_entries(xy[..., 0], xy[..., 1], k), -1)
 
 
-def distorted_entries(
-    x: NDArray[np.float64], y: NDArray[np.float64], k: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def distorted_entries(x: Floats, y: Floats, k: Floats) -> tuple[Floats, Floats]:
     """x' and y' of `distort`, each as x and y are."""
     k1, k2, p1, p2, k3 = k
     xx, yy, xy = x * x, y * y, x * y
@@ -34,15 +33,13 @@ def distorted_entries(
     return x * g + 2 * p1 * xy + p2 * (r2 + 2 * xx), y * g + p1 * (r2 + 2 * yy) + 2 * p2 * xy  # (2), (3)
 
 
-def jacobian(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+def jacobian(xy: Floats, k: Floats) -> Floats:
     """d(x', y') / d(x, y) of `distort`: (…, 2) → (…, 2, 2)."""
     xx, cross, yy = jacobian_entries(xy[..., 0], xy[..., 1], k)
     return np.stack([np.stack([xx, cross], -1), np.stack([cross, yy], -1)], -2)
 
 
-def jacobian_entries(
-    x: NDArray[np.float64], y: NDArray[np.float64], k: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def jacobian_entries(x: Floats, y: Floats, k: Floats) -> tuple[Floats, Floats, Floats]:
     """dx'/dx, dx'/dy = dy'/dx and dy'/dy of `distort`, each as x and y are."""
     k1, k2, p1, p2, k3 = k
     r2 = x * x + y * y
@@ -54,28 +51,27 @@ def jacobian_entries(
     return xx, cross, yy
 
 
-def undistort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+def undistort(xy: Floats, k: Floats) -> Floats:
     """The ideal point that the lens draws at `xy`: (…, 2) → (…, 2); NaN where the model has no inverse there."""
     if not np.any(k):
         return xy.copy()
     x, y = xy[..., 0].copy(), xy[..., 1].copy()
     with np.errstate(all="ignore"):  # points outside the model's range run away and become NaN below
         for _ in range(NEWTON_STEPS):
-            off_x, off_y = _off(x, y, xy, k)
+            residual_x, residual_y = _residual(x, y, xy, k)
             xx, cross, yy = jacobian_entries(x, y, k)
             det = xx * yy - cross * cross
-            x, y = x - (yy * off_x - cross * off_y) / det, y - (xx * off_y - cross * off_x) / det
-            if not max(np.nanmax(np.abs(off), initial=0.0) for off in (off_x, off_y)) > 1e-13:
+            x, y = x - (yy * residual_x - cross * residual_y) / det, y - (xx * residual_y - cross * residual_x) / det
+            if not max(np.nanmax(np.abs(residual), initial=0.0) for residual in (residual_x, residual_y)) > 1e-13:
                 break
         xx, cross, yy = jacobian_entries(x, y, k)
-        off_x, off_y = _off(x, y, xy, k)
-        good = (np.abs(off_x) < 1e-9) & (np.abs(off_y) < 1e-9) & (xx * yy > cross * cross)  # and not folded over
+        residual_x, residual_y = _residual(x, y, xy, k)
+        good = (np.abs(residual_x) < 1e-9) & (np.abs(residual_y) < 1e-9)
+        good &= xx * yy > cross * cross  # not folded over
     return np.stack([np.where(good, x, np.nan), np.where(good, y, np.nan)], -1)
 
 
-def _off(
-    x: NDArray[np.float64], y: NDArray[np.float64], xy: NDArray[np.float64], k: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _residual(x: Floats, y: Floats, xy: Floats, k: Floats) -> tuple[Floats, Floats]:
     """How far the lens draws ideal points x, y from xy (…, 2)."""
     drawn_x, drawn_y = distorted_entries(x, y, k)
     return drawn_x - xy[..., 0], drawn_y - xy[..., 1]

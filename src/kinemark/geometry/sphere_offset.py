@@ -54,10 +54,10 @@ def sphere_offset(camera: Camera, xyz: Floats, *, diameter: float) -> Floats:
     ideal = c[..., :2] / c[..., 2:]
     if camera.distortion.any():
         centroid = _drawn_centroid(c, z2, np.sqrt(r2), camera.distortion)
-        off = centroid - lens.distort(ideal, camera.distortion)  # (4)
+        offset = centroid - lens.distort(ideal, camera.distortion)  # (4)
     else:
-        off = ideal * (r2 / z2)[..., None]  # (1)
-    return np.asarray(off @ camera.K[:2, :2].T)
+        offset = ideal * (r2 / z2)[..., None]  # (1)
+    return np.asarray(offset @ camera.K[:2, :2].T)
 
 
 def _drawn_centroid(c: Floats, z2: Floats, r: float, k: Floats) -> Floats:

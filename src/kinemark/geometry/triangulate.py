@@ -18,10 +18,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera, Rig
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..numerics.small_matrices import inverse3, solve3
 from .camera import calibration_variance, project_with_jacobian
 
@@ -69,22 +68,22 @@ def refine(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, *, steps: int = 3, ex
     if exact or not steps:
         normal, _, each = _normal_equations(views, xyz)
         step = np.zeros_like(xyz)
-    off = np.full(uv.shape, np.nan)
+    residual = np.full(uv.shape, np.nan)
     for c, (view, (beside, J)) in enumerate(zip(views, each, strict=True)):
-        off[view.point, c] = (beside if exact else beside - np.einsum("ain,ni->an", J, step[view.point])).T
-    return Triangulated(xyz, inverse3(normal), off)  # (7)
+        residual[view.point, c] = (beside if exact else beside - np.einsum("ain,ni->an", J, step[view.point])).T
+    return Triangulated(xyz, inverse3(normal), residual)  # (7)
 
 
 class _View(NamedTuple):
     """What a camera sees: the n points, their uv (2, n) px and the xx, xy and yy of C⁻¹ (3, n) 1/px²."""
 
     camera: Camera
-    point: NDArray[np.int64]
+    point: Ints
     uv: Floats
     weight: Floats
 
 
-def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Floats, uv: Floats, cov: Floats) -> _View:
+def _view(camera: Camera, c: int, seen: Bools, xyz: Floats, uv: Floats, cov: Floats) -> _View:
     """What camera c sees of points at xyz (N, 3) mm."""
     point = np.flatnonzero(seen)
     C = cov[point, c].transpose(1, 2, 0)
@@ -95,12 +94,12 @@ def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Floats, uv: Floa
 
 
 def _normal_equations(views: list[_View], xyz: Floats) -> tuple[Floats, Floats, list[tuple[Floats, Floats]]]:
-    """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ off (N, 3), and of each view off = uv − project (2, n) px and J (2, 3, n)."""
+    """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ e (N, 3), and of each view e = uv − project (2, n) px and J (2, 3, n)."""
     normal, pull, each = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), list[tuple[Floats, Floats]]()
     for camera, point, uv, (xx, xy, yy) in views:
         drawn, J = project_with_jacobian(camera, xyz[point].T)
-        each.append((off := uv - drawn, J))
+        each.append((residual := uv - drawn, J))
         WJ = np.stack([xx * J[0] + xy * J[1], xy * J[0] + yy * J[1]])
         normal[..., point] += np.einsum("ain,ajn->ijn", WJ, J)
-        pull[:, point] += np.einsum("ain,an->in", WJ, off)
+        pull[:, point] += np.einsum("ain,an->in", WJ, residual)
     return normal.transpose(2, 0, 1), pull.T, each

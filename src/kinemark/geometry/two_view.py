@@ -21,11 +21,11 @@ of which the right one has most points in front of both cameras. There x₂ ~ R 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..numerics.robust import SD_PER_MEDIAN
+from ..numerics.vectors import homogeneous
 
 FEWEST = 8  # pairs that the eight-point method needs; by definition
 TRIALS = 150  # samples of eight; with 30 % wrong pairs one in 17 is right: chosen
@@ -33,11 +33,6 @@ SCORED = 400  # pairs by which a sample is scored; chosen for speed
 SPREAD = 3.0  # standard deviations within which pairs fit; conventional
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """W of (7), a quarter turn about z; by definition."""
-
-
-def homogeneous(x: Floats) -> Floats:
-    """(…, d) → (…, d + 1), a one appended."""
-    return np.concatenate([x, np.ones_like(x[..., :1])], -1)
 
 
 def fit_fundamental(uv1: Floats, uv2: Floats) -> Floats:
@@ -57,7 +52,7 @@ def fit_fundamental(uv1: Floats, uv2: Floats) -> Floats:
 
 def robust_fundamental(
     uv1: Floats, uv2: Floats, *, tolerance: float | None = None, seed: int = 0, trials: int = TRIALS
-) -> tuple[Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Bools]:
     """F (3, 3) from pairs (N, 2) of which some are wrong, and which ones (N) are within tolerance of it.
 
     Args:

@@ -37,7 +37,7 @@ from numpy.typing import ArrayLike
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats, Ints
 from ..numerics.robust import student_widening
-from .camera import undistort
+from .camera import undistort_all
 from .hidden_images import hidden_variance
 from .sphere_offset import sphere_offset
 from .triangulate import Triangulated, refine, triangulate
@@ -117,7 +117,7 @@ def weighted_points(
 
 def _linear(rig: Rig, uv: Floats) -> Floats:
     """First solutions (P, 3) mm of images (P, C, 2) px."""
-    return triangulate(np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1), rig.P)
+    return triangulate(undistort_all(rig, uv), rig.P)
 
 
 def _sphere_offsets(rig: Rig, xyz: Floats, diameter: float) -> Floats:
@@ -140,9 +140,11 @@ def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
     three = (freedom >= 3) & ~np.isnan(guess[:, 0])
     if not three.any():
         return FALLBACK_SD
-    off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).residual
+    residual = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).residual
     return float(
-        np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / (2 * scipy.special.gammaincinv(freedom[three] / 2, 0.5))))
+        np.sqrt(
+            np.median(np.nansum(residual**2, axis=(1, 2)) / (2 * scipy.special.gammaincinv(freedom[three] / 2, 0.5)))
+        )
     )
 
 
@@ -156,20 +158,20 @@ def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, degrees_of_freedom
     )
     if not len(outlying):
         return point
-    xyz, own, off = point.xyz[outlying], cov[outlying], point.residual[outlying]
+    xyz, own, residual = point.xyz[outlying], cov[outlying], point.residual[outlying]
     for k in range(REWEIGHTINGS):
-        widened = np.maximum(student_widening(_squared(off, own), degrees_of_freedom), 1.0)  # (2)
+        widened = np.maximum(student_widening(_squared(residual, own), degrees_of_freedom), 1.0)  # (2)
         own_now = own * np.nan_to_num(widened, nan=1.0)[..., None, None]
         again = refine(rig, xyz, uv[outlying], own_now, steps=1, exact=steps > 1 or k == REWEIGHTINGS - 1)
-        xyz, off = again.xyz, again.residual
+        xyz, residual = again.xyz, again.residual
     point.xyz[outlying], point.cov[outlying], point.residual[outlying] = again
     return point
 
 
-def _squared(off: Floats, cov: Floats) -> Floats:
+def _squared(residual: Floats, cov: Floats) -> Floats:
     """d² (P, C) of images off by (P, C, 2) px with covariances (P, C, 2, 2)."""
     (a, b), d = (cov[..., 0, 0], cov[..., 0, 1]), cov[..., 1, 1]
-    x, y = off[..., 0], off[..., 1]
+    x, y = residual[..., 0], residual[..., 1]
     return (d * x * x - 2 * b * x * y + a * y * y) / (a * d - b * b)
 
 

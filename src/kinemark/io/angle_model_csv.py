@@ -22,6 +22,7 @@ import numpy as np
 
 from ..data import AngleModel, KinemarkError
 from ..data.array_types import Floats, Ints
+from .csv_table import write_table
 from .number_text import bad_line, numbers, plain, read_text, whole
 
 FIRST = ["kinemark angle model", "1"]
@@ -34,8 +35,12 @@ UNIT = 0.01
 
 
 def write_angle_model(path: Path | str, model: AngleModel) -> None:
-    """The model as a file, to be read by `read_angle_model`."""
-    rows: list[list[str]] = [FIRST, ["period_s", plain(model.period)], SEGMENTS]
+    """The model as a file, to be read by `read_angle_model`.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    rows: list[list[str]] = [["period_s", plain(model.period)], SEGMENTS]
     for s, (a, b) in enumerate(model.links):
         sizes = [plain(model.length[s]), plain(model.spread[s])]
         rows.append([str(s), model.names[a], model.names[b], str(model.bank[s]), *sizes])
@@ -46,8 +51,7 @@ def write_angle_model(path: Path | str, model: AngleModel) -> None:
             angles = [plain(value) for value in model.angles[s, k]]
             cov = [plain(value) for value in model.cov[s, k][UPPER]]
             rows.append([str(s), plain(100 * k / steps), *angles, str(model.cycles[s, k]), *cov])
-    with Path(path).open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)
+    write_table(path, FIRST, rows)
 
 
 def read_angle_model(path: Path | str) -> AngleModel:

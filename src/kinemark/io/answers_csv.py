@@ -17,7 +17,7 @@ from pathlib import Path
 
 from ..data import KinemarkError
 from ..data.answers import Given, answer_text, parse_answer
-from .files import replacing
+from .csv_table import write_table
 from .number_text import bad_line, read_text
 
 HEADING = ["frame", "marker", "answer"]
@@ -62,10 +62,7 @@ def write_answers(path: Path | str, answers: Sequence[Given]) -> None:
     Raises:
         KinemarkError: the file cannot be written.
     """
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEADING)
-        writer.writerows(map(_row, answers))
+    write_table(path, HEADING, map(_row, answers))
 
 
 def append_answer(path: Path | str, answer: Given) -> None:

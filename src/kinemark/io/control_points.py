@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .files import replacing
+from ..data.array_types import Bools, Floats
+from .csv_table import write_table
 from .number_text import read_text
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre; chosen
@@ -24,9 +24,9 @@ SNAP = 8.0  # px; an operator points within this distance of a marker's centre; 
 class DigitisedControlPoints(NamedTuple):
     """xyz (N, 3) mm; uv (C, N, 2) px, NaN unseen; cov (C, N, 2, 2) px², or None where nothing states it; names (N)."""
 
-    xyz: NDArray[np.float64]
-    uv: NDArray[np.float64]
-    cov: NDArray[np.float64] | None
+    xyz: Floats
+    uv: Floats
+    cov: Floats | None
     names: tuple[str, ...] = ()
 
 
@@ -58,7 +58,7 @@ def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | N
     return found._replace(names=names)
 
 
-def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> DigitisedControlPoints:
+def _snapped(path: Path, xyz: Floats, uv: Floats, seen: Detections) -> DigitisedControlPoints:
     """The control points at the markers' centroids."""
     exact, cov = np.full(uv.shape, np.nan), np.full((*uv.shape, 2), np.nan)
     for c, camera in enumerate(seen.cameras):
@@ -83,13 +83,13 @@ class PointedPoints(NamedTuple):
     """
 
     names: tuple[str, ...]
-    xyz: NDArray[np.float64]
+    xyz: Floats
     cameras: tuple[str, ...]
-    uv: NDArray[np.float64]
-    asked: NDArray[np.bool_]
+    uv: Floats
+    asked: Bools
 
     @classmethod
-    def unseen(cls, names: Sequence[str], xyz: NDArray[np.float64], cameras: Sequence[str] = ()) -> PointedPoints:
+    def unseen(cls, names: Sequence[str], xyz: Floats, cameras: Sequence[str] = ()) -> PointedPoints:
         """Points that nobody pointed at yet."""
         shape = len(cameras), len(names)
         return cls(tuple(names), xyz, tuple(cameras), np.full((*shape, 2), np.nan), np.zeros(shape, np.bool_))
@@ -103,9 +103,9 @@ class PointedPoints(NamedTuple):
         if camera not in self.cameras or name not in self.names:
             raise KinemarkError(f"There is no control point {name!r} in a camera {camera!r}. Look at the list again.")
         c, n = self.cameras.index(camera), self.names.index(name)
-        places, told = self.uv.copy(), self.asked.copy()
-        places[c, n], told[c, n] = np.nan if uv is None else uv, asked
-        return self._replace(uv=places, asked=told)
+        places, asked_now = self.uv.copy(), self.asked.copy()
+        places[c, n], asked_now[c, n] = np.nan if uv is None else uv, asked
+        return self._replace(uv=places, asked=asked_now)
 
 
 UNSEEN = "nan"
@@ -132,8 +132,8 @@ def read_pointed(path: Path, cameras: Sequence[str]) -> PointedPoints:
     if not rows or len({*names}) < len(names) or not np.isfinite(xyz).all():
         raise KinemarkError(f"{path} wants control points with different names and places. Correct it.")
     uv = cells.reshape(len(rows), len(cameras), 2).transpose(1, 0, 2)
-    told = np.array([[bool((row.get(f"{c}_u_px") or "").strip()) for row in rows] for c in cameras], np.bool_)
-    return PointedPoints(names, xyz, tuple(cameras), uv, told.reshape(len(cameras), len(rows)))
+    asked = np.array([[bool((row.get(f"{c}_u_px") or "").strip()) for row in rows] for c in cameras], np.bool_)
+    return PointedPoints(names, xyz, tuple(cameras), uv, asked.reshape(len(cameras), len(rows)))
 
 
 def write_pointed(path: Path, points: PointedPoints) -> None:
@@ -143,12 +143,11 @@ def write_pointed(path: Path, points: PointedPoints) -> None:
         KinemarkError: the file cannot be written.
     """
     heading = ["name", "x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in points.cameras for axis in "uv")]
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heading)
-        for n, name in enumerate(points.names):
-            cells = [_cell(x, asked) for c, asked in enumerate(points.asked[:, n]) for x in points.uv[c, n]]
-            writer.writerow([name, *(f"{x:.10g}" for x in points.xyz[n]), *cells])
+    rows = []
+    for n, name in enumerate(points.names):
+        cells = [_cell(x, asked) for c, asked in enumerate(points.asked[:, n]) for x in points.uv[c, n]]
+        rows.append([name, *(f"{x:.10g}" for x in points.xyz[n]), *cells])
+    write_table(path, heading, rows)
 
 
 def _cell(value: float, asked: bool) -> str:

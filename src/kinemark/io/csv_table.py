@@ -17,8 +17,8 @@ def cell(value: float) -> str:
     return plain(round(float(value), 6)) if np.isfinite(value) else ""
 
 
-def write_table(path: Path | str, heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Write a heading and rows, whole or not at all.
+def write_table(path: Path | str, heading: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a heading and rows in UTF-8, whole or not at all.
 
     Raises:
         KinemarkError: the file cannot be written.

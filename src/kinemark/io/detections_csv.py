@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .files import replacing
+from ..data.array_types import Bools, Floats, Ints
+from .csv_table import write_table
 from .number_text import AGAIN, bad_line, numbers, plain, read_text, separator, whole
 
 NEEDED = ("camera", "frame", "u_px", "v_px")
@@ -36,7 +36,7 @@ class NamedDetections(NamedTuple):
     """
 
     detections: Detections
-    marker: NDArray[np.int64]
+    marker: Ints
     names: tuple[str, ...]
 
 
@@ -121,7 +121,7 @@ def chunks(
     names: dict[str, int],
     add: bool,
     markers: dict[str, int],
-) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+) -> Iterator[tuple[Ints, Floats]]:
     """Line numbers and rows as numbers, some at a time.
 
     Cameras become their index in `names`, which grows when `add`; markers theirs in `markers`, -1 where it is empty.
@@ -142,7 +142,7 @@ def chunks(
         yield np.array(lines, np.int64), table(path, lines, [row for _, row in pairs])
 
 
-def table(path: Path | str, lines: Sequence[int], rows: list[list[str]]) -> NDArray[np.float64]:
+def table(path: Path | str, lines: Sequence[int], rows: list[list[str]]) -> Floats:
     """Rows of equal length as numbers: all at once, and line by line only where that fails or cells are empty."""
     try:
         return np.array(rows, dtype=np.float64)
@@ -150,16 +150,10 @@ def table(path: Path | str, lines: Sequence[int], rows: list[list[str]]) -> NDAr
         return numbers(path, lines, rows, len(rows[0]))
 
 
-def check_rows(
-    path: Path | str,
-    line: NDArray[np.int64],
-    column: dict[str, NDArray[np.float64]],
-    frame: NDArray[np.int64],
-    n_frames: int | None,
-) -> None:
+def check_rows(path: Path | str, line: Ints, column: dict[str, Floats], frame: Ints, n_frames: int | None) -> None:
     """Frames within the recording, finite centroids, no negative variance."""
     last = int(frame.max(initial=0)) if n_frames is None else n_frames - 1
-    checks: list[tuple[NDArray[np.bool_], str]] = [
+    checks: list[tuple[Bools, str]] = [
         ((frame < 0) | (frame > last), f"frame is not one of 0 … {last}"),
         (~np.isfinite(column["u_px"] + column["v_px"]), "u_px or v_px is missing. Leave out what was not seen."),
         *((column[name] < 0, f"{name} is negative") for name in VARIANCES if name in column),
@@ -169,9 +163,7 @@ def check_rows(
             raise bad_line(path, int(line[wrong][0]), what)
 
 
-def check_once(
-    path: Path | str, line: NDArray[np.int64], at: tuple[NDArray[np.int64], NDArray[np.int64]], names: tuple[str, ...]
-) -> None:
+def check_once(path: Path | str, line: Ints, at: tuple[Ints, Ints], names: tuple[str, ...]) -> None:
     """No marker twice in one image; `at` is the image and the marker of each row."""
     image, marker = at
     named = np.flatnonzero(marker >= 0)
@@ -183,7 +175,7 @@ def check_once(
         raise bad_line(path, int(line[row]), what)
 
 
-def covariance(column: dict[str, NDArray[np.float64]], order: NDArray[np.int64]) -> NDArray[np.float64] | None:
+def covariance(column: dict[str, Floats], order: Ints) -> Floats | None:
     """(D, 2, 2) px² without correlation; NaN in rows that do not say it, None where no row does."""
     if VARIANCES[0] not in column:
         return None
@@ -217,7 +209,4 @@ def write_detections_csv(path: Path | str, detections: Detections | NamedDetecti
     for name, values in optional.items():
         if variances_known if name in VARIANCES else np.isfinite(values).any():
             columns[name] = list(map(plain, values.tolist()))
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
+    write_table(path, list(columns), zip(*columns.values(), strict=True))

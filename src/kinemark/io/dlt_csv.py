@@ -11,10 +11,11 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import KinemarkError
-from .files import replacing
+from ..data.array_types import Floats
+from .files import write_text
 from .number_text import bad_line, numbers, plain
 from .trajectories_csv import csv_rows
 
@@ -22,7 +23,7 @@ N_DLT = 11  # coefficients of a camera; of the format (KISS eq. 7)
 MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
 
 
-def read_dlt_csv(path: Path | str) -> NDArray[np.float64]:
+def read_dlt_csv(path: Path | str) -> Floats:
     """(C, 11) DLT coefficients, a row a camera, in the file's units.
 
     Raises:
@@ -48,13 +49,10 @@ def write_dlt_csv(path: Path | str, L: ArrayLike) -> None:
     L = np.asarray(L, np.float64)
     if L.ndim != 2 or L.shape[1] != N_DLT or not len(L) or not np.isfinite(L).all():
         raise ValueError(f"L has shape {L.shape}, wanted (cameras, {N_DLT}), all finite")
-    with replacing(path) as beside:
-        beside.write_text(
-            "".join(",".join(map(plain, row)) + "\n" for row in L.T.tolist()), encoding="utf-8", newline="\n"
-        )
+    write_text(path, "".join(",".join(map(plain, row)) + "\n" for row in L.T.tolist()))
 
 
-def read_dltdv_xy(path: Path | str) -> NDArray[np.float64]:
+def read_dltdv_xy(path: Path | str) -> Floats:
     """(C, P, F, 2) digitised pixels of P points in C cameras over F frames; NaN where a point was not digitised.
 
     Raises:
@@ -70,7 +68,7 @@ def read_dltdv_xy(path: Path | str) -> NDArray[np.float64]:
     return table.reshape(-1, n_points, n_cameras, 2).transpose(2, 1, 0, 3)
 
 
-def read_dltdv_xyz(path: Path | str) -> NDArray[np.float64]:
+def read_dltdv_xyz(path: Path | str) -> Floats:
     """(P, F, 3) points over F frames in the unit of the calibration, mostly m; NaN where missing.
 
     Raises:
@@ -84,7 +82,7 @@ def read_dltdv_xyz(path: Path | str) -> NDArray[np.float64]:
     return table.reshape(-1, n_points, 3).transpose(1, 0, 2)
 
 
-def points(path: Path | str) -> tuple[list[str], NDArray[np.float64]]:
+def points(path: Path | str) -> tuple[list[str], Floats]:
     """The heading and the numbers below it."""
     rows = csv_rows(path)
     if not rows:

@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from .mat5 import read_mat5
 
 MOST_CAMERAS = 64  # in a file; chosen, lest a broken file take memory
@@ -39,7 +38,7 @@ class EasyWand(NamedTuple):
     background: Floats
     axis: Floats
     length: float
-    sizes: NDArray[np.int64]
+    sizes: Ints
     start: tuple[Camera, ...]
     lenses: tuple[Camera, ...]
     dlt: Floats
@@ -104,9 +103,7 @@ def _points(path: Path | str, easy: dict[str, Any], name: str, n: int, k: int) -
     return points
 
 
-def _lenses(
-    path: Path | str, easy: dict[str, Any], sizes: NDArray[np.int64], names: tuple[str, str, str]
-) -> tuple[Camera, ...]:
+def _lenses(path: Path | str, easy: dict[str, Any], sizes: Ints, names: tuple[str, str, str]) -> tuple[Camera, ...]:
     n = len(sizes)
     focal, centre, terms = (_numbers(path, easy, name, k * n) for name, k in zip(names, (1, 2, 5), strict=True))
     if not (np.isfinite(terms).all() and np.isfinite(centre).all() and (np.abs(focal) > 0).all()):

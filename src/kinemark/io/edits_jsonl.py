@@ -112,7 +112,7 @@ def _entry(number: int, line: bytes) -> Entry | Fault:
         if set(body) != set(_FIELDS) or _plain(edits) != body["edits"]:
             raise ValueError("fields")
         return Entry(**{**body, "edits": edits})
-    except (ValueError, TypeError, KeyError, ValidationError):
+    except (ValueError, TypeError, KeyError, ValidationError, RecursionError):
         return Fault(number, "unknown", "this version of Kinemark does not know such an edit; a later one wrote it")
 
 

@@ -39,6 +39,16 @@ def replacing(path: Path | str) -> Iterator[Path]:
             beside.unlink(missing_ok=True)
 
 
+def write_text(path: Path | str, text: str) -> None:
+    """Write a file in UTF-8, whole or not at all; lines end as in the text.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8", newline="\n")
+
+
 def read_bytes(path: Path | str, *, most: int = 2 << 30) -> bytes:
     """The whole of a file.
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .number_text import bad_line, whole
 
 
-def first_frame(path: Path | str, lines: Sequence[int], numbers: NDArray[np.float64]) -> tuple[int, tuple[str, ...]]:
+def first_frame(path: Path | str, lines: Sequence[int], numbers: Floats) -> tuple[int, tuple[str, ...]]:
     """The number of the first frame, and what is odd about the numbers (F), which stand in these lines.
 
     Raises:

@@ -12,7 +12,6 @@ of the computing and may stand there.
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +20,9 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitReference
-from .files import replacing
+from .files import write_text
 from .number_text import read_text
+from .toml_text import toml_table
 
 POINTS = 101
 """Of a curve, 0 to 100 % of the stride; conventional."""
@@ -38,8 +38,7 @@ def write_reference(path: Path | str, reference: GaitReference) -> None:
     table = {"source": reference.source, "subjects": reference.subjects, "curves": curves}
     if reference.log_score is not None:
         table["log_score"] = reference.log_score
-    with replacing(path) as beside:
-        beside.write_text(json.dumps(table, allow_nan=False) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(table, allow_nan=False) + "\n")
 
 
 def read_reference(path: Path | str) -> GaitReference:
@@ -48,7 +47,7 @@ def read_reference(path: Path | str) -> GaitReference:
     Raises:
         KinemarkError: the file is absent, neither JSON nor TOML, or no such band.
     """
-    table = _read_toml(path) if Path(path).suffix.lower() == ".toml" else read_json(path)
+    table = toml_table(read_text(path), str(path)) if Path(path).suffix.lower() == ".toml" else read_json(path)
     try:
         curves = {name: (_curve(one["mean"]), _curve(one["sd"])) for name, one in table["curves"].items()}
         found = str(table["source"]), int(table["subjects"]), _pair(table.get("log_score"))
@@ -83,15 +82,8 @@ def read_json(path: Path | str) -> Any:
     """
     try:
         return json.loads(read_text(path))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise KinemarkError(f"{path} is no JSON: {error}.") from None
-
-
-def _read_toml(path: Path | str) -> Any:
-    try:
-        return tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise KinemarkError(f"{path} is no TOML: {error}.") from None
 
 
 def _pair(value: Any) -> tuple[float, float] | None:

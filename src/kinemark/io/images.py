@@ -18,9 +18,9 @@ from typing import Any, Literal
 
 import av
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Ints
 from .exact_video import frames_at, key_frames_near
 from .files import read_bytes, replacing
 from .pixels import MOST_PIXELS, Image, check_pixels, grey, plane
@@ -97,7 +97,7 @@ class ImageSource:
             top, bottom = image[0::2].copy(), image[1::2].copy()
             yield from (top, bottom) if self.interlaced == "top" else (bottom, top)
 
-    def frames_at(self, wanted: NDArray[np.int64]) -> Image:
+    def frames_at(self, wanted: Ints) -> Image:
         """Frames (n, H, W) of these rising numbers (n), without decoding all before them.
 
         Raises:
@@ -111,7 +111,7 @@ class ImageSource:
             images = [*decode_images(tuple(self.paths[n] for n in numbers))]
         return self._shown(dict(zip(numbers, images, strict=True)), wanted)
 
-    def frames_near(self, wanted: NDArray[np.int64]) -> tuple[NDArray[np.int64], Image]:
+    def frames_near(self, wanted: Ints) -> tuple[Ints, Image]:
         """Numbers (n) of frames near these rising ones, and the frames (n, H, W), at the least cost of decoding.
 
         They are the wanted ones, or the key frames of a video where these are at least half as many and all frames
@@ -131,7 +131,7 @@ class ImageSource:
         near = np.unique(frames[before] * fields + wanted % fields)
         return near, self._shown(found, near)
 
-    def _shown(self, whole: Mapping[int, Image], wanted: NDArray[np.int64]) -> Image:
+    def _shown(self, whole: Mapping[int, Image], wanted: Ints) -> Image:
         """Frames or fields (n, H, W) of these numbers from whole images by their numbers."""
         if not self.interlaced:
             return np.stack([whole[f] for f in wanted.tolist()])

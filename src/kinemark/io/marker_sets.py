@@ -11,7 +11,6 @@ links = [["SACR", "LASI"], { markers = ["LASI", "RASI"], length_mm = 240.0, spre
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -23,8 +22,9 @@ import tomlkit
 from ..data import KinemarkError, MarkerSet
 from ..data.marker_set import FACES, known
 from ..data.nearest_word import guess
-from .files import replacing
+from .files import write_text
 from .number_text import read_text
+from .toml_text import MOST, list_of, text_of, texts_of, toml_table
 
 KEYS = {
     "the file": ("name", "description", "source", "pairs", "links", "markers", "segments", "joints"),
@@ -35,8 +35,6 @@ KEYS = {
 }
 """What each table may have."""
 WORN = ("always", "optional", "static")
-MOST = 2000
-"""Most markers, segments, joints, links or pairs in a file; chosen, lest a broken file take memory."""
 
 
 def marker_sets() -> tuple[str, ...]:
@@ -77,10 +75,7 @@ def marker_set_from_toml(text: str) -> MarkerSet:
     Raises:
         KinemarkError: it is no TOML, a key is unknown, or the set does not hold together.
     """
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"The marker set is no TOML: {error}. Correct that line.") from None
+    table = toml_table(text, "The marker set")
     try:
         return _marker_set(table)
     except (ValueError, TypeError) as error:
@@ -93,21 +88,21 @@ def _marker_set(table: Mapping[str, Any]) -> MarkerSet:
     if not markers:
         raise ValueError("it has no markers, wanted a table [markers] with one for each name")
     names = tuple(markers)
-    links, length, spread = _links(_list("links", table.get("links", [])), names)
+    links, length, spread = _links(list_of("links", table.get("links", [])), names)
     worn = {name: _one_of(f"worn of {name}", row.get("worn", "always"), WORN) for name, row in markers.items()}
     places = {name: _place(name, row["place"]) for name, row in (markers | joints).items() if "place" in row}
     if both := sorted(set(markers) & set(joints)):
         raise ValueError(f"{both[0]} is the name of a marker and of a joint")
     return MarkerSet(
         names,
-        {name: _texts(f"markers of {name}", row.get("markers", [])) for name, row in segments.items()},
+        {name: texts_of(f"markers of {name}", row.get("markers", [])) for name, row in segments.items()},
         links,
         length,
         spread,
-        tuple(_two("a pair", pair) for pair in _list("pairs", table.get("pairs", []))),
-        **{key: _text(key, table.get(key, "")) for key in ("name", "description", "source")},
+        tuple(_two("a pair", pair) for pair in list_of("pairs", table.get("pairs", []))),
+        **{key: text_of(key, table.get(key, "")) for key in ("name", "description", "source")},
         meaning={
-            name: _text(f"meaning of {name}", row["meaning"]) for name, row in markers.items() if "meaning" in row
+            name: text_of(f"meaning of {name}", row["meaning"]) for name, row in markers.items() if "meaning" in row
         },
         rigidity={
             name: _number(f"spread of {name}", row["spread"]) for name, row in segments.items() if "spread" in row
@@ -157,24 +152,8 @@ def _check(kind: str, name: str, row: Any) -> None:
         )
 
 
-def _list(key: str, value: Any) -> list[Any]:
-    if not isinstance(value, list) or len(value) > MOST:
-        raise ValueError(f"{key} must be a list of at most {MOST}, found {str(value)[:60]}")
-    return value
-
-
-def _text(key: str, value: Any) -> str:
-    if not isinstance(value, str):
-        raise ValueError(f"{key} is {value!r}, wanted text")
-    return value
-
-
-def _texts(key: str, value: Any) -> tuple[str, ...]:
-    return tuple(_text(f"an entry of {key}", item) for item in _list(key, value))
-
-
 def _two(key: str, value: Any) -> tuple[str, str]:
-    two = _texts(key, value)
+    two = texts_of(key, value)
     if len(two) != 2 or two[0] == two[1]:
         raise ValueError(f"{key} is {list(two)}, wanted two different names")
     return two[0], two[1]
@@ -187,7 +166,7 @@ def _number(key: str, value: Any) -> float:
 
 
 def _place(name: str, value: Any) -> tuple[float, float, float]:
-    numbers = [_number(f"a number of the place of {name}", one) for one in _list(f"place of {name}", value)]
+    numbers = [_number(f"a number of the place of {name}", one) for one in list_of(f"place of {name}", value)]
     if len(numbers) != 3:
         raise ValueError(f"the place of {name} has {len(numbers)} numbers, wanted three: forward, left, up")
     return numbers[0], numbers[1], numbers[2]
@@ -205,8 +184,7 @@ def write_marker_set(path: Path | str, marker_set: MarkerSet) -> None:
     Raises:
         KinemarkError: the file cannot be written.
     """
-    with replacing(path) as beside:
-        beside.write_text(marker_set_toml(marker_set), encoding="utf-8")
+    write_text(path, marker_set_toml(marker_set))
 
 
 def marker_set_toml(of: MarkerSet) -> str:

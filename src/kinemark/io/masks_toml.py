@@ -6,7 +6,6 @@ Masks of interlaced video are in the lines of a field.
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from ..data import KinemarkError
 from ..data.masks import Masks
 from .files import replacing
 from .number_text import read_text
+from .toml_text import toml_table
 
 
 def write_masks(path: Path | str, masks: Masks) -> None:
@@ -100,10 +100,7 @@ def read_masks(path: Path | str) -> Masks:
     Raises:
         KinemarkError: the file is absent, no TOML, or a table is not as it should be; the message names it.
     """
-    try:
-        table = tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"{path} is no TOML: {error}. docs/how-to/masks.md shows a file of masks.") from None
+    table = toml_table(read_text(path), str(path), advice="docs/how-to/masks.md shows a file of masks.")
     entries = table.get("camera", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise KinemarkError(f"{path}: camera must be tables [[camera]] with name, size and polygons.")

@@ -10,16 +10,16 @@ mass_kg = 61.5, height_mm = 1720, asis_mm = 240, marker_diameter_mm = 14, head_o
 
 from __future__ import annotations
 
-import difflib
-import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from ..data import KinemarkError
+from ..data.nearest_word import guess
 from ..data.subject_measures import ArmMeasures, LegMeasures, SubjectMeasures
 from .number_text import read_text
+from .toml_text import toml_table
 
 OF_SUBJECT = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm", "head_offset_deg")
 ARMS = ("left_arm", "right_arm")
@@ -35,10 +35,7 @@ def read_measures(path: Path | str) -> SubjectMeasures:
     Raises:
         KinemarkError: the file is absent or no TOML, a key is unknown, missing or no number, or no person is so.
     """
-    try:
-        table = tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"{path} is no TOML: {error}.") from None
+    table = toml_table(read_text(path), str(path))
     try:
         return measures_of_table(table)
     except KinemarkError as error:
@@ -78,9 +75,8 @@ def _arm(name: str, table: Any) -> ArmMeasures:
 def _check(where: str, table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...]) -> None:
     for key in table:
         if key not in known:
-            near = difflib.get_close_matches(key, known, 1)
-            hint = f" Did you mean {near[0]}?" if near else f" Known are {', '.join(known)}."
-            raise KinemarkError(f"{where} has the unknown key {key!r}.{hint}")
+            there = ", ".join(known)
+            raise KinemarkError(f"{where} has the unknown key {key!r}{guess(key, known)}; known are {there}.")
     if absent := [key for key in needed if key not in table]:
         raise KinemarkError(f"{where} lacks {', '.join(absent)}. Measure it, in millimetres.")
 

@@ -26,6 +26,7 @@ from typing import Any, Literal, TypeVar
 from ..data import KinemarkError
 from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from .number_text import read_text
+from .toml_text import list_of, text_of, texts_of, toml_table
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
@@ -46,8 +47,6 @@ KEYS = {
     "stick": (["links"], []),
 }
 """What each table may have, and what it must have."""
-MOST = 500
-"""Most items of a list in a file; chosen."""
 
 
 def models() -> tuple[str, ...]:
@@ -86,10 +85,7 @@ def model_from_toml(text: str, *, side: Literal["right", "left"] | None = None) 
     Raises:
         KinemarkError: it is no TOML, a key is unknown or absent, or the model does not hold together.
     """
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"The model is no TOML: {error}.") from None
+    table = toml_table(text, "The model")
     try:
         return _model(_on_base(table), side)
     except (ValueError, TypeError) as error:
@@ -105,7 +101,7 @@ def _on_base(table: dict[str, Any]) -> dict[str, Any]:
         raise ValueError(f"base is {base!r}, wanted one of {', '.join(models())}")
     below = tomllib.loads(_folder().joinpath(f"{base}.toml").read_text(encoding="utf-8"))
     known, own = (_table(each, "aliases") for each in (below, table))
-    aliases = known | {name: [*_texts(f"aliases.{name}", names), *known.get(name, ())] for name, names in own.items()}
+    aliases = known | {name: [*texts_of(f"aliases.{name}", names), *known.get(name, ())] for name, names in own.items()}
     points = _table(below, "points") | _table(table, "points")
     return below | {k: v for k, v in table.items() if k != "base"} | {"aliases": aliases, "points": points}
 
@@ -115,10 +111,10 @@ def _model(table: dict[str, Any], side: str | None) -> Model:
     which = side or str(table.get("side", "right"))
     letter = "L" if which == "left" else "R"
     aliases = {
-        name: tuple(other.replace("{S}", letter) for other in _texts(f"aliases.{name}", others))
+        name: tuple(other.replace("{S}", letter) for other in texts_of(f"aliases.{name}", others))
         for name, others in _table(table, "aliases").items()
     }
-    means = {name: _texts(f"points.{name}", parts) for name, parts in _table(table, "points").items()}
+    means = {name: texts_of(f"points.{name}", parts) for name, parts in _table(table, "points").items()}
     stick = _table(table, "stick")
     _check("stick", stick)
     return Model(
@@ -133,12 +129,12 @@ def _model(table: dict[str, Any], side: str | None) -> Model:
         joints=_signed(_each(table, "joint", _joint), _table(table, "signs")),
         clusters=_each(table, "cluster", _cluster),
         centres=_each(table, "centre", _centre),
-        links=tuple(_pair("a link of the stick figure", link) for link in _list("links", stick.get("links", []))),
+        links=tuple(_pair("a link of the stick figure", link) for link in list_of("links", stick.get("links", []))),
     )
 
 
 def _each(table: Mapping[str, Any], kind: str, make: Callable[[Mapping[str, Any]], T]) -> tuple[T, ...]:
-    rows = _list(f"[[{kind}]]", table.get(kind, []))
+    rows = list_of(f"[[{kind}]]", table.get(kind, []))
     for row in rows:
         _check(kind, row)
     return tuple(make(row) for row in rows)
@@ -153,14 +149,14 @@ def _axis(row: Any) -> Axis:
     if ("vector" in row) == ("normal" in row):
         raise ValueError(f"axis {row['axis']} must have either a vector or a normal")
     kind, wanted = ("vector", 2) if "vector" in row else ("normal", 4)
-    points = _texts(kind, row[kind])
+    points = texts_of(kind, row[kind])
     if len(points) != wanted:
         raise ValueError(f"the {kind} of axis {row['axis']} has {len(points)} points, wanted {wanted}")
     return Axis(_text("axis", row["axis"]), points)
 
 
 def _joint(row: Mapping[str, Any]) -> Joint:
-    motions = tuple(_motion(angle) for angle in _list("angles", row["angles"]))
+    motions = tuple(_motion(angle) for angle in list_of("angles", row["angles"]))
     name, parent, child, sequence = (_text(key, row[key]) for key in ("name", "parent", "child", "sequence"))
     return Joint(name, parent, child, sequence, motions, row.get("middle", "positive"))
 
@@ -198,8 +194,8 @@ def _motion(row: Any) -> JointMotion | None:
 
 
 def _cluster(row: Mapping[str, Any]) -> Cluster:
-    markers, points = _texts("markers", row["markers"]), _texts("points", row.get("points", []))
-    return Cluster(_text("name", row["name"]), markers, points)
+    points = texts_of("points", row.get("points", []))
+    return Cluster(_text("name", row["name"]), texts_of("markers", row["markers"]), points)
 
 
 def _centre(row: Mapping[str, Any]) -> Centre:
@@ -224,24 +220,14 @@ def _table(table: Mapping[str, Any], key: str) -> dict[str, Any]:
     return found
 
 
-def _list(key: str, value: Any) -> list[Any]:
-    if not isinstance(value, list) or len(value) > MOST:
-        raise ValueError(f"{key} must be a list of at most {MOST}")
-    return value
-
-
 def _text(key: str, value: Any) -> str:
-    if not isinstance(value, str) or (key == "name" and not value.strip()):
+    if key == "name" and not str(value).strip():
         raise ValueError(f"{key} is {value!r}, wanted text")
-    return value
-
-
-def _texts(key: str, value: Any) -> tuple[str, ...]:
-    return tuple(_text(f"an entry of {key}", item) for item in _list(key, value))
+    return text_of(key, value)
 
 
 def _pair(key: str, value: Any) -> tuple[str, str]:
-    pair = _texts(key, value)
+    pair = texts_of(key, value)
     if len(pair) != 2:
         raise ValueError(f"{key} has {len(pair)} names, wanted two")
     return pair[0], pair[1]

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.array_types import Floats
 from .detections_csv import MARKER, NamedDetections, read_detections_csv, read_long
 from .number_text import bad_line, numbers, separator, whole
 from .trajectories_csv import csv_rows
@@ -123,7 +123,7 @@ def read_camera_files(paths: Mapping[str, Path], *, rate: float) -> NamedDetecti
     return _built(tuple(found), names, uv, rate)
 
 
-def _built(cameras: tuple[str, ...], names: tuple[str, ...], uv: NDArray[np.float64], rate: float) -> NamedDetections:
+def _built(cameras: tuple[str, ...], names: tuple[str, ...], uv: Floats, rate: float) -> NamedDetections:
     """Places (C, M, F, 2) px, NaN where not seen, as rows of camera, frame and marker."""
     places = uv.transpose(0, 2, 1, 3)  # (C, F, M, 2)
     seen = np.isfinite(places).all(-1)

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats, Ints
 from .files import read_bytes
 
 MOST_BYTES = 1 << 29  # of a file; chosen for memory
@@ -43,7 +43,7 @@ def separator(text: str) -> str:
     return next((character for character in text[:1000] if character in ",;\t"), ",")
 
 
-def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str]], width: int) -> NDArray[np.float64]:
+def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str]], width: int) -> Floats:
     """(N, width) the cells of N lines as numbers; an empty cell is NaN.
 
     Args:
@@ -66,7 +66,7 @@ def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str
     return table
 
 
-def whole(path: Path | str, lines: Sequence[int], values: NDArray[np.float64], name: str) -> NDArray[np.int64]:
+def whole(path: Path | str, lines: Sequence[int], values: Floats, name: str) -> Ints:
     """Numbers that must be whole, as integers.
 
     Raises:

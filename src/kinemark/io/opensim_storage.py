@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
-from .files import replacing
+from .files import write_text
 
 
 def write_storage(path: Path | str, columns: Mapping[str, Floats], *, rate: float, in_degrees: bool = False) -> None:
@@ -26,6 +26,5 @@ def write_storage(path: Path | str, columns: Mapping[str, Floats], *, rate: floa
     head = [path.stem, "version=1", f"nRows={n}", f"nColumns={len(columns) + 1}"]
     head += [f"inDegrees={'yes' if in_degrees else 'no'}", "endheader", "\t".join(["time", *columns])]
     rows = np.column_stack([np.arange(n) / rate, *columns.values()])
-    with replacing(path) as beside:
-        text = "\n".join("\t".join(f"{value:.8g}" for value in row) for row in rows)
-        beside.write_text("\n".join(head) + "\n" + text + "\n", encoding="utf-8")
+    text = "\n".join("\t".join(f"{value:.8g}" for value in row) for row in rows)
+    write_text(path, "\n".join(head) + "\n" + text + "\n")

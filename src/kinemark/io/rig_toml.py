@@ -7,7 +7,6 @@ has no place for (the rotation's last digits, covariance, volume) stands below `
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,12 @@ from typing import Any
 import numpy as np
 import scipy
 import tomlkit
-from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError, Rig
-from .files import replacing
+from ..data.array_types import Floats
+from .files import write_text
 from .number_text import read_text
+from .toml_text import toml_table
 from .units import CALLERS, USUAL_UNITS, mm_per
 
 NOT_CAMERAS = ("metadata", "kinemark")
@@ -42,10 +42,7 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
     """
     if length_unit is not None and length_unit not in CALLERS:
         raise ValueError(f"length_unit is {length_unit!r}, wanted {USUAL_UNITS}")
-    try:
-        document = tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"{path} is not valid TOML: {error}. Correct that line.") from error
+    document = toml_table(read_text(path), str(path))
     metadata, ours = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
     own = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS}
     tables = {k: v for k, v in own.items() if any(key in v for key in OF_CAMERAS)}  # one that lacks some is told below
@@ -112,7 +109,7 @@ def camera(where: str, key: str, table: Mapping[str, Any], own: Mapping[str, Any
     )
 
 
-def distortion(where: str, table: Mapping[str, Any]) -> NDArray[np.float64]:
+def distortion(where: str, table: Mapping[str, Any]) -> Floats:
     """(5,) k1 k2 p1 p2 k3 from four or five terms; further ones only if they are zero."""
     terms = array(where, table, "distortions", None) if "distortions" in table else np.zeros(5)
     if terms.ndim != 1 or len(terms) < 4 or terms[5:].any():
@@ -120,7 +117,7 @@ def distortion(where: str, table: Mapping[str, Any]) -> NDArray[np.float64]:
     return np.concatenate([terms, [0.0]])[:5]
 
 
-def array(where: str, table: Mapping[str, Any], key: str, shape: tuple[int, ...] | None) -> NDArray[np.float64]:
+def array(where: str, table: Mapping[str, Any], key: str, shape: tuple[int, ...] | None) -> Floats:
     """The numbers of one key, of this shape; finite unless it is a residual or volume, where NaN means unknown."""
     try:
         values = np.array(table[key], np.float64)
@@ -150,8 +147,7 @@ def write_rig_toml(path: Path | str, rig: Rig, *, metadata: Mapping[str, Any] | 
     about = {"units": "mm", "method": rig.method, "residuals_px": residuals, **(metadata or {})}
     document = {f"cam_{c}": shared(camera) for c, camera in enumerate(rig)} | {"metadata": about}
     document["kinemark"] = {"volume_mm": rig.volume} | {f"cam_{c}": own(camera) for c, camera in enumerate(rig)}
-    with replacing(path) as beside:
-        beside.write_text(tomlkit.dumps(plain(document)), encoding="utf-8", newline="\n")
+    write_text(path, tomlkit.dumps(plain(document)))
 
 
 def shared(camera: Camera) -> dict[str, Any]:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rods
+from ..data.array_types import Floats
 from .number_text import read_text
+from .toml_text import toml_table
 from .units import USUAL_UNITS, mm_per
 
 MOST_RODS = 16  # in a description; chosen for the speed of recognising them
@@ -38,10 +38,7 @@ def rods_from_toml(text: str) -> Rods:
     Raises:
         KinemarkError: no such description, or rods that are not straight.
     """
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"The description of the rods is no TOML: {error}.") from None
+    table = toml_table(text, "The description of the rods")
     units = table.get("units", "mm")
     if (mm := mm_per(units)) is None:
         raise KinemarkError(f"The rods' units are {units!r}, wanted {USUAL_UNITS}.")
@@ -64,7 +61,7 @@ def rods_from_toml(text: str) -> Rods:
     return rods
 
 
-def _rod(k: int, entry: Any) -> tuple[str, NDArray[np.float64]]:
+def _rod(k: int, entry: Any) -> tuple[str, Floats]:
     name = str(entry.get("name", k + 1)) if isinstance(entry, dict) else str(k + 1)
     try:
         xyz = np.array(entry["markers"], np.float64)

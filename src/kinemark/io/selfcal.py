@@ -18,10 +18,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from .number_text import bad_line, numbers, read_text, whole
 
 MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
@@ -35,7 +34,7 @@ class SelfCal(NamedTuple):
     """
 
     names: tuple[str, ...]
-    sizes: NDArray[np.int64]
+    sizes: Ints
     uv: Floats
     lenses: tuple[Camera, ...] | None
     P: Floats | None
@@ -117,7 +116,7 @@ def _names(path: Path, cameras: int) -> tuple[str, ...]:
     return names
 
 
-def _lenses(folder: Path, names: tuple[str, ...], sizes: NDArray[np.int64]) -> tuple[Camera, ...] | None:
+def _lenses(folder: Path, names: tuple[str, ...], sizes: Ints) -> tuple[Camera, ...] | None:
     paths = _numbered(folder, r".*?(\d{1,4})\.rad", len(names))
     if paths is None:
         return None

@@ -15,7 +15,6 @@ empty cell; false in TOML) says that the track is no marker. Both columns of fra
 from __future__ import annotations
 
 import csv
-import tomllib
 from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
@@ -23,6 +22,7 @@ from typing import Any, NamedTuple
 
 from ..data import KinemarkError
 from .number_text import AGAIN, bad_line, read_text
+from .toml_text import toml_table
 
 COLUMNS = ("track", "name", "first", "last")
 MOST = 100_000
@@ -80,10 +80,7 @@ def _from_csv(path: Path) -> tuple[TrackName, ...]:
 
 
 def _from_toml(path: Path) -> tuple[TrackName, ...]:
-    try:
-        table = tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"{path} is no TOML: {error}. Correct that line.") from None
+    table = toml_table(read_text(path), str(path))
     names = table.get("names")
     if not isinstance(names, dict) or set(table) != {"names"}:
         raise KinemarkError(f'{path} has {", ".join(table) or "nothing"}. Wanted is one table [names]: "*1" = "LASI".')

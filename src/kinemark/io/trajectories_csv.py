@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
 from ..data import MarkerTrajectory as MarkerPath
+from ..data.array_types import Floats
 from .c3d.points import distinct
-from .files import replacing
+from .csv_table import write_table
 from .number_text import bad_line, numbers, plain, read_text, separator, whole
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
@@ -74,7 +74,7 @@ def markers(path: Path | str, heading: list[str]) -> list[str]:
     return names
 
 
-def rate_of(path: Path | str, time: NDArray[np.float64], lines: Sequence[int]) -> float:
+def rate_of(path: Path | str, time: Floats, lines: Sequence[int]) -> float:
     """Frames a second of times (F) s that stand in these lines; see `read_trajectories_csv`."""
     if not len(time):
         raise KinemarkError(f"{path} has a heading and no frames. Export it again.")
@@ -99,8 +99,11 @@ def write_trajectories_csv(path: Path | str, trajectories: Trajectories) -> None
     """
     n, first = trajectories.n_frames, trajectories.first_frame
     flat = trajectories.xyz.transpose(1, 0, 2).reshape(n, -1)
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)])
-        for f, values in enumerate(flat.tolist(), first):
-            writer.writerow([str(f), plain((f - 1) / trajectories.rate), *map(plain, values)])
+    write_table(
+        path,
+        ["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)],
+        (
+            [str(f), plain((f - 1) / trajectories.rate), *map(plain, values)]
+            for f, values in enumerate(flat.tolist(), first)
+        ),
+    )

@@ -19,7 +19,7 @@ import numpy as np
 from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
-from .files import replacing
+from .files import write_text
 from .frame_numbers import first_frame
 from .number_text import bad_line, plain, read_text
 from .trc_table import AGAIN, HEADINGS, ORIGINAL, TrcTable, parse_trc
@@ -161,5 +161,4 @@ def write_trc(path: Path | str, trajectories: Trajectories) -> None:
     flat = xyz.reshape(n, -1)
     for f, values in enumerate(flat.tolist(), first):
         rows.append([str(f), plain((f - 1) / trajectories.rate), *map(plain, values)])
-    with replacing(path) as beside:
-        beside.write_text("".join("\t".join(row) + "\n" for row in rows), encoding="utf-8", newline="\n")
+    write_text(path, "".join("\t".join(row) + "\n" for row in rows))

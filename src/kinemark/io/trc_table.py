@@ -1,4 +1,4 @@
-"""What a TRC file holds, whoever wrote it: the lines are known by what they say, not by where they stand.
+"""The table of a TRC file of any program: lines are recognised by their content, not by their position.
 
 Motion Analysis (EVaRT, Cortex), OpenSim, BTK and Mokka, MOtoNMS, Pose2Sim and many scripts write TRC, each in its own
 way: units left out, headings that stand one cell off their values, blanks for tabs or commas for points, names without
@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from .number_text import bad_line, numbers
 from .units import mm_per
 
@@ -53,7 +53,7 @@ class TrcTable(NamedTuple):
 
     values: dict[str, str]
     names: tuple[str, ...]
-    table: NDArray[np.float64]
+    table: Floats
     lines: list[int]
     heading: int
     naming: int

@@ -59,9 +59,9 @@ def joint_centre(first: Pose, second: Pose) -> JointCentre:
             "all directions."
         )
     c = Vt.T @ ((U.T @ b) / S)  # (1)
-    off = A @ c - b
-    cov = Vt.T @ np.diag(S**-2.0) @ Vt * (off @ off) / (len(b) - 6)  # (2)
-    return JointCentre(c[:3], c[3:], cov, float(np.sqrt(off @ off / n)))
+    residual = A @ c - b
+    cov = Vt.T @ np.diag(S**-2.0) @ Vt * (residual @ residual) / (len(b) - 6)  # (2)
+    return JointCentre(c[:3], c[3:], cov, float(np.sqrt(residual @ residual / n)))
 
 
 def static_template(static: Trajectories, model: Model, *, functional: Trajectories | None = None) -> Template:

@@ -58,9 +58,9 @@ def helical_axis(
     R = R1 @ np.swapaxes(R0, -1, -2)
     vector = _rotation_vector(R)
     angle = np.linalg.norm(vector, axis=-1)
-    told = angle >= np.radians(least_turn_deg)
+    turned = angle >= np.radians(least_turn_deg)
     with np.errstate(invalid="ignore", divide="ignore"):
-        n = np.where(told[..., None], vector / angle[..., None], np.nan)
+        n = np.where(turned[..., None], vector / angle[..., None], np.nan)
         moved = np.einsum("...ij,...j->...i", R, p - t0) + t1 - p  # the body's point at p
         along = (n * moved).sum(-1)
         v = moved - along[..., None] * n

@@ -22,10 +22,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from ..data.arrays import column, set_columns
 
 ON_A_LINE = 1e-3
@@ -45,7 +44,7 @@ class Pose(NamedTuple):
     R: Floats
     t: Floats
     residual: Floats
-    used: NDArray[np.int64]
+    used: Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,9 +112,9 @@ def body_pose(template: Floats, xyz: Floats) -> Pose:
     U[..., :, 2] *= np.sign(np.linalg.det(U @ Vt))[..., None]
     R = U @ Vt  # (1)
     good = (n >= 3) & (S[..., 1] > ON_A_LINE**2 * S[..., 0])
-    off = ((x - p @ np.swapaxes(R, -1, -2)) ** 2).sum(-1)
+    squared = ((x - p @ np.swapaxes(R, -1, -2)) ** 2).sum(-1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        residual = np.where(good, np.sqrt((seen * off).sum(-1) / (3 * n - 6)), np.nan)  # (3)
+        residual = np.where(good, np.sqrt((seen * squared).sum(-1) / (3 * n - 6)), np.nan)  # (3)
     R = np.where(good[..., None, None], R, np.nan)
     return Pose(R, x_mean - np.einsum("...ij,...j->...i", R, p_mean), residual, n)
 

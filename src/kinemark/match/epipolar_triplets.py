@@ -28,10 +28,9 @@ from itertools import combinations
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 from ..data.method import Method, parameter
 from ..data.progress import tell
 from ..geometry import fundamental, triangulate
@@ -200,10 +199,10 @@ def _neighbours(edges: TripletEdges, n: int, n_cameras: int) -> tuple[Ints, Ints
 
 def _nearest(xyz: Floats, candidates: Ints, uv: Floats, P: Floats, radius: float) -> Ints:
     """Of candidates (H, k) the one nearest to the projection of xyz (H, 3), if within the radius, else −1."""
-    off = _squared(uv[candidates], _project(xyz, P)[:, None])
-    off = np.where((candidates >= 0) & (off < radius**2), off, np.inf)
-    best = off.argmin(1)[:, None]
-    found = np.isfinite(np.take_along_axis(off, best, 1))
+    squared = _squared(uv[candidates], _project(xyz, P)[:, None])
+    squared = np.where((candidates >= 0) & (squared < radius**2), squared, np.inf)
+    best = squared.argmin(1)[:, None]
+    found = np.isfinite(np.take_along_axis(squared, best, 1))
     return np.where(found, np.take_along_axis(candidates, best, 1), -1)[:, 0]
 
 
@@ -248,9 +247,7 @@ def _score_groups(detection: Ints, uv: Floats, P: Floats, radius: float) -> tupl
     return detection, np.nansum(radius**2 - squared, axis=1)
 
 
-def _assign_images(
-    detection: Ints, score: Floats, taken: NDArray[np.bool_], uv: Floats, P: Floats, radius: float
-) -> Ints:
+def _assign_images(detection: Ints, score: Floats, taken: Bools, uv: Floats, P: Floats, radius: float) -> Ints:
     """Step 4: the winning groups; marks their images in `taken`."""
     chosen = [detection[:0]]
     while len(detection):
@@ -266,7 +263,7 @@ def _assign_images(
     return np.concatenate(chosen)
 
 
-def _best_groups(detection: Ints, score: Floats, n: int) -> NDArray[np.bool_]:
+def _best_groups(detection: Ints, score: Floats, n: int) -> Bools:
     """Groups (H) that are the best at every one of their images; ties go to the first."""
     place = np.empty(len(detection), np.int64)
     place[np.argsort(-score, kind="stable")] = np.arange(len(detection), 0, -1)
@@ -275,7 +272,7 @@ def _best_groups(detection: Ints, score: Floats, n: int) -> NDArray[np.bool_]:
     return ((best[detection] == place[:, None]) | (detection < 0)).all(1)
 
 
-def _pairs(edges: TripletEdges, taken: NDArray[np.bool_], n_cameras: int, method: EpipolarTriplets) -> Ints:
+def _pairs(edges: TripletEdges, taken: Bools, n_cameras: int, method: EpipolarTriplets) -> Ints:
     """Step 5: detections (G, C) of two cameras each, from images that no larger group has taken."""
     free = ~taken[edges.i] & ~taken[edges.j] & (edges.distance < method.pair_band)
     edges = TripletEdges(edges.r[free], edges.s[free], edges.i[free], edges.j[free], edges.distance[free])

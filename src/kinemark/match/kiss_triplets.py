@@ -37,14 +37,14 @@ from math import hypot, inf
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 from ..data.method import Method, parameter
 from ..data.progress import tell
 from ..geometry import fundamental
 from ..geometry.ideal_pixels import ideal_pixels
+from ..numerics.vectors import across
 from .epipolar_triplets import collected, costs
 from .stage import MATCH
 
@@ -121,7 +121,7 @@ def match_kiss(detections: Detections, rig: Rig, *, method: KissTriplets) -> Mat
     return collected([(detection, costs(detection, uv, P))], detections)
 
 
-def sharing(matches: Matches) -> NDArray[np.bool_]:
+def sharing(matches: Matches) -> Bools:
     """(G) groups that share an image with another one. Of those that share an image, all but one are ghosts."""
     seen = matches.detection >= 0
     uses = np.bincount(matches.detection[seen], minlength=1)
@@ -131,9 +131,9 @@ def sharing(matches: Matches) -> NDArray[np.bool_]:
 def crossings(rig: Rig) -> Floats:
     """(C, C) sine of the angle between two cameras' lines of sight to the point nearest to all optical axes."""
     along = np.array([camera.R[2] for camera in rig])
-    across = np.eye(3) - along[:, :, None] * along[:, None]
-    middle = np.linalg.lstsq(across.sum(0), (across @ rig.centres[..., None]).sum(0)[:, 0])[0]
-    sight = middle - rig.centres
+    projectors = across(along)
+    centre = np.linalg.lstsq(projectors.sum(0), (projectors @ rig.centres[..., None]).sum(0)[:, 0])[0]
+    sight = centre - rig.centres
     sight /= np.linalg.norm(sight, axis=1, keepdims=True)
     return np.linalg.norm(np.cross(sight[:, None], sight), axis=-1)
 
@@ -197,12 +197,12 @@ def _triplet(frame: TripletFrame, i: int, ranked: Ranked, radius: float) -> list
     for _, second in others:
         for j in first:
             for k in second:
-                if all(_off(frame, *three) < radius for three in ((i, j, k), (i, k, j), (j, k, i))):
+                if all(_distance(frame, *three) < radius for three in ((i, j, k), (i, k, j), (j, k, i))):
                     return [i, j, k]
     return []
 
 
-def _off(frame: TripletFrame, one: int, other: int, image: int) -> float:
+def _distance(frame: TripletFrame, one: int, other: int, image: int) -> float:
     """Distance px of an image from where the epipolar lines of two others meet in its camera."""
     lines = frame.lines[frame.camera[image]]
     u, v = _meet(lines[one], lines[other])
@@ -232,7 +232,7 @@ def _joined(frame: TripletFrame, marker: list[int], ranked: Ranked, radius: floa
             continue
         lines = [frame.lines[s][image] for image in marker]
         u, v = _meet(*max(combinations(lines, 2), key=lambda two: abs(_steepness(*two))))
-        off, best = min((hypot(u - frame.uv[j][0], v - frame.uv[j][1]), j) for j in images)
-        if off < radius:
+        distance, best = min((hypot(u - frame.uv[j][0], v - frame.uv[j][1]), j) for j in images)
+        if distance < radius:
             joined.append(best)
     return joined

@@ -5,7 +5,7 @@ w(f, g) the share of a's detections in f of which a detection in g of b lies wit
 
     S(k) = mean over f of w(f, f + k)                                                         (1)
 
-has a peak at the k by which b's numbers are ahead of a's; elsewhere it is what chance gives. With h(k) = S(k) less the
+has a peak at the k by which b's numbers lead those of a; elsewhere it is what chance gives. With h(k) = S(k) less the
 median of S,
 
     q = h(k*) / max h(k)    over all k that are not k* or near it                              (2)
@@ -27,6 +27,7 @@ from ..data import Detections, KinemarkError, Rig
 from ..data.array_types import Floats, Ints
 from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
+from ..numerics.evenly import evenly
 
 TOLERANCE = 1.5
 """px from an epipolar line; chosen: usual calibrations leave half a pixel, and more would let chance in."""
@@ -55,11 +56,11 @@ class StartOffsets(NamedTuple):
 
 
 class _Pair(NamedTuple):
-    """Cameras a and b, by how many images b's numbers are ahead, and q."""
+    """Cameras a and b, by how many images b's numbers lead, and q."""
 
     a: int
     b: int
-    ahead: int
+    lead: int
     q: float
 
 
@@ -78,14 +79,14 @@ def start_offsets(detections: Detections, rig: Rig, *, most: int) -> StartOffset
     uv = ideal_pixels(detections, rig)
     pairs = [_pair(detections, rig, uv, a, b, most) for a, b in combinations(range(len(rig)), 2)]
     clear = sorted((pair for pair in pairs if pair.q >= CLEAR), key=lambda pair: -pair.q)
-    ahead, q = _chained(clear, len(rig))
+    lead, q = _chained(clear, len(rig))
     if lost := [name for name, found in zip(rig.names, q, strict=True) if not found]:
         raise KinemarkError(
             f"The markers of {', '.join(lost)} agree with no other camera's at any offset up to {most} images. Markers "
             "must move, in view of two cameras at once; allow more images, or check the calibration."
         )
-    wrong = tuple((rig.names[p.a], rig.names[p.b]) for p in clear if abs(ahead[p.b] - ahead[p.a] - p.ahead) > 1)
-    return StartOffsets(-ahead, np.array(q), wrong)
+    wrong = tuple((rig.names[p.a], rig.names[p.b]) for p in clear if abs(lead[p.b] - lead[p.a] - p.lead) > 1)
+    return StartOffsets(-lead, np.array(q), wrong)
 
 
 def _pair(detections: Detections, rig: Rig, uv: Floats, a: int, b: int, most: int) -> _Pair:
@@ -104,7 +105,7 @@ def agreement(detections: Detections, rig: Rig, uv: Floats, a: int, b: int, most
     start = detections.start
     total, counted = np.zeros(2 * most + 1), np.zeros(2 * most + 1)
     shown = np.flatnonzero(np.diff(start[a]))
-    for f in shown[np.unique(np.linspace(0, len(shown) - 1, MOST_FRAMES).astype(np.int64))] if len(shown) else []:
+    for f in shown[evenly(len(shown), MOST_FRAMES)]:
         first, last = max(f - most, 0), min(f + most, n - 1)
         others = uv[start[b, first] : start[b, last + 1]]
         lines = epipolar_lines(F, uv[start[a, f] : start[a, f + 1]])
@@ -122,12 +123,12 @@ def agreement(detections: Detections, rig: Rig, uv: Floats, a: int, b: int, most
 
 
 def _chained(clear: list[_Pair], n: int) -> tuple[Ints, list[float]]:
-    """By how many images every camera's numbers are ahead of the first's, and q; 0 where no chain leads there."""
-    ahead, q = np.zeros(n, np.int64), [np.inf, *[0.0] * (n - 1)]
+    """By how many images every camera's numbers lead those of the first, and q; 0 where no chain leads there."""
+    lead, q = np.zeros(n, np.int64), [np.inf, *[0.0] * (n - 1)]
     for _ in range(n - 1):
         for pair in clear:
             if bool(q[pair.a]) != bool(q[pair.b]):
                 new, old, sign = (pair.b, pair.a, 1) if q[pair.a] else (pair.a, pair.b, -1)
-                ahead[new], q[new] = ahead[old] + sign * pair.ahead, pair.q
+                lead[new], q[new] = lead[old] + sign * pair.lead, pair.q
                 break
-    return ahead, q
+    return lead, q

@@ -130,12 +130,12 @@ def minimise(
     equations: Equations | None = None
     for _ in range(steps if np.isfinite(cost) else 0):
         equations = problem.equations(state) if equations is None else equations
-        tried, predicted = problem.step(state, equations, float(damping.value))
-        decrease = cost - (lower := np.inf if tried is None else problem.cost(tried))
+        candidate, predicted = problem.step(state, equations, float(damping.value))
+        decrease = cost - (lower := np.inf if candidate is None else problem.cost(candidate))
         damping = damping.after(decrease, predicted)
         small = small + 1 if max(decrease, predicted) <= relative * cost + absolute else 0
-        if tried is not None and decrease >= 0:
-            state, cost, equations = tried, lower, None
+        if candidate is not None and decrease >= 0:
+            state, cost, equations = candidate, lower, None
         if small >= 2 or damping.value > MAX_DAMPING:
             break
     return state
@@ -165,11 +165,11 @@ class Iterates(NamedTuple):
         """Those of some of the problems."""
         return Iterates(self.parameters[which], self.cost[which], tuple(part[which] for part in self.equations))
 
-    def put(self, which: Ints, tried: Iterates, better: Bools) -> None:
+    def put(self, which: Ints, candidate: Iterates, better: Bools) -> None:
         """Write the `better` (b) of tries of problems `which` (b) here."""
         good = which[better]
-        self.parameters[good], self.cost[good] = tried.parameters[better], tried.cost[better]
-        for part, new in zip(self.equations, tried.equations, strict=True):
+        self.parameters[good], self.cost[good] = candidate.parameters[better], candidate.cost[better]
+        for part, new in zip(self.equations, candidate.equations, strict=True):
             part[good] = new[better]
 
 
@@ -179,7 +179,7 @@ class Problems(Protocol):
     def step(self, which: Ints, now: Iterates, damping: Floats) -> tuple[Iterates, Floats]:
         """Problems `which` (b) after the step (2) from `now`, theirs alone, with λ (b); and what (3) predicts (b)."""
 
-    def converged(self, which: Ints, now: Iterates, tried: Iterates) -> Bools:
+    def converged(self, which: Ints, now: Iterates, candidate: Iterates) -> Bools:
         """(b) whether what was found by the step has converged; only asked where χ² did not rise."""
 
 
@@ -197,11 +197,11 @@ def minimise_many(problems: Problems, start: Iterates, *, steps: int, damping: D
         if not len(busy):
             break
         now = start.take(busy)
-        tried, predicted = problems.step(busy, now, damping.value)
-        decrease = now.cost - tried.cost
+        candidate, predicted = problems.step(busy, now, damping.value)
+        decrease = now.cost - candidate.cost
         better = decrease >= 0
         damping = damping.after(decrease, predicted)
-        done = (better & problems.converged(busy, now, tried)) | (damping.value > MAX_DAMPING)
-        start.put(busy, tried, better)
+        done = (better & problems.converged(busy, now, candidate)) | (damping.value > MAX_DAMPING)
+        start.put(busy, candidate, better)
         busy, damping = busy[~done], damping.take(~done)
     return start

@@ -21,12 +21,6 @@ def inverse2(A: Floats) -> Floats:
     return np.asarray(adjugate / (a * d - b * c)[..., None, None])
 
 
-def solve2(A: Floats, b: Floats) -> Floats:
-    """x (…, 2) of A x = b for many 2 × 2 systems, (…, 2, 2) and (…, 2)."""
-    a, c, d, e = A[..., 0, 0], A[..., 0, 1], A[..., 1, 0], A[..., 1, 1]
-    return np.stack([e * b[..., 0] - c * b[..., 1], a * b[..., 1] - d * b[..., 0]], -1) / (a * e - c * d)[..., None]
-
-
 def inverse3(A: Floats) -> Floats:
     """Inverses of many symmetric 3 × 3 matrices (…, 3, 3); NaN where singular."""
     a, b, c, d, e, f = (A[..., i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))

@@ -22,6 +22,16 @@ def cross_matrix(v: Floats) -> Floats:
     return out - out.mT
 
 
+def across(direction: Floats) -> Floats:
+    """(…, 3, 3) what takes of a vector the part that is perpendicular to a unit vector d (…, 3): I − d dᵀ."""
+    return np.eye(3) - direction[..., :, None] * direction[..., None, :]
+
+
+def homogeneous(x: Floats) -> Floats:
+    """(…, d) → (…, d + 1), a one appended."""
+    return np.concatenate([x, np.ones_like(x[..., :1])], -1)
+
+
 def perpendicular_pair(direction: Floats) -> Floats:
     """(n, 3, 2) two unit vectors, perpendicular to each other and to unit vectors (n, 3); NaN where these are."""
     least = np.eye(3)[np.abs(np.nan_to_num(direction)).argmin(1)]

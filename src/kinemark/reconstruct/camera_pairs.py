@@ -49,12 +49,12 @@ from itertools import combinations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ..data import Cloud, Detections, Matches, Rig
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..data.method import ONE, Method, parameter
-from ..geometry import parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
+from ..geometry import parameter_jacobian, point_jacobian, project, to_camera, triangulate
+from ..geometry.camera import undistort_all
 from ..geometry.hidden_images import hidden_variance
 from ..geometry.weighted_points import centroid_cov, usable_points
 from ..numerics.small_matrices import inverse3
@@ -95,13 +95,13 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
     area = np.where(seen, detections.area[matches.detection], np.nan)
     cov = centroid_cov(detections.cov[matches.detection], rig, xyz, uv, method.centroid_sd)
     cov = cov + (hidden_variance(rig, xyz, area) + method.model_sd**2)[..., None, None] * np.eye(2)
-    off = uv - np.stack([project(camera, xyz) for camera in rig], 1)
+    residual = uv - np.stack([project(camera, xyz) for camera in rig], 1)
     cloud = Cloud(
         rate=detections.rate,
         start=np.searchsorted(matches.frame, np.arange(matches.n_frames + 1)),
         xyz=xyz,
-        cov=_covariance(rig, xyz, kept, off, cov),
-        residual=np.sqrt(np.nansum(off**2, axis=(1, 2)) / np.maximum(seen.sum(1), 1)),
+        cov=_covariance(rig, xyz, kept, residual, cov),
+        residual=np.sqrt(np.nansum(residual**2, axis=(1, 2)) / np.maximum(seen.sum(1), 1)),
         detection=matches.detection,
     )
     margin = method.volume_margin if method.within_volume else None
@@ -113,7 +113,7 @@ def solutions(rig: Rig, uv: Floats) -> Floats:
 
     uv (P, C, 2) px, NaN where unseen. NaN where one of a pair does not see the point, or where the rays are parallel.
     """
-    ideal = np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1)
+    ideal = undistort_all(rig, uv)
     pairs = list(combinations(range(len(rig)), 2))
     out = np.full((len(uv), len(pairs), 3), np.nan)
     for q, pair in enumerate(pairs):
@@ -122,7 +122,7 @@ def solutions(rig: Rig, uv: Floats) -> Floats:
     return out
 
 
-def agreeing(each: Floats, views: NDArray[np.int64], *, outlier_ratio: float = 2.0) -> Bools:
+def agreeing(each: Floats, views: Ints, *, outlier_ratio: float = 2.0) -> Bools:
     """(P, Q) the solutions (P, Q, 3) that are not left out by (5), of points seen by `views` (P) cameras."""
     kept = np.zeros(each.shape[:2], bool)
     step = max(1, BLOCK // max(each.shape[1] ** 2, 1))
@@ -137,7 +137,7 @@ def agreeing(each: Floats, views: NDArray[np.int64], *, outlier_ratio: float = 2
     return kept
 
 
-def _nearest(each: Floats, k: NDArray[np.int64]) -> Floats:
+def _nearest(each: Floats, k: Ints) -> Floats:
     """(P, Q) mm: distance of each solution (P, Q, 3) from the k-th (P) nearest other one; inf where there is none."""
     square = sum((x[:, :, None] - x[:, None]) ** 2 for x in np.moveaxis(each, -1, 0))
     square = np.where(np.isnan(square) | np.eye(each.shape[1], dtype=bool), np.inf, square)
@@ -155,7 +155,7 @@ def _mean(each: Floats, kept: Bools) -> Floats:
         return np.asarray(total / kept.sum(1)[:, None])
 
 
-def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) -> Floats:
+def _covariance(rig: Rig, xyz: Floats, kept: Bools, residual: Floats, cov: Floats) -> Floats:
     """(P, 3, 3) mm², of the mean of the solutions kept (7), widened by (8)."""
     pull, normal, image = _pair_terms(rig, xyz, cov)
     H = np.zeros_like(pull)  # (P, C, 3, 2)
@@ -167,7 +167,7 @@ def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) ->
             H[own, c] += inverse @ pull[own, c]  # (6)
             used[own, c] = True
     H /= np.maximum(kept.sum(1), 1)[:, None, None, None]
-    squared = (off * np.linalg.solve(image, off[..., None])[..., 0]).sum(-1)
+    squared = (residual * np.linalg.solve(image, residual[..., None])[..., 0]).sum(-1)
     usual = 2 * scipy.special.gammaincinv(np.maximum(used.sum(1) - 1.5, 0.5), 0.95)
     widened = np.maximum(np.sum(squared, axis=1, where=used) / usual, 1.0)  # (8)
     part = H @ image @ H.swapaxes(-1, -2)

@@ -31,10 +31,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import PARAMETERS, Rig
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..geometry import origin_near, parameter_jacobian, point_jacobian, refine, rig_about
 from ..numerics.small_matrices import inverse3
 
@@ -174,13 +173,13 @@ def _displacements(rig: Rig, xyz: Floats, uv: Floats, common: _CommonErrors) -> 
     return placed, _common(moves[0], moves[1], placed), _common(bends[0], bends[1], placed)
 
 
-def _without_outliers(off: Floats, usable: Bools) -> Bools:
+def _without_outliers(residual: Floats, usable: Bools) -> Bools:
     """The usable points (N) without a residual (N, C, 2) that is beyond all others.
 
     What is usual is found again without those that were left out, until none is: where a third of all images are
     disturbed, the median of all is no measure of the good ones.
     """
-    size = np.sqrt(np.nansum(off**2, axis=-1))
+    size = np.sqrt(np.nansum(residual**2, axis=-1))
     left = usable & (size > 0).any(1)
     for _ in range(ROUNDS):
         usual = float(np.median(size[left][size[left] > 0])) if left.any() else np.inf
@@ -191,10 +190,10 @@ def _without_outliers(off: Floats, usable: Bools) -> Bools:
     return np.asarray(left)
 
 
-def _disturbed(off: Floats, views: NDArray[np.int64], used: Bools) -> Floats:
+def _disturbed(residual: Floats, views: Ints, used: Bools) -> Floats:
     """(N) px² by (9)."""
-    three = (views >= 3) & np.isfinite(off).any((1, 2))
-    own = np.where(three & ~used, np.nansum(off**2, axis=(1, 2)) / np.maximum(2 * views - 3, 1), 0.0)
+    three = (views >= 3) & np.isfinite(residual).any((1, 2))
+    own = np.where(three & ~used, np.nansum(residual**2, axis=(1, 2)) / np.maximum(2 * views - 3, 1), 0.0)
     usual = float(own[three].mean()) if three.any() else 0.0
     return np.where(views == 2, usual, own)
 
@@ -240,8 +239,8 @@ def _shape(xyz: Floats, move: Floats, used: Bools) -> Floats:
     near = xyz[used] - xyz[used].mean(0)
     x, y, z = near.T
     zero = np.zeros_like(x)
-    turns = [np.stack(v, -1) for v in ((zero, -z, y), (z, zero, -x), (-y, x, zero), (x, y, z))]
-    G = np.stack([*turns, *(np.broadcast_to(axis, near.shape) for axis in np.eye(3))], -1).reshape(-1, 7)
+    rotations = [np.stack(v, -1) for v in ((zero, -z, y), (z, zero, -x), (-y, x, zero), (x, y, z))]
+    G = np.stack([*rotations, *(np.broadcast_to(axis, near.shape) for axis in np.eye(3))], -1).reshape(-1, 7)
     fit = np.linalg.lstsq(G, move[used].reshape(-1))[0]
     out = np.zeros_like(move)
     out[used] = move[used] - (G @ fit).reshape(-1, 3)
@@ -267,7 +266,7 @@ class _Field(NamedTuple):
         high = np.array([np.nanmax(uv[:, c], axis=0, initial=-1e9) for c in range(len(rig))])
         return cls(np.stack([low, np.maximum(high, low + 1)], 1))
 
-    def cell(self, uv: Floats, seen: Bools) -> NDArray[np.int64]:
+    def cell(self, uv: Floats, seen: Bools) -> Ints:
         """(N, C) which cell of all each image lies in."""
         share = (np.nan_to_num(uv) - self.edges[:, 0]) / (self.edges[:, 1] - self.edges[:, 0])
         at = np.clip((share * CELLS).astype(np.int64), 0, np.array(CELLS) - 1)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError, Tracks, Trajectories
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 
 SAME_MM = 20.0
 """A point nearer to a named marker than this is that marker; chosen."""
@@ -91,6 +90,6 @@ def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *,
     return there
 
 
-def _frames(n: int, most: int) -> NDArray[np.int64]:
+def _frames(n: int, most: int) -> Ints:
     """At most so many of n frames, evenly spaced."""
     return np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(np.int64))

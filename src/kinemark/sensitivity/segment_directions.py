@@ -56,8 +56,8 @@ def segment_jacobian(xyz: Floats, pairs: list[tuple[int, int]]) -> Floats:
     for k, (a, b) in enumerate(pairs):
         line = xyz[b] - xyz[a]
         length = np.linalg.norm(line, axis=1, keepdims=True)
-        ahead = line / length
-        for i, e in enumerate(np.moveaxis(perpendicular_pair(ahead), -1, 0)):
+        direction = line / length
+        for i, e in enumerate(np.moveaxis(perpendicular_pair(direction), -1, 0)):
             J[:, 2 * k + i, b] = np.degrees(e / length)  # (1)
             J[:, 2 * k + i, a] = -J[:, 2 * k + i, b]
     return J

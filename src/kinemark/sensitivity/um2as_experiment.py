@@ -131,12 +131,12 @@ class Changed(NamedTuple):
 
 def laboratory(points: Floats = CONTROL_BALLS) -> LinearisedErrors:
     """The three cameras, along X, along Y and from the ceiling."""
-    middle = (points.min(0) + points.max(0)) / 2
+    target = (points.min(0) + points.max(0)) / 2
     cx = (np.array(SIZE) - 1) / 2
     K = np.array([[FOCAL_PX[0], 0.0, cx[0]], [0.0, FOCAL_PX[1], cx[1]], [0.0, 0.0, 1.0]])
     L = []
     for R in _rotations():
-        centre = middle - DISTANCE_MM * R[2]
+        centre = target - DISTANCE_MM * R[2]
         L.append(to_dlt(K @ np.column_stack([R, -R @ centre])))
     return LinearisedErrors(
         ("camera 1", "camera 2", "camera 3"), points, np.stack([project_dlt(each, points) for each in L])
@@ -145,14 +145,14 @@ def laboratory(points: Floats = CONTROL_BALLS) -> LinearisedErrors:
 
 def _rotations() -> Floats:
     """(3, 3, 3) world → camera, v downwards in the images: looking along −X, −Y and down."""
-    ahead, down = -np.eye(3), np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
-    return np.stack([np.cross(down, ahead), down, ahead], 1)
+    forward, down = -np.eye(3), np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
+    return np.stack([np.cross(down, forward), down, forward], 1)
 
 
 def marker(cameras: LinearisedErrors, distance: float = FROM_ORIGIN_MM) -> Floats:
     """(3) mm the thesis' marker: on the line from the origin through the middle of the control points."""
-    middle = (cameras.points.min(0) + cameras.points.max(0)) / 2
-    return np.asarray(middle * distance / np.linalg.norm(middle))
+    centre = (cameras.points.min(0) + cameras.points.max(0)) / 2
+    return np.asarray(centre * distance / np.linalg.norm(centre))
 
 
 def calibration_error(cameras: LinearisedErrors, c: int, radius: float) -> Error:

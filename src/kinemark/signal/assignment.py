@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+
+from ..data.array_types import Floats, Ints
 
 
-def assign(cost: NDArray[np.float64], limit: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def assign(cost: Floats, limit: Floats) -> tuple[Ints, Ints]:
     """Rows and columns that go together, with cost (n, m) at most limit (n), as many and as cheap as can be.
 
     A pair beyond its limit costs more than all allowed ones together, so it is only taken where nothing else is left,
@@ -22,17 +23,13 @@ def assign(cost: NDArray[np.float64], limit: NDArray[np.float64]) -> tuple[NDArr
     return rows[good], columns[good]
 
 
-def assign_nearest(
-    cost: NDArray[np.float64], limit: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def assign_nearest(cost: Floats, limit: Floats) -> tuple[Ints, Ints]:
     """Rows and columns that go together, the cheapest of all first, with cost (n, m) at most limit (n)."""
     row, column = np.nonzero(cost <= limit[:, None])
     return cheapest_first(row, column, cost[row, column])
 
 
-def cheapest_first(
-    row: NDArray[np.int64], column: NDArray[np.int64], cost: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def cheapest_first(row: Ints, column: Ints, cost: Floats) -> tuple[Ints, Ints]:
     """Of possible pairs (K) those taken where the cheapest goes first and each row and column once; ties: the first."""
     order = np.argsort(cost, kind="stable")
     rows: dict[int, int] = {}

@@ -76,16 +76,16 @@ def at_common_time(
             f"wanted a finite delay and a rate above 0 for each of {C} cameras, found {delay} s, {rates} Hz"
         )
     images, F = F, F if (rates == detections.rate).all() else _frames(detections, rates, delay, first_frame)
-    rows, counts, ahead = [np.zeros(0, np.int64)], np.zeros((C, F), np.int64), [np.zeros(0)]
+    rows, counts, advance = [np.zeros(0, np.int64)], np.zeros((C, F), np.int64), [np.zeros(0)]
     for c in range(C):
         image, late = nearest_images(F, detections.rate, float(rates[c]), float(delay[c]), first_frame, n_images=images)
         own = _rows_of_images(detections, c, image)
         counts[c] = [len(each) for each in own]
         rows += own
-        ahead.append(np.repeat(-late * rates[c], counts[c]))
+        advance.append(np.repeat(-late * rates[c], counts[c]))
     row = np.concatenate(rows)
     columns = {f.name: getattr(detections, f.name)[row] for f in fields(detections) if f.name not in NOT_ROWS}
-    columns["uv"], columns["cov"] = _moved(detections, row, np.concatenate(ahead))
+    columns["uv"], columns["cov"] = _moved(detections, row, np.concatenate(advance))
     return CommonTime(Detections.build(detections.cameras, detections.rate, counts, **columns), row)
 
 
@@ -131,12 +131,12 @@ def _rows_of_images(detections: Detections, c: int, image: Ints) -> list[Ints]:
     return [np.arange(start[k], start[k + 1]) if k >= 0 else np.zeros(0, np.int64) for k in image.tolist()]
 
 
-def _moved(detections: Detections, row: Ints, ahead: Floats) -> tuple[Floats, Floats]:
+def _moved(detections: Detections, row: Ints, advance: Floats) -> tuple[Floats, Floats]:
     """uv (N, 2) px and cov (N, 2, 2) px² of rows (N), s (N) images later."""
     camera, uv, cov = detections.camera[row], detections.uv[row], detections.cov[row]
-    for c in np.unique(camera[np.abs(ahead) > NEGLIGIBLE]).tolist():
+    for c in np.unique(camera[np.abs(advance) > NEGLIGIBLE]).tolist():
         own = camera == c
-        uv[own], cov[own] = _moved_in_camera(detections, c, row[own], ahead[own])
+        uv[own], cov[own] = _moved_in_camera(detections, c, row[own], advance[own])
     return uv, cov
 
 
@@ -151,8 +151,8 @@ def _moved_in_camera(detections: Detections, c: int, row: Ints, s: Floats) -> tu
     uv = np.einsum("kn,kni->ni", weight, detections.uv[three])
     cov = np.einsum("kn,knij->nij", weight**2, detections.cov[three])  # (4)
     shift = ((uv - detections.uv[row])[~alone] ** 2).sum(1)
-    off = shift.mean() / 2 if len(shift) else 0.0
-    return uv, cov + np.where(alone, off, 0.0)[:, None, None] * np.eye(2)  # (5)
+    half_shift = shift.mean() / 2 if len(shift) else 0.0
+    return uv, cov + np.where(alone, half_shift, 0.0)[:, None, None] * np.eye(2)  # (5)
 
 
 def linked(uv: Floats, frame: Ints) -> tuple[Ints, Ints]:

@@ -14,13 +14,14 @@ so each rung of the ladder is a fixed row of weights, and the variance of the pr
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..data.array_types import Floats, Ints
 
 LADDER = ((1, 0), (2, 1), (3, 1), (3, 1), (5, 2))
 """(samples, degree) for 1, 2, 3, 4, and 5 or more known samples; chosen."""
 
 
-def weights(samples: int, degree: int) -> NDArray[np.float64]:
+def weights(samples: int, degree: int) -> Floats:
     """w (samples,) of (1), oldest first.
 
     Raises:
@@ -39,7 +40,7 @@ RUNGS = np.array([np.pad(weights(n, d), (PAST - n, 0)) for n, d in LADDER])
 """Weights of the last five samples for each rung of `LADDER`; exact."""
 
 
-def extrapolate(history: NDArray[np.float64], known: NDArray[np.int64]) -> NDArray[np.float64]:
+def extrapolate(history: Floats, known: Ints) -> Floats:
     """The next sample (T, k) of T sequences from their last five (T, 5, k), oldest first.
 
     Args:
@@ -49,6 +50,6 @@ def extrapolate(history: NDArray[np.float64], known: NDArray[np.int64]) -> NDArr
     return np.einsum("tn,tnk->tk", RUNGS[np.minimum(known, PAST) - 1], history)
 
 
-def gain(known: NDArray[np.int64]) -> NDArray[np.float64]:
+def gain(known: Ints) -> Floats:
     """Σ w² (T): how many times the variance of a sample the variance of the prediction is."""
     return (RUNGS**2).sum(1)[np.minimum(known, PAST) - 1]

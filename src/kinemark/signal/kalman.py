@@ -37,9 +37,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 
 F = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
 """Transition matrix of (1), a sample on; by definition."""
@@ -79,9 +78,7 @@ def predict(state: KalmanState, process_sd: float) -> KalmanState:
     return KalmanState(F @ state.x, _symmetric(F @ state.P @ F.T + _process(process_sd)))
 
 
-def update(
-    state: KalmanState, past: Floats, consecutive: NDArray[np.bool_], sd: float, process_sd: float
-) -> KalmanState:
+def update(state: KalmanState, past: Floats, consecutive: Bools, sd: float, process_sd: float) -> KalmanState:
     """One frame on with the positions seen.
 
     Args:

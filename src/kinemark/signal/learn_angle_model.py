@@ -147,8 +147,8 @@ def _better_phase(y: Floats, phase: CyclePhase, T: float) -> CyclePhase:
 def _period(xyz: Floats, link: Ints, rate: float, shortest: float, longest: float) -> float:
     """Frames of a cycle, found from the segments that tell most."""
     some = most_moving(columns(xyz[:, :: max(1, xyz.shape[1] // LONG)], link))[::3] // 3
-    middle, reach = xyz.shape[1] // 2, math.ceil(min(ENOUGH * longest * rate, xyz.shape[1]) / 2)
-    y = columns(xyz[:, max(middle - reach, 0) : middle + reach], link[some])
+    centre, reach = xyz.shape[1] // 2, math.ceil(min(ENOUGH * longest * rate, xyz.shape[1]) / 2)
+    y = columns(xyz[:, max(centre - reach, 0) : centre + reach], link[some])
     T = cycle_length(y.T, shortest=shortest * rate, longest=min(longest * rate, xyz.shape[1] / WHOLE))
     if np.isnan(T):
         raise KinemarkError(f"The motion does not come back within {longest:g} s, so there is no cycle to learn.")
@@ -237,11 +237,11 @@ def bridged(mean: Floats) -> Floats:
 def spread_of(cycles: Floats, mean: Floats) -> Floats:
     """(K) standard deviation of cycles (C, B, K) about the mean, `LEAST_SPREAD` at least; `ONE_CYCLE` where there is
     one."""
-    off = cycles - mean
-    there = ~np.isnan(off)
-    n, off = there.sum(0), np.where(there, off, 0.0)
+    deviation = cycles - mean
+    there = ~np.isnan(deviation)
+    n, deviation = there.sum(0), np.where(there, deviation, 0.0)
     use = n >= 2
-    total = np.where(use, np.einsum("cbk,cbk->bk", off, off), 0.0).sum(0)
+    total = np.where(use, np.einsum("cbk,cbk->bk", deviation, deviation), 0.0).sum(0)
     free = np.where(use, n - 1, 0).sum(0)
     spread = np.sqrt(total / np.maximum(free, 1))
     return np.where(free > 0, np.maximum(spread, LEAST_SPREAD), ONE_CYCLE)
@@ -250,13 +250,13 @@ def spread_of(cycles: Floats, mean: Floats) -> Floats:
 def _model(mean: Floats, cycles: Floats, names: Sequence[str], segments: LinkedSegments, period: float) -> AngleModel:
     """Of the segments that were seen all round."""
     steps, n_segments = len(mean), len(segments.link)
-    off = np.moveaxis((cycles - mean).reshape(len(cycles), steps, n_segments, 3), -1, 0).copy()  # (3, C, B, S)
-    there = ~np.isnan(off[0])
+    deviation = np.moveaxis((cycles - mean).reshape(len(cycles), steps, n_segments, 3), -1, 0).copy()  # (3, C, B, S)
+    there = ~np.isnan(deviation[0])
     n = there.sum(0)
-    off[:, ~there] = 0.0
+    deviation[:, ~there] = 0.0
     cov = np.empty((n_segments, steps, 3, 3))
     for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
-        cov[..., i, j] = cov[..., j, i] = np.einsum("cbs,cbs->sb", off[i], off[j])
+        cov[..., i, j] = cov[..., j, i] = np.einsum("cbs,cbs->sb", deviation[i], deviation[j])
     with np.errstate(invalid="ignore", divide="ignore"):
         cov /= np.where(n >= 2, n - 1.0, np.nan).T[..., None, None]  # (2)
         direction = mean.reshape(steps, n_segments, 3).swapaxes(0, 1)

@@ -28,7 +28,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 
 FEWEST_PAIRS = 0.25
 """Share of the samples that must have a partner, for (1) to be known; chosen."""
@@ -61,7 +61,7 @@ def mean_differences(y: Floats, most: int | None = None) -> Floats:
     partner."""
     n = y.shape[1]
     most = n if most is None else min(most, n)
-    seen: NDArray[np.bool_] = ~np.isnan(y)
+    seen: Bools = ~np.isnan(y)
     y = np.where(seen, y, 0.0)
     scale = float((y**2).mean()) if y.size else 0.0
     y = np.where(seen, y - (y.sum(1) / np.maximum(seen.sum(1), 1))[:, None], 0.0)
@@ -144,7 +144,7 @@ def find_harmonics(y: Floats, *, rate: float, period: float, n_harmonics: int = 
     )
 
 
-def _best_period(y: Floats, there: NDArray[np.bool_], t: Floats, period: float, H: int) -> float:
+def _best_period(y: Floats, there: Bools, t: Floats, period: float, H: int) -> float:
     """(4), s."""
 
     def left(share: float) -> float:
@@ -155,7 +155,7 @@ def _best_period(y: Floats, there: NDArray[np.bool_], t: Floats, period: float, 
     return period * (1 + float(best.x))
 
 
-def _fits(y: Floats, there: NDArray[np.bool_], t: Floats, period: float, H: int) -> list[tuple[Floats, Floats]]:
+def _fits(y: Floats, there: Bools, t: Floats, period: float, H: int) -> list[tuple[Floats, Floats]]:
     """(3): coefficients (1 + 2 H) and residuals of each sequence."""
     angle = 2 * np.pi / period * np.arange(1, H + 1) * t[:, None]
     A = np.concatenate([np.ones((len(t), 1)), np.cos(angle), np.sin(angle)], 1)

@@ -25,9 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
 """Of (3): steps and frames a cycle, the mean advance and the greatest; chosen."""
@@ -126,8 +125,10 @@ def refine_phase(
     weight = np.where(np.isnan(y), 0.0, 1 / spread)
     y = np.nan_to_num(y)
     for _ in range(rounds):
-        off, slope = weight * (y - template(phase)), weight * template.slope(phase)
-        gradient = INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, off) - _smoothness_gradient(phase, cycle)
+        residual, slope = weight * (y - template(phase)), weight * template.slope(phase)
+        gradient = INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, residual) - _smoothness_gradient(
+            phase, cycle
+        )
         try:
             step = np.asarray(
                 scipy.linalg.solveh_banded(_matrix(_information(slope, cycle), cycle), gradient, lower=True)
@@ -137,8 +138,8 @@ def refine_phase(
         phase = phase + step.clip(-0.05, 0.05)
         if np.abs(step).max() < 1e-5:
             break
-    off = weight * (y - template(phase))
-    return CyclePhase(phase, float((off**2).sum() / max((weight > 0).sum(), 1)))
+    residual = weight * (y - template(phase))
+    return CyclePhase(phase, float((residual**2).sum() / max((weight > 0).sum(), 1)))
 
 
 def _smoothness_gradient(phase: Floats, cycle: float) -> Floats:
@@ -174,9 +175,7 @@ def phase_variance(
     return variance_at(information(~np.isnan(y), template, spread, phase, cycle=cycle), frames, cycle=cycle)
 
 
-def information(
-    there: NDArray[np.bool_], template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float
-) -> Floats:
+def information(there: Bools, template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float) -> Floats:
     """(F) the first term of the matrix of (4), from what is there (F, K) of the sequences."""
     return _information(np.where(there, template.slope(phase) / spread, 0.0), cycle)
 

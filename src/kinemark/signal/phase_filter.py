@@ -56,14 +56,14 @@ def begin_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: fl
     t = np.arange(len(y)) - (len(y) - 1)
     there, weight = ~np.isnan(y), np.sqrt(INDEPENDENT_FRAMES / cycle) / spread
 
-    def off(x: Floats) -> Floats:
+    def residual(x: Floats) -> Floats:
         """Of (3): what phase and relative speed (2) leave."""
         left = np.where(there, weight * (np.nan_to_num(y) - template(x[0] + x[1] / cycle * t)), 0.0)
         return np.append(left.ravel(), np.log(x[1]) / SPEEDS)
 
-    tried = [np.array([b / STEPS, speed]) for b in range(STEPS) for speed in TRIED]
-    start = min(tried, key=lambda x: float((off(x) ** 2).sum()))
-    found = scipy.optimize.least_squares(off, start, x_scale=[0.01, 0.1], bounds=([-np.inf, 0.5], [np.inf, 2.0]))
+    starts = [np.array([b / STEPS, speed]) for b in range(STEPS) for speed in TRIED]
+    start = min(starts, key=lambda x: float((residual(x) ** 2).sum()))
+    found = scipy.optimize.least_squares(residual, start, x_scale=[0.01, 0.1], bounds=([-np.inf, 0.5], [np.inf, 2.0]))
     scale = np.diag([1.0, 1 / cycle])
     jacobian = np.asarray(found.jac)
     information = jacobian.T @ jacobian + np.diag([1e-6, 0.0])  # a template that stands still tells nothing
@@ -83,8 +83,8 @@ def update_phase(state: PhaseState, y: Floats, template: CycleTemplate, spread: 
         return state
     x, prior = state.x, np.linalg.inv(state.P)
     for _ in range(ROUNDS):
-        slope, off = (template.slope(x[0]) / spread)[there], ((y - template(x[0])) / spread)[there]
+        slope, residual = (template.slope(x[0]) / spread)[there], ((y - template(x[0])) / spread)[there]
         weight = INDEPENDENT_FRAMES / cycle
         P = np.linalg.inv(prior + np.diag([weight * float(slope @ slope), 0.0]))
-        x = x + P @ (np.array([weight * float(slope @ off), 0.0]) + prior @ (state.x - x))
+        x = x + P @ (np.array([weight * float(slope @ residual), 0.0]) + prior @ (state.x - x))
     return PhaseState(x, P)

@@ -191,13 +191,15 @@ def smooth_gaps(before: Floats, after: Floats, length: Ints, *, sd: Floats, proc
     scale = np.sqrt(np.diagonal(P_first, axis1=1, axis2=2))
     scale = scale[:, :, None] * scale[:, None, :]
     inverse = np.linalg.inv(P_first / scale) / scale
-    off, less = found.x[:, 0] - x_first, found.P[:, 0] - P_first
+    difference, less = found.x[:, 0] - x_first, found.P[:, 0] - P_first
     out = []
     for k, n in enumerate(length):
         row = _transition_rows(n)
         r = _covariance_row(P[k], process_sd[k], row)
         J = _by_transition(r, row[::-1]) @ inverse[k]
-        out.append(GapPositions(row @ x[k] + J @ off[k], np.maximum(r[:, 0] + ((J @ less[k]) * J) @ np.ones(3), 0.0)))
+        out.append(
+            GapPositions(row @ x[k] + J @ difference[k], np.maximum(r[:, 0] + ((J @ less[k]) * J) @ np.ones(3), 0.0))
+        )
     return out
 
 

@@ -28,9 +28,8 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 
 CANDIDATES = np.geomspace(0.005, 0.45, 40)
 """ν_c of the p that are tried, cycles a sample; chosen."""
@@ -113,7 +112,7 @@ def _factor(data: Floats, omega: Floats, cutoff: float, m: int) -> Floats:
 
 
 def _cross_validated(
-    B: scipy.sparse.csr_array, data: Floats, omega: Floats, target: Floats, y: Floats, seen: NDArray[np.bool_], m: int
+    B: scipy.sparse.csr_array, data: Floats, omega: Floats, target: Floats, y: Floats, seen: Bools, m: int
 ) -> float:
     """ν_c of the least (4) on the ladder, and between its neighbours by a parabola."""
     factors = np.array([_factor(data, omega, cutoff, m) for cutoff in CANDIDATES])

@@ -33,8 +33,8 @@ from numpy.typing import ArrayLike
 
 from ..data import Angles
 from ..data.array_types import Floats
+from .smooth_noise import smooth_noise
 from .subjects import Capsules, Subject, pairs
-from .wobble import smooth_noise
 
 NAMES = ("ACR1", "ACR2", "ARM3", "ELB4", "WRU5", "WRR6", "MC37")
 """The markers 1 … 7 of UM²AS: a post on the acromion, the acromion, upper arm, lateral epicondyle, the rod's ends at

@@ -22,9 +22,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Camera, Rig
+from ..data.array_types import Floats
 
 VOLUME = np.array([[0.0, 0.0, 0.0], [2400.0, 1400.0, 2000.0]])
 """The control volume of KISS, mm: 2.4 m along the walkway (x), 1.4 m across (y), 2 m high."""
@@ -132,15 +133,15 @@ def ring(
     if n < 1:
         raise ValueError(f"n is {n}, wanted at least one camera")
     centre = np.asarray(target, np.float64)
-    turns = np.radians(start_deg + _steps(n, sweep_deg))
+    angles = np.radians(start_deg + _steps(n, sweep_deg))
     cameras = []
-    for i, turn in enumerate(turns):
+    for i, turn in enumerate(angles):
         place = np.array([*(centre[:2] + radius * np.array([np.cos(turn), np.sin(turn)])), height[i % len(height)]])
         cameras.append(look_at(f"cam{i + 1}", place, centre, focal_px=focal_px, size=size, distortion=distortion))
     return Rig(tuple(cameras), "placed in the virtual laboratory", np.asarray(volume, np.float64))
 
 
-def _steps(n: int, sweep_deg: float) -> NDArray[np.float64]:
+def _steps(n: int, sweep_deg: float) -> Floats:
     """(n) deg along the arc; a whole circle does not repeat its first place."""
     gaps = n if abs(sweep_deg) >= 360 else max(n - 1, 1)
     return np.arange(n) * sweep_deg / gaps

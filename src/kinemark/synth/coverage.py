@@ -24,6 +24,7 @@ from ..data import Camera
 from ..data.array_types import Floats
 from ..geometry import lens, normalised, to_camera
 from ..numerics.small_matrices import inverse2
+from ..numerics.vectors import homogeneous
 from .occlusion import line_distance
 
 Box = tuple[int, int, int, int]
@@ -90,7 +91,7 @@ def visible_share(camera: Camera, ball: Ball, xy: Floats, limbs: Limbs, n: int) 
     if not before.any():
         return 1.0
     depth = to_camera(camera, ball.xyz)[2]
-    ends = depth * np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
+    ends = depth * homogeneous(xy) @ camera.R
     cells_per_mm = n * abs(camera.K[0, 0]) / depth
     free: Floats = np.ones(xy.shape[:-1])
     for a, b, radius in zip(limbs.a[before], limbs.b[before], limbs.radius[before], strict=True):

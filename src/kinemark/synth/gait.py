@@ -34,8 +34,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..data import Angles, Events
 from ..data.array_types import Floats
 from .body_segments import LINKS, NAMES, BodySegments, WalkingPose, build
+from .smooth_noise import smooth_noise
 from .subjects import Subject, pairs
-from .wobble import smooth_noise
 
 HIP = (27, 26, 24, 20, 15, 10, 5, 0, -4, -8, -10, -8, 0, 9, 19, 27, 32, 33, 32, 29.5)
 """deg, flexion at 0, 5, … 95 % of the stride; typical of normal gait, chosen."""
@@ -123,68 +123,68 @@ def walking(
     body = BodySegments.of(height_mm, marker_radius_mm)
     stride = stride_of(body)
     period = stride.length / speed_mm_s
-    turns = phase + np.arange(n_frames) / rate / period
-    pose = pose_at(turns, pelvis_path(stride, turns, np.asarray(middle, np.float64)))
+    cycles = phase + np.arange(n_frames) / rate / period
+    pose = pose_at(cycles, pelvis_path(stride, cycles, np.asarray(middle, np.float64)))
     markers, capsules = build(body, pose)
     markers = markers + wobble_mm * smooth_noise(markers.shape, rate, seed, cut_hz=6.0)
-    angles, events = _angles(turns, rate), _events(phase, period, n_frames, rate)
+    angles, events = _angles(cycles, rate), _events(phase, period, n_frames, rate)
     return Subject(
         NAMES, rate, markers, np.array(marker_radius_mm), capsules, pairs(NAMES, *LINKS), angles=angles, events=events
     )
 
 
-def curve(samples: ArrayLike, turns: Floats) -> Floats:
-    """A periodic curve given by evenly spaced samples of one turn, by its Fourier series, at `turns` (F)."""
+def curve(samples: ArrayLike, cycles: Floats) -> Floats:
+    """A periodic curve given by evenly spaced samples of one cycle, by its Fourier series, at `cycles` (F)."""
     values = np.asarray(samples, np.float64)
     series = np.fft.rfft(values) / len(values)
     if len(values) % 2 == 0:
         series[-1] = 0.0  # its sine part is unknown
-    return series[0].real + _sum(2 * series[1:], turns)
+    return series[0].real + _sum(2 * series[1:], cycles)
 
 
-def _sum(series: NDArray[np.complex128], turns: Floats) -> Floats:
-    """Σₖ Re(cₖ exp(2πi k turns)) for k = 1, 2, …; (…, K) and (F) → (…, F)."""
-    wave = np.exp(2j * np.pi * np.outer(np.arange(1, series.shape[-1] + 1), turns))
+def _sum(series: NDArray[np.complex128], cycles: Floats) -> Floats:
+    """Σₖ Re(cₖ exp(2πi k cycles)) for k = 1, 2, …; (…, K) and (F) → (…, F)."""
+    wave = np.exp(2j * np.pi * np.outer(np.arange(1, series.shape[-1] + 1), cycles))
     summed: Floats = (series @ wave).real
     return summed
 
 
-def leg_angles(turns: Floats) -> Floats:
+def leg_angles(cycles: Floats) -> Floats:
     """(5, F) deg: hip flexion, adduction, external rotation, knee flexion, dorsiflexion at strides of that leg."""
-    adduction = 1.0 + 5.5 * np.cos(2 * np.pi * (turns - 0.20))
-    external = 6.0 + 5.0 * np.cos(2 * np.pi * turns)  # undoes the pelvis, so that the feet point steadily
-    return np.stack([curve(HIP, turns), adduction, external, curve(KNEE, turns), curve(ANKLE, turns)])
+    adduction = 1.0 + 5.5 * np.cos(2 * np.pi * (cycles - 0.20))
+    external = 6.0 + 5.0 * np.cos(2 * np.pi * cycles)  # undoes the pelvis, so that the feet point steadily
+    return np.stack([curve(HIP, cycles), adduction, external, curve(KNEE, cycles), curve(ANKLE, cycles)])
 
 
-def pose_at(turns: Floats, pelvis: Floats) -> WalkingPose:
-    """Turns of all segments (1) (2) where the left leg's stride is at `turns` (F), the pelvis at (F, 3) mm."""
-    yaw, up = -5.0 * np.cos(2 * np.pi * turns), 4.0 * np.cos(2 * np.pi * (turns - 0.13))
+def pose_at(cycles: Floats, pelvis: Floats) -> WalkingPose:
+    """Turns of all segments (1) (2) where the left leg's stride is at `cycles` (F), the pelvis at (F, 3) mm."""
+    yaw, up = -5.0 * np.cos(2 * np.pi * cycles), 4.0 * np.cos(2 * np.pi * (cycles - 0.13))
     hips = scipy.spatial.transform.Rotation.from_euler(
-        "ZXY", np.stack([yaw, up, np.full_like(turns, TILT)], -1), degrees=True
+        "ZXY", np.stack([yaw, up, np.full_like(cycles, TILT)], -1), degrees=True
     )
     legs = []
     for mirror, late in ((1.0, 0.0), (-1.0, 0.5)):
-        flexion, adduction, external, knee, ankle = leg_angles(turns + late)
+        flexion, adduction, external, knee, ankle = leg_angles(cycles + late)
         thigh = hips * scipy.spatial.transform.Rotation.from_euler(
             "YXZ", np.stack([-flexion, -mirror * adduction, mirror * external], -1), degrees=True
         )
         shank = thigh * scipy.spatial.transform.Rotation.from_euler("y", knee[:, None], degrees=True)
         foot = shank * scipy.spatial.transform.Rotation.from_euler("y", -ankle[:, None], degrees=True)
         legs.append((thigh.as_matrix(), shank.as_matrix(), foot.as_matrix()))
-    swing = 18.0 * np.cos(2 * np.pi * turns)
+    swing = 18.0 * np.cos(2 * np.pi * cycles)
     arms = np.stack([-swing, swing])  # each arm goes with the other leg
     return WalkingPose(pelvis, hips.as_matrix(), (legs[0], legs[1]), arms)
 
 
 def stride_of(body: BodySegments) -> Stride:
     """The stride that makes the weight-bearing foot stand still, (3) and (4)."""
-    turns = np.arange(GRID) / GRID
-    return stride_of_soles(body.soles(pose_at(turns, np.zeros((GRID, 3)))))
+    cycles = np.arange(GRID) / GRID
+    return stride_of_soles(body.soles(pose_at(cycles, np.zeros((GRID, 3)))))
 
 
 def stride_of_soles(points: Floats) -> Stride:
     """The same of sole points (4, GRID, 3) mm over one stride, as the pelvis sees them."""
-    turns = np.arange(GRID) / GRID
+    cycles = np.arange(GRID) / GRID
     lift = np.exp(-(points[..., 2] - points[..., 2].min()) / FLOOR_SOFTNESS)
     weight = lift / lift.sum(0)
     wave = 2j * np.pi * np.fft.rfftfreq(GRID, 1 / GRID)
@@ -194,28 +194,28 @@ def stride_of_soles(points: Floats) -> Stride:
     height = FLOOR_SOFTNESS * np.log(lift.sum(0)) - points[..., 2].min()  # (3)
     path[:, 2] = np.fft.rfft(height)[1 : HARMONICS + 1]
     series = 2 * path.T / GRID
-    lowest = (points[..., 2] + _sum(series[2], turns)).min()
+    lowest = (points[..., 2] + _sum(series[2], cycles)).min()
     return Stride(float(velocity[:, 0].mean()), -float(lowest), series)
 
 
-def pelvis_path(stride: Stride, turns: Floats, middle: Floats) -> Floats:
+def pelvis_path(stride: Stride, cycles: Floats, middle: Floats) -> Floats:
     """(F, 3) mm of the pelvis, which passes above `middle` half-way through."""
-    path = _sum(stride.series, turns).T
-    path[:, 0] += stride.length * (turns - (turns[0] + turns[-1]) / 2)
+    path = _sum(stride.series, cycles).T
+    path[:, 0] += stride.length * (cycles - (cycles[0] + cycles[-1]) / 2)
     return path + np.array([*middle, stride.height])
 
 
-def _angles(turns: Floats, rate: float) -> Angles:
+def _angles(cycles: Floats, rate: float) -> Angles:
     """The joint angles as they were put in."""
     joints, deg = [], []
     for side, late in (("left", 0.0), ("right", 0.5)):
-        flexion, adduction, external, knee, ankle = leg_angles(turns + late)
+        flexion, adduction, external, knee, ankle = leg_angles(cycles + late)
         none = np.zeros_like(knee)
         joints += [f"{side} hip", f"{side} knee", f"{side} ankle"]
         deg += [
             np.stack(three, -1) for three in ((flexion, adduction, external), (knee, none, none), (ankle, none, none))
         ]
-    unknown = np.full((6, len(turns), 3, 3), np.nan)
+    unknown = np.full((6, len(cycles), 3, 3), np.nan)
     return Angles(tuple(joints), ("yxz",) * 6, np.array(deg), unknown, rate)
 
 

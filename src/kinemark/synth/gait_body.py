@@ -104,10 +104,10 @@ class WalkingBody:
 
     def limbs(self, time: Floats) -> LowerLimbs:
         """True segments at times (F) s."""
-        turns = self.turn_of(time, "left")
-        origin = pelvis_path(self.path, turns, np.zeros(2))
-        origin[:, 0] += self.path.length * (turns[0] + turns[-1]) / 2  # the same place at the same time
-        return self._limbs(turns, origin)
+        cycles = self.turn_of(time, "left")
+        origin = pelvis_path(self.path, cycles, np.zeros(2))
+        origin[:, 0] += self.path.length * (cycles[0] + cycles[-1]) / 2  # the same place at the same time
+        return self._limbs(cycles, origin)
 
     def standing(self, n_frames: int) -> LowerLimbs:
         """True segments of the body that stands still."""
@@ -156,10 +156,10 @@ class WalkingBody:
                 sites |= self._standing_sites(leg, side)
             found |= {letter + name: xyz for name, (xyz, _) in sites.items()}
             on |= {letter + name: R for name, (_, R) in sites.items()}
-        off = {name: self.placement_mm.get(name, ZERO) for name in found}
+        moved_by = {name: self.placement_mm.get(name, ZERO) for name in found}
         if walking:
-            off = {name: by + self.tissue_mm.get(name, ZERO) for name, by in off.items()}
-        moved = {name: xyz + on[name] @ off[name] for name, xyz in found.items()}
+            moved_by = {name: by + self.tissue_mm.get(name, ZERO) for name, by in moved_by.items()}
+        moved = {name: xyz + on[name] @ moved_by[name] for name, xyz in found.items()}
         unworn = self.unworn if walking else () if "KAX" not in self.worn else ("LKNE", "RKNE")
         return {name: xyz for name, xyz in moved.items() if name not in unworn}
 
@@ -184,23 +184,23 @@ class WalkingBody:
         return {name: site for name, site in sites.items() if name in self.worn}
 
     def _path(self) -> Stride:
-        turns = np.arange(GRID) / GRID
-        limbs = self._limbs(turns, np.zeros((GRID, 3)))
+        cycles = np.arange(GRID) / GRID
+        limbs = self._limbs(cycles, np.zeros((GRID, 3)))
         soles = []
         for side in SIDES:  # as with hips where the regression has them: else the leg whose hip is higher hardly treads
-            foot, off = limbs.leg(side).foot, limbs.pelvis.R @ self.hip_error_mm.get(side, ZERO)
-            soles += [foot.origin - off, foot.origin + FOOT_MM * foot.R[..., 2] - off]
+            foot, moved_by = limbs.leg(side).foot, limbs.pelvis.R @ self.hip_error_mm.get(side, ZERO)
+            soles += [foot.origin - moved_by, foot.origin + FOOT_MM * foot.R[..., 2] - moved_by]
         return stride_of_soles(np.stack(soles))
 
-    def _limbs(self, turns: Floats, origin: Floats) -> LowerLimbs:
-        """Where the left leg's stride is at `turns` (F)."""
-        wave = 2 * np.pi * turns
+    def _limbs(self, cycles: Floats, origin: Floats) -> LowerLimbs:
+        """Where the left leg's stride is at `cycles` (F)."""
+        wave = 2 * np.pi * cycles
         R = turned(
             np.stack([TILT + np.cos(2 * wave), 4.0 * np.cos(wave - 0.8), -5.0 * np.cos(wave)], -1), FOOT_SEQUENCE
         )
         pelvis = Segment(R, origin)
-        left = self._leg(pelvis, "left", _leg_angles(turns))
-        return LowerLimbs(pelvis, left, self._leg(pelvis, "right", _leg_angles(turns + 0.5)))
+        left = self._leg(pelvis, "left", _leg_angles(cycles))
+        return LowerLimbs(pelvis, left, self._leg(pelvis, "right", _leg_angles(cycles + 0.5)))
 
     def _leg(self, pelvis: Segment, side: Side, deg: Floats) -> Leg:
         """(1) to (5) from (7, F) deg: hip flexion, adduction, external rotation; knee flexion, adduction, external
@@ -233,13 +233,13 @@ class WalkingBody:
         return turned(deg, FOOT_SEQUENCE)
 
 
-def _leg_angles(turns: Floats) -> Floats:
+def _leg_angles(cycles: Floats) -> Floats:
     """(7, F) deg at strides of that leg."""
-    wave = 2 * np.pi * turns
+    wave = 2 * np.pi * cycles
     return np.stack([
-        curve(HIP, turns), 1.0 + 5.5 * np.cos(wave - 1.3), 6.0 + 5.0 * np.cos(wave),
-        curve(KNEE, turns), 1.0 + 3.0 * np.cos(wave - 4.0), 2.0 + 6.0 * np.sin(wave),
-        curve(ANKLE, turns),
+        curve(HIP, cycles), 1.0 + 5.5 * np.cos(wave - 1.3), 6.0 + 5.0 * np.cos(wave),
+        curve(KNEE, cycles), 1.0 + 3.0 * np.cos(wave - 4.0), 2.0 + 6.0 * np.sin(wave),
+        curve(ANKLE, cycles),
     ])  # fmt: skip
 
 

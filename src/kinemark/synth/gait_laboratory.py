@@ -303,9 +303,9 @@ def _plates(
     plates, channels, ground = [], [], ground_reactions(body, time)
     for k, side in enumerate(SIDES):
         turn = body.turn_of(time, side)
-        middle = int(np.abs(time - duration_s * (0.42 if k == 0 else 0.58)).argmin())
-        own = np.floor(turn) == np.floor(turn[middle])
-        heel, toe = (end[middle] for end in _stance(body, turn, side))
+        mid_stance = int(np.abs(time - duration_s * (0.42 if k == 0 else 0.58)).argmin())
+        own = np.floor(turn) == np.floor(turn[mid_stance])
+        heel, toe = (end[mid_stance] for end in _stance(body, turn, side))
         centre = (heel + toe) / 2
         half = np.array(PLATE_MM) / 2
         square = np.array([[1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]]) * [*half, 0.0]

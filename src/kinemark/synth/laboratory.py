@@ -25,6 +25,7 @@ import tomlkit
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rig, Rods
+from ..data.array_types import Floats
 from .observe import truth
 from .optics import Optics
 from .render import film, interlace, render
@@ -275,7 +276,7 @@ def _wand_way(suffix: str) -> dict[str, Any]:
     }
 
 
-def _lights(rig: Rig, c: int, strobes: bool) -> NDArray[np.float64] | None:
+def _lights(rig: Rig, c: int, strobes: bool) -> Floats | None:
     """(C − 1, 3) mm the other cameras' lights."""
     return np.delete(rig.centres, c, axis=0) if strobes else None
 

@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..data.array_types import Floats
+from .smooth_noise import smooth_noise
 from .subjects import Capsules, Subject, pairs
-from .wobble import smooth_noise
 
 UPPER, FOREARM, NEAR = 290.0, 260.0, 45.0
 """Shoulder to elbow, elbow to hand, elbow to D, mm; chosen."""

@@ -14,10 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..geometry import project, to_camera
 from ..numerics.runs import equal_runs
 from .occlusion import visible_fraction
@@ -51,12 +50,12 @@ class ObservedImages:
     """
 
     detections: Detections
-    marker: NDArray[np.int64]
-    merged: NDArray[np.int64]
+    marker: Ints
+    merged: Ints
     sight: Sight
 
     @property
-    def unmerged_views(self) -> NDArray[np.int64]:
+    def unmerged_views(self) -> Ints:
         """(M, F) cameras that have an image of the marker alone, not run together with others."""
         own = (self.marker >= 0) & (self.merged == 1)
         views = np.zeros(self.sight.uv.shape[1:3], np.int64)
@@ -67,9 +66,9 @@ class ObservedImages:
 class TruthRows(NamedTuple):
     """Marker images of one camera, before they are put in order; all (N) but uv (N, 2)."""
 
-    frame: NDArray[np.int64]
-    marker: NDArray[np.int64]
-    merged: NDArray[np.int64]
+    frame: Ints
+    marker: Ints
+    merged: Ints
     uv: Floats
     area: Floats
 
@@ -130,7 +129,7 @@ def observe(
     return _collect(rig, subject, cameras, noise_px, sight)
 
 
-def _seen_rows(seen: NDArray[np.bool_], sight: Sight, c: int) -> TruthRows:
+def _seen_rows(seen: Bools, sight: Sight, c: int) -> TruthRows:
     marker, frame = np.nonzero(seen)
     uv, area = sight.uv[c, marker, frame], sight.area[c, marker, frame] * sight.visible[c, marker, frame]
     return TruthRows(frame, marker, np.ones_like(frame), uv, area)
@@ -153,9 +152,9 @@ def _merge(rows: TruthRows, depth: Floats, merge_px: float) -> TruthRows:
     return TruthRows(rows.frame[nearest], rows.marker[nearest], np.bincount(blob).astype(np.int64), uv, area)
 
 
-def _near_pairs(rows: TruthRows, merge_px: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _near_pairs(rows: TruthRows, merge_px: float) -> tuple[Ints, Ints]:
     """Indices of rows of one frame whose centres are nearer than merge_px; rows are in order of frame."""
-    found: list[NDArray[np.int64]] = [np.zeros((2, 0), np.int64)]
+    found: list[Ints] = [np.zeros((2, 0), np.int64)]
     for part in np.split(np.arange(len(rows.frame)), equal_runs(rows.frame)[1:-1]):
         if merge_px > 0 and len(part) > 1:
             apart = np.linalg.norm(rows.uv[part, None] - rows.uv[part], axis=-1)
@@ -185,7 +184,7 @@ def _shuffle(rows: TruthRows, rng: np.random.Generator) -> TruthRows:
     return _take(rows, order)
 
 
-def _take(rows: TruthRows, order: NDArray[np.int64]) -> TruthRows:
+def _take(rows: TruthRows, order: Ints) -> TruthRows:
     return TruthRows(rows.frame[order], rows.marker[order], rows.merged[order], rows.uv[order], rows.area[order])
 
 

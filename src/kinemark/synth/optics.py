@@ -18,6 +18,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats, Ints
+
 BANK_SPARE = 1 << 18
 """Pixels by which a bank is longer than an image: as many different backgrounds; chosen."""
 
@@ -62,7 +64,7 @@ class Optics:
         return int(4 * self.blur_px + 0.5)
 
 
-def sensor(light: NDArray[np.float64], optics: Optics, rng: np.random.Generator | None) -> NDArray[np.uint8]:
+def sensor(light: Floats, optics: Optics, rng: np.random.Generator | None) -> NDArray[np.uint8]:
     """Grey levels of light (…) above the background; without `rng` there is no noise."""
     level = light + optics.background
     if rng is not None and optics.read_noise > 0:
@@ -70,16 +72,13 @@ def sensor(light: NDArray[np.float64], optics: Optics, rng: np.random.Generator 
     return np.clip(np.rint(level), 0, 255).astype(np.uint8)
 
 
-def noise_bank(size: NDArray[np.int64], optics: Optics, rng: np.random.Generator) -> NDArray[np.uint8]:
+def noise_bank(size: Ints, optics: Optics, rng: np.random.Generator) -> NDArray[np.uint8]:
     """(W·H + spare) background pixels, from which `background` cuts images of `size` (W, H)."""
     return sensor(np.zeros(int(size[0] * size[1]) + BANK_SPARE), optics, rng)
 
 
 def background(
-    size: NDArray[np.int64],
-    optics: Optics,
-    rng: np.random.Generator | None,
-    bank: NDArray[np.uint8] | None = None,
+    size: Ints, optics: Optics, rng: np.random.Generator | None, bank: NDArray[np.uint8] | None = None
 ) -> NDArray[np.uint8]:
     """(H, W) an image without markers: fresh noise, or a piece of a bank, or none without `rng`."""
     width, height = int(size[0]), int(size[1])
@@ -89,6 +88,6 @@ def background(
     return bank[first : first + width * height].reshape(height, width).copy()
 
 
-def blur(light: NDArray[np.float64], optics: Optics) -> NDArray[np.float64]:
+def blur(light: Floats, optics: Optics) -> Floats:
     """Light (h, w) smeared; darkness is taken outside."""
     return scipy.ndimage.gaussian_filter(light, optics.blur_px, mode="constant") if optics.blur_px > 0 else light

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data import Camera
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..geometry import normalised, project, to_camera, undistort
 from . import optics as light
 from .coverage import Ball, Box, Limbs, disc, pixels, sight_lines, visible_share
@@ -145,7 +145,7 @@ def _in_view(camera: Camera, balls: list[Ball], optics: Optics) -> tuple[list[Ba
     return [balls[i] for i in order], boxes
 
 
-def one_to_one(camera: Camera, xyz: Floats) -> NDArray[np.bool_]:
+def one_to_one(camera: Camera, xyz: Floats) -> Bools:
     """(…) whether the lens model sends nothing else to where it draws these points (…, 3) mm.
 
     Far outside the image a polynomial lens model folds back, and would show what no lens sees.

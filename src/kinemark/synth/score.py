@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ..data import Tracks
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 from ..signal import assign
 
 SLACK = 3  # frames; a path may end or begin this much beside the moment at which a track changes over; chosen
@@ -56,12 +55,7 @@ class Score:
 
 
 def score(
-    tracks: Tracks,
-    truth: Floats,
-    *,
-    seen: NDArray[np.bool_] | None = None,
-    within: float = 10.0,
-    xyz: Floats | None = None,
+    tracks: Tracks, truth: Floats, *, seen: Bools | None = None, within: float = 10.0, xyz: Floats | None = None
 ) -> Score:
     """Compare tracks with true paths.
 
@@ -84,8 +78,8 @@ def score(
     wanted = there if seen is None else there & seen
     owner, distance = _owners(tracks, truth, cloud.xyz if xyz is None else xyz, within)
     near = owner >= 0
-    off = (cloud.xyz if xyz is None else xyz)[near] - truth[owner[near], cloud.frame[near]]
-    squared = (off * np.linalg.solve(cloud.cov[near], off[..., None])[..., 0]).sum(-1)
+    difference = (cloud.xyz if xyz is None else xyz)[near] - truth[owner[near], cloud.frame[near]]
+    squared = (difference * np.linalg.solve(cloud.cov[near], difference[..., None])[..., 0]).sum(-1)
     squared = squared[~np.isnan(squared)]
     tracked = tracks.id >= 0
     found = wanted[owner[near], cloud.frame[near]]
@@ -96,7 +90,7 @@ def score(
         recall=float(found.sum() / max(wanted.sum(), 1)),
         precision=float(near.sum() / max(tracked.sum(), 1)),
         extra_per_frame=float((tracked & ~near).sum() / max(cloud.n_frames, 1)),
-        rmse=float(np.sqrt((off**2).sum(1).mean())) if near.any() else unknown,
+        rmse=float(np.sqrt((difference**2).sum(1).mean())) if near.any() else unknown,
         median=float(np.median(distance[near])) if near.any() else unknown,
         p95=float(np.percentile(distance[near], 95)) if near.any() else unknown,
         coverage=float((squared <= 2 * scipy.special.gammaincinv(1.5, 0.95)).mean()) if len(squared) else unknown,
@@ -154,7 +148,7 @@ def _handovers(tracks: Tracks, owner: Ints) -> int:
     return int(((owner[a] == owner[b]) & (tracks.id[a] != tracks.id[b])).sum())
 
 
-def _best(tracks: Tracks, owner: Ints, wanted: NDArray[np.bool_]) -> Floats:
+def _best(tracks: Tracks, owner: Ints, wanted: Bools) -> Floats:
     """(M) share of the wanted samples of each path that the track has that has most of them."""
     near = np.flatnonzero(owner >= 0)
     near = near[wanted[owner[near], tracks.cloud.frame[near]]]

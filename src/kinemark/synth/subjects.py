@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Angles, Events, MarkerSet, MarkerTrajectory, Trajectories
+from ..data.array_types import Floats, Ints
 from ..data.arrays import column, set_columns
 
 
@@ -23,9 +24,9 @@ class Capsules:
     """
 
     names: tuple[str, ...]
-    a: NDArray[np.float64]
-    b: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    a: Floats
+    b: Floats
+    radius: Floats
 
     def __post_init__(self) -> None:
         n, f = len(self.names), np.shape(self.a)[1]
@@ -63,10 +64,10 @@ class Subject:
 
     names: tuple[str, ...]
     rate: float
-    xyz: NDArray[np.float64]
-    radius_mm: NDArray[np.float64]
+    xyz: Floats
+    radius_mm: Floats
     capsules: Capsules
-    links: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    links: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     angles: Angles | None = None
     events: Events = field(default_factory=Events)
 
@@ -87,7 +88,7 @@ class Subject:
     def __len__(self) -> int:
         return len(self.names)
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Floats:
         """(F, 3) the path of one marker, mm."""
         if name not in self.names:
             raise KeyError(f"no marker {name!r}; there are {', '.join(self.names)}")
@@ -114,7 +115,7 @@ class Subject:
         return MarkerSet(self.names, links=self.links, length=length, spread=spread)
 
 
-def pairs(names: tuple[str, ...], *links: tuple[str, str]) -> NDArray[np.int64]:
+def pairs(names: tuple[str, ...], *links: tuple[str, str]) -> Ints:
     """(K, 2) indices of linked names."""
     return np.array([[names.index(a), names.index(b)] for a, b in links], np.int64).reshape(-1, 2)
 

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from ..data import Rods
 from .camera_placement import VOLUME
+from .smooth_noise import smooth_noise
 from .subjects import Capsules, Subject, pairs, stationary
-from .wobble import smooth_noise
 
 SPACINGS = ((550, 200, 150, 600, 250), (350, 250, 650, 150, 350), (150, 450, 550, 150, 450), (500, 550, 250, 150, 300))
 """Gaps between the markers of each rod from its top down, mm. Perspective keeps the cross-ratios of four markers in a

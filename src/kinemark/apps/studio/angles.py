@@ -80,11 +80,11 @@ def spike(document: OpenDocument, body: a.SpikeBody) -> a.Spike:
         trajectories, model=basis.model, joint=body.joint, turn=body.turn,
         index=body.frame - trajectories.first_frame, template=basis.template, method=method,
     )  # fmt: skip
-    camera, off, seen = worst_image(document, found.marker, found.at)
+    camera, residual, seen = worst_image(document, found.marker, found.at)
     frame = found.at + trajectories.first_frame
     words = f"{found.marker} made it in frame {frame}: without its leap the angle is {found.change_deg:.1f}° another. "
     return a.Spike(
-        frame=frame, marker=found.marker, change_deg=found.change_deg, camera=camera, residual_px=off,
+        frame=frame, marker=found.marker, change_deg=found.change_deg, camera=camera, residual_px=residual,
         words=words + seen,
     )  # fmt: skip
 
@@ -97,15 +97,19 @@ def worst_image(document: OpenDocument, marker: str, index: int) -> tuple[str | 
         return None, None, f"It was {Origin(path.origin[index]).name.lower()} there, by no image."
     if detections is None or rig is None or path.detection.shape[1] != len(rig):
         return None, None, "Its images are not known."
-    off = {
+    residual = {
         camera.name: float(np.linalg.norm(project(camera, path.xyz[index][None])[0] - detections.uv[row]))
         for camera, row in zip(rig, path.detection[index].tolist(), strict=True)
         if row >= 0
     }
-    if not off:
+    if not residual:
         return None, None, "Its images are not known."
-    worst = max(off, key=lambda name: off[name])
-    return worst, off[worst], f"{len(off)} cameras saw it; the image of {worst} is farthest off, {off[worst]:.1f} px."
+    camera = max(residual, key=lambda name: residual[name])
+    return (
+        camera,
+        residual[camera],
+        f"{len(residual)} cameras saw it; the image of {camera} is farthest off, {residual[camera]:.1f} px.",
+    )
 
 
 def export(document: OpenDocument, said: a.AngleChoice) -> a.EulerFiles:

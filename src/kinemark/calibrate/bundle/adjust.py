@@ -150,21 +150,21 @@ def completed(
             f"give equations ({-nu + 1} too few). Record more, or fit fewer lens terms."
         )
     joint = covariance * chi2 / nu * max(nu, 3) / (max(nu, 3) - 2)
-    off = residuals(state, seen.uv)
+    residual = residuals(state, seen.uv)
     xyz = np.where(np.asarray(kept.any(0))[:, None], all_points(state.parts), np.nan)
-    off = np.where(np.isnan(xyz[:, :1]), np.nan, off)
+    residual = np.where(np.isnan(xyz[:, :1]), np.nan, residual)
     cameras = tuple(
         replace(
             camera,
             cov=joint[15 * c : 15 * c + 15, 15 * c : 15 * c + 15],
-            residual=float(np.sqrt((off[c, kept[c]] ** 2).sum(1).mean())) if kept[c].any() else float("nan"),
+            residual=float(np.sqrt((residual[c, kept[c]] ** 2).sum(1).mean())) if kept[c].any() else float("nan"),
         )
         for c, camera in enumerate(state.cameras)
     )
     there = xyz[complete(xyz)]
     lost = int(seen.used.sum() - kept.sum())
     words = f"{what}: {int(kept.sum())} image points" + (f", {lost} left out" if lost else "")
-    return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, off, kept, joint, chi2, nu)
+    return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, residual, kept, joint, chi2, nu)
 
 
 def observed(uv: Floats, cov: Floats | None) -> ImageObservations:

@@ -94,9 +94,9 @@ def _camera_motions(state: BundleState, centre: Floats) -> Floats:
 
 def _point_motions(xyz: Floats, centre: Floats) -> Floats:
     """(…, 3, 7) of points (…, 3)."""
-    off = xyz - centre[:3]
+    offset = xyz - centre[:3]
     eye = np.broadcast_to(np.eye(3), (*xyz.shape, 3))
-    return np.concatenate([-cross_matrix(off), eye, off[..., None] / centre[3]], -1)
+    return np.concatenate([-cross_matrix(offset), eye, offset[..., None] / centre[3]], -1)
 
 
 def _points_follow(

@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...numerics.vectors import perpendicular_pair
 
 
@@ -48,10 +47,10 @@ class Sticks:
 
     def tangents(self) -> Floats:
         """(n, K, 3, 5) of (2)."""
-        turns = perpendicular_pair(self.direction)
+        perpendicular = perpendicular_pair(self.direction)
         J = np.zeros((len(self.centre), len(self.along), 3, 5))
         J[..., :3] = np.eye(3)
-        J[..., 3:] = self.along[:, None, None] * turns[:, None]
+        J[..., 3:] = self.along[:, None, None] * perpendicular[:, None]
         return J
 
     def moved(self, step: Floats) -> Sticks:
@@ -64,7 +63,7 @@ class Sticks:
         """What is known beforehand: nothing."""
         return _nothing(len(self.centre), self.degrees)
 
-    def supported(self, views: NDArray[np.int64]) -> Bools:
+    def supported(self, views: Ints) -> Bools:
         """(n) whether two markers are seen by two cameras each, from how many cameras see each marker (n, K)."""
         return np.asarray((views >= 2).sum(1) >= 2)
 
@@ -72,7 +71,7 @@ class Sticks:
         """In a world where X is scale · R X + t."""
         return Sticks(scale * self.centre @ R.T + t, self.direction @ R.T, scale * self.along)
 
-    def take(self, rows: NDArray[np.int64]) -> Sticks:
+    def take(self, rows: Ints) -> Sticks:
         """Some of the bodies."""
         return replace(self, centre=self.centre[rows], direction=self.direction[rows])
 
@@ -115,11 +114,11 @@ class FreePoints:
         """(3): its share of the normal matrix (n, 3, 3), of the right side (n, 3) and of χ²."""
         if self.surveyed is None or self.information is None:
             return _nothing(len(self.at), 3)
-        off = self.surveyed - self.at
-        pull = np.einsum("nij,nj->ni", self.information, off)
-        return self.information, pull, float((off * pull).sum())
+        difference = self.surveyed - self.at
+        pull = np.einsum("nij,nj->ni", self.information, difference)
+        return self.information, pull, float((difference * pull).sum())
 
-    def supported(self, views: NDArray[np.int64]) -> Bools:
+    def supported(self, views: Ints) -> Bools:
         """(n) whether they are seen often enough, from how many cameras see each (n, 1)."""
         return np.asarray(views[:, 0] >= (1 if self.known else 2))
 
@@ -129,7 +128,7 @@ class FreePoints:
         information = None if self.information is None else R @ self.information @ R.T / scale**2
         return FreePoints(scale * self.at @ R.T + t, surveyed, information)
 
-    def take(self, rows: NDArray[np.int64]) -> FreePoints:
+    def take(self, rows: Ints) -> FreePoints:
         """Some of the points."""
         optional = (None if a is None else a[rows] for a in (self.surveyed, self.information))
         return FreePoints(self.at[rows], *optional)
@@ -169,11 +168,11 @@ class KnownPoints:
         """Nothing that could change."""
         return _nothing(len(self.at), 0)
 
-    def supported(self, views: NDArray[np.int64]) -> Bools:
+    def supported(self, views: Ints) -> Bools:
         """(n) whether a camera sees them."""
         return np.asarray(views[:, 0] >= 1)
 
-    def take(self, rows: NDArray[np.int64]) -> KnownPoints:
+    def take(self, rows: Ints) -> KnownPoints:
         """Some of the points."""
         return KnownPoints(self.at[rows])
 
@@ -213,8 +212,8 @@ def sticks_through(xyz: Floats, along: Floats) -> Sticks:
     n = np.maximum(there.sum(1), 1)
     s = np.where(there, along, 0.0)
     s_mean, mean = s.sum(1) / n, np.where(there[..., None], xyz, 0.0).sum(1) / n[:, None]
-    off = np.where(there, along - s_mean[:, None], 0.0)
-    direction = (off[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
+    centred = np.where(there, along - s_mean[:, None], 0.0)
+    direction = (centred[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
     length = np.linalg.norm(direction, axis=1)
     direction = direction / np.where((there.sum(1) >= 2) & (length > 0), length, np.nan)[:, None]
     return Sticks(mean - s_mean[:, None] * direction, direction, np.asarray(along, np.float64))

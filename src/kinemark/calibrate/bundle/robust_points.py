@@ -28,17 +28,17 @@ def robust_points(cameras: Iterable[Camera], uv: Floats, *, limit: ArrayLike) ->
     ideal = np.stack([undistort(camera, x) for camera, x in zip(cameras, uv, strict=True)], 1)
     limits = np.broadcast_to(np.asarray(limit, np.float64), len(cameras))[:, None]
     xyz = triangulate(ideal, P)
-    bad = np.flatnonzero((_off(cameras, xyz, uv) > limits).any(0))
+    bad = np.flatnonzero((_distances(cameras, xyz, uv) > limits).any(0))
     xyz[bad] = _consensus(cameras, ideal[bad], uv[:, bad], P, limits)
     return xyz
 
 
-def _off(cameras: tuple[Camera, ...], xyz: Floats, uv: Floats) -> Floats:
+def _distances(cameras: tuple[Camera, ...], xyz: Floats, uv: Floats) -> Floats:
     """(C, N) distance of points from their images, px; 0 where unseen, infinite behind the camera."""
-    off = np.stack(
+    distance = np.stack(
         [np.linalg.norm(seen - project(camera, xyz), axis=-1) for camera, seen in zip(cameras, uv, strict=True)]
     )
-    return np.where(np.isnan(uv[..., 0]), 0.0, np.where(np.isnan(off), np.inf, off))
+    return np.where(np.isnan(uv[..., 0]), 0.0, np.where(np.isnan(distance), np.inf, distance))
 
 
 def _consensus(cameras: tuple[Camera, ...], ideal: Floats, uv: Floats, P: Floats, limits: Floats) -> Floats:
@@ -48,9 +48,9 @@ def _consensus(cameras: tuple[Camera, ...], ideal: Floats, uv: Floats, P: Floats
     agree = np.zeros(seen.shape, np.bool_)
     for a, b in combinations(range(len(cameras)), 2):
         rows = np.flatnonzero(seen[a] & seen[b])
-        off = _off(cameras, triangulate(ideal[rows][:, [a, b]], P[[a, b]]), uv[:, rows])
-        near = seen[:, rows] & (off <= limits)
-        count, total = near.sum(0), np.where(near, off, 0.0).sum(0)
+        distance = _distances(cameras, triangulate(ideal[rows][:, [a, b]], P[[a, b]]), uv[:, rows])
+        near = seen[:, rows] & (distance <= limits)
+        count, total = near.sum(0), np.where(near, distance, 0.0).sum(0)
         better = (near[a] & near[b]) & ((count > most[rows]) | ((count == most[rows]) & (total < cost[rows])))
         rows = rows[better]
         most[rows], cost[rows], agree[:, rows] = count[better], total[better], near[:, better]

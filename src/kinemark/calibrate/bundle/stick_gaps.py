@@ -18,6 +18,7 @@ import numpy as np
 
 from ...data import Camera, KinemarkError
 from ...data.array_types import Floats
+from ...numerics.robust import SD_PER_MEDIAN
 from .robust_points import robust_points
 
 FAR_OFF = 0.01
@@ -48,10 +49,10 @@ def seen_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> SeenGaps 
     if len(gap) < FEWEST:
         return None
     share = gap / gap.sum(1, keepdims=True)  # (1)
-    middle = np.median(share, axis=0)
-    spread = 1.4826 * np.median(np.abs(share - middle), axis=0)
+    median = np.median(share, axis=0)
+    spread = SD_PER_MEDIAN * np.median(np.abs(share - median), axis=0)
     length = float(np.ptp(along))
-    return SeenGaps(middle / middle.sum() * length, 1.2533 * spread / np.sqrt(len(gap)) * length, np.diff(along[order]))
+    return SeenGaps(median / median.sum() * length, 1.2533 * spread / np.sqrt(len(gap)) * length, np.diff(along[order]))
 
 
 def seen_places(cameras: Sequence[Camera], uv: Floats, along: Floats, *, least: float) -> Floats:
@@ -70,14 +71,14 @@ def seen_places(cameras: Sequence[Camera], uv: Floats, along: Floats, *, least: 
     if seen is None:
         return along
     length = float(np.ptp(along))
-    off = np.abs(seen.gaps - seen.stated)
-    if off.max() > PLAUSIBLE * length:
+    difference = np.abs(seen.gaps - seen.stated)
+    if difference.max() > PLAUSIBLE * length:
         observed, stated = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (seen.gaps, seen.stated))
         raise KinemarkError(
             f"The gaps between the markers come out as {observed} mm, if they are {length:g} mm in all, and they are "
             f"given as {stated} mm. Measure them again, from centre to centre, and give them in order."
         )
-    if (off <= np.maximum(CERTAIN * seen.sd, least * length)).all():
+    if (difference <= np.maximum(CERTAIN * seen.sd, least * length)).all():
         return along
     order = np.argsort(along)
     places = np.empty_like(along)

@@ -26,9 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Camera, Detections, KinemarkError, Rig, Rods
+from ...data.array_types import Floats, Ints
 from ...geometry import decompose, fit_dlt, from_dlt, project, undistort
 from ..control_points import (
     ControlFit,
@@ -123,7 +124,7 @@ def control_frame_quality(
 
 def _recognised(
     detections: Detections, rods: Rods, frame: int, tolerance: float, lenses: Sequence[Camera] | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Floats, Floats]:
     """Where every camera sees the markers (R·K): (C, R·K, 2) px and covariance, NaN where it does not."""
     if not 0 <= frame < detections.n_frames:
         raise ValueError(f"frame is {frame}, wanted one of the {detections.n_frames} frames from 0 on")
@@ -144,9 +145,7 @@ def _recognised(
     return uv, cov
 
 
-def recognise_control_frame(
-    uv: NDArray[np.float64], rods: Rods, *, tolerance: float = TOLERANCE
-) -> NDArray[np.float64]:
+def recognise_control_frame(uv: Floats, rods: Rods, *, tolerance: float = TOLERANCE) -> Floats:
     """Which of the points (n, 2) px is which marker: (R, K, 2) px, NaN where a marker is not seen.
 
     `tolerance` is the RMS distance, px, at which markers may lie from where a camera with one lens term sees them.
@@ -158,7 +157,7 @@ def recognise_control_frame(
     return np.where(index[..., None] >= 0, uv[index], np.nan)
 
 
-def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = TOLERANCE) -> NDArray[np.int64]:
+def identify_markers(uv: Floats, rods: Rods, *, tolerance: float = TOLERANCE) -> Ints:
     """Row of `uv` (n, 2) for each marker (R, K), −1 where it is not seen; errors as in `recognise_control_frame`."""
     if len(uv) > MOST_POINTS:
         raise KinemarkError(
@@ -188,7 +187,7 @@ def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = 
     )
 
 
-def _swapped(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, tolerance: float) -> str:
+def _swapped(read: list[list[Reading]], uv: Floats, rods: Rods, tolerance: float) -> str:
     """The pairs of rods that may hang at each other's places, as a sentence, if a camera sees them so.
 
     Rods at the corners of a rectangle look the same after half a turn, with the other two swapped: both are named.
@@ -210,29 +209,27 @@ def _swapped(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, tol
     return f"They do if {', or '.join(pairs)}, hang at each other's places: exchange two rods, or their coordinates. "
 
 
-def rows_of_points(
-    uv: NDArray[np.float64], *, tolerance: float, fewest: int, most: int = MOST_IN_ROW
-) -> list[NDArray[np.int64]]:
+def rows_of_points(uv: Floats, *, tolerance: float, fewest: int, most: int = MOST_IN_ROW) -> list[Ints]:
     """Points (n, 2) on common lines, `fewest` to `most` each, sorted along the line; each set once."""
     pairs = np.array(list(combinations(range(len(uv)), 2)), np.int64).reshape(-1, 2)
     a, d = uv[pairs[:, 0]], uv[pairs[:, 1]] - uv[pairs[:, 0]]
     length = np.linalg.norm(d, axis=1)
     pairs, a, d, length = (x[length > 0] for x in (pairs, a, d, length))
     offset = uv[None] - a[:, None]
-    off_line = np.abs(offset[..., 0] * d[:, None, 1] - offset[..., 1] * d[:, None, 0]) / length[:, None]
-    near = off_line <= tolerance
+    distance = np.abs(offset[..., 0] * d[:, None, 1] - offset[..., 1] * d[:, None, 0]) / length[:, None]
+    near = distance <= tolerance
     near = np.unique(near[(near.sum(1) >= fewest) & (near.sum(1) <= most)], axis=0)
     return [_in_order(uv, np.flatnonzero(row)) for row in near]
 
 
-def _in_order(uv: NDArray[np.float64], row: NDArray[np.int64]) -> NDArray[np.int64]:
+def _in_order(uv: Floats, row: Ints) -> Ints:
     """The row (m) sorted along the line that fits its points best."""
     centred = uv[row] - uv[row].mean(0)
     direction = np.linalg.eigh(centred.T @ centred)[1][:, -1]
     return row[np.argsort(centred @ direction)]
 
 
-def _readings(uv: NDArray[np.float64], rods: Rods, tolerance: float) -> list[list[Reading]]:
+def _readings(uv: Floats, rods: Rods, tolerance: float) -> list[list[Reading]]:
     """Readings of each rod, most markers and least error first."""
     whole = rods.present.sum(1)
     fewest = min(fewest_markers(int(k)) for k in whole)
@@ -258,13 +255,13 @@ def _assignments(read: list[list[Reading]], size: int, most: int = TRIALS) -> It
 class _AssignedPoints(NamedTuple):
     """Row of the points for each marker (R, K), −1 where it is not seen, and how far off the camera's are, RMS px."""
 
-    markers: NDArray[np.int64]
+    markers: Ints
     rms: float
 
 
 def _best(
     assignments: Iterator[tuple[Reading, ...]],
-    uv: NDArray[np.float64],
+    uv: Floats,
     rods: Rods,
     tolerance: float,
     slack: float,
@@ -287,7 +284,7 @@ def _best(
 
 
 def _completed(
-    assignment: tuple[Reading, ...], uv: NDArray[np.float64], rods: Rods, tolerance: float, slack: float
+    assignment: tuple[Reading, ...], uv: Floats, rods: Rods, tolerance: float, slack: float
 ) -> _AssignedPoints | None:
     """All markers that one camera sees if the assignment is right, or None if it is not."""
     index = np.full(rods.xyz.shape[:2], -1, np.int64)
@@ -304,7 +301,7 @@ def _completed(
     return _AssignedPoints(index, rms) if (index >= 0).sum() >= fewest else None
 
 
-def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float, slack: float) -> Camera | None:
+def _camera(xyz: Floats, uv: Floats, tolerance: float, slack: float) -> Camera | None:
     """The camera with one lens term that sees these markers (N, 3) at these points (N, 2), if there is one."""
     try:
         P = from_dlt(fit_dlt(xyz, uv))
@@ -323,11 +320,11 @@ def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float,
     return fit.camera if _rms(fit.residual) <= tolerance else None
 
 
-def _rms(off: NDArray[np.float64]) -> float:
-    return float(np.sqrt((off**2).sum(1).mean()))
+def _rms(residual: Floats) -> float:
+    return float(np.sqrt((residual**2).sum(1).mean()))
 
 
-def _nearest(projected: NDArray[np.float64], uv: NDArray[np.float64], reach: float) -> NDArray[np.int64]:
+def _nearest(projected: Floats, uv: Floats, reach: float) -> Ints:
     """One point (n, 2) for each projected marker (M, 2) within reach, none twice: (M) index or −1."""
     distance = np.linalg.norm(projected[:, None] - uv[None], axis=-1)
     distance = np.where(np.isfinite(distance), distance, np.inf)  # a marker behind the camera

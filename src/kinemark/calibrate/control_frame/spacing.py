@@ -32,7 +32,8 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...data.array_types import Floats, Ints
 
 DEPTH = 4.0  # times as far the far end of a rod may be as its near one; chosen
 NO_FIT = 1e9  # px; stands for an error beyond all limits; a sentinel, by definition
@@ -51,9 +52,7 @@ class Reading(NamedTuple):
         return sum(p >= 0 for p in self.points)
 
 
-def readings(
-    rows: Sequence[NDArray[np.int64]], uv: NDArray[np.float64], along: NDArray[np.float64], *, tolerance: float
-) -> list[Reading]:
+def readings(rows: Sequence[Ints], uv: Floats, along: Floats, *, tolerance: float) -> list[Reading]:
     """Readings of rows of points, each in order along it, as rods (R, K) mm, NaN where a rod has no more markers.
 
     Of rows (m) into `uv` (n, 2) px: those whose error is at most `tolerance` px, with one marker missing at most and
@@ -83,7 +82,7 @@ def fewest_markers(whole: int) -> int:
     return max(min(5, whole), whole - 1)
 
 
-def choices(rows: Sequence[NDArray[np.int64]], k: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def choices(rows: Sequence[Ints], k: int) -> tuple[Ints, Ints]:
     """All choices of k points in order from each row: the row of each (Z), and the points (Z, k)."""
     row_of, chosen = [np.zeros(0, np.int64)], [np.zeros((0, k), np.int64)]
     for m in sorted({len(row) for row in rows if len(row) >= k}):
@@ -94,23 +93,21 @@ def choices(rows: Sequence[NDArray[np.int64]], k: int) -> tuple[NDArray[np.int64
     return np.concatenate(row_of), np.concatenate(chosen)
 
 
-def _distinct(chosen: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _distinct(chosen: Ints) -> tuple[Ints, Ints]:
     """The choices (U, k) that differ, and which of them each one is (Z): rows share most of their points."""
     narrow = np.ascontiguousarray(chosen, np.uint16)  # one key of bytes a choice sorts faster than its columns
     _, first, which = np.unique(narrow.view(f"V{2 * chosen.shape[1]}").ravel(), return_index=True, return_inverse=True)
     return chosen[first], which
 
 
-def _places(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _places(points: Floats) -> Floats:
     """(U, k) place of points (U, k, 2) along the line from the first to the last, px."""
     axis = points[:, -1] - points[:, 0]
     axis = axis / (np.linalg.norm(axis, axis=1, keepdims=True) + 1e-12)
     return np.einsum("uki,ui->uk", points - points[:, :1], axis)
 
 
-def _best_patterns(
-    s: NDArray[np.float64], q: NDArray[np.float64], k: int, limit: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+def _best_patterns(s: Floats, q: Floats, k: int, limit: float) -> tuple[Floats, Ints, Ints]:
     """For choices at q (U, k) px: the error, and which row of `marks`, k markers at s mm, fits best, either way."""
     forward = np.array(list(combinations(range(len(s)), k)), np.int64)
     marks = np.concatenate([forward, forward[:, ::-1]])
@@ -123,30 +120,26 @@ def _best_patterns(
     return best, pattern, marks
 
 
-def _best_of_each(row_of: NDArray[np.int64], error: NDArray[np.float64], tolerance: float) -> NDArray[np.int64]:
+def _best_of_each(row_of: Ints, error: Floats, tolerance: float) -> Ints:
     """The choice with the least error of each row that has one within the tolerance."""
     near = np.flatnonzero(error <= tolerance)
     near = near[np.lexsort((error[near], row_of[near]))]
     return near[np.unique(row_of[near], return_index=True)[1]]
 
 
-def spacing_errors(
-    s: NDArray[np.float64], q: NDArray[np.float64], *, limit: float = float("inf")
-) -> NDArray[np.float64]:
+def spacing_errors(s: Floats, q: Floats, *, limit: float = float("inf")) -> Floats:
     """(3) of points at q (U, k) px as markers at s (k) mm, or `NO_FIT` where it exceeds `limit` or (4) is violated."""
     return _errors(s, *_normalised(q), limit)
 
 
-def _normalised(q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _normalised(q: Floats) -> tuple[Floats, Floats]:
     """q (U, k) with zero mean and unit spread, and the spread (U), px."""
     centred = q - q.mean(-1, keepdims=True)
     scale = np.sqrt((centred**2).mean(-1)) + 1e-12
     return centred / scale[:, None], scale
 
 
-def _errors(
-    s: NDArray[np.float64], z: NDArray[np.float64], scale: NDArray[np.float64], limit: float
-) -> NDArray[np.float64]:
+def _errors(s: Floats, z: Floats, scale: Floats, limit: float) -> Floats:
     k = len(s)
     s = (s - s.mean()) / s.std()
     N = np.linalg.svd(np.column_stack([s, np.ones(k)]))[0][:, 2:]
@@ -158,7 +151,7 @@ def _errors(
     left = np.maximum(np.einsum("ui,ui->u", y, y) - c**2 * ww, 0.0)  # Σ of (2)², at most far² times that of (1)
     hopeful = (near > 0) & (far < DEPTH * near) & (scale**2 * left <= (limit * far) ** 2 * max(k - 3, 1))  # (4)
     rows = np.flatnonzero(hopeful)
-    off = ((y[rows] + c[rows, None] * w[rows]) @ N.T) / (1 + np.outer(c[rows], s))  # (6)
+    residual = ((y[rows] + c[rows, None] * w[rows]) @ N.T) / (1 + np.outer(c[rows], s))  # (6)
     error = np.full(len(z), NO_FIT)
-    error[rows] = scale[rows] * np.sqrt((off**2).sum(-1) / max(k - 3, 1))
+    error[rows] = scale[rows] * np.sqrt((residual**2).sum(-1) / max(k - 3, 1))
     return np.where(error <= limit, error, NO_FIT)

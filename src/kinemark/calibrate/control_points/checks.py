@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError
+from ...data.array_types import Floats
 
 FEWEST = 6  # points that the eleven parameters of a DLT need; by definition
 FLAT = 0.01
@@ -40,7 +40,7 @@ def labels(points: Sequence[str] | None, n: int) -> tuple[str, ...]:
     return tuple(points) if points is not None else tuple(str(i + 1) for i in range(n))
 
 
-def check_extent(xyz: NDArray[np.float64]) -> None:
+def check_extent(xyz: Floats) -> None:
     """The places (N, 3) must be lengths in mm, of a laboratory.
 
     Raises:
@@ -62,7 +62,7 @@ def check_extent(xyz: NDArray[np.float64]) -> None:
         )
 
 
-def check_points(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> None:
+def check_points(xyz: Floats, uv: Floats, names: Sequence[str]) -> None:
     """Points at (N, 3) mm with these names, all seen by one camera at (N, 2) px, must determine it.
 
     Raises:
@@ -81,11 +81,11 @@ def check_points(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Seque
     _check_thickness(xyz)
 
 
-def _extent(points: NDArray[np.float64]) -> float:
+def _extent(points: Floats) -> float:
     return float(np.ptp(points, axis=0).max(initial=0.0))
 
 
-def _check_places(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> None:
+def _check_places(xyz: Floats, uv: Floats, names: Sequence[str]) -> None:
     """One place has one image."""
     for i, j in _coincident(xyz, SAME * _extent(xyz)):
         apart = float(np.linalg.norm(uv[i] - uv[j]))
@@ -96,7 +96,7 @@ def _check_places(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequ
             )
 
 
-def _check_images(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> None:
+def _check_images(xyz: Floats, uv: Floats, names: Sequence[str]) -> None:
     """One image is of one place: markers exactly behind one another are not seen as two."""
     for i, j in _coincident(uv, SAME):
         apart = float(np.linalg.norm(xyz[i] - xyz[j]))
@@ -107,42 +107,42 @@ def _check_images(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequ
             )
 
 
-def _coincident(points: NDArray[np.float64], near: float) -> list[tuple[int, int]]:
+def _coincident(points: Floats, near: float) -> list[tuple[int, int]]:
     """Pairs (i, j) of neighbours in sorted order that coincide."""
     order = np.lexsort(points.T)
     same = np.abs(np.diff(points[order], axis=0)).max(1, initial=0.0) <= near
     return [(int(min(i, j)), int(max(i, j))) for i, j in zip(order[:-1][same], order[1:][same], strict=True)]
 
 
-def _check_thickness(xyz: NDArray[np.float64]) -> None:
+def _check_thickness(xyz: Floats) -> None:
     """(1), (2)."""
     centred = xyz - xyz.mean(0)
     _, s, Vt = np.linalg.svd(centred, full_matrices=False)
     if s[1] < FLAT * s[0]:  # (1)
-        off = float(np.linalg.norm(centred - np.outer(centred @ Vt[0], Vt[0]), axis=1).max())
+        distance = float(np.linalg.norm(centred - np.outer(centred @ Vt[0], Vt[0]), axis=1).max())
         raise KinemarkError(
-            f"The {len(xyz)} control points all lie within {_length(off)} of a line, and no camera follows from that. "
-            "Use points spread through the whole volume."
+            f"The {len(xyz)} control points all lie within {_length(distance)} of a line, and no camera follows from "
+            "that. Use points spread through the whole volume."
         )
     if s[2] < FLAT * s[0]:  # (2)
-        off = float(np.abs(centred @ Vt[2]).max())
+        distance = float(np.abs(centred @ Vt[2]).max())
         raise KinemarkError(
-            f"The {len(xyz)} control points all lie within {_length(off)} of a plane, {_plane(Vt[2], xyz.mean(0))}, "
-            f"and spread over {_length(_extent(xyz))} in it; no camera follows from that. Use points spread through "
-            "the whole volume."
+            f"The {len(xyz)} control points all lie within {_length(distance)} of a plane, "
+            f"{_plane(Vt[2], xyz.mean(0))}, and spread over {_length(_extent(xyz))} in it; no camera follows "
+            "from that. Use points spread through the whole volume."
         )
 
 
-def _plane(normal: NDArray[np.float64], middle: NDArray[np.float64]) -> str:
+def _plane(normal: Floats, centre: Floats) -> str:
     """A plane in words: x = 3 mm, where it is at right angles to an axis."""
     k = int(np.abs(normal).argmax())
     if abs(normal[k]) > UPRIGHT:
-        return f"about {'xyz'[k]} = {middle[k]:.0f} mm"
+        return f"about {'xyz'[k]} = {centre[k]:.0f} mm"
     normal = np.round(normal * np.sign(normal[k]), 2) + 0.0  # no -0.00
-    return f"at right angles to ({', '.join(f'{x:.2f}' for x in normal)}) through ({_place(middle)}) mm"
+    return f"at right angles to ({', '.join(f'{x:.2f}' for x in normal)}) through ({_place(centre)}) mm"
 
 
-def _place(point: NDArray[np.float64]) -> str:
+def _place(point: Floats) -> str:
     return ", ".join(f"{x:.0f}" for x in point)
 
 

@@ -16,9 +16,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Camera, Finding, KinemarkError, Rig
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import camera_about, origin_near, project, sphere_offset
 from .checks import check_extent, check_points, labels
 from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
@@ -65,16 +66,16 @@ class ControlFit(NamedTuple):
 
     rig: Rig
     points: tuple[str, ...]
-    xyz: NDArray[np.float64]
-    uv: NDArray[np.float64]
-    cov: NDArray[np.float64]
-    stated: NDArray[np.bool_]
-    residual: NDArray[np.float64]
-    kept: NDArray[np.bool_]
-    left_out_error: NDArray[np.float64]
-    left_out_xyz: NDArray[np.float64]
-    left_out_cov: NDArray[np.float64]
-    freedom: NDArray[np.int64]
+    xyz: Floats
+    uv: Floats
+    cov: Floats
+    stated: Bools
+    residual: Floats
+    kept: Bools
+    left_out_error: Floats
+    left_out_xyz: Floats
+    left_out_cov: Floats
+    freedom: Ints
     method: CameraMethod
     lenses: tuple[Camera, ...] | None
 
@@ -82,10 +83,10 @@ class ControlFit(NamedTuple):
 def calibrate_control_points(
     names: Sequence[str],
     sizes: ArrayLike,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
+    xyz: Floats,
+    uv: Floats,
     *,
-    cov: NDArray[np.float64] | None = None,
+    cov: Floats | None = None,
     method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
@@ -121,10 +122,10 @@ def calibrate_control_points(
 def control_point_quality(
     names: Sequence[str],
     sizes: ArrayLike,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
+    xyz: Floats,
+    uv: Floats,
     *,
-    cov: NDArray[np.float64] | None = None,
+    cov: Floats | None = None,
     method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
@@ -138,7 +139,7 @@ def control_point_quality(
     return _examined(fits, called, xyz, centres, spread, stated, method or ControlPoints(), held)
 
 
-def refitted(fit: ControlFit, *, without: NDArray[np.bool_]) -> ControlFit:
+def refitted(fit: ControlFit, *, without: Bools) -> ControlFit:
     """The calibration again without some of the points (N), and how well it sees them."""
     uv = np.where(without[:, None], np.nan, fit.uv)
     cov = np.where(fit.stated[:, None, None, None], fit.cov, np.nan)
@@ -151,10 +152,10 @@ def refitted(fit: ControlFit, *, without: NDArray[np.bool_]) -> ControlFit:
 def _examined(
     fits: list[FittedCamera],
     points: tuple[str, ...],
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    stated: NDArray[np.bool_],
+    xyz: Floats,
+    uv: Floats,
+    cov: Floats,
+    stated: Bools,
     method: CameraMethod,
     lenses: tuple[Camera, ...] | None,
 ) -> ControlFit:
@@ -181,14 +182,14 @@ def _examined(
 def _fits(
     names: Sequence[str],
     sizes: ArrayLike,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64] | None,
+    xyz: Floats,
+    uv: Floats,
+    cov: Floats | None,
     method: CameraMethod | None,
     lenses: Sequence[Camera] | None,
     diameter: float | None,
     points: tuple[str, ...],
-) -> tuple[list[FittedCamera], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[list[FittedCamera], Floats, Floats]:
     """Each camera about `origin_near` of the points, with `kept` over all N of them; the centres (C, N, 2) px that it
     was fitted to, and their weights."""
     sizes = np.asarray(sizes, np.int64).reshape(-1, 2)
@@ -236,14 +237,14 @@ def _unfitted(name: str, error: KinemarkError, mistaken: Finding | None) -> Kine
 
 def _corrected_fit(
     name: str,
-    size: NDArray[np.int64],
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
+    size: Ints,
+    xyz: Floats,
+    uv: Floats,
+    cov: Floats,
     method: CameraMethod,
     lens: Camera | None,
     diameter: float | None,
-) -> tuple[FittedCamera, NDArray[np.float64]]:
+) -> tuple[FittedCamera, Floats]:
     """A camera and the centres (N, 2) px of the spheres that it sees at `uv`, by (1)."""
     fitted, centres = fit_camera(name, size, xyz, uv, cov, method=method, lens=lens), uv
     for _ in range(CORRECTIONS if diameter is not None and np.isfinite(diameter) else 0):
@@ -253,7 +254,7 @@ def _corrected_fit(
     return fitted, centres
 
 
-def _rig(fits: list[FittedCamera], centres: NDArray[np.float64], xyz: NDArray[np.float64]) -> Rig:
+def _rig(fits: list[FittedCamera], centres: Floats, xyz: Floats) -> Rig:
     known = xyz[np.isfinite(xyz).all(1)]
     volume = np.stack([known.min(0), known.max(0)]) if len(known) else np.full((2, 3), np.nan)
     out = (np.isfinite(centres[..., 0]).sum(1) - np.array([f.kept.sum() for f in fits], int)) if fits else []
@@ -265,18 +266,13 @@ def _rig(fits: list[FittedCamera], centres: NDArray[np.float64], xyz: NDArray[np
     return Rig(tuple(camera_about(f.camera, -origin_near(xyz)) for f in fits), words, volume)
 
 
-def _stated(cov: NDArray[np.float64]) -> bool:
+def _stated(cov: Floats) -> bool:
     """Whether the covariance (n, 2, 2) is known for all points."""
     return bool(len(cov) and np.isfinite(cov).all())
 
 
 def _check_shapes(
-    names: Sequence[str],
-    sizes: NDArray[np.int64],
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64] | None,
-    lenses: Sequence[Camera] | None,
+    names: Sequence[str], sizes: Ints, xyz: Floats, uv: Floats, cov: Floats | None, lenses: Sequence[Camera] | None
 ) -> None:
     c, n = len(names), len(xyz)
     found = {"sizes": (sizes.shape, (c, 2)), "xyz": (xyz.shape, (n, 3)), "uv": (uv.shape, (c, n, 2))}

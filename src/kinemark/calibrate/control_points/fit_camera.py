@@ -30,9 +30,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
+from ...data.array_types import Bools, Floats, Ints
 from ...data.method import Method, parameter
 from ...geometry import camera_about, decompose, fit_dlt, from_dlt, origin_near, parameter_jacobian, project, undistort
 from ...numerics.robust import plane_scale
@@ -86,7 +86,7 @@ class CameraSolution(NamedTuple):
     """What a method makes of one camera's points: the fit, which of `data.PARAMETERS` (15) were free, and how many."""
 
     fit: ResectionFit
-    free: NDArray[np.bool_]
+    free: Bools
     parameters: int
 
 
@@ -94,8 +94,8 @@ class FittedCamera(NamedTuple):
     """A camera; which points (N) took part; and what of it was free: `data.PARAMETERS` (15), `tied` as in `resect`."""
 
     camera: Camera
-    kept: NDArray[np.bool_]
-    free: NDArray[np.bool_]
+    kept: Bools
+    free: Bools
     tied: bool
     parameters: int
 
@@ -106,14 +106,7 @@ class FittedCamera(NamedTuple):
 
 
 def fit_camera(
-    name: str,
-    size: NDArray[np.int64],
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    *,
-    method: CameraMethod,
-    lens: Camera | None = None,
+    name: str, size: Ints, xyz: Floats, uv: Floats, cov: Floats, *, method: CameraMethod, lens: Camera | None = None
 ) -> FittedCamera:
     """One camera from points (N, 3) mm that it sees at (N, 2) px with covariance (N, 2, 2), its lens known or not.
 
@@ -137,7 +130,7 @@ def fit_camera(
         kept[np.flatnonzero(kept)[outlier]] = False
 
 
-def free_parameters(n: int, method: ControlPoints) -> NDArray[np.bool_]:
+def free_parameters(n: int, method: ControlPoints) -> Bools:
     """(15) which of `data.PARAMETERS` n points determine, by (1)."""
     free = np.zeros(15, np.bool_)
     free[list(POSE_AND_FOCUS)] = True
@@ -149,14 +142,7 @@ def free_parameters(n: int, method: ControlPoints) -> NDArray[np.bool_]:
 
 
 def fit_all(
-    name: str,
-    size: NDArray[np.int64],
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    kept: NDArray[np.bool_],
-    method: CameraMethod,
-    lens: Camera | None,
+    name: str, size: Ints, xyz: Floats, uv: Floats, cov: Floats, kept: Bools, method: CameraMethod, lens: Camera | None
 ) -> tuple[FittedCamera, ResectionFit]:
     """The camera of the kept points, none left out, with their residuals (2).
 
@@ -178,13 +164,7 @@ def fit_all(
 
 @CALIBRATE.method("control_points", ControlPoints, source="Abdel-Aziz and Karara 1971", ways=SURVEYED)
 def refined_camera(
-    start: Camera,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    *,
-    method: ControlPoints,
-    lens: Camera | None,
+    start: Camera, xyz: Floats, uv: Floats, cov: Floats, *, method: ControlPoints, lens: Camera | None
 ) -> CameraSolution:
     """A camera's own parameters by least squares, from that of the DLT; the lens' are kept where it is known."""
     begin, tied = _straight(start) if lens is None else _through(lens, start), lens is not None
@@ -196,13 +176,7 @@ def refined_camera(
 
 @CALIBRATE.method("dlt", Dlt, source="UM²AS, eq. 2.4", ways=SURVEYED)
 def linear_camera(
-    start: Camera,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    *,
-    method: Dlt,
-    lens: Camera | None,
+    start: Camera, xyz: Floats, uv: Floats, cov: Floats, *, method: Dlt, lens: Camera | None
 ) -> CameraSolution:
     """The camera of the DLT as it is, with its covariance (3); the images' own covariances do not count."""
     return CameraSolution(_with_covariance(start, xyz, uv), np.zeros(15, np.bool_), 11)
@@ -229,7 +203,7 @@ def _through(lens: Camera, start: Camera) -> Camera:
     return replace(camera, cov=lens_covariance(lens, camera))
 
 
-def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> ResectionFit:
+def _with_covariance(camera: Camera, xyz: Floats, uv: Floats) -> ResectionFit:
     """The DLT's camera with residuals and covariance, by (3)."""
     residual = uv - project(camera, xyz)
     chosen = list(POSE_AND_FOCUS)
@@ -244,7 +218,7 @@ def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.fl
     return ResectionFit(camera, residual, np.linalg.norm(residual, axis=1))
 
 
-def _check_plausible(fit: ResectionFit, uv: NDArray[np.float64]) -> None:
+def _check_plausible(fit: ResectionFit, uv: Floats) -> None:
     """No lens and no surveyor is so bad that a camera is further off its points than this."""
     spread = float(np.sqrt(uv.var(0).sum()))
     if fit.camera.residual > IMPLAUSIBLE * spread:

@@ -26,9 +26,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data import Finding, Severity, make_finding
+from ...data.array_types import Floats, Ints
 from ...data.finding import most_severe_first
 from ...geometry import project
 from .fit import ControlFit
@@ -112,20 +112,20 @@ def scatter(fit: ControlFit, cameras: list[int]) -> tuple[float, int]:
 def _accuracy(fit: ControlFit) -> Finding:
     """(1), or (2)."""
     usable = ~refused_everywhere(fit) & np.isfinite(fit.left_out_xyz[:, 0])
-    off = np.linalg.norm(fit.left_out_xyz[usable], axis=1)
+    error = np.linalg.norm(fit.left_out_xyz[usable], axis=1)
     nu = int(fit.freedom.sum())
-    if len(off) < 6:
+    if len(error) < 6:
         return _by_residual(fit)
-    rms = float(np.sqrt((off**2).mean()))
+    rms = float(np.sqrt((error**2).mean()))
     size = float(np.linalg.norm(np.ptp(fit.xyz[np.isfinite(fit.xyz).all(1)], axis=0)))
-    low, high = limits(rms / size, min(nu, 3 * len(off)))
+    low, high = limits(rms / size, min(nu, 3 * len(error)))
     grade = grade_of(low, high)
     return make_finding(
         "control_points_return",
         severity=WEIGHT[grade],
         rms_mm=rms,
-        max_point=fit.points[np.flatnonzero(usable)[off.argmax()]],
-        max_mm=off.max(),
+        max_point=fit.points[np.flatnonzero(usable)[error.argmax()]],
+        max_mm=error.max(),
         parts=size / max(rms, 1e-9),
         diagonal_m=size / 1000,
         limit_parts=LIMIT[grade],
@@ -177,9 +177,9 @@ def _cameras(fit: ControlFit) -> list[Finding]:
     return findings
 
 
-def _beyond(ratio: float, nu: int, nu_others: int, tried: int) -> bool:
+def _beyond(ratio: float, nu: int, nu_others: int, comparisons: int) -> bool:
     """Whether chance makes one of so many cameras so much worse than the others."""
-    return bool(scipy.special.fdtrc(nu, nu_others, ratio**2) < CHANCE / tried)
+    return bool(scipy.special.fdtrc(nu, nu_others, ratio**2) < CHANCE / comparisons)
 
 
 def _missed(fit: ControlFit, cameras: list[int]) -> dict[str, Any]:
@@ -222,16 +222,16 @@ def _images(fit: ControlFit) -> list[Finding]:
     return findings
 
 
-def _left_out(fit: ControlFit, c: int, rows: NDArray[np.int64]) -> Finding:
+def _left_out(fit: ControlFit, c: int, rows: Ints) -> Finding:
     """Which images a camera left out, how far off they are, and where they seem to belong."""
     expected = project(fit.rig[c], fit.xyz)
     s, _ = scatter(fit, [c])
     far, places = [], []
     for i in rows:
-        off = np.linalg.norm(expected - fit.uv[c, i], axis=1)
-        j = int(np.where(np.isfinite(off) & (np.arange(len(off)) != i), off, np.inf).argmin())
-        like = off[j] < min(max(NEAR * np.sqrt(2) * s, EXACT), off[i] / 2)
-        far.append(off[i])
+        distance = np.linalg.norm(expected - fit.uv[c, i], axis=1)
+        j = int(np.where(np.isfinite(distance) & (np.arange(len(distance)) != i), distance, np.inf).argmin())
+        like = distance[j] < min(max(NEAR * np.sqrt(2) * s, EXACT), distance[i] / 2)
+        far.append(distance[i])
         places.append(fit.points[j] if like else None)
     return make_finding(
         "control_points_left_out",
@@ -294,7 +294,7 @@ def _survey(fit: ControlFit, wrong: Displaced | None, highest: int) -> list[Find
     ]
 
 
-def _elsewhere(fit: ControlFit, rows: NDArray[np.int64], offset: NDArray[np.float64]) -> str:
+def _elsewhere(fit: ControlFit, rows: Ints, offset: Floats) -> str:
     """Where points are instead: "other", at each other's places, all shifted "alike", or here and there, "apart"."""
     found, far = fit.xyz[rows] + offset, np.linalg.norm(offset, axis=1)
     if len(rows) == 2 and np.linalg.norm(found - fit.xyz[rows[::-1]], axis=1).max() < ALIKE * far.min():

@@ -27,9 +27,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Rig
+from ...data.array_types import Floats
 from ...geometry import parameter_jacobian, project, refine, triangulate, undistort
 from ...geometry.dlt import equations
 from ...numerics.scaled import scaled_inverse
@@ -51,18 +51,13 @@ class LeftOutPoints(NamedTuple):
     cov (N, 3, 3) mm² is what the cameras expect of `xyz`.
     """
 
-    error: NDArray[np.float64]
-    xyz: NDArray[np.float64]
-    cov: NDArray[np.float64]
+    error: Floats
+    xyz: Floats
+    cov: Floats
 
 
 def leave_one_out(
-    fits: list[FittedCamera],
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    *,
-    method: CameraMethod,
+    fits: list[FittedCamera], xyz: Floats, uv: Floats, cov: Floats, *, method: CameraMethod
 ) -> LeftOutPoints:
     """Each of N points by C cameras fitted without it; NaN where unseen, or where the others determine no camera.
 
@@ -90,13 +85,8 @@ def leave_one_out(
 
 
 def errors_without(
-    fitted: FittedCamera,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    *,
-    method: CameraMethod,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    fitted: FittedCamera, xyz: Floats, uv: Floats, cov: Floats, *, method: CameraMethod
+) -> tuple[Floats, Floats]:
     """Of points (n, 3) mm that a camera sees at (n, 2) px: errors (n, 2) px and covariances (n, 2, 2) px², (2), (3)."""
     kept, camera, linear = fitted.kept, fitted.camera, isinstance(method, Dlt)
     root = np.linalg.cholesky(cov)
@@ -123,15 +113,8 @@ def errors_without(
 
 
 def _refined_errors(
-    fitted: FittedCamera,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
-    r: NDArray[np.float64],
-    J: NDArray[np.float64],
-    inverse: NDArray[np.float64],
-    H: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    fitted: FittedCamera, xyz: Floats, uv: Floats, cov: Floats, r: Floats, J: Floats, inverse: Floats, H: Floats
+) -> Floats:
     """(2) of the kept points."""
     camera, free, tied = fitted.camera, fitted.free, fitted.tied
     leverage = np.linalg.eigvalsh(H)[:, -1]
@@ -149,7 +132,7 @@ def _refined_errors(
     return np.array(errors)
 
 
-def _dlt_errors(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def _dlt_errors(xyz: Floats, uv: Floats) -> Floats:
     """(2) by (6)."""
     A, T, U = equations(xyz, uv)
     each = A.transpose(0, 2, 1) @ A

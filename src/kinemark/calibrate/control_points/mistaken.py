@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data import Finding, KinemarkError, make_finding
+from ...data.array_types import Floats, Ints
 from ...geometry.dlt import equations
 from .checks import FEWEST
 from .fit_camera import ControlPoints, fit_all
@@ -35,12 +35,12 @@ CANDIDATES = 4  # pairs, the most promising, that are fitted in full; chosen for
 class SwappedPoints(NamedTuple):
     """Whose image each point's own is (N), and the RMS residual before and after, px."""
 
-    image_of: NDArray[np.int64]
+    image_of: Ints
     before: float
     after: float
 
 
-def find_swapped_points(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> SwappedPoints | None:
+def find_swapped_points(xyz: Floats, uv: Floats) -> SwappedPoints | None:
     """The exchange of images (N, 2) px among points (N, 3) mm that makes one camera see them much better, if any."""
     n = len(xyz)
     if not FEWEST < n <= MOST_POINTS:
@@ -48,19 +48,19 @@ def find_swapped_points(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> Sw
     image_of = np.arange(n)
     start = total = _start(xyz, uv)
     for _ in range(MOST_SWAPS):
-        tried = [_swapped(image_of, pair) for pair in _best_pairs(xyz, uv[image_of])]
-        sums = [sum_of_squares(xyz, uv[t]) for t in tried]
+        candidates = [_swapped(image_of, pair) for pair in _best_pairs(xyz, uv[image_of])]
+        sums = [sum_of_squares(xyz, uv[t]) for t in candidates]
         best = int(np.argmin(sums))
         if not sums[best] < total / 2:
             break
-        image_of, total = tried[best], sums[best]
+        image_of, total = candidates[best], sums[best]
     nu = 2 * n - int(_parameters(n))
     if not total < start or scipy.special.fdtrc(nu, nu, start / max(total, 1e-12)) > CHANCE / (n * (n - 1) / 2):  # (2)
         return None
     return SwappedPoints(image_of, float(np.sqrt(start / n)), float(np.sqrt(total / n)))
 
 
-def misplaced(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> tuple[int, float, float] | None:
+def misplaced(xyz: Floats, uv: Floats) -> tuple[int, float, float] | None:
     """The one point without which the camera sees the others much better, and their RMS residuals, px, if any; (3)."""
     n = len(xyz)
     nu = 2 * n - int(_parameters(n - 1)) - 2
@@ -77,9 +77,7 @@ def misplaced(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> tuple[int, f
     return i, float(np.sqrt(start / n)), float(np.sqrt(without[i] / (n - 1)))
 
 
-def mistaken_points(
-    xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str], *, camera: str
-) -> Finding | None:
+def mistaken_points(xyz: Floats, uv: Floats, names: Sequence[str], *, camera: str) -> Finding | None:
     """What one camera's images (N, 2) px of points (N, 3) mm say of points taken for one another; None if nothing."""
     if len(xyz) <= FEWEST:
         return None
@@ -101,7 +99,7 @@ def mistaken_points(
     return None
 
 
-def sum_of_squares(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> float:
+def sum_of_squares(xyz: Floats, uv: Floats) -> float:
     """Of all residuals of the best camera, px²; infinite where there is none."""
     all_alike, everything = np.tile(np.eye(2), (len(xyz), 1, 1)), np.ones(len(xyz), np.bool_)
     try:
@@ -111,7 +109,7 @@ def sum_of_squares(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> float:
     return float((fit.residual**2).sum())
 
 
-def _start(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> float:
+def _start(xyz: Floats, uv: Floats) -> float:
     """The sum of squares as things are; where no camera sees them so, that of the images about their mean."""
     found = sum_of_squares(xyz, uv)
     return found if np.isfinite(found) else float(((uv - uv.mean(0)) ** 2).sum())
@@ -121,13 +119,13 @@ def _parameters(n: int) -> int:
     return 11 if n > 10 else 10
 
 
-def _swapped(image_of: NDArray[np.int64], pair: tuple[int, int]) -> NDArray[np.int64]:
+def _swapped(image_of: Ints, pair: tuple[int, int]) -> Ints:
     swapped = image_of.copy()
     swapped[list(pair)] = image_of[list(pair[::-1])]
     return swapped
 
 
-def _best_pairs(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> list[tuple[int, int]]:
+def _best_pairs(xyz: Floats, uv: Floats) -> list[tuple[int, int]]:
     """The pairs with the least eigenvalues of (1)."""
     A, _, U = equations(xyz, uv)
     X = A[:, 0, :4]
@@ -140,7 +138,7 @@ def _best_pairs(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> list[tuple
     return [(int(a), int(b)) for a, b in pairs[best]]
 
 
-def _normal(X: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def _normal(X: Floats, uv: Floats) -> Floats:
     """M (n, 12, 12) of points (n, 4) at normalised images (n, 2)."""
     zero = np.zeros_like(X)
     rows = np.stack([np.hstack([X, zero, -uv[:, :1] * X]), np.hstack([zero, X, -uv[:, 1:] * X])], 1)

@@ -25,9 +25,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import camera_about, origin_near, parameter_jacobian, project_all
 from ...numerics.scaled import scaled_inverse
 from .fit import ControlFit, refitted
@@ -49,8 +49,8 @@ UNEXPLAINED = 0.3  # of a point's residual that its move may leave; chosen (see 
 class Displaced(NamedTuple):
     """Points that are elsewhere: rows (n), offsets (n, 3) mm from the survey, and the calibration without them."""
 
-    rows: NDArray[np.int64]
-    offset: NDArray[np.float64]
+    rows: Ints
+    offset: Floats
     rest: ControlFit
 
 
@@ -71,7 +71,7 @@ def displaced_points(fit: ControlFit) -> Displaced | None:
     return _named(fit, wrong, rest) if wrong.sum() <= MOST_WRONG * n else None
 
 
-def _contradicted_points(fit: ControlFit, rejected: NDArray[np.bool_], n: int) -> tuple[NDArray[np.bool_], ControlFit]:
+def _contradicted_points(fit: ControlFit, rejected: Bools, n: int) -> tuple[Bools, ControlFit]:
     """The points (N) that the others contradict, and the calibration without them."""
     many = round(KEPT * n) >= FEWEST_RIGHT + 1
     spared = n - round(KEPT * n) if many else 1
@@ -88,7 +88,7 @@ def _contradicted_points(fit: ControlFit, rejected: NDArray[np.bool_], n: int) -
     return wrong, rest
 
 
-def _farthest(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
+def _farthest(fit: ControlFit, spared: int) -> Bools:
     """(N) the points with the greatest d, and those of which it is unknown."""
     d = np.nan_to_num(distance(fit), nan=np.inf)
     known = int(np.isfinite(d).sum())
@@ -100,7 +100,7 @@ def _squares(fit: ControlFit) -> float:
     return float((fit.residual[fit.kept] ** 2).sum() / max(fit.freedom.sum(), 1))
 
 
-def _best_cluster(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
+def _best_cluster(fit: ControlFit, spared: int) -> Bools:
     """(N) so many points next to each other without which residuals fall most, by (4)."""
     near = np.argsort(np.linalg.norm(fit.xyz[:, None] - fit.xyz, axis=-1), axis=1)[:, :spared]
     near = near[np.isfinite(fit.xyz).all(1)]
@@ -120,14 +120,14 @@ def _best_cluster(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
     return wrong
 
 
-def refused_everywhere(fit: ControlFit) -> NDArray[np.bool_]:
+def refused_everywhere(fit: ControlFit) -> Bools:
     """(N) which points were left out by most of the cameras that see them, two at least."""
     seen = np.isfinite(fit.uv[..., 0])
     out = (seen & ~fit.kept).sum(0)
     return (out >= 2) & (2 * out > seen.sum(0))
 
 
-def distance(fit: ControlFit) -> NDArray[np.float64]:
+def distance(fit: ControlFit) -> Floats:
     """(1), (N); NaN where unknown."""
     e, C = fit.left_out_xyz, fit.left_out_cov
     d = np.full(len(e), np.nan)
@@ -141,7 +141,7 @@ def suspicious(fit: ControlFit) -> bool:
     return bool(refused_everywhere(fit).any() or np.nanmax(distance(fit), initial=0.0) > SUSPICIOUS)
 
 
-def _named(fit: ControlFit, wrong: NDArray[np.bool_], rest: ControlFit) -> Displaced | None:
+def _named(fit: ControlFit, wrong: Bools, rest: ControlFit) -> Displaced | None:
     """Where the cameras that were fitted without the wrong points see these, if they see them at one place (5)."""
     wrong = wrong & np.isfinite(rest.left_out_xyz[:, 0])
     there = fit.uv - project_all(rest.rig, rest.xyz + rest.left_out_xyz)

@@ -28,7 +28,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ...data import KinemarkError
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from .dot_grid import order_grid
 
 SCALES = (2.0, 3.5, 1.2)
@@ -142,7 +142,7 @@ def _corners(slopes: list[Floats], uv: Floats, second: NDArray[np.complex128], c
     return corners
 
 
-def _radius(index: NDArray[np.int64], uv: Floats) -> Floats:
+def _radius(index: Ints, uv: Floats) -> Floats:
     """(rows, columns) radius of windows, px, that keep off the neighbouring corners."""
     place = np.where(index[..., None] >= 0, uv[index], np.nan)
     nearest = np.full(index.shape, np.inf)
@@ -160,7 +160,7 @@ def _floor(strength: Floats) -> float:
     return float(STRONGEST * np.quantile(strength, 1 - min(1.0, 20 / max(len(strength), 1)))) if len(strength) else 0.0
 
 
-def _ring(grey: Floats, uv: Floats, radius: float) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
+def _ring(grey: Floats, uv: Floats, radius: float) -> tuple[NDArray[np.complex128], Bools]:
     """c_2 (n) at places (n, 2), and whether (2) holds there (n)."""
     theta = 2 * np.pi * np.arange(ANGLES) / ANGLES
     u = uv[:, :1] + radius * np.cos(theta)

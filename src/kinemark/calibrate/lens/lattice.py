@@ -59,12 +59,12 @@ def grow_lattice(uv: Floats, *, enough: int | None = None) -> Ints:
     tree = scipy.spatial.KDTree(uv) if len(uv) >= 9 else None
     if tree is None:
         return best
-    tried: Bools = np.zeros(len(uv), np.bool_)
+    visited: Bools = np.zeros(len(uv), np.bool_)
     for seed in _seeds(uv, tree):
-        if tried[seed[1, 1]]:
+        if visited[seed[1, 1]]:
             continue  # it lies in a lattice that has been grown
         index = confirmed_nodes(_grown(uv, tree, seed), uv, tree)
-        tried[index[index >= 0]] = True
+        visited[index[index >= 0]] = True
         if (index >= 0).sum() > (best >= 0).sum():
             best = index
         if (best >= 0).sum() >= enough:
@@ -102,10 +102,10 @@ def _block(uv: Floats, tree: scipy.spatial.KDTree, k: int, near: Ints) -> tuple[
     steps = (np.indices((3, 3)) - 1).reshape(2, -1).T
     place = uv[k] + steps @ A.T
     taken = np.asarray(tree.query(place)[1], np.int64)
-    off = np.linalg.norm((uv[taken] - place) @ np.linalg.inv(A).T, axis=1)
-    if off.max() > 1.3 * REACH or len(set(taken.tolist())) < 9:
+    distance = np.linalg.norm((uv[taken] - place) @ np.linalg.inv(A).T, axis=1)
+    if distance.max() > 1.3 * REACH or len(set(taken.tolist())) < 9:
         return None
-    return float(off.max()), taken.reshape(3, 3)
+    return float(distance.max()), taken.reshape(3, 3)
 
 
 def _grown(uv: Floats, tree: scipy.spatial.KDTree, seed: Ints) -> Ints:
@@ -130,8 +130,8 @@ def confirmed_nodes(index: Ints, uv: Floats, tree: scipy.spatial.KDTree) -> Ints
         place, A, known = _predict(index, uv, inner, curved=True)
         nodes, place, A = inner[known], place[known], A[known]
         here = index[tuple(nodes.T)]
-        off = _cells(uv[here], place, A)[here >= 0]
-        tolerance = float(np.clip(8 * np.median(off), *SETTLED)) if len(off) else SETTLED[1]
+        distance = _cells(uv[here], place, A)[here >= 0]
+        tolerance = float(np.clip(8 * np.median(distance), *SETTLED)) if len(distance) else SETTLED[1]
         before, index = index, np.full_like(index, -1)
         _take(index, np.zeros(len(uv), np.bool_), uv, tree, nodes, place, A, tolerance)
         if (index == before).all():
@@ -153,9 +153,9 @@ def _take(
     if len(nodes) == 0:
         return 0
     near = tree.query(place, k=min(3, len(uv)))[1].reshape(len(nodes), -1)
-    off = np.where(used[near], np.inf, _cells(uv[near], place[:, None], A[:, None]))
-    node, choice = np.nonzero(off < reach)
-    order = np.argsort(off[node, choice])
+    distance = np.where(used[near], np.inf, _cells(uv[near], place[:, None], A[:, None]))
+    node, choice = np.nonzero(distance < reach)
+    order = np.argsort(distance[node, choice])
     added, filled = 0, np.zeros(len(nodes), np.bool_)
     for k, point in zip(node[order], near[node, choice][order], strict=True):
         if not filled[k] and not used[point]:

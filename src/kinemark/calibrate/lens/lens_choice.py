@@ -27,9 +27,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from .plane_views import POSE, KnownOptics, PlaneFit, PlanePoints, fit_planes, normalised_residuals
 
 SIDE = 4  # blocks across and down a view; chosen (see studies/linearisation.py)
@@ -64,7 +63,7 @@ class LensScore(NamedTuple):
         return self.radial + 2 * self.tangential
 
 
-def lens_terms(radial: int, tangential: bool) -> NDArray[np.bool_]:
+def lens_terms(radial: int, tangential: bool) -> Bools:
     """(5) which of k1, k2, p1, p2, k3 the model has."""
     terms = np.array([False, False, tangential, tangential, False])
     terms[list(RADIAL[:radial])] = True
@@ -82,8 +81,8 @@ def score_lenses(
     mean = (e * n).sum(1) / n.sum()  # (1)
     best = int(mean.argmin())
     with np.errstate(invalid="ignore"):
-        off = e - e[best] - (mean - mean[best])[:, None]
-        error = np.sqrt(len(n) / (len(n) - 1) * ((n * off) ** 2).sum(1)) / n.sum()  # (2)
+        deviation = e - e[best] - (mean - mean[best])[:, None]
+        error = np.sqrt(len(n) / (len(n) - 1) * ((n * deviation) ** 2).sum(1)) / n.sum()  # (2)
     error = np.where(np.isfinite(mean), error, np.inf)
     found = zip(models, np.sqrt(mean), mean - mean[best], error, strict=True)
     return [LensScore(*model, float(rms), float(worse), float(s)) for model, rms, worse, s in found]
@@ -96,9 +95,7 @@ def simplest(scores: Sequence[LensScore]) -> LensScore:
     return min(good, key=lambda s: (s.terms, s.worse))
 
 
-def _block_errors(
-    lens: NDArray[np.bool_], start: PlaneFit, points: PlanePoints, block: NDArray[np.int64], known: KnownOptics
-) -> Floats:
+def _block_errors(lens: Bools, start: PlaneFit, points: PlanePoints, block: Ints, known: KnownOptics) -> Floats:
     """Mean square error in each block when it was left out."""
     total, views = np.zeros(block.max() + 1), len(start.planes.t)
     view, place = np.divmod(block, SIDE**2)
@@ -115,7 +112,7 @@ def _block_errors(
     return np.asarray(total / np.maximum(np.bincount(block), 1))
 
 
-def _blocks(points: PlanePoints) -> NDArray[np.int64]:
+def _blocks(points: PlanePoints) -> Ints:
     """(N) block of each point, numbered through all views; about as many points in each of a view."""
     block = np.zeros(len(points.uv), np.int64)
     for v in np.unique(points.view):

@@ -302,8 +302,8 @@ def _result(
     scores: tuple[LensScore, ...],
 ) -> LensFit:
     camera, focal_known = _camera(fit, points.part(kept), known)
-    off = points.uv - seen_at(fit.planes, points)
-    camera = replace(camera, residual=float(np.sqrt((off[kept] ** 2).sum(1).mean())))
+    misfit = points.uv - seen_at(fit.planes, points)
+    camera = replace(camera, residual=float(np.sqrt((misfit[kept] ** 2).sum(1).mean())))
     used = points.part(kept)
     if not camera.residual <= IMPLAUSIBLE * float(np.sqrt(used.uv.var(0).sum())):
         raise KinemarkError(
@@ -316,7 +316,7 @@ def _result(
         rows, here = _seen(view), points.view == v
         which.append(np.zeros(len(rows), np.bool_))
         residual.append(np.full((len(rows), 2), np.nan))
-        which[v][rows], residual[v][rows] = kept[here], off[here]
+        which[v][rows], residual[v][rows] = kept[here], misfit[here]
     poses = [replace(fit.planes.camera, R=R, t=t) for R, t in zip(fit.planes.R, fit.planes.t, strict=True)]
     straight = _straight(camera, used)
     return LensFit(camera, focal_known, straight, scores, tuple(poses), tuple(which), tuple(residual), coverage)
@@ -340,7 +340,7 @@ def _camera(fit: PlaneFit, points: PlanePoints, known: KnownOptics) -> tuple[Cam
 def _coverage(camera: Camera, uv: Floats, known: KnownOptics) -> float:
     """Share of the image within the points' outline, which must hold the middle of image and lens."""
     outline = scipy.spatial.Delaunay(uv)
-    for what, place in (("middle of the image", known.middle), ("centre of the lens", camera.K[:2, 2])):
+    for what, place in (("middle of the image", known.image_centre), ("centre of the lens", camera.K[:2, 2])):
         if outline.find_simplex(place) < 0:
             low, high = uv.min(0), uv.max(0)
             raise KinemarkError(

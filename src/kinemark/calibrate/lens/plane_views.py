@@ -33,10 +33,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data import Camera
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, project
 from ...geometry.dlt import normalising
 from ...numerics.levenberg_marquardt import damped_step, minimise
@@ -60,7 +59,7 @@ class PlanePoints(NamedTuple):
     A residual times `whiten` has unit noise.
     """
 
-    view: NDArray[np.int64]
+    view: Ints
     xyz: Floats
     uv: Floats
     whiten: Floats
@@ -81,7 +80,7 @@ class Planes(NamedTuple):
 class KnownOptics(NamedTuple):
     """What is known of any camera: its middle (2) px, nominal focal length px, and τ (9) of (3)."""
 
-    middle: Floats
+    image_centre: Floats
     nominal: float
     tau: Floats
 
@@ -103,13 +102,13 @@ class PlaneFit(NamedTuple):
         return self.chi2 / self.nu + 1e-16
 
 
-def known_of(size: NDArray[np.int64], uv: Floats) -> KnownOptics:
+def known_of(size: Ints, uv: Floats) -> KnownOptics:
     """What is known of a camera with images of this size (2) px, (0, 0) where unknown, that has seen points (N, 2)."""
     side = size.astype(np.float64) if size.all() else uv.max(0) - uv.min(0)
-    middle = (side - 1) / 2 if size.all() else (uv.max(0) + uv.min(0)) / 2
+    image_centre = (side - 1) / 2 if size.all() else (uv.max(0) + uv.min(0)) / 2
     nominal = float(side.max())
     tau = np.array([1.0, 1.0, nominal / 4, nominal / 4, np.inf, np.inf, DECENTRED, DECENTRED, np.inf])
-    return KnownOptics(middle, nominal, tau)
+    return KnownOptics(image_centre, nominal, tau)
 
 
 def fit_homography(xy: Floats, uv: Floats) -> Floats:
@@ -123,10 +122,10 @@ def fit_homography(xy: Floats, uv: Floats) -> Floats:
     return np.asarray(H / np.linalg.norm(H))
 
 
-def start_planes(name: str, size: NDArray[np.int64], points: PlanePoints, known: KnownOptics) -> list[Planes]:
+def start_planes(name: str, size: Ints, points: PlanePoints, known: KnownOptics) -> list[Planes]:
     """Planes to begin with, for some focal lengths: that of (1), and the nominal one and its like."""
     each = [points.part(points.view == v) for v in range(int(points.view.max()) + 1)]
-    flat = [fit_homography(p.xyz[:, :2], p.uv - known.middle) for p in each]
+    flat = [fit_homography(p.xyz[:, :2], p.uv - known.image_centre) for p in each]
     rows = [
         row
         for h in flat
@@ -142,7 +141,7 @@ def start_planes(name: str, size: NDArray[np.int64], points: PlanePoints, known:
         focals.insert(0, float(inverse**-0.5))
     starts = []
     for focal in focals:
-        K = np.array([[focal, 0.0, known.middle[0]], [0.0, focal, known.middle[1]], [0.0, 0.0, 1.0]])
+        K = np.array([[focal, 0.0, known.image_centre[0]], [0.0, focal, known.image_centre[1]], [0.0, 0.0, 1.0]])
         R, t = (np.array(part) for part in zip(*(_pose(h, focal) for h in flat), strict=True))
         starts.append(Planes(Camera(name, size, K, np.eye(3), np.zeros(3)), R, t))
     return starts
@@ -187,8 +186,8 @@ def seen_at(planes: Planes, points: PlanePoints) -> Floats:
 
 def normalised_residuals(planes: Planes, points: PlanePoints) -> Floats:
     """(N) lengths of the residuals in units of their standard deviation."""
-    off = (points.whiten @ (points.uv - seen_at(planes, points))[..., None])[..., 0]
-    return np.asarray(np.linalg.norm(off, axis=1))
+    residual = (points.whiten @ (points.uv - seen_at(planes, points))[..., None])[..., 0]
+    return np.asarray(np.linalg.norm(residual, axis=1))
 
 
 def zoomed(planes: Planes, epsilon: float) -> Planes:
@@ -287,7 +286,7 @@ def _from_known(camera: Camera, known: KnownOptics) -> Floats:
     """(9) θ − θ0 of (3)."""
     fx, fy = camera.K[0, 0], camera.K[1, 1]
     return np.concatenate(
-        [[np.log(fx / known.nominal), np.log(fy / fx)], camera.K[:2, 2] - known.middle, camera.distortion]
+        [[np.log(fx / known.nominal), np.log(fy / fx)], camera.K[:2, 2] - known.image_centre, camera.distortion]
     )
 
 

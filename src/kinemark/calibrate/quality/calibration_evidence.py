@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Finding, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ..control_points.judgement import Judgement
 from .world_pose import WorldPose
 
@@ -60,7 +59,7 @@ class Evidence:
     xyz: Floats = field(default_factory=lambda: _none(0, 3))
     uv: Floats = field(default_factory=lambda: _none(0, 0, 2))
     residual: Floats = field(default_factory=lambda: _none(0, 0, 2))
-    kept: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
+    kept: Bools = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
     left_out: Floats = field(default_factory=lambda: _none(0, 0))
     left_out_mm: Floats = field(default_factory=lambda: _none(0))
     known: Floats = field(default_factory=lambda: _none(0))

@@ -49,17 +49,17 @@ def compare(old: Rig, new: Rig, xyz: Floats) -> Change:
         seen = xyz[visible(Rig((now,)), xyz)[0]]
         shift = np.linalg.norm(project(now, seen) - project(before, seen @ R.T + t), axis=1)
         image.append(float(np.nanmedian(shift)) if np.isfinite(shift).any() else np.nan)
-    middle = xyz.mean(0)
-    turns = [
+    centre = xyz.mean(0)
+    rotations = [
         scipy.spatial.transform.Rotation.from_matrix(n.R @ R.T @ o.R.T).magnitude() for o, n in zip(a, b, strict=True)
     ]
     return Change(
         names,
         np.linalg.norm(b.centres @ R.T + t - a.centres, axis=1),
-        np.degrees(np.array(turns)),
+        np.degrees(np.array(rotations)),
         np.array([n.K[0, 0] / o.K[0, 0] - 1 for o, n in zip(a, b, strict=True)]),
         np.array(image),
-        float(np.linalg.norm(R @ middle + t - middle)),
+        float(np.linalg.norm(R @ centre + t - centre)),
     )
 
 
@@ -67,8 +67,8 @@ def _laid(source: Rig, target: Rig) -> tuple[Floats, Floats]:
     """R, t from the world of one rig to that of another with the same cameras."""
     a, b = _marks(source), _marks(target)
     worlds = [(o.R.T @ n.R, o.R.T @ (n.t - o.t)) for o, n in zip(target, source, strict=True)]
-    off = np.array([np.linalg.norm(a @ R.T + t - b, axis=-1).max(1) for R, t in worlds])  # (C worlds, C cameras)
-    best = off[np.median(off, axis=1).argmin()]
+    distance = np.array([np.linalg.norm(a @ R.T + t - b, axis=-1).max(1) for R, t in worlds])  # (C worlds, C cameras)
+    best = distance[np.median(distance, axis=1).argmin()]
     home = best <= max(3 * float(np.median(best)), 1e-6)
     return rigid_align(a[home].reshape(-1, 3), b[home].reshape(-1, 3))
 

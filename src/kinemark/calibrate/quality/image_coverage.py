@@ -85,8 +85,8 @@ def share_within(hull: Floats, uv: Floats) -> float:
 
 def at_depth(camera: Camera, uv: Floats, depth: float) -> Floats:
     """(…, 3) mm what is seen at pixels (…, 2) so far along the camera's axis; NaN where the lens has no inverse."""
-    ahead = rays(camera, uv)
-    return camera.centre + ahead * (depth / np.maximum(ahead @ camera.R[2], 1e-3))[..., None]
+    direction = rays(camera, uv)
+    return camera.centre + direction * (depth / np.maximum(direction @ camera.R[2], 1e-3))[..., None]
 
 
 def aim_deviation(camera: Camera, xyz: Floats) -> Floats:

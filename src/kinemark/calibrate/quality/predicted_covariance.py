@@ -142,9 +142,9 @@ def apart_from_frame(rig: Rig, joint: Floats, xyz: Floats, *, centroid_sd: float
     usable = said.seen.sum(0) >= 2
     inverse = inverse3(said.information.sum(0)[usable])
     B = said.pull[:, usable].transpose(1, 2, 0, 3).reshape(-1, 3, joint.shape[0])
-    off = -(inverse @ B).reshape(-1, joint.shape[0])  # (2): how all the places move with δ
+    shift = -(inverse @ B).reshape(-1, joint.shape[0])  # (2): how all the places move with δ
     G = np.concatenate([_turned(xyz[usable]), np.tile(np.eye(3), (int(usable.sum()), 1, 1))], 2).reshape(-1, 6)
-    S = np.eye(len(joint)) - _moves(rig) @ np.linalg.pinv(G) @ off
+    S = np.eye(len(joint)) - _moves(rig) @ np.linalg.pinv(G) @ shift
     return joint_about(rig, S @ joint @ S.T, -origin)  # (5)
 
 

@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry.common_view import common_view_centre, seen_by
 from .predicted_covariance import block_diagonal, covariance_from, views
 
@@ -41,7 +41,7 @@ class VolumeMap(NamedTuple):
     """
 
     axes: tuple[Floats, Floats, Floats]
-    seen: NDArray[np.int64]
+    seen: Ints
     angle: Floats
     sd: Floats
     sd_largest_axis: Floats
@@ -104,11 +104,11 @@ def largest_axis_deviation(cov: Floats) -> Floats:
     return np.where(known, np.sqrt(np.maximum(largest, 0.0)), np.nan)
 
 
-def ray_angle(rig: Rig, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
+def ray_angle(rig: Rig, xyz: Floats, seen: Bools) -> Floats:
     """(N) deg by (3) at places (N, 3) mm that cameras see (C, N); NaN with fewer than two."""
-    ahead = xyz[None] - rig.centres[:, None]
-    ahead /= np.maximum(np.linalg.norm(ahead, axis=-1, keepdims=True), 1e-9)
-    together = np.abs(np.einsum("ani,bni->abn", ahead, ahead))
+    direction = xyz[None] - rig.centres[:, None]
+    direction /= np.maximum(np.linalg.norm(direction, axis=-1, keepdims=True), 1e-9)
+    together = np.abs(np.einsum("ani,bni->abn", direction, direction))
     together[~(seen[:, None] & seen[None])] = np.nan
     together[np.arange(len(rig)), np.arange(len(rig))] = np.nan
     least = np.nanmin(np.where(np.isnan(together), np.inf, together).reshape(-1, len(xyz)), axis=0)
@@ -124,11 +124,11 @@ def view_volume(rig: Rig) -> Floats:
     Raises:
         KinemarkError: no two cameras have a place in common in their images.
     """
-    middle = common_view_centre(rig)
-    if middle is None:
+    centre = common_view_centre(rig)
+    if centre is None:
         raise KinemarkError("No two cameras look at a common place. Set volume_mm in session.toml, or calibrate again.")
-    depth = np.einsum("ci,ci->c", np.array([camera.R[2] for camera in rig]), middle - rig.centres)
+    depth = np.einsum("ci,ci->c", np.array([camera.R[2] for camera in rig]), centre - rig.centres)
     reach = float(np.median(depth[depth > 0])) / 4
-    boxes = [np.stack([middle - r, middle + r]) for r in reach * REACHES]
+    boxes = [np.stack([centre - r, centre + r]) for r in reach * REACHES]
     shares = ((seen_by(rig, points_of(volume_grid(box))) >= 2).mean() for box in boxes)
     return next((box for box, share in zip(boxes, shares, strict=True) if share >= SEEN), boxes[-1])

@@ -21,7 +21,8 @@ import numpy as np
 
 from ...data import Camera, KinemarkError, Rig
 from ...data.array_types import Bools, Floats
-from ...geometry import project_all, refine, triangulate, undistort
+from ...geometry import project_all, refine, triangulate
+from ...geometry.camera import undistort_all
 from ..bundle import Bundle, BundleFit, Freedom, FreePoints, Part, bundle, sticks_through
 
 FOLDS = 3  # parts of the cross-validation; chosen (see studies/calibration_quality.py)
@@ -65,8 +66,8 @@ def judge_poses(
             rig = bundle(fit.rig, [part], flat, freedoms=freedoms, method=replace(method, reject=np.inf)).rig
         except KinemarkError:  # too few poses without the fold
             continue
-        xyz, off = reconstructed(rig, uv[:, out])
-        lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), off
+        xyz, misfit = reconstructed(rig, uv[:, out])
+        lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), misfit
     return LeftOutPoses(lengths, residual)
 
 
@@ -93,18 +94,18 @@ def reconstructed(rig: Rig, uv: Floats) -> tuple[Floats, Floats]:
     """Markers (F, K, 3) mm seen at (C, F, K, 2) px, each by itself, and their residuals (C, F, K, 2) px by (2)."""
     c, f, k, _ = uv.shape
     seen = uv.reshape(c, f * k, 2).transpose(1, 0, 2)
-    ideal = np.stack([undistort(camera, seen[:, i]) for i, camera in enumerate(rig)], 1)
+    ideal = undistort_all(rig, seen)
     alike = np.broadcast_to(np.eye(2), (*seen.shape, 2))
     plain = Rig(tuple(_known(camera) for camera in rig))
     point = refine(plain, triangulate(ideal, rig.P), seen, alike, steps=2)
     return point.xyz.reshape(f, k, 3), point.residual.transpose(1, 0, 2).reshape(uv.shape)
 
 
-def image_errors(off: Floats) -> Floats:
+def image_errors(residual: Floats) -> Floats:
     """Lengths (C, N) px of residuals (C, N, 2), enlarged by (3) to those of the images; NaN for fewer than two."""
-    n = np.isfinite(off[..., 0]).sum(0)
+    n = np.isfinite(residual[..., 0]).sum(0)
     enlarged = np.sqrt(2 * n / np.where(n >= 2, 2 * n - 3, np.nan))
-    return np.linalg.norm(off, axis=-1) * enlarged
+    return np.linalg.norm(residual, axis=-1) * enlarged
 
 
 def _known(camera: Camera) -> Camera:

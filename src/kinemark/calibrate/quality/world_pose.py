@@ -93,7 +93,7 @@ def world_pose(
     return WorldPose(centre, back @ cov @ back.T, spread)
 
 
-def _motions(off: Floats, spread: float) -> Floats:
+def _motions(offset: Floats, spread: float) -> Floats:
     """G_m (M, 3, 7) of (1) at places (M, 3) mm from the centre."""
-    one = np.broadcast_to(np.eye(3), (len(off), 3, 3))
-    return np.concatenate([-cross_matrix(off), one, off[..., None] / spread], -1)
+    one = np.broadcast_to(np.eye(3), (len(offset), 3, 3))
+    return np.concatenate([-cross_matrix(offset), one, offset[..., None] / spread], -1)

@@ -10,13 +10,12 @@ lengths      how long the wand comes out, place by place, and the error to expec
 
 from .calibrate import KNOWN_LENS, Wand, calibrate_wand, thinned
 from .identify import marker_places, wand_points
-from .lengths import WandLengths, by_place, wand_lengths
+from .lengths import WandLengths, wand_lengths
 
 __all__ = [
     "KNOWN_LENS",
     "Wand",
     "WandLengths",
-    "by_place",
     "calibrate_wand",
     "marker_places",
     "thinned",

@@ -21,10 +21,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
@@ -118,7 +118,7 @@ def calibrate_wand(
     return fit._replace(rig=Rig(fit.rig.cameras, _words(detections, want, chosen, fit), volume))
 
 
-def thinned(detections: Detections, rows: NDArray[np.int64], sizes: ArrayLike, most: int) -> NDArray[np.int64]:
+def thinned(detections: Detections, rows: Ints, sizes: ArrayLike, most: int) -> Ints:
     """The rows (C, F, K) of at most so many frames, by (1); −1 in the others, and where only one camera sees a wand."""
     frames = np.flatnonzero(_shared(rows))
     if len(frames) > most:
@@ -128,12 +128,12 @@ def thinned(detections: Detections, rows: NDArray[np.int64], sizes: ArrayLike, m
     return chosen
 
 
-def _shared(rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _shared(rows: Ints) -> Bools:
     """(F) whether two cameras see two markers."""
     return np.asarray(((rows >= 0).sum(2) >= 2).sum(0) >= 2)
 
 
-def _spread(detections: Detections, rows: NDArray[np.int64], sizes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+def _spread(detections: Detections, rows: Ints, sizes: Ints, most: int) -> Ints:
     """`most` of the frames of rows (C, F, K), by (1)."""
     uv, _ = at_rows(detections, rows)
     seen = np.isfinite(uv[..., 0])
@@ -154,12 +154,7 @@ def _spread(detections: Detections, rows: NDArray[np.int64], sizes: NDArray[np.i
 
 
 def _first_rig(
-    detections: Detections,
-    rows: NDArray[np.int64],
-    sizes: NDArray[np.int64],
-    along: Floats,
-    method: Wand,
-    lenses: Sequence[Camera] | None,
+    detections: Detections, rows: Ints, sizes: Ints, along: Floats, method: Wand, lenses: Sequence[Camera] | None
 ) -> tuple[Rig, Floats]:
     """The cameras, and where the markers are along the wand by them (K) mm."""
     uv, cov = at_rows(detections, rows)
@@ -169,13 +164,7 @@ def _first_rig(
 
 
 def _final_fit(
-    first: Rig,
-    detections: Detections,
-    rows: NDArray[np.int64],
-    xyz: Floats,
-    along: Floats,
-    method: Wand,
-    lens_known: bool,
+    first: Rig, detections: Detections, rows: Ints, xyz: Floats, along: Floats, method: Wand, lens_known: bool
 ) -> BundleFit:
     """Step 4, from a first rig and the wand (F, K, 3) as it sees it; NaN in frames without rows (C, F, K)."""
     frames = np.flatnonzero((rows >= 0).any((0, 2)))
@@ -196,7 +185,7 @@ def _final_fit(
     return _among_frames(fit, frames, rows.shape[1], len(along))
 
 
-def _among_frames(fit: BundleFit, frames: NDArray[np.int64], n_frames: int, K: int) -> BundleFit:
+def _among_frames(fit: BundleFit, frames: Ints, n_frames: int, K: int) -> BundleFit:
     """The fit to some frames as one of all F, with N = F K points, in the frame of its first camera again.
 
     It lies within the calibration's error of it, too near to matter to the covariances.
@@ -211,7 +200,7 @@ def _among_frames(fit: BundleFit, frames: NDArray[np.int64], n_frames: int, K: i
     return fit._replace(rig=rig, xyz=xyz, residual=residual, kept=kept)
 
 
-def _check_agreement(detections: Detections, rows: NDArray[np.int64], shared: int) -> None:
+def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
     """Of the frames that cameras seem to share, most show a stick of the wand's length; every camera takes part."""
     agreed = int(_shared(rows).sum())
     if agreed < max(AGREEING * shared, FEWEST):
@@ -227,7 +216,7 @@ def _check_agreement(detections: Detections, rows: NDArray[np.int64], shared: in
         )
 
 
-def _words(detections: Detections, want: Wanted, rows: NDArray[np.int64], fit: BundleFit) -> str:
+def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit) -> str:
     """What was done, for `Rig.method`."""
     poses = int((rows >= 0).any((0, 2)).sum())
     seen = int((rows >= 0).sum())

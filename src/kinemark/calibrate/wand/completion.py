@@ -15,10 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...data import Detections, Rig
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import project
 from ..bundle import sticks_through
 from ..bundle.robust_points import robust_points
@@ -30,7 +29,7 @@ APART = 1e5
 
 
 def completed(
-    rig: Rig, detections: Detections, use: NDArray[np.bool_], rows: Ints, along: Floats, *, search_radius: float
+    rig: Rig, detections: Detections, use: Bools, rows: Ints, along: Floats, *, search_radius: float
 ) -> tuple[Ints, Floats]:
     """The row of each marker (C, F, K), −1 where not seen, from rows (C, F, K) of which most are right.
 
@@ -56,8 +55,8 @@ def completed(
 def stiff(xyz: Floats, along: Floats) -> Floats:
     """The sticks (F, K, 3) through markers (F, K, 3) of which at least two are seen, by (2) and (3)."""
     stick = sticks_through(xyz, along).xyz  # (2)
-    off = np.nan_to_num(np.linalg.norm(stick - xyz, axis=-1)).max(1)
-    return np.where((off < STIFF * (along[-1] - along[0]))[:, None, None], stick, np.nan)  # (3)
+    distance = np.nan_to_num(np.linalg.norm(stick - xyz, axis=-1)).max(1)
+    return np.where((distance < STIFF * (along[-1] - along[0]))[:, None, None], stick, np.nan)  # (3)
 
 
 def _apart(expected: Floats, detections: Detections, c: int, search_radius: float) -> Floats:
@@ -72,7 +71,7 @@ def _apart(expected: Floats, detections: Detections, c: int, search_radius: floa
     return np.where(touching[..., None], np.nan, expected)
 
 
-def _nearest(expected: Floats, detections: Detections, use: NDArray[np.bool_], c: int, search_radius: float) -> Ints:
+def _nearest(expected: Floats, detections: Detections, use: Bools, c: int, search_radius: float) -> Ints:
     """The row (F, K) of camera c nearest to where each marker (F, K, 2) px should be, −1 where none is near."""
     first = int(detections.start[c, 0])
     mine = first + np.flatnonzero(use[first : detections.start[c, -1]])

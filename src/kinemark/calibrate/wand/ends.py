@@ -28,10 +28,9 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ...geometry.two_view import fit_fundamental, robust_fundamental, sampson_distance
 
 FEWEST = 16
@@ -47,7 +46,7 @@ SURE = 3.0
 """Evidence below which a camera's sign is left open; chosen (see benchmarks/bundle.py)."""
 
 
-def agreed_ends(uv: Floats, lead: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def agreed_ends(uv: Floats, lead: Floats) -> tuple[Bools, Bools]:
     """Where the order of the markers (C, F, K, 2) px, NaN where not read, must be turned, and where that is open.
 
     Args:

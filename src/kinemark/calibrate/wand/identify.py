@@ -16,10 +16,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Detections, KinemarkError
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from .ends import FEWEST as FEWEST_SHARED
 from .ends import agreed_ends
 from .rows import read_rows
@@ -43,9 +43,9 @@ class Wanted(NamedTuple):
     use (D) are the rows to look at; crowded (C) counts frames with too many of them, still (C) rows that stand still.
     """
 
-    use: NDArray[np.bool_]
-    crowded: NDArray[np.int64]
-    still: NDArray[np.int64]
+    use: Bools
+    crowded: Ints
+    still: Ints
 
 
 def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Floats, Floats]:
@@ -76,7 +76,7 @@ def marker_places(lengths: ArrayLike) -> Floats:
     return np.concatenate([[0.0], np.cumsum(gaps)])
 
 
-def at_rows(detections: Detections, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:
+def at_rows(detections: Detections, rows: Ints) -> tuple[Floats, Floats]:
     """uv (…, 2) and cov (…, 2, 2) of rows (…), NaN where a row is −1."""
     seen = rows >= 0
     uv = np.where(seen[..., None], detections.uv[rows], np.nan)
@@ -96,7 +96,7 @@ def wanted(detections: Detections) -> Wanted:
     return Wanted(use, crowded.sum(1), np.bincount(camera[still], minlength=len(counts)))
 
 
-def identify_wand(detections: Detections, want: Wanted, along: Floats) -> NDArray[np.int64]:
+def identify_wand(detections: Detections, want: Wanted, along: Floats) -> Ints:
     """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen; errors as in `points`."""
     rows = np.full((len(detections.cameras), detections.n_frames, len(along)), -1, np.int64)
     lead, ratio = np.zeros(rows.shape[:2]), np.full(rows.shape[:2], np.nan)
@@ -113,7 +113,7 @@ def identify_wand(detections: Detections, want: Wanted, along: Floats) -> NDArra
     return rows
 
 
-def _still_points(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _still_points(detections: Detections, use: Bools) -> Bools:
     """(D) points at a place of the image where one is seen in a large share of the frames.
 
     A square of `CELL` px may cut the place in two, so four grids are tried, shifted by half a square.
@@ -131,9 +131,7 @@ def _still_points(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.
     return standing
 
 
-def _read_camera(
-    detections: Detections, use: NDArray[np.bool_], c: int, along: Floats
-) -> tuple[NDArray[np.int64], Floats, Floats]:
+def _read_camera(detections: Detections, use: Bools, c: int, along: Floats) -> tuple[Ints, Floats, Floats]:
     """Rows (F, K), lead (F) and ratio (F) of one camera, all images with equally many points at once."""
     K, first, stop = len(along), detections.start[c, 0], detections.start[c, -1]
     mine = first + np.flatnonzero(use[first:stop])
@@ -157,8 +155,10 @@ def _check_gaps(ratio: Floats, along: Floats) -> None:
     if len(gaps) < 2 or len(seen) < FEWEST:
         return
     wanted_ratio = np.log(gaps[0] / gaps[-1])
-    off = np.where(np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio)
-    if abs(median := float(np.median(off))) > WRONG_GAPS:
+    difference = np.where(
+        np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio
+    )
+    if abs(median := float(np.median(difference))) > WRONG_GAPS:
         found = np.exp(median + wanted_ratio)
         raise KinemarkError(
             f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
@@ -167,7 +167,7 @@ def _check_gaps(ratio: Floats, along: Floats) -> None:
         )
 
 
-def _check_seen(detections: Detections, want: Wanted, seen: NDArray[np.int64], K: int) -> None:
+def _check_seen(detections: Detections, want: Wanted, seen: Ints, K: int) -> None:
     """Every camera sees the wand often enough."""
     if detections.n_frames < FEWEST:
         raise KinemarkError(
@@ -205,7 +205,7 @@ def _why_unseen(detections: Detections, want: Wanted, c: int, K: int) -> str:
     )
 
 
-def _check_decided(detections: Detections, rows: NDArray[np.int64], read: NDArray[np.int64]) -> None:
+def _check_decided(detections: Detections, rows: Ints, read: Ints) -> None:
     """Every camera has frames in which the ends are told apart, of those where it `read` (C, F) a wand."""
     seen = (read >= 0).astype(np.int64)
     shared = seen @ seen.T

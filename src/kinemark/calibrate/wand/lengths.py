@@ -19,11 +19,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Rig
-from ...data.array_types import Floats
-from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate, undistort
+from ...data.array_types import Floats, Ints
+from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate
+from ...geometry.camera import undistort_all
 from ...numerics.small_matrices import inverse3
 from ..quality import block_diagonal
 
@@ -42,7 +43,7 @@ class WandLengths(NamedTuple):
     length: Floats
     error: Floats
     sd: Floats
-    cameras: NDArray[np.int64]
+    cameras: Ints
 
 
 def wand_lengths(
@@ -63,32 +64,14 @@ def wand_lengths(
     spread = np.full((*uv.shape, 2), np.nan) if cov is None else cov
     spread = spread[:, :, [0, -1]].reshape(n, 2 * f, 2, 2).transpose(1, 0, 2, 3)
     spread = np.where(np.isfinite(spread), spread, GUESS**2 * np.eye(2))
-    ideal = np.stack([undistort(camera, ends[:, c]) for c, camera in enumerate(rig)], 1)
+    ideal = undistort_all(rig, ends)
     xyz = refine(rig, triangulate(ideal, rig.P), ends, spread).xyz
     pair = xyz.reshape(f, 2, 3)
-    ahead = pair[:, 1] - pair[:, 0]
-    length = np.linalg.norm(ahead, axis=1)
-    sd = np.sqrt(_variance(rig, xyz, ends, spread, ahead / length[:, None], joint))
+    difference = pair[:, 1] - pair[:, 0]
+    length = np.linalg.norm(difference, axis=1)
+    sd = np.sqrt(_variance(rig, xyz, ends, spread, difference / length[:, None], joint))
     both = np.isfinite(uv[:, :, [0, -1]]).all((2, 3)).sum(0)
     return WandLengths(pair.mean(1), length, length - (along[-1] - along[0]), sd, both)
-
-
-def by_place(place: Floats, error: Floats, *, cells: tuple[int, int, int] = (3, 3, 3)) -> tuple[Floats, Floats]:
-    """Mean and standard deviation of errors (F), mm, at places (F, 3), in each cell (X, Y, Z) of the box around them.
-
-    NaN in cells with fewer than two frames.
-    """
-    good = np.isfinite(error) & np.isfinite(place).all(1)
-    place, error = place[good], error[good]
-    low, high = place.min(0), place.max(0)
-    share = (place - low) / np.where(high > low, high - low, 1.0)
-    at = np.minimum((share * cells).astype(np.int64), np.array(cells) - 1)
-    cell = np.ravel_multi_index((at[:, 0], at[:, 1], at[:, 2]), cells)
-    count, total, square = (np.bincount(cell, w, int(np.prod(cells))) for w in (None, error, error**2))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.where(count > 1, total / count, np.nan)
-        sd = np.sqrt(np.maximum(square - count * mean**2, 0.0) / (count - 1))
-    return mean.reshape(cells), sd.reshape(cells)
 
 
 def _variance(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, e: Floats, joint: Floats | None) -> Floats:

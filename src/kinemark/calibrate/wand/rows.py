@@ -25,9 +25,8 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 
 NOISE = 1.5
 """px by which a short row may be bent, of (2); chosen (see benchmarks/bundle.py)."""
@@ -52,7 +51,7 @@ class Readings(NamedTuple):
     straightest row of the image as it was seen, whether it fits the wand or not, NaN without a straight row.
     """
 
-    points: NDArray[np.int64]
+    points: Ints
     lead: Floats
     ratio: Floats
 
@@ -73,9 +72,9 @@ def read_rows(uv: Floats, along: Floats) -> Readings:
     return Readings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def _read(uv: Floats, chosen: NDArray[np.int64], along: Floats) -> Readings:
-    order, q, off_line = _in_order(uv[:, chosen])  # (g, m, K)
-    forward, backward = (_misfit(s, q, off_line) for s in (along, along[-1] - along[::-1]))
+def _read(uv: Floats, chosen: Ints, along: Floats) -> Readings:
+    order, q, line_distance = _in_order(uv[:, chosen])  # (g, m, K)
+    forward, backward = (_misfit(s, q, line_distance) for s in (along, along[-1] - along[::-1]))
     cost = np.minimum(forward, backward)  # (g, m)
     best = cost.argmin(1)
     rows = np.arange(len(uv))
@@ -88,24 +87,24 @@ def _read(uv: Floats, chosen: NDArray[np.int64], along: Floats) -> Readings:
     with np.errstate(invalid="ignore"):
         lead = np.abs(forward[rows, best] - backward[rows, best])
     lead = np.where(np.isfinite(lead), lead, 1e3)  # the other direction is out of the question
-    return Readings(np.where(read[:, None], points, -1), np.where(read, lead, 0.0), _seen_ratio(q, off_line))
+    return Readings(np.where(read[:, None], points, -1), np.where(read, lead, 0.0), _seen_ratio(q, line_distance))
 
 
-def _in_order(points: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+def _in_order(points: Floats) -> tuple[Ints, Floats, Floats]:
     """For rows (…, K, 2): order along the row (…, K), places along it in that order, px, and off its line (…), px."""
     centred = points - points.mean(-2, keepdims=True)
     farthest = (centred**2).sum(-1).argmax(-1)[..., None, None]
-    ahead = np.take_along_axis(centred, np.broadcast_to(farthest, (*centred.shape[:-2], 1, 2)), -2)
-    order = (centred * ahead).sum(-1).argsort(-1)
+    direction = np.take_along_axis(centred, np.broadcast_to(farthest, (*centred.shape[:-2], 1, 2)), -2)
+    order = (centred * direction).sum(-1).argsort(-1)
     centred = np.take_along_axis(centred, order[..., None], -2)
     line = centred[..., -1, :] - centred[..., 0, :]
     length = np.linalg.norm(line, axis=-1, keepdims=True) + 1e-9
     line, at = line / length[..., None, 0], centred - centred[..., :1, :]
-    off = np.abs(at[..., 0] * line[..., None, 1] - at[..., 1] * line[..., None, 0]).max(-1)
-    return order, (at * line[..., None, :]).sum(-1), off
+    line_distance = np.abs(at[..., 0] * line[..., None, 1] - at[..., 1] * line[..., None, 0]).max(-1)
+    return order, (at * line[..., None, :]).sum(-1), line_distance
 
 
-def _misfit(s: Floats, q: Floats, off_line: Floats) -> Floats:
+def _misfit(s: Floats, q: Floats, line_distance: Floats) -> Floats:
     """(3) of rows at q (…, K) px read as markers at s (K) mm; infinite where a limit is exceeded."""
     length = q[..., -1]
     s = s / s[-1]
@@ -114,20 +113,20 @@ def _misfit(s: Floats, q: Floats, off_line: Floats) -> Floats:
     normal = np.swapaxes(M, -1, -2) @ M + 1e-10 * np.eye(3)
     abc = np.linalg.solve(normal, np.swapaxes(M, -1, -2) @ z[..., None])[..., 0]  # (1), multiplied out
     depth = np.maximum(abc[..., 2:] * s + 1, 1e-6)
-    off = length * np.abs((abc[..., :1] * s + abc[..., 1:2]) / depth - z).max(-1)
+    misfit = length * np.abs((abc[..., :1] * s + abc[..., 1:2]) / depth - z).max(-1)
     delta = np.log(depth[..., -1])
     gaps = np.maximum(np.diff(q, axis=-1), 1e-3)
     noise = CENTROID**2 * 2 * (1 / gaps**2).sum(-1)
     tolerance = NOISE + BEND * length  # (2)
-    good = (off_line < tolerance) & (off < tolerance) & (np.abs(delta) < DEEPEST) & (length > SHORTEST)
-    cost = (off_line / tolerance) ** 2 + (off / tolerance) ** 2 + delta**2 / (TILT**2 + noise)  # (3)
+    good = (line_distance < tolerance) & (misfit < tolerance) & (np.abs(delta) < DEEPEST) & (length > SHORTEST)
+    cost = (line_distance / tolerance) ** 2 + (misfit / tolerance) ** 2 + delta**2 / (TILT**2 + noise)  # (3)
     return np.where(good, cost, np.inf)
 
 
-def _seen_ratio(q: Floats, off_line: Floats) -> Floats:
+def _seen_ratio(q: Floats, line_distance: Floats) -> Floats:
     """ln (first gap / last gap) of each image's straightest long row (g, m, K), NaN where none is straight."""
     length = q[..., -1]
-    straight = np.where(length > 5 * SHORTEST, off_line / (NOISE + BEND * length), np.inf)
+    straight = np.where(length > 5 * SHORTEST, line_distance / (NOISE + BEND * length), np.inf)
     best = straight.argmin(1)
     rows = np.arange(len(q))
     gaps = np.maximum(np.diff(q[rows, best], axis=-1), 1e-3)

@@ -15,7 +15,7 @@ from ...data.models import JointMotion
 from ...findings.angles import angle_figures
 from ...io.angles_csv import write_angles_csv, write_cycles_csv
 from ...io.c3d import write_c3d
-from ...io.files import replacing
+from ...io.files import write_text
 from ...io.model_toml import load_model
 from ...io.notes import FileNote, read_notes
 from ...io.trial import read_trial
@@ -120,8 +120,7 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path, *, self_
     )
     if result.cycles is not None:
         write_cycles_csv(folder / "cycles.csv", result.cycles, model)
-    with replacing(folder / "angles.json") as beside:
-        beside.write_text(json.dumps(result.figures, indent=1) + "\n", encoding="utf-8")
+    write_text(folder / "angles.json", json.dumps(result.figures, indent=1) + "\n")
     write_angles_page(
         folder / "angles.html",
         figures=result.figures,

@@ -32,13 +32,12 @@ class SpikeCause(NamedTuple):
     """Where an angle leapt and why.
 
     Attributes:
-        at: index of the frame, from 0. off_deg: how far the angle is from its own bridge there, deg.
+        at: index of the frame, from 0.
         marker: the one that made it, as the trial calls it; change_deg: by how much the angle is less without its leap.
         others: the other markers and what they change, deg, the largest first.
     """
 
     at: int
-    off_deg: float
     marker: str
     change_deg: float
     others: tuple[tuple[str, float], ...]
@@ -74,10 +73,10 @@ def spike_cause(
         return joint_angles(of, model=model, template=template, method=method).deg[joint, :, turn]
 
     deg = angle(window)
-    off = np.array([_off(deg, k) if abs(k + start - index) <= NEAR else np.nan for k in range(len(deg))])
-    if np.isnan(off).all():
+    deviation = np.array([_deviation(deg, k) if abs(k + start - index) <= NEAR else np.nan for k in range(len(deg))])
+    if np.isnan(deviation).all():
         raise KinemarkError("The angle is missing there, or too few frames beside it have it.")
-    at = int(np.nanargmax(off))
+    at = int(np.nanargmax(deviation))
     changes = {}
     for i in places.values():
         path = _bridged(window.paths[i], at)
@@ -85,7 +84,7 @@ def spike_cause(
         changed = float(_turned(deg[at] - angle(replace(window, paths=paths))[at]))
         changes[path.name] = abs(changed) if np.isfinite(changed) else 0.0
     order = sorted(changes.items(), key=lambda one: -one[1])  # (2)
-    return SpikeCause(at + start, float(off[at]), *order[0], tuple(order[1:]))
+    return SpikeCause(at + start, *order[0], tuple(order[1:]))
 
 
 def _cut(trajectories: Trajectories, start: int, stop: int) -> Trajectories:
@@ -96,7 +95,7 @@ def _cut(trajectories: Trajectories, start: int, stop: int) -> Trajectories:
     return Trajectories(tuple(paths), trajectories.rate, trajectories.first_frame + start)
 
 
-def _off(deg: Floats, at: int) -> float:
+def _deviation(deg: Floats, at: int) -> float:
     """How far an angle (F,) deg is from its bridge in a frame; NaN where either is unknown."""
     known = np.isfinite(deg)
     whole = deg.copy()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...data import Finding, KinemarkError, Trial, make_finding
-from ...io.files import replacing
+from ...io.files import write_text
 from ...kinematics import static_template
 from ..identities import identity_of_entry
 from ..keys import file_key
@@ -57,21 +57,8 @@ def compute_angles(
         for old in ("angles.html", "angles.csv", "cycles.csv", f"{trial.name}_angles.c3d"):
             (into / old).unlink(missing_ok=True)
         figures = {REASON: str(error)}
-        with replacing(into / "angles.json") as beside:
-            beside.write_text(json.dumps(figures, ensure_ascii=False) + "\n", encoding="utf-8")
+        write_text(into / "angles.json", json.dumps(figures, ensure_ascii=False) + "\n")
         return figures
-
-
-def load_angles(path: Path) -> dict[str, Any]:
-    """The figures that an earlier run left.
-
-    Raises:
-        KinemarkError: the file is damaged.
-    """
-    try:
-        return dict(json.loads(path.read_text("utf-8")))
-    except (OSError, ValueError) as error:
-        raise KinemarkError(f"{path} is damaged: {error}. Delete it.") from error
 
 
 def found_by_angles(figures: Mapping[str, Any]) -> Iterator[Finding]:

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...calibrate.control_frame import control_frame_quality
 from ...calibrate.control_points import ControlFit, control_point_quality, judge_control_points
 from ...calibrate.quality import Evidence
 from ...data import KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 from ...geometry import cameras_from_dlt
 from ...io.control_points import read_control_points
 from ...io.dlt_csv import read_dlt_csv
@@ -112,7 +111,7 @@ class Pointed(NamedTuple):
     uv: Floats
     xyz: Floats
     cov: Floats | None
-    sizes: NDArray[np.int64]
+    sizes: Ints
 
 
 def digitised(task: Task, way: DigitisedPoints) -> Pointed:

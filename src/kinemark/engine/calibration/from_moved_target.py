@@ -1,4 +1,4 @@
-"""Cameras from something waved about, a wand or a single marker, whose places nobody surveyed."""
+"""Cameras from a target that was moved about, a wand or a single marker, at places that were not surveyed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...calibrate.bundle import BundleFit, calibrate_points
 from ...calibrate.bundle.stick_gaps import places_of
@@ -15,7 +14,7 @@ from ...calibrate.quality.calibration_evidence import Evidence
 from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, seen_by
 from ...calibrate.wand import calibrate_wand
 from ...data import Detections, Finding, KinemarkError, Severity, make_finding
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 from ...data.progress import tell
 from .lens_grids import Lenses, lenses_of
 from .task import RigWithEvidence, Task
@@ -64,9 +63,9 @@ def from_wand(task: Task) -> RigWithEvidence:
 
 def _changed(stated: Floats, gaps: Floats) -> Iterator[Finding]:
     """Says where the images contradict the gaps that were measured."""
-    off = float(np.abs(gaps - stated).max())
-    if off > 0:
-        severity: Severity = "amber" if off > WRONG_GAP * stated.sum() else "info"
+    difference = float(np.abs(gaps - stated).max())
+    if difference > 0:
+        severity: Severity = "amber" if difference > WRONG_GAP * stated.sum() else "info"
         yield make_finding(
             "wand_gaps_differ", severity=severity, stated_mm_list=stated.tolist(), seen_mm_list=gaps.tolist()
         )
@@ -88,7 +87,7 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     return _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
 
 
-def _check_sizes(sizes: NDArray[np.int64]) -> None:
+def _check_sizes(sizes: Ints) -> None:
     if (sizes < 1).any():
         raise KinemarkError(
             "The size of the images is not known, and without it nothing of the lenses. Set size_px = [width, height] "

@@ -6,9 +6,9 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, Finding, Rig, make_finding
+from ...data.array_types import Floats
 from ...data.method import Method
 from ...match import match
 from ...reconstruct import reconstruct
@@ -65,7 +65,7 @@ def some_frames(detections: Detections) -> Detections:
     return detections.keep(np.isin(detections.frame, frames))
 
 
-def confirmed_shares(detections: Detections, cloud: Cloud) -> NDArray[np.float64]:
+def confirmed_shares(detections: Detections, cloud: Cloud) -> Floats:
     """(C) share of each camera's valid detections that became part of a point on three cameras; 1 where it has none."""
     valid = np.bincount(detections.camera[detections.valid], minlength=len(detections.cameras))
     three = cloud.detection[(cloud.detection >= 0).sum(1) >= 3]

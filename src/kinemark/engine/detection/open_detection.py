@@ -246,13 +246,13 @@ class OpenDetection:
         settings, root = self.session.settings, self.session.root
         if camera not in draft.masks:
             return masks_of(root, settings, tuple(self.sources))
-        tried = Masks((camera,), np.array([self.size(camera)]), (tuple(draft.masks[camera]),))
+        candidate = Masks((camera,), np.array([self.size(camera)]), (tuple(draft.masks[camera]),))
         way = settings.masks
         if way is None or way.empty is None:
-            return tried
+            return candidate
         alone = settings.model_copy(update={"masks": way.model_copy(update={"file": None})})
         learned = masks_of(root, alone, tuple(self.sources))
-        return tried if learned is None else combined_masks(tried, learned)
+        return candidate if learned is None else combined_masks(candidate, learned)
 
     def _of_camera(self, camera: str, method: Method) -> _Learned:
         """The method with what it leaves open, learned once."""

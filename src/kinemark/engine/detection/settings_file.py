@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomlkit
 
 from ...data.array_types import Floats
 from ...data.masks import Masks
-from ...io.files import replacing
 from ...io.masks_toml import change_masks
-from ..session_file_text import parsed, table_in
+from ..session_changes import parsed, table_in, write_session
 from ..session_name import FILE
-from ..settings import read_settings
 from .open_detection import Draft, OpenDetection
 
 MASKS = "masks.toml"
@@ -39,9 +36,7 @@ def apply(opened: OpenDetection, draft: Draft) -> None:
         table_in(document, "masks")["file"] = (
             masks.relative_to(root).as_posix() if masks.is_relative_to(root) else str(masks)
         )
-    with replacing(file) as beside:
-        beside.write_text(tomlkit.dumps(document), "utf-8")
-        read_settings(beside)  # raises before anything is replaced
+    write_session(file, document)
 
 
 def _detect(document: Any, draft: Draft) -> None:

@@ -11,6 +11,7 @@ from ...data import Validity
 from ...data.array_types import Bools, Ints
 from ...detect import Centroids
 from ...detect.centroids_method import grey_scale
+from ...geometry.camera import in_image
 from .open_detection import InFrame
 
 REACH = 6
@@ -43,7 +44,7 @@ def why(found: InFrame, u: float, v: float, *, v_offset: float = 0.0) -> PlaceVe
         ValueError: the place is outside the image.
     """
     height, width = found.image.shape
-    if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+    if not in_image((width, height), u, v):
         raise ValueError(f"({u:g}, {v:g}) is outside the image of {width} × {height} px")
     row = _row_at(found, u, v, v_offset)
     if row >= 0:
@@ -57,9 +58,9 @@ def _row_at(found: InFrame, u: float, v: float, v_offset: float) -> int:
     blobs = found.blobs
     if not len(blobs.uv):
         return -1
-    off = np.abs(blobs.uv - [u, v + v_offset])
-    near = (off <= np.stack([blobs.width, blobs.height], -1) / 2 + 1.5).all(1)
-    away = np.where(near, np.hypot(*off.T), np.inf)
+    distance = np.abs(blobs.uv - [u, v + v_offset])
+    near = (distance <= np.stack([blobs.width, blobs.height], -1) / 2 + 1.5).all(1)
+    away = np.where(near, np.hypot(*distance.T), np.inf)
     return int(away.argmin()) if near.any() else -1
 
 
@@ -132,8 +133,8 @@ def _dark(found: InFrame, u: float, v: float) -> PlaceVerdict:
 def _ground(found: InFrame) -> tuple[float, float]:
     """Median of the image without ground, and the standard deviation of its noise, grey levels of 8 bits."""
     scale = grey_scale(found.image.dtype)
-    low, middle = (float(np.quantile(found.seen, q)) / scale for q in (0.1587, 0.5))
-    return middle, middle - low
+    low, median = (float(np.quantile(found.seen, q)) / scale for q in (0.1587, 0.5))
+    return median, median - low
 
 
 def _group_at(white: Bools, u: float, v: float) -> Bools | None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...data import KinemarkError
 from ...detect import Centroids
 from ...digitise import ImageMarkers, find_markers
+from ...geometry.camera import in_image
 from ...io.control_points import SNAP, PointedPoints, read_pointed, write_pointed
 from ...io.images import ImageSource
 from ...io.um2as import read_rf
@@ -132,12 +133,11 @@ def snapped(markers: ImageMarkers, u: float, v: float) -> tuple[float, float]:
     Raises:
         KinemarkError: there is none.
     """
-    width, height = markers.size
-    inside = -0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5
+    inside = in_image(markers.size, u, v)
     owner = int(markers.owner[round(v), round(u)]) if inside else -1
     if owner < 0 and len(markers.uv):
-        off = np.hypot(markers.uv[:, 0] - u, markers.uv[:, 1] - v)
-        owner = int(off.argmin()) if inside and off.min() <= SNAP else -1
+        distance = np.hypot(markers.uv[:, 0] - u, markers.uv[:, 1] - v)
+        owner = int(distance.argmin()) if inside and distance.min() <= SNAP else -1
     if owner < 0:
         raise KinemarkError(
             f"No white pixel of a marker is within {SNAP:g} px of ({u:.0f}, {v:.0f}). Point at one, change the "

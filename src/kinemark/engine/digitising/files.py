@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ...detect import Centroids, Masks
 from ...digitise import (
     Answer,
@@ -40,7 +39,7 @@ from ...digitise import (
     result,
 )
 from ...io.answers_csv import append_answer, read_answers
-from ...io.files import replacing
+from ...io.files import write_text
 from ...io.images import ImageSource
 from ...io.um2as import files_of_set, read_da_set, write_da
 
@@ -64,7 +63,7 @@ class DigitisedFrames:
         *,
         method: Centroids | None = None,
         last: int | None = None,
-        mask: NDArray[np.bool_] | None = None,
+        mask: Bools | None = None,
     ) -> None:
         if last is not None and last < 1:
             raise KinemarkError(f"There is no frame up to frame {last}. Say 1 or more.")
@@ -167,7 +166,7 @@ def proposer_of(views: OtherViews | None, method: SemiAutomatic) -> Any:
         return None
 
     def proposer(
-        frame: int, marker: int, shift: Floats, expected: Floats, image_markers: ImageMarkers, free: NDArray[np.bool_]
+        frame: int, marker: int, shift: Floats, expected: Floats, image_markers: ImageMarkers, free: Bools
     ) -> PlaceProposal | None:
         if frame >= views.uv.shape[2]:
             return None
@@ -193,7 +192,7 @@ class Digitising(NamedTuple):
     masks: Masks | None = None
     last: int | None = None
 
-    def mask(self, camera: str) -> NDArray[np.bool_] | None:
+    def mask(self, camera: str) -> Bools | None:
         """(H, W) of a camera, where it has one."""
         return self.masks.pixels(camera) if self.masks and camera in self.masks.cameras else None
 
@@ -263,8 +262,7 @@ def write_digitised(folder: Path, uv: Floats, figures: Mapping[str, Any]) -> Non
     """`{trial}.da1` … and `digitising.json` in the trial's folder of results."""
     for c, own in enumerate(uv):
         write_da(folder / f"{folder.name}.da{c + 1}", own)
-    with replacing(folder / FIGURES) as beside:
-        beside.write_text(json.dumps(figures, indent=1) + "\n", "utf-8")
+    write_text(folder / FIGURES, json.dumps(figures, indent=1) + "\n")
 
 
 def read_figures(folder: Path) -> dict[str, Any]:

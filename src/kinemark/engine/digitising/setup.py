@@ -7,18 +7,16 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-import tomlkit
 from tomlkit import TOMLDocument
 
 from ...data import KinemarkError
 from ...io.answers_csv import read_answers
-from ...io.files import replacing
 from ...io.um2as import read_rf
 from ..recordings import open_cameras
 from ..session import Session
-from ..session_file_text import parsed, table_in
+from ..session_changes import parsed, table_in, write_session
 from ..session_name import FILE
-from ..settings import TrialEntry, read_settings
+from ..settings import TrialEntry
 from .files import answer_files
 
 MOST_MARKERS = 30
@@ -119,7 +117,7 @@ def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
         own.pop("frames", None)
     if setup.recorded not in (None, session.settings.date):
         own["date"] = setup.recorded
-    _write(root, document)
+    write_session(root / FILE, document)
 
 
 def leave_off(root: Path, trial: str) -> None:
@@ -135,19 +133,13 @@ def leave_off(root: Path, trial: str) -> None:
     _check_unanswered(session, trial, entry.answers)
     document = parsed(root / FILE)
     _table_of(document, trial).pop("answers")
-    _write(root, document)
+    write_session(root / FILE, document)
 
 
 def _table_of(document: TOMLDocument, trial: str) -> Any:
     """A trial's own table."""
     trials: Any = document["trials"]
     return next(one for one in trials if one["name"] == trial)
-
-
-def _write(root: Path, document: TOMLDocument) -> None:
-    with replacing(root / FILE) as beside:
-        beside.write_text(tomlkit.dumps(document), "utf-8")
-        read_settings(beside)  # raises before anything is replaced
 
 
 def _method(table: Any, setup: DigitisingSetup) -> None:

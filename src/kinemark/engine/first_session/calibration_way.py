@@ -1,4 +1,4 @@
-"""Which recording calibrates the cameras, what goes beside it, and what of it no file tells."""
+"""Which recording calibrates the cameras, which ones go with it, and what must be asked as no file says it."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from ...data.strides import UNITS
 from ...data.subject_measures import SIDES
 from ...findings.plain import plain
 from ...gait.comparison import Condition, Difference, difference, stretches
-from ...io.files import replacing
+from ...io.files import write_text
 from ...io.gait_reference import read_json
 from ...report.drawing_library import assets_for
 from ...report.gait_comparison_page import ComparedCurve, write_comparison_page
@@ -64,8 +64,7 @@ def compare_gait(
         }
     )
     folder.mkdir(parents=True, exist_ok=True)
-    with replacing(folder / "comparison.json") as beside:
-        beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_text(folder / "comparison.json", json.dumps(figures, indent=1) + "\n")
     assets = None if self_contained else assets_for(folder)
     write_comparison_page(folder / "comparison.html", figures=figures, curves=curves, assets=assets)
     return GaitComparison(figures, folder)
@@ -137,8 +136,8 @@ def _curves(tables: tuple[dict[str, Any], ...], same: bool) -> list[ComparedCurv
 def _difference(first: Condition, second: Condition, *, angle: bool) -> Difference:
     """Angles differ by less than half a turn."""
     if angle:
-        turns = np.round((second.mean - first.mean) / 360.0) * 360.0
-        second = second._replace(mean=second.mean - turns)
+        whole_turns = np.round((second.mean - first.mean) / 360.0) * 360.0
+        second = second._replace(mean=second.mean - whole_turns)
     return difference(first, second)
 
 

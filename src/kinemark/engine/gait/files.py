@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
 from ...gait.clusters import Clusters
 from ...io.c3d import write_c3d
-from ...io.files import replacing
+from ...io.files import write_text
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
 from ...io.gait_reference import read_reference
 from ...io.measures_toml import read_measures
@@ -23,8 +23,8 @@ from ...io.trial import read_trial
 from ...report.drawing_library import assets_for
 from ...report.gait_page import write_gait_page
 from ...report.words import with_words
-from ..gait_clusters import with_stated_clusters, with_usual_clusters
 from ..identities import identity_of_file
+from .clusters import with_stated_clusters, with_usual_clusters
 from .exports import export_files, exports_of, write_exports
 from .settings import GaitSettings
 from .trial_files import check_targets, trial_names
@@ -104,19 +104,15 @@ def gait_of_files(
         [*walks, *left_out, static, functional, stated_in, reference, mvc],
     )
     band = None if reference is None else read_reference(reference)
-    if clusters and static is None:
-        raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
-    still = None if static is None else _read(static, names, markers, settings)
-    if still is not None and clusters:
-        still = with_stated_clusters(still, clusters)
-    read = [_read(path, names, markers, settings, still) for path in walks]
-    if still is not None:
-        still = with_usual_clusters(still, read, settings)
-    whole = [completed(walk, still) for walk in read]
+
+    def read(path: Path, like: Recorded | None = None) -> Recorded:
+        return _read(path, names, markers, settings, like)
+
+    whole, still = _walks_and_standing(walks, static, read, clusters, settings)
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     if functional is not None:
-        moved = _read(functional, names, markers, settings, still)
+        moved = read(functional, still)
         known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     files = {names[path.resolve()]: str(path) for path in walks}
@@ -131,6 +127,28 @@ def gait_of_files(
     if left_out:
         notes = (FileNote("left_out", "files", tuple(str(path) for path in left_out)), *notes)
     return GaitResult(found.trials, found.curves, figures, into, notes)
+
+
+def _walks_and_standing(
+    walks: Sequence[Path], static: Path | None, read: Callable[..., Recorded], clusters: Clusters | None,
+    settings: GaitSettings,
+) -> tuple[list[Recorded], Recorded | None]:  # fmt: skip
+    """The walks with the points that clusters carry, and the standing trial with its clusters; read: makes one of both.
+
+    The walks are read before the usual clusters are known, for these are the ones that walks want.
+
+    Raises:
+        KinemarkError: there are clusters and no standing trial, or a file cannot be read.
+    """
+    if clusters and static is None:
+        raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
+    still = None if static is None else read(static)
+    if still is not None and clusters:
+        still = with_stated_clusters(still, clusters)
+    found = [read(path, still) for path in walks]
+    if still is not None:
+        still = with_usual_clusters(still, found, settings)
+    return [completed(walk, still) for walk in found], still
 
 
 def _read(
@@ -184,8 +202,7 @@ def _written(
     write_curves_csv(folder / CURVES, found.curves)
     write_time_distance_csv(folder / TIME_DISTANCE, {one.name: one.strides for one in found.trials})
     write_key_values_csv(folder / KEY_VALUES, {one.name: one.keys for one in found.trials})
-    with replacing(folder / FIGURES) as beside:
-        beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_text(folder / FIGURES, json.dumps(figures, indent=1) + "\n")
     write_gait_page(
         folder / PAGE, figures=figures, curves=found.curves, reference=band,
         assets=None if self_contained else assets_for(folder),

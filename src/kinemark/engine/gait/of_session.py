@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...data import KinemarkError
-from ...io.files import replacing
+from ...io.files import write_text
 from ...report.words import sentences_of
 from ..keys import code_key, digest, file_key
 from ..settings import Settings
@@ -105,6 +105,5 @@ def _files(results: Path, names: Sequence[str]) -> list[Path]:
 def _kept(path: Path, figures: dict[str, Any]) -> dict[str, Any]:
     """The figures, written."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as beside:
-        beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(figures, indent=1) + "\n")
     return figures

@@ -21,7 +21,7 @@ from ...gait import with_static_offsets
 from ...gait.clusters import CalibratedBody, Clusters, calibrated_body, uncarried, with_wands
 from ...gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measures, joints_by_share, mass_on_plates
 from ...gait.foot_events import foot_events
-from ...gait.functional_hip import functional_hip, with_hips_of
+from ...gait.functional_hip import functional_hip, with_functional_hips
 from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ...gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ...gait.key_values import key_values
@@ -207,13 +207,13 @@ def with_hips(known: KnownMeasures, functional: Recorded, settings: GaitSettings
         found = [functional_hip(functional.points, side, tissue_mm=settings.tissue_mm) for side in SIDES]
         points = functional.points
         pair = [lower_limbs(points, m, hip_centre=settings.made.mechanics.hip_centre)
-                for m in (known.measures, with_hips_of(known.measures, found))]  # fmt: skip
+                for m in (known.measures, with_functional_hips(known.measures, found))]  # fmt: skip
     except KinemarkError as error:
         raise KinemarkError(f"{functional.name}: {error}") from None
     away = [float(np.nanmedian(np.linalg.norm(pair[0].leg(s).hip - pair[1].leg(s).hip, axis=-1))) for s in SIDES]
     sd = float(np.sqrt(np.mean([hip.sd**2 for hip in found])))
     shown = HipsShown(functional.name, found[0].way, sd, max(away))
-    return known._replace(measures=with_hips_of(known.measures, found), hips=shown)
+    return known._replace(measures=with_functional_hips(known.measures, found), hips=shown)
 
 
 def subject_gait(
@@ -237,8 +237,8 @@ def subject_gait(
         own = _uncertain(walk.trial, known, static, settings)
         trials.append(gait_of_trial(walk.trial, measures, settings, own, body))
         causes = causes or own
-    told = with_counts([one.strides for one in trials])
-    trials = [one._replace(strides=strides) for one, strides in zip(trials, told, strict=True)]
+    counted = with_counts([one.strides for one in trials])
+    trials = [one._replace(strides=strides) for one, strides in zip(trials, counted, strict=True)]
     trials = [one._replace(keys=key_values(one.gait.signals, one.counted)) for one in trials]
     whole = _whole(trials, settings, mvc)
     each = [(*gait_curves(one.gait.signals, one.counted), *emg_curves(one.emg, one.counted, whole=whole))
@@ -262,9 +262,9 @@ def _shown(walks: Sequence[Recorded], static: Recorded | None, body: CalibratedB
     if static is None or body is None:
         return None
     misfits = [body.misfit(walk.points) for walk in walks]
-    worst = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
-    told = {segment: tuple(static.clusters[segment]) for segment in static.by_names}
-    return ClustersShown(static.name, worst, told)
+    largest = {name: float(np.nanmax([one[name] for one in misfits])) for name in body.templates}
+    clusters = {segment: tuple(static.clusters[segment]) for segment in static.by_names}
+    return ClustersShown(static.name, largest, clusters)
 
 
 def _whole(trials: Sequence[GaitOfTrial], settings: GaitSettings, mvc: Trial | None) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What methods there are, and what can be said to each: for reading, for a machine, and for the documentation."""
+"""All methods and their parameters: as text, as data, and as the tables of the documentation."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 from ...data import KinemarkError
 from ...data.method import Declaration, Parameter, Stage
+from ...data.nearest_word import are, guess
 from ...data.parameter import ONE
 from .method_tables import COMMON, STAGES
-from .suggestions import are, guess
 
 WIDTH = 118
 """Of a line on the terminal, characters; chosen."""

@@ -6,13 +6,14 @@ All that there is to say of a method is declared beside its function (`data.meth
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, cast
+from typing import Any
 
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from ...calibrate import CALIBRATE
 from ...data.method import Declaration, Parameter, Stage, parameters_of
+from ...data.nearest_word import are, guess
 from ...detect import DETECT
 from ...digitise import DIGITISE
 from ...fill import FILL, Filling
@@ -21,7 +22,6 @@ from ...label import LABEL, Labelling
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT
 from ...track import TRACK
-from .suggestions import are, guess
 
 STAGES: dict[str, Stage] = {
     stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, LABEL, FILL, DIGITISE, ANGLES, SMOOTH)
@@ -39,11 +39,6 @@ COMMON: dict[str, tuple[Parameter, ...]] = {
 
 WHOLE: dict[str, type[Any]] = {"label": Labelling, "fill": Filling}
 """Of stages that have parameters besides those of their methods, what holds both."""
-
-
-def filling_of(table: dict[str, Any]) -> Filling:
-    """What `[fill]` says: see `whole_of`."""
-    return cast(Filling, whole_of("fill", table))
 
 
 def whole_of(stage: str, table: dict[str, Any]) -> Any:

@@ -10,8 +10,8 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any
 
+from ...data.nearest_word import are, guess
 from .method_tables import SETTABLE
-from .suggestions import are, guess
 
 
 def overridden(table: dict[str, Any], overrides: Iterable[str]) -> dict[str, Any]:

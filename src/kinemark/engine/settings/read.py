@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -10,9 +9,10 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from ...data import KinemarkError
+from ...data.nearest_word import are, guess
+from ...io.toml_text import toml_table
 from .overrides import overridden
 from .session_file import Settings
-from .suggestions import are, guess
 
 ADVICE = "A session is a folder with a session.toml, saved as UTF-8; kinemark init FOLDER writes a first one."
 
@@ -33,11 +33,9 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
                 f"{path} is not there. Make one from your recordings: kinemark init {path.parent}, or one to look at: "
                 "kinemark simulate FOLDER"
             )
-        return Settings.model_validate(_with(tomllib.loads(path.read_text("utf-8")), overrides))
+        return Settings.model_validate(_with(toml_table(path.read_text("utf-8"), str(path)), overrides))
     except UnicodeDecodeError as error:
         raise KinemarkError(f"{path} is not UTF-8 text: {error.reason}. {ADVICE}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise KinemarkError(f"{path} is not TOML: {error}. Correct that line.") from error
     except OSError as error:
         raise KinemarkError(f"{path} cannot be read: {error}") from error
     except ValidationError as error:

@@ -8,8 +8,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from ...data.nearest_word import are, guess
 from ...label import Labelling
-from .suggestions import are, guess
 from .table import Strict
 
 Height = Annotated[float, Field(gt=0, allow_inf_nan=False)]

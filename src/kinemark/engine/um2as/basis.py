@@ -1,4 +1,4 @@
-"""What UM²AS's files of a session were made from, so that its menu knows which have to be made again.
+"""What UM²AS's files of a session were made from, by which its menu knows which of them are out of date.
 
 `made.json` beside the files keeps, of each that a screen wrote, a key of its content and keys of all that the session
 then said and it depends on. A file that is not as a screen wrote it, as those of the command line, tells nothing.
@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...io.files import replacing
+from ...io.files import write_text
 from ..keys import digest, file_key
 from ..session import Session
 
@@ -46,8 +46,7 @@ def basis(session: Session, trial: str, of: Sequence[str]) -> dict[str, str]:
 def remember(folder: Path, files: Sequence[Path], made_of: Mapping[str, str]) -> None:
     """Keep what files in this folder were made of, which a screen has just written."""
     known = _known(folder) | {path.name: {"file": file_key(path), "of": dict(made_of)} for path in files}
-    with replacing(folder / MADE) as beside:
-        beside.write_text(json.dumps(known, indent=1) + "\n", "utf-8")
+    write_text(folder / MADE, json.dumps(known, indent=1) + "\n")
 
 
 def changed(folder: Path, files: Sequence[Path], now: Mapping[str, str]) -> str:

@@ -126,31 +126,49 @@ def standings(
         cameras: that are chosen for the coordinates; all where empty.
         tdc: the file that angles are taken of.
     """
-    names = files.cameras
-    balls, told = _balls(files)
-    cps, das, place = tuple(files.cps()), tuple(files.das()), files.tdc(cameras)
-    angles = tuple(files.angle_files(tdc))
-    chosen = cameras or names
+    place = files.tdc(cameras)
+    made = written(
+        tuple(files.cps()), tuple(balls_of(files)), "Process L Parameters first.", why=files.parameters_changed()
+    )
     digitised = saved is not None and all(n == of for n, of in saved.values())
-    made = written(cps, tuple(balls_of(files)), "Process L Parameters first.", why=files.parameters_changed())
     answers = tuple(answers_of(files)) if digitised else ()
-    marked = written(das, answers, "Save Data first.", why=files.markers_changed())
+    marked = written(tuple(files.das()), answers, "Save Data first.", why=files.markers_changed())
     sources = (*files.cps(cameras), *files.das(cameras))
     placed = written((place,), sources, "Not written yet.", why=_again(made, marked))
-    turned = written(angles, (tdc,), "Not written yet.", why=_again(made, marked, *([placed] if tdc == place else [])))
+    before = _again(made, marked, *([placed] if tdc == place else []))
+    turned = written(tuple(files.angle_files(tdc)), (tdc,), "Not written yet.", why=before)
     factor = files.session.settings.cameras.aspect_ratio
     return {
         "aspect": Standing("", "Pixels count as square." if factor is None else f"V × {factor:g} in all files."),
+        **_of_calibration(files, made),
+        **_of_digitising(files, saved, marked),
+        **_of_coordinates(files, cameras, placed),
+        **_of_angles(files, tdc, turned),
+    }
+
+
+def _of_calibration(files: Um2asFiles, made: Standing) -> dict[str, Standing]:
+    """Of the tasks of L Parameters; made: the standing of their files."""
+    balls, reference = _balls(files)
+    return {
         "calibration-start": Standing("", ""),
-        "calibration-files": Standing("", "", (*([files.measured] if files.measured else []), *cps)),
+        "calibration-files": Standing("", "", (*([files.measured] if files.measured else []), *files.cps())),
         "calibration-threshold": _threshold(files),
         "calibration-snap": Standing("", ""),
-        "calibration-reference": told,
+        "calibration-reference": reference,
         "calibration-digitise": balls,
         "calibration-process": _after(balls, made),
         "calibration-view": _seen(made),
+    }
+
+
+def _of_digitising(
+    files: Um2asFiles, saved: dict[str, tuple[int, int]] | None, marked: Standing
+) -> dict[str, Standing]:
+    """Of the tasks of digitising; saved: as `standings` takes it; marked: the standing of their files."""
+    return {
         "digitising-start": Standing("open" if saved is None else "done", "" if saved else "Name the markers."),
-        "digitising-output": Standing("", "", das),
+        "digitising-output": Standing("", "", tuple(files.das())),
         "digitising-reference": _marks(files),
         "digitising-threshold": _threshold(files),
         "digitising-snap": Standing("", ""),
@@ -158,12 +176,26 @@ def standings(
         "digitising-verify": Standing("", ""),
         "digitising-save": _after(_frames(saved), marked),
         "digitising-view": _seen(marked),
-        "xyz-start": Standing("done", f"{len(chosen)} of {len(names)} cameras: {', '.join(chosen)}."),
+    }
+
+
+def _of_coordinates(files: Um2asFiles, cameras: Sequence[str], placed: Standing) -> dict[str, Standing]:
+    """Of the tasks of 3D coordinates; placed: the standing of their file."""
+    chosen, place = cameras or files.cameras, (files.tdc(cameras),)
+    return {
+        "xyz-start": Standing("done", f"{len(chosen)} of {len(files.cameras)} cameras: {', '.join(chosen)}."),
         "xyz-calibration": _there(tuple(files.cps(cameras)), "Process L Parameters first."),
         "xyz-data": _there(tuple(files.das(cameras)), "Save Data of Marker Coordinate Digitizing first."),
-        "xyz-output": Standing("", "", (place,)),
+        "xyz-output": Standing("", "", place),
         "xyz-process": placed,
-        "xyz-display": _there((place,), "Process Coordinates first."),
+        "xyz-display": _there(place, "Process Coordinates first."),
+    }
+
+
+def _of_angles(files: Um2asFiles, tdc: Path, turned: Standing) -> dict[str, Standing]:
+    """Of the tasks of joint angles; turned: the standing of their files."""
+    angles = tuple(files.angle_files(tdc))
+    return {
         "euler-input": _there((tdc,), "Process Coordinates first."),
         "euler-output": Standing("", "", angles),
         "euler-process": turned,

@@ -91,10 +91,10 @@ def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap], moving: 
 def likeness(tests: list[HoldOutGap], gap: Gap, moving: float = np.nan) -> Floats:
     """(1) without `own`: what each test counts by its length and motion alone."""
     length = np.array([t.keep[1] - t.keep[0] for t in tests])
-    off = np.abs(np.log(length / gap.length))
+    mismatch = np.abs(np.log(length / gap.length))
     if np.isfinite(moving):
-        off = off + np.abs(np.log(np.array([t.motion for t in tests]) / moving))
-    return np.asarray(np.exp(-off / SPREAD))
+        mismatch = mismatch + np.abs(np.log(np.array([t.motion for t in tests]) / moving))
+    return np.asarray(np.exp(-mismatch / SPREAD))
 
 
 def difficulty_weight(apart: Floats, here: float) -> Floats:

@@ -33,9 +33,8 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
 from ...numerics.runs import true_runs
 from ..known_samples import known_median
@@ -121,7 +120,7 @@ def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, se
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
     for number, index in enumerate(order):
         tell(number, len(order))
-        told = source.moving.references(gaps[index])
+        references = source.moving.references(gaps[index])
         for start, gap, stop in _windows(source, gaps[index], per_gap, rng, occupancy if tight else None):
             own = gap.marker == gaps[index].marker
             shape, marker = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop)), gaps[index].marker
@@ -132,7 +131,7 @@ def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, se
             if not own:
                 made.copies[copy] += [Gap(gap.marker, a, b) for a, b in true_runs(~source.seen[marker]).tolist()]  # (6)
             keep = (gap.start - shape.start, gap.stop - shape.start)
-            moving = source.moving.of_gap(gap, told if own else None)
+            moving = source.moving.of_gap(gap, references if own else None)
             made.tests.append(HoldOutGap(int(index), copy, shape, keep, own, moving))
     return made
 
@@ -170,7 +169,7 @@ class _Source(NamedTuple):
     """The trial that tests are drawn from: which samples are seen, how parts move, distances of all from one marker."""
 
     motion: MarkerArray
-    seen: NDArray[np.bool_]
+    seen: Bools
     moving: PartMotion
     apart: Callable[[int], Floats]
 
@@ -178,8 +177,8 @@ class _Source(NamedTuple):
 class _Occupancy(NamedTuple):
     """Which frames of each copy are taken, how much of each marker, and for a gap of which marker each is hidden."""
 
-    seen: NDArray[np.bool_]
-    busy: list[NDArray[np.bool_]]
+    seen: Bools
+    busy: list[Bools]
     taken: dict[tuple[int, int], int]
     of: dict[tuple[int, int], int]
 
@@ -202,7 +201,7 @@ class _Occupancy(NamedTuple):
         self.of[copy, gap.marker] = of
         return copy
 
-    def with_room(self, marker: int, length: int, starts: NDArray[np.int64]) -> NDArray[np.int64]:
+    def with_room(self, marker: int, length: int, starts: Ints) -> Ints:
         """Those of the starts of a window that the first copy with room for any has room for; all where none has."""
         room = SHARE * self.seen[marker].sum()
         for copy, busy in enumerate(self.busy):
@@ -243,11 +242,11 @@ def _windows(
 def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple[Ints, bool]:
     """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether it moves
     clearly less in all of them."""
-    told = moving.references(gap)
-    off = np.log(moving.of(gap.marker, starts, length, told) / moving.of_gap(gap, told))
-    alike = max(LIKE, float(np.quantile(np.abs(off), LEAST)))
-    chosen = np.abs(off) <= alike
-    return starts[chosen], bool(off[chosen].max() < -EASY)
+    references = moving.references(gap)
+    difference = np.log(moving.of(gap.marker, starts, length, references) / moving.of_gap(gap, references))
+    alike = max(LIKE, float(np.quantile(np.abs(difference), LEAST)))
+    chosen = np.abs(difference) <= alike
+    return starts[chosen], bool(difference[chosen].max() < -EASY)
 
 
 def _windows_of_neighbours(source: _Source, gap: Gap, length: int, n: int) -> list[Gap]:
@@ -266,7 +265,7 @@ def distances(motion: MarkerArray, marker: int) -> Floats:
     return known_median(np.linalg.norm(thin - thin[marker], axis=-1).T)
 
 
-def _starts(known: NDArray[np.bool_], length: int) -> NDArray[np.int64]:
+def _starts(known: Bools, length: int) -> Ints:
     """Where a window of a marker may start: known throughout and one frame on both sides."""
     seen = np.concatenate([[0], np.cumsum(known)])
     if len(seen) < length + 3:
@@ -274,7 +273,7 @@ def _starts(known: NDArray[np.bool_], length: int) -> NDArray[np.int64]:
     return np.flatnonzero(seen[length + 2 :] - seen[: -length - 2] == length + 2) + 1
 
 
-def _spread(starts: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDArray[np.int64]:
+def _spread(starts: Ints, n: int, rng: np.random.Generator) -> Ints:
     """About n of the starts, one drawn from each of n equal shares."""
     shares = np.array_split(starts, min(n, len(starts)))
     return np.array([rng.choice(share) for share in shares])

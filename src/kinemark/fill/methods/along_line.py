@@ -116,16 +116,16 @@ def _line(known: KnownSamples, marker: int, pair: Ints, learnt: dict[tuple[int, 
         s = ((x - a) * unit(b - a)).sum(-1)
         some = np.isfinite(s)
         if some.any():
-            middle = float(s[some].mean())
+            share = float(s[some].mean())
             step = int(frames[1] - frames[0]) if len(frames) > 1 else 1
-            learnt[key] = Line(pair, middle, Leftover.of(x - a - middle * unit(b - a), step))
+            learnt[key] = Line(pair, share, Leftover.of(x - a - share * unit(b - a), step))
         else:
             learnt[key] = None
     return learnt[key]
 
 
 def _carry(known: KnownSamples, span: Span, line: Line, frames: Ints) -> tuple[Floats, Floats]:
-    at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
+    at = span.with_edges(frames)
     a, b = known.at(line.pair[:, None], at)
     xyz = a + line.s * unit(b - a)  # (1)
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]

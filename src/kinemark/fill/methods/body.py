@@ -43,10 +43,10 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...data.method import parameter
+from ...numerics.evenly import evenly
 from ..jumping_markers import JumpingMarkers
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..mirrored_markers import partners
@@ -115,7 +115,7 @@ class Body(FillMethod):
 
 class _Trial(NamedTuple):
     motion: MarkerArray
-    seen: NDArray[np.bool_]
+    seen: Bools
     partner: Ints
     ranks: Ranks
     trust: JumpingMarkers
@@ -138,7 +138,7 @@ def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Pre
 def common_hyper(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> Hyper:
     """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
     trial = _trial(motion, method)
-    some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
+    some = [gaps[k] for k in evenly(len(gaps), FEW)]
     each = [found for gap in some if not isinstance(found := _gap_training(trial, gap, method), str)]
     return _best(each)
 
@@ -236,7 +236,7 @@ def _references(trial: _Trial, gap: Gap, most: int) -> Ints:
     thin = trial.seen[:, :: max(1, trial.seen.shape[1] // 400)]
     chosen: list[int] = []
     together = thin[marker]
-    ready: NDArray[np.bool_] = np.logical_and.reduce(trial.seen[:, gap.start : gap.stop], axis=1)
+    ready: Bools = np.logical_and.reduce(trial.seen[:, gap.start : gap.stop], axis=1)
     ready &= trial.trust.of(gap)
     n = np.count_nonzero(together)
     missing = ~ready

@@ -121,10 +121,10 @@ def _correlation(v: Floats, there: Floats, n: int) -> Floats:
     """(1) at lags 0 … n − 1."""
     size = scipy.fft.next_fast_len(2 * v.shape[1], real=True)
     V, P, T = (scipy.fft.rfft(a, size, axis=1) for a in (v, (v * v).sum(-1, keepdims=True), there))
-    product, ahead, behind = (
+    product, before, behind = (
         scipy.fft.irfft(s.sum((0, 2)), size)[:n] for s in (V.conj() * V, T.conj() * P, P.conj() * T)
     )
-    norm = np.sqrt(np.maximum(ahead, 0.0) * np.maximum(behind, 0.0))
+    norm = np.sqrt(np.maximum(before, 0.0) * np.maximum(behind, 0.0))
     return np.divide(product, norm, out=np.zeros(n), where=norm > 1e-9 * max(norm[0], 1e-300))
 
 
@@ -215,8 +215,8 @@ def _mismatches(velocity: Floats, who: Ints, t: Ints, here: Floats, each: list[I
 
 def _mismatch(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) -> Floats:
     """(2) at lags (K), infinite where nothing can be compared."""
-    off = _differences(velocity, who, t, here, lags)
-    square = np.einsum("wkti,wkti->wkt", off, off)
+    difference = _differences(velocity, who, t, here, lags)
+    square = np.einsum("wkti,wkti->wkt", difference, difference)
     known = ~np.isnan(square)
     n = known.sum((0, 2))
     return np.divide(np.where(known, square, 0.0).sum((0, 2)), n, out=np.full(len(lags), np.inf), where=n > 0)
@@ -233,9 +233,9 @@ def _differences(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints)
 
 def _products(velocity: Floats, around: _Surroundings, lag: int) -> Floats:
     """(3, 3) M of (4) at the frame nearest to a lag."""
-    off = _differences(velocity, *around, np.array([lag])).reshape(-1, 3)
-    off = off[~np.isnan(off[:, 0])]
-    return np.asarray(off.T @ off / max(len(off), 1))
+    difference = _differences(velocity, *around, np.array([lag])).reshape(-1, 3)
+    difference = difference[~np.isnan(difference[:, 0])]
+    return np.asarray(difference.T @ difference / max(len(difference), 1))
 
 
 def _taken_over(known: KnownSamples, span: Span, lag: float) -> Floats:
@@ -248,5 +248,5 @@ def _taken_over(known: KnownSamples, span: Span, lag: float) -> Floats:
     a, b = x[np.clip(low, 0, last)], x[np.clip(low + 1, 0, last)]
     y = np.where(np.isnan(b) | (part == 0), a, np.where(np.isnan(a), b, (1 - part) * a + part * b))
     first, end = x[span.edges[0]] - y[-2], x[span.edges[-1]] - y[-1]
-    s = span.progress()[:, None] if span.inside else np.zeros((span.length, 1))
+    s = span.share_of_after()
     return y[:-2] + (1 - s) * first + s * end

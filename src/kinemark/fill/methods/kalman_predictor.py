@@ -28,9 +28,8 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 from ...data.method import parameter
 from ...signal.kalman import follow, predict
 from ...signal.smoother import GapPositions, measurement_sd_of, predict_gaps, process_sd_of, smooth_gaps
@@ -85,7 +84,7 @@ class _Windows(NamedTuple):
 
     before: Floats
     after: Floats
-    length: NDArray[np.int64]
+    length: Ints
     sd: Floats
     process_sd: Floats
 

@@ -134,12 +134,12 @@ def left_out(found: KrigingFit, blocks: list[Ints]) -> float:
         blocks: the frames of each block.
     """
     half = scipy.linalg.lapack.dtrtri(found.factor, lower=True)[0]  # K⁻¹ is its square, of which blocks are needed
-    off: Floats = np.empty_like(found.weights)
+    apart: Floats = np.empty_like(found.weights)
     for size in {len(b) for b in blocks}:  # blocks of one size at once
         own = np.array([b for b in blocks if len(b) == size])
         columns = (half[b.min() :, b] for b in own)  # zero above
-        off[own] = np.linalg.solve(np.array([of.T @ of for of in columns]), found.weights[own])  # (5)
-    return float(np.linalg.norm(off[np.concatenate(blocks)], axis=1).mean())
+        apart[own] = np.linalg.solve(np.array([of.T @ of for of in columns]), found.weights[own])  # (5)
+    return float(np.linalg.norm(apart[np.concatenate(blocks)], axis=1).mean())
 
 
 def predict(pairs: FramePairs, found: KrigingFit) -> tuple[Floats, Floats]:

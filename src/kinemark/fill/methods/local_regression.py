@@ -20,9 +20,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...data.method import parameter
 from ..jumping_markers import JumpingMarkers
 from ..local_frames import local, triad
@@ -55,8 +54,8 @@ class LocalRegression(FillMethod):
 class RegressionFit(NamedTuple):
     """What a marker's regression came to: base, reference markers in use, their means, weights (1)."""
 
-    base: NDArray[np.int64]
-    references: NDArray[np.int64]
+    base: Ints
+    references: Ints
     mean: Floats
     a: Floats
     B: Floats
@@ -80,9 +79,7 @@ def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: Local
     return out
 
 
-def _fit(
-    motion: MarkerArray, seen: NDArray[np.bool_], marker: int, order: NDArray[np.int64], method: LocalRegression
-) -> RegressionFit | str:
+def _fit(motion: MarkerArray, seen: Bools, marker: int, order: Ints, method: LocalRegression) -> RegressionFit | str:
     """The best of the numbers of reference markers and ridges for one marker; a sentence where there is none."""
     if len(order) < 3:
         return f"only {len(order)} other markers are seen throughout the gap and often enough beside it; wanted 3"
@@ -103,9 +100,7 @@ def _fit(
     return RegressionFit(base, references[:n], mean[: 3 * n], a, B)
 
 
-def _features(
-    motion: MarkerArray, references: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats
-) -> Floats:
+def _features(motion: MarkerArray, references: Ints, frames: Ints, R: Floats, c: Floats) -> Floats:
     """(F, 3 D) local coordinates of the reference markers."""
     apart = motion.xyz[references, frames[:, None]] - c[:, None]
     return (apart @ R).reshape(len(frames), -1)

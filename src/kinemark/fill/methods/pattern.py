@@ -63,7 +63,7 @@ def _follow(known: KnownSamples, span: Span, allowed: np.ndarray, bent: dict[int
         edge = known.x[:, span.edges[0]]
         best = int(np.argmin(((edge[there] - edge[span.marker]) ** 2).sum(1)))
     reference = int(there[best])
-    s = span.progress()[:, None] if span.inside else np.zeros((span.length, 1))
+    s = span.share_of_after()
     ends = [span.edges[0], span.edges[-1]]
     first, last = known.x[span.marker, ends] - known.x[reference, ends]
     xyz = known.x[reference, span.start : span.stop] + (1 - s) * first + s * last  # (1)

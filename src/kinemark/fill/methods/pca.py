@@ -120,7 +120,7 @@ def _reconstruct(known: KnownSamples, span: Span, learnt: _LearntComponents, met
 
 
 def _apply(known: KnownSamples, span: Span, found: Map, frames: Ints, bridged: bool) -> tuple[Floats, Floats]:
-    at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
+    at = span.with_edges(frames)
     xyz = found.at(known, at)
     if not bridged:
         return xyz[:-2], np.broadcast_to(found.left.cov, (len(frames), 3, 3))
@@ -154,10 +154,10 @@ def _learn(known: KnownSamples, hood: Neighbourhood, learnt: _LearntComponents, 
     mean, B = _fit(sums, g, hood.n_seen, method.component_share)
     residual = np.full((len(learnt.frames), 3), np.nan)
     block = BLOCKS * np.arange(len(Y)) // len(Y)
-    tried = block % 2 == 1
-    part_mean, part_B = _fit(sums.without(Y[tried]), g, hood.n_seen, method.component_share)
-    off = Y[tried] - part_mean
-    residual[np.searchsorted(learnt.frames, hood.frames[tried])] = off[:, -3:] - off[:, : len(B)] @ part_B
+    tested = block % 2 == 1
+    part_mean, part_B = _fit(sums.without(Y[tested]), g, hood.n_seen, method.component_share)
+    deviation = Y[tested] - part_mean
+    residual[np.searchsorted(learnt.frames, hood.frames[tested])] = deviation[:, -3:] - deviation[:, : len(B)] @ part_B
     return Map(hood, mean, B, Leftover.of(residual, hood.step))
 
 
@@ -172,14 +172,14 @@ class _Sums(NamedTuple):
     def of(cls, Y: Floats) -> _Sums:
         """From signals (n, K)."""
         mean = Y.mean(0)
-        off = Y - mean
-        return cls(len(Y), mean, off.T @ off)
+        deviation = Y - mean
+        return cls(len(Y), mean, deviation.T @ deviation)
 
     def without(self, Y: Floats) -> _Sums:
         """Those of all frames but these, (m, K)."""
-        off, n = Y - self.mean, self.n - len(Y)
-        shift = off.sum(0) / n
-        return _Sums(n, self.mean - shift, self.G - off.T @ off - n * np.outer(shift, shift))
+        deviation, n = Y - self.mean, self.n - len(Y)
+        shift = deviation.sum(0) / n
+        return _Sums(n, self.mean - shift, self.G - deviation.T @ deviation - n * np.outer(shift, shift))
 
 
 def _fit(sums: _Sums, g: Floats, n_seen: int, kept: float) -> tuple[Floats, Floats]:

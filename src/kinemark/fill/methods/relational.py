@@ -113,7 +113,7 @@ def _interpolate(known: KnownSamples, span: Span, three: Ints, cov: Floats) -> P
     y = (R.mT @ (known.x[span.marker, at] - origin)[..., None])[..., 0]
     if np.isnan(R).any():
         return Prediction.none(span.length, f"{known.called(three)} come to lie on a line in the gap")
-    s = span.progress()[:, None] if span.inside else np.zeros((span.length, 1))
+    s = span.share_of_after()
     local = (1 - s) * y[-2] + s * y[-1]  # (2)
     R, origin = R[:-2], origin[:-2]
     xyz = (R @ local[..., None])[..., 0] + origin

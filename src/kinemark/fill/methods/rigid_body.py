@@ -130,7 +130,7 @@ def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: Rigid
 
 
 def _carry(known: KnownSamples, span: Span, body: BodyShape, frames: Ints) -> tuple[Floats, Floats]:
-    at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
+    at = span.with_edges(frames)
     xyz = body.carry(known.at(body.references[:, None], at))
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
     beside[[span.before < 0, span.after < 0]] = np.nan
@@ -188,15 +188,15 @@ def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> 
     use = np.arange(len(who) - 1) < np.array([[len(s)] for s in sets])
     share = use / use.sum(1, keepdims=True)
     body = x - (share @ x[:, :-1].reshape(len(x), len(who) - 1, 3)).swapaxes(0, 1)[:, :, None]  # (S, F, N + 1, 3)
-    references, middle = body[:, :, :-1] * use[:, None, :, None], len(x) // 2
-    size = np.linalg.svd(references[:, middle], compute_uv=False)
+    references, half = body[:, :, :-1] * use[:, None, :, None], len(x) // 2
+    size = np.linalg.svd(references[:, half], compute_uv=False)
     line = ~(size[:, 1] > np.maximum(flat * size[:, 0], 1e-6))
     if line.all():
         return None
-    s = (body @ nearest_rotations(references.mT @ references[:, middle, None])).mean(1)  # (1)
+    s = (body @ nearest_rotations(references.mT @ references[:, half, None])).mean(1)  # (1)
     R = nearest_rotations(references.mT @ (s[:, None, :-1] * use[:, None, :, None]))
-    off = body[:, :, -1] - (R @ s[:, None, -1, :, None])[..., 0]
-    error = np.where(line, np.inf, np.nan_to_num((off**2).sum((1, 2)), nan=np.inf))
+    residual = body[:, :, -1] - (R @ s[:, None, -1, :, None])[..., 0]
+    error = np.where(line, np.inf, np.nan_to_num((residual**2).sum((1, 2)), nan=np.inf))
     return sets[int(np.argmin(error))]
 
 

@@ -17,9 +17,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ..local_frames import local, triad
 from ..marker_array import Gap, MarkerArray
 from ..mirrored_markers import REFLECTED
@@ -80,14 +79,7 @@ class LocalView(NamedTuple):
 
 
 def training_frames_of(
-    motion: MarkerArray,
-    seen: NDArray[np.bool_],
-    gap: Gap,
-    references: Ints,
-    *,
-    partner: Ints,
-    most: int,
-    rate_hz: float,
+    motion: MarkerArray, seen: Bools, gap: Gap, references: Ints, *, partner: Ints, most: int, rate_hz: float
 ) -> TrainingFrames | None:
     """The training frames; None where fewer than `FEWEST` frames show the marker and its references.
 

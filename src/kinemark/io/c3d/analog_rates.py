@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Analog
+from ...data.array_types import Floats
 from ..notes import FileNote
 
 SAME_RATE = 1e-3
@@ -51,7 +51,7 @@ def on_frames(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
     return Analog(names, units, whole, np.concatenate([values for values, _ in laid])), notes
 
 
-def _on_clock(a: Analog, rate: float, n: int) -> tuple[NDArray[np.float64], list[FileNote]]:
+def _on_clock(a: Analog, rate: float, n: int) -> tuple[Floats, list[FileNote]]:
     """One record as n samples at a rate, and what that changed."""
     ratio, start, out = rate / a.rate, a.start * rate, np.full((len(a), n), np.nan)
     times: int = round(ratio)
@@ -70,7 +70,7 @@ def _on_clock(a: Analog, rate: float, n: int) -> tuple[NDArray[np.float64], list
     return out, notes
 
 
-def _put(out: NDArray[np.float64], values: NDArray[np.float64], first: int) -> None:
+def _put(out: Floats, values: Floats, first: int) -> None:
     """Columns of values into those of `out` from `first` on, as far as they are there."""
     n = out.shape[1]
     low, high = (min(max(at, 0), n) for at in (first, first + values.shape[1]))

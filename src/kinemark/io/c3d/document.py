@@ -9,6 +9,7 @@ from itertools import takewhile
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Bools, Floats, Ints
 from ...data.arrays import column, set_columns
 from .header import HeaderEvent
 from .numbers import ByteOrder
@@ -46,9 +47,9 @@ class C3D:
     order: ByteOrder
     floats: bool
     rate: float
-    points: NDArray[np.float64]
-    word: NDArray[np.float64]
-    analog: NDArray[np.float64]
+    points: Floats
+    word: Floats
+    analog: Floats
     samples: int
     groups: tuple[Group, ...]
     scale: float = 1.0
@@ -57,7 +58,7 @@ class C3D:
     header_events: tuple[HeaderEvent, ...] = ()
     reserved: bytes = bytes(BLOCK)
     data_block: int = 3
-    rotations: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 17)))
+    rotations: Floats = field(default_factory=lambda: np.zeros((0, 0, 17)))
     sample_table: bytes = b""
     tail: bytes = b""
     notes: tuple[str, ...] = ()
@@ -75,7 +76,7 @@ class C3D:
         )
 
     @property
-    def residual(self) -> NDArray[np.float64]:
+    def residual(self) -> Floats:
         """(F, M) mean distance of the rays from the point, file units; −1 where the point is missing."""
         bits, missing = _bits(self.word)
         return np.where(missing, -1.0, (bits & 0xFF) * self.scale)
@@ -107,7 +108,7 @@ class C3D:
         """Text in all rows of a parameter and its continuations."""
         return tuple(text for parameter in self.series(group, name) for text in parameter.texts)
 
-    def numbers(self, group: str, name: str) -> NDArray[np.float64]:
+    def numbers(self, group: str, name: str) -> Floats:
         """Numbers in a parameter and its continuations, flat."""
         return np.concatenate([np.zeros(0), *(parameter.numbers for parameter in self.series(group, name))])
 
@@ -124,7 +125,7 @@ def has_unsigned_analog(doc: C3D) -> bool:
     return any((p.values == HALF).any() for p in offsets)
 
 
-def _bits(word: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _bits(word: Floats) -> tuple[Ints, Bools]:
     """The fourth number as 16 bits, and where it says that the point is missing."""
     return np.where((word >= 0) & (word < 65536), word, 0).astype(np.int64), ~(word >= 0)
 

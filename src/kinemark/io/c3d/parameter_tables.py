@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...data.array_types import Floats
 from .document import C3D, with_parameters
 from .parameters import Parameter, ValueArray
 
@@ -96,7 +97,7 @@ def matched(names: Sequence[str], old: Sequence[str]) -> list[int]:
     return [free[name].pop() if free.get(name) else -1 for name in names]
 
 
-def rows_from(values: NDArray[np.float64], source: Sequence[int], fresh: float) -> NDArray[np.float64]:
+def rows_from(values: Floats, source: Sequence[int], fresh: float) -> Floats:
     """Entries of a column picked by row; `fresh` where there is none."""
     extended = np.append(values, fresh)
     return extended[[s if 0 <= s < len(values) else len(values) for s in source]]

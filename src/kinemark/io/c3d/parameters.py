@@ -23,6 +23,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...data.array_types import Floats
 from ...data.arrays import set_columns
 from .numbers import ByteOrder, decode_floats, decode_words, encode_floats, encode_words
 
@@ -92,12 +93,12 @@ class Parameter:
         return tuple(decode_text(row.tobytes()) for row in rows.reshape(count, rows.shape[-1]))
 
     @property
-    def numbers(self) -> NDArray[np.float64]:
+    def numbers(self) -> Floats:
         """All values in the file's order as floats; empty when they are characters."""
         return np.zeros(0) if self.is_text else self.values.reshape(-1).astype(np.float64)
 
     @property
-    def unsigned(self) -> NDArray[np.float64]:
+    def unsigned(self) -> Floats:
         """As `numbers`, with integers taken as unsigned."""
         kind = {"int8": np.uint8, "int16": np.uint16}.get(self.values.dtype.name)
         return self.numbers if kind is None else self.values.reshape(-1).view(kind).astype(np.float64)

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin
+from ...data.array_types import Bools, Floats
 from ..units import USUAL_UNITS, mm_per
 from .document import C3D, HALF
 from .provenance import stated_filled
@@ -44,8 +45,8 @@ class Samples:
         origin: (M, F) an `Origin` each.
     """
 
-    xyz: NDArray[np.float64]
-    residual: NDArray[np.float64]
+    xyz: Floats
+    residual: Floats
     cameras: NDArray[np.uint32]
     origin: NDArray[np.uint8]
 
@@ -116,7 +117,7 @@ def samples_of(doc: C3D) -> Samples:
     return Samples(xyz, residual, cameras, origin)
 
 
-def _missing(doc: C3D, length: NDArray[np.bool_], zero_is_gap: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _missing(doc: C3D, length: Bools, zero_is_gap: Bools) -> Bools:
     """(M, F) where a point has no position."""
     finite = np.isfinite(doc.points).all(-1)
     if not doc.floats:

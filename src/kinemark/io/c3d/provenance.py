@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Origin, Trajectories
+from ...data.array_types import Bools
 from ...numerics.runs import true_runs
 from .document import C3D
 from .parameter_tables import with_numbers, with_text
@@ -21,7 +22,7 @@ LAST = np.array([0, 1])
 """From where a run begins and where it is over to its first and last frame; by definition."""
 
 
-def stated_filled(doc: C3D, names: tuple[str, ...]) -> NDArray[np.bool_]:
+def stated_filled(doc: C3D, names: tuple[str, ...]) -> Bools:
     """(M, F) samples that the group says are filled; runs of unknown points or beyond the file are passed over."""
     filled = np.zeros((len(names), len(doc.points)), bool)
     points, frames = doc.texts(GROUP, POINTS), doc.numbers(GROUP, FRAMES)

@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Poses, same
+from ...data.array_types import Floats
 from ..notes import FileNote
 from .analog_rates import SAME_RATE, SAME_TIME, seconds_beyond
 from .document import C3D, with_parameters
@@ -50,9 +50,7 @@ def _count(doc: C3D, name: str) -> int:
     return int(value) if 0 < value < 2**31 else 0
 
 
-def rotations_in(
-    doc: C3D, table: RotationTable, raw: bytes, frames: int, stop: int
-) -> tuple[NDArray[np.float64], int, int]:
+def rotations_in(doc: C3D, table: RotationTable, raw: bytes, frames: int, stop: int) -> tuple[Floats, int, int]:
     """Samples (frames × ratio, segments, 17), NaN where the file ends before; first and last-plus-one byte.
 
     Args:
@@ -128,7 +126,7 @@ def _without(doc: C3D) -> C3D:
     return with_parameters(replace(doc, rotations=np.zeros((0, 0, WIDTH))), GROUP, [Parameter.whole("USED", 0)])
 
 
-def _on_frames(poses: Poses, first: int, n: int, factor: float) -> NDArray[np.float64]:
+def _on_frames(poses: Poses, first: int, n: int, factor: float) -> Floats:
     """(n, S, 17) as they are stored; −1 as reliability where a sample is missing."""
     out = np.full((n, len(poses), WIDTH), np.nan)
     low, high = (min(max(at, 0), n) for at in (first, first + poses.reliability.shape[1]))

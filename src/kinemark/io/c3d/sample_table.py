@@ -20,9 +20,9 @@ import zlib
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Origin, Trajectories
+from ...data.array_types import Bools, Floats
 from .document import C3D, with_parameters
 from .parameters import Parameter
 from .points import LENGTH, Samples, kinds_of, point_names, samples_of
@@ -76,7 +76,7 @@ def with_table(doc: C3D, trajectories: Trajectories) -> C3D:
     return replace(doc, sample_table=head + body)
 
 
-def with_covariance(doc: C3D, samples: Samples) -> tuple[Samples, NDArray[np.float64], tuple[str, ...]]:
+def with_covariance(doc: C3D, samples: Samples) -> tuple[Samples, Floats, tuple[str, ...]]:
     """The samples with the origins of the section, the covariances (M, F, 3, 3) of all points, mm², and what is odd."""
     m, f = samples.origin.shape
     unknown = np.broadcast_to(np.nan, (m, f, 3, 3))
@@ -108,12 +108,12 @@ def _table(doc: C3D, n: int, checksum: int) -> bytes | None:
     return table if stated == checksum and len(table) == size and reader.eof else None
 
 
-def _markers(doc: C3D) -> NDArray[np.bool_]:
+def _markers(doc: C3D) -> Bools:
     """(M) which points are markers."""
     return np.array([kind == LENGTH for kind in kinds_of(doc, point_names(doc))], np.bool_)
 
 
-def _checksum(samples: Samples, own: NDArray[np.bool_]) -> int:
+def _checksum(samples: Samples, own: Bools) -> int:
     """Of the positions, in single precision; all missing ones alike."""
     positions = samples.xyz[own].astype("<f4")
     positions[np.isnan(positions)] = np.float32(1e30)

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Signal, Signals
+from ...data.array_types import Floats
 from ...data.signals import XYZ
 from ..notes import FileNote
 from .analog_rates import SAME_RATE, SAME_TIME, seconds_beyond
@@ -36,7 +36,7 @@ class SignalPoint(NamedTuple):
 
     name: str
     listed: str
-    xyz: NDArray[np.float64]
+    xyz: Floats
     description: str | None = None
 
 
@@ -57,7 +57,7 @@ def _unit_name(listed: str) -> str:
 # Reading
 
 
-def signals_of(doc: C3D, names: Sequence[str], kinds: Sequence[str], xyz: NDArray[np.float64]) -> Signals:
+def signals_of(doc: C3D, names: Sequence[str], kinds: Sequence[str], xyz: Floats) -> Signals:
     """The quantities among the points.
 
     Args:
@@ -125,9 +125,7 @@ def points_of(signals: Signals, rate: float, n_frames: int) -> tuple[list[Signal
     return points + deviations, tuple(notes)
 
 
-def _on_frames(
-    signal: Signal, values: NDArray[np.float64], rate: float, n: int
-) -> tuple[NDArray[np.float64], list[FileNote]]:
+def _on_frames(signal: Signal, values: Floats, rate: float, n: int) -> tuple[Floats, list[FileNote]]:
     """(F, 3) the first three components (N, A) at the frames, zeros for those that there are not, NaN: missing."""
     out, notes, names = np.zeros((n, 3)), [], (signal.name,)
     wide = min(3, values.shape[1])

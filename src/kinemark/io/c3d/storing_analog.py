@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Analog, ForcePlate, same
+from ...data.array_types import Bools, Floats
 from .document import C3D, has_unsigned_analog, with_parameters
 from .parameter_tables import matched, rows_from, with_descriptions, with_numbers, with_text
 from .parameters import Parameter
@@ -49,9 +49,7 @@ def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, flo
     return _with_scaling(doc, rows, factor, offset)
 
 
-def _kept(
-    analog: Analog, source: C3D, rows: list[int], shift: int, samples: int
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _kept(analog: Analog, source: C3D, rows: list[int], shift: int, samples: int) -> tuple[Floats, Bools]:
     """Raw numbers (A, N) of the source, and where its values are those of the trial, so that they stand."""
     old, raw = analog_of(source), np.zeros(analog.values.shape)
     kept = np.zeros(raw.shape, np.bool_)
@@ -67,14 +65,7 @@ def _kept(
     return raw, kept
 
 
-def _integers(
-    analog: Analog,
-    raw: NDArray[np.float64],
-    source: C3D,
-    factor: NDArray[np.float64],
-    offset: NDArray[np.float64],
-    kept: NDArray[np.bool_],
-) -> NDArray[np.float64]:
+def _integers(analog: Analog, raw: Floats, source: C3D, factor: Floats, offset: Floats, kept: Bools) -> Floats:
     """Raw numbers as integers; channels that do not fit get a factor and an offset of their own, in place."""
     if not np.isfinite(analog.values[~kept]).all():
         raise ValueError("analog has missing samples, which integers cannot hold; write floats")
@@ -96,7 +87,7 @@ def _general(doc: C3D) -> float:
     return general if math.isfinite(general) and general != 0 else 1.0
 
 
-def _with_scaling(doc: C3D, rows: list[int], factor: NDArray[np.float64], offset: NDArray[np.float64]) -> C3D:
+def _with_scaling(doc: C3D, rows: list[int], factor: Floats, offset: Floats) -> C3D:
     """The document with these factors and offsets, and the other columns of its channels in the new order."""
     if same(analog_scaling(doc), (factor, offset)) and rows == list(range(len(rows))):
         return doc
@@ -148,7 +139,7 @@ def with_plates(doc: C3D, plates: tuple[ForcePlate, ...]) -> C3D:
     return with_parameters(doc, "FORCE_PLATFORM", parameters)
 
 
-def _matrices(plates: tuple[ForcePlate, ...]) -> NDArray[np.float64]:
+def _matrices(plates: tuple[ForcePlate, ...]) -> Floats:
     """(plates, columns, rows) calibrations; zeros where a plate has none."""
     known = [plate.calibration for plate in plates if plate.calibration is not None]
     out = np.zeros((len(plates), max(c.shape[1] for c in known), max(c.shape[0] for c in known)))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin, Trajectories, Trial
+from ...data.array_types import Bools, Floats
 from ..notes import FileNote
 from .document import C3D, HALF
 from .parameter_tables import matched, with_descriptions, with_text
@@ -158,7 +159,7 @@ def _samples(trajectories: Trajectories, others: Sequence[SignalPoint], n: int) 
     )
 
 
-def _scale(source: C3D, points: NDArray[np.float64], residual: NDArray[np.float64], floats: bool) -> float:
+def _scale(source: C3D, points: Floats, residual: Floats, floats: bool) -> float:
     """File units a count: the source's where it serves, else such that the farthest point has 32 000 counts."""
     most = float(np.abs(points).max(initial=0.0))
     if source.points.size and floats:
@@ -171,7 +172,7 @@ def _scale(source: C3D, points: NDArray[np.float64], residual: NDArray[np.float6
     return float(np.float32(max(most / FULL_SCALE, resolved) or 1.0))
 
 
-def _words(new: Samples, residual: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+def _words(new: Samples, residual: Floats, scale: float) -> Floats:
     """(F, M) residual in counts of the scale and cameras; at least 1 when measured, 0 when filled, −1 when missing."""
     origin, cameras = new.origin.T, new.cameras.T.astype(np.int64)
     counts = np.clip(np.rint(np.nan_to_num(residual) / scale), 0, 255).astype(np.int64)
@@ -187,11 +188,11 @@ def _kept(
     source: C3D,
     rows: Sequence[int],
     first_frame: int,
-    points: NDArray[np.float64],
-    word: NDArray[np.float64],
+    points: Floats,
+    word: Floats,
     scale: float,
     floats: bool,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Floats, Floats]:
     """Points and words, with the source's own numbers wherever they say the same."""
     n = len(points)
     frame = np.arange(n) + first_frame - source.first_frame
@@ -212,13 +213,11 @@ def _kept(
     return np.where(place[..., None], stored, points), mixed
 
 
-def _equal(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _equal(a: Floats, b: Floats) -> Bools:
     return (a == b) | (np.isnan(a) & np.isnan(b))
 
 
-def _rounded(
-    points: NDArray[np.float64], scale: float, floats: bool, not_zero: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def _rounded(points: Floats, scale: float, floats: bool, not_zero: Bools) -> Floats:
     """Points as the file will hold them; `not_zero` (F, M) are moved off the origin by the least that shows."""
     whole = points.astype(np.float32).astype(np.float64) if floats else np.rint(points / scale) * scale
     frame, marker = np.nonzero(not_zero & (whole == 0).all(-1))

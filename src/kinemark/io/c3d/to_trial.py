@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
+from ...data.array_types import Bools, Floats
 from .about import about_of
 from .document import C3D, HALF, has_unsigned_analog, with_parameters
 from .parameters import Parameter
@@ -75,9 +75,7 @@ def trial_of(doc: C3D, *, name: str) -> Trial:
     )
 
 
-def _markers(
-    names: Sequence[str], kinds: Sequence[str], samples: Samples, cov: NDArray[np.float64]
-) -> tuple[MarkerTrajectory, ...]:
+def _markers(names: Sequence[str], kinds: Sequence[str], samples: Samples, cov: Floats) -> tuple[MarkerTrajectory, ...]:
     """The points that are positions."""
     return tuple(
         MarkerTrajectory(name, samples.xyz[i], cov[i], samples.origin[i], samples.residual[i], samples.cameras[i])
@@ -91,7 +89,7 @@ def analog_names(doc: C3D) -> tuple[str, ...]:
     return distinct(doc.texts("ANALOG", "LABELS"), len(doc.analog), "channel ")
 
 
-def analog_scaling(doc: C3D) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def analog_scaling(doc: C3D) -> tuple[Floats, Floats]:
     """Factors and offsets (A): value = (raw − offset) factor, with factor = GEN_SCALE SCALE; 1 and 0 where absent."""
     n, offsets = len(doc.analog), doc.series("ANALOG", "OFFSET")
     factor, offset = np.ones(n), np.zeros(n)
@@ -120,7 +118,7 @@ def _about_marks(doc: C3D) -> tuple[str, ...]:
     return (f"analog: {counts.sum()} samples of {', '.join(names)} are −32 768 and count as missing",) if names else ()
 
 
-def marked(doc: C3D) -> NDArray[np.bool_]:
+def marked(doc: C3D) -> Bools:
     """(A, N) samples of signed integers that are −32 768 where all others of their channel are far from it.
 
     A signal that is clipped comes near to the end of the range before; a mark for what was not sampled stands alone.
@@ -144,7 +142,7 @@ def plates_of(doc: C3D) -> tuple[ForcePlate, ...]:
     return tuple(replace(plate, zero_frames=_zero_frames(doc)) for plate in plates)
 
 
-def _zero_frames(doc: C3D) -> NDArray[np.float64] | None:
+def _zero_frames(doc: C3D) -> Floats | None:
     """(2) first and last frame of the baseline, from 0; None where the file states none that is in it."""
     stated = doc.numbers("FORCE_PLATFORM", "ZERO")
     if len(stated) < 2 or not 1 <= stated[0] <= stated[1]:
@@ -153,7 +151,7 @@ def _zero_frames(doc: C3D) -> NDArray[np.float64] | None:
     return np.array([first, last]) if 0 <= first <= last < len(doc.points) else None
 
 
-def _column(doc: C3D, name: str, ndim: int, count: int) -> NDArray[np.float64]:
+def _column(doc: C3D, name: str, ndim: int, count: int) -> Floats:
     """A parameter, one row a plate; empty rows where it is absent or short.
 
     Some files leave out the last dimension where there is one plate.
@@ -167,10 +165,10 @@ def _column(doc: C3D, name: str, ndim: int, count: int) -> NDArray[np.float64]:
 
 def _plate(
     kind: int,
-    corners: NDArray[np.float64],
-    origin: NDArray[np.float64],
-    channel: NDArray[np.float64],
-    matrix: NDArray[np.float64],
+    corners: Floats,
+    origin: Floats,
+    channel: Floats,
+    matrix: Floats,
     *,
     names: tuple[str, ...],
     factor: float,
@@ -185,7 +183,7 @@ def _plate(
     )
 
 
-def _shaped(values: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _shaped(values: Floats, shape: tuple[int, ...]) -> Floats:
     return values if values.shape == shape else np.full(shape, np.nan)
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...data.array_types import Floats
 from ..files import replacing
 from .document import C3D, has_unsigned_analog, with_parameters
 from .header import C3DHeader, encode_header
@@ -142,7 +142,7 @@ def _encode_data(doc: C3D) -> bytes:
     return encode_words(frames.reshape(-1), doc.order).tobytes()
 
 
-def _whole(name: str, values: NDArray[np.float64], least: int = -32768) -> NDArray[np.float64]:
+def _whole(name: str, values: Floats, least: int = -32768) -> Floats:
     """The nearest integers of 16 bits from `least` on."""
     whole = np.rint(values)
     if not ((whole >= least) & (whole <= least + 65535)).all():

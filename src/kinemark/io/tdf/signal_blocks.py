@@ -15,9 +15,9 @@ means one thing whatever file it comes from,
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Analog, Events, ForcePlate, MarkerTrajectory, Trajectories
+from ...data.array_types import Floats, Ints
 from .cursor import Cursor
 
 WRENCH = ("Fx", "Fy", "Fz", "Px", "Py", "Mz")
@@ -27,7 +27,7 @@ FROM_FILE = ((2, -1.0), (3, -1.0), (4, -1.0), (0, 1000.0), (1, 1000.0), (5, -1.0
 PLATE_TYPE = 1  # C3D's type with force and centre of pressure; of that format
 
 
-def by_track(cursor: Cursor, n: int, width: int) -> NDArray[np.float64]:
+def by_track(cursor: Cursor, n: int, width: int) -> Floats:
     """(n, width) a signal stored as segments: their number, a pad, (first, length) of each, then all samples."""
     segments = _segments(cursor)
     if (segments.sum(1) > n).any():
@@ -35,7 +35,7 @@ def by_track(cursor: Cursor, n: int, width: int) -> NDArray[np.float64]:
     return _samples(cursor, segments, n, width)
 
 
-def _segments(cursor: Cursor) -> NDArray[np.int64]:
+def _segments(cursor: Cursor) -> Ints:
     """(S, 2) first sample and length of each segment."""
     n_segments = cursor.integer()
     cursor.take("<i4")
@@ -45,7 +45,7 @@ def _segments(cursor: Cursor) -> NDArray[np.int64]:
     return segments
 
 
-def _samples(cursor: Cursor, segments: NDArray[np.int64], n: int, width: int) -> NDArray[np.float64]:
+def _samples(cursor: Cursor, segments: Ints, n: int, width: int) -> Floats:
     """(n, width) the samples of segments; NaN between them."""
     values = np.full((n, width), np.nan)
     for a, m in segments.tolist():
@@ -73,13 +73,13 @@ def trajectories(cursor: Cursor) -> Trajectories:
     return Trajectories(tuple(paths), rate, first_frame=round(start * rate) + 1)
 
 
-def tracks(cursor: Cursor, n: int, n_frames: int) -> tuple[list[str], list[NDArray[np.float64]]]:
+def tracks(cursor: Cursor, n: int, n_frames: int) -> tuple[list[str], list[Floats]]:
     """Labels and (F, 3) m of n tracks, one after the other."""
     pairs = [(cursor.text(), by_track(cursor, n_frames, 3)) for _ in range(n)]
     return [name for name, _ in pairs], [xyz for _, xyz in pairs]
 
 
-def frames(cursor: Cursor, n: int, n_frames: int) -> tuple[list[str], list[NDArray[np.float64]]]:
+def frames(cursor: Cursor, n: int, n_frames: int) -> tuple[list[str], list[Floats]]:
     """The same of tracks stored frame by frame, where all zeros mean missing."""
     names = [cursor.text() for _ in range(n)]
     xyz = cursor.take("<f4", n_frames * n * 3).reshape(n_frames, n, 3).transpose(1, 0, 2).astype(np.float64)
@@ -158,7 +158,7 @@ def emg(cursor: Cursor, origin: float) -> Analog:
     return Analog(tuple(names), ("V",) * n, rate, values, start - origin)
 
 
-def _channels(cursor: Cursor, n: int, stated: int) -> tuple[list[str], NDArray[np.float64]]:
+def _channels(cursor: Cursor, n: int, stated: int) -> tuple[list[str], Floats]:
     """Labels and (n, N) samples of channels one after the other.
 
     As a rule such blocks state fewer samples than they hold (49 less), so that their segments say how many there are.

@@ -9,16 +9,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import KinemarkError
+from ...data.array_types import Floats
 from .tab_tables import read_rows, write_rows
 
 ENDINGS = {"shoulder": ".shd", "elbow": ".elb", "wrist": ".wst"}
 DECIMALS = 2  # of an angle in deg; of the format (UM²AS, appendix)
 
 
-def read_angles(path: Path | str) -> NDArray[np.float64]:
+def read_angles(path: Path | str) -> Floats:
     """(F, 3) deg: φ, θ and ψ of one joint; θ is NaN where an elbow's file has only φ and ψ.
 
     Raises:

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import KinemarkError
+from ...data.array_types import Floats
 from ..number_text import bad_line, read_text
 from .tab_tables import ABSENT, MM, camera_number, read_rows, write_lines, write_rows
 
@@ -28,11 +29,11 @@ CENTURY = 1980
 class Parameters(NamedTuple):
     """L (11,), px and mm; and when camera 1's file was made, None for other cameras."""
 
-    L: NDArray[np.float64]
+    L: Floats
     made: date | None
 
 
-def read_msr(path: Path | str) -> NDArray[np.float64]:
+def read_msr(path: Path | str) -> Floats:
     """(N, 3) mm where the control balls were measured, ball 1 first.
 
     Raises:
@@ -130,7 +131,7 @@ def write_cp(path: Path | str, L: ArrayLike, *, made: date | None = None) -> Non
     write_lines(path, lines)
 
 
-def read_cp_set(paths: Sequence[Path | str]) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+def read_cp_set(paths: Sequence[Path | str]) -> tuple[Floats, tuple[int, ...]]:
     """(C, 11) parameters, px and mm, and the cameras' numbers, of files that may come in any order.
 
     Raises:
@@ -171,7 +172,7 @@ def files_of_set(path: Path | str, letters: str) -> list[Path]:
     return list(in_order(found, letters).values())
 
 
-def read_rf(path: Path | str) -> NDArray[np.float64]:
+def read_rf(path: Path | str) -> Floats:
     """(2,) px where the reference marker was when the camera was calibrated.
 
     Raises:

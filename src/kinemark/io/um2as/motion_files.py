@@ -6,15 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import KinemarkError, Trajectories
 from ...data import MarkerTrajectory as MarkerPath
+from ...data.array_types import Floats
 from .calibration_files import DECIMALS, in_order
 from .tab_tables import MM, TabHeader, TabRows, camera_number, heading, read_rows, shaped, write_rows
 
 
-def read_da(path: Path | str, *, markers: int | None = None) -> NDArray[np.float64]:
+def read_da(path: Path | str, *, markers: int | None = None) -> Floats:
     """(M, F, 2) px digitised in one camera; NaN where a marker was not seen.
 
     Args:
@@ -35,9 +36,7 @@ def read_da(path: Path | str, *, markers: int | None = None) -> NDArray[np.float
     return shaped(path, rows, header)
 
 
-def read_da_set(
-    paths: Sequence[Path | str], *, markers: int | None = None
-) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+def read_da_set(paths: Sequence[Path | str], *, markers: int | None = None) -> tuple[Floats, tuple[int, ...]]:
     """(C, M, F, 2) px of several cameras, and their numbers; files may come in any order.
 
     Args:
@@ -51,7 +50,7 @@ def read_da_set(
     if not paths:
         raise ValueError("paths is empty, wanted at least one .da file")
     numbered = in_order(paths, "da")
-    each: list[NDArray[np.float64]] = []
+    each: list[Floats] = []
     for path in numbered.values():
         each.append(read_da(path, markers=len(each[0]) if each else markers))
         if each[-1].shape != each[0].shape:
@@ -94,7 +93,7 @@ def write_da(path: Path | str, uv: ArrayLike) -> None:
     _write(path, np.asarray(uv, np.float64), "uv", 2, headed=camera == 1)
 
 
-def read_tdc(path: Path | str) -> NDArray[np.float64]:
+def read_tdc(path: Path | str) -> Floats:
     """(M, F, 3) mm calculated places; NaN where there is none.
 
     Raises:
@@ -134,7 +133,7 @@ def write_tdc(path: Path | str, xyz: ArrayLike) -> None:
     _write(path, np.asarray(xyz, np.float64) / MM, "xyz", 3, headed=True)
 
 
-def _write(path: Path | str, values: NDArray[np.float64], name: str, width: int, *, headed: bool) -> None:
+def _write(path: Path | str, values: Floats, name: str, width: int, *, headed: bool) -> None:
     """TabRows (M, F, k) frame after frame."""
     if values.ndim != 3 or values.shape[2] != width or not values.size:
         raise ValueError(f"{name} has shape {values.shape}, wanted (markers, frames, {width})")

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError
-from ..files import replacing
+from ...data.array_types import Floats
+from ..files import write_text
 from ..number_text import bad_line, read_text
 from ..units import MM as UNITS_MM
 
@@ -33,7 +33,7 @@ class TabRows(NamedTuple):
     """A file's header, if it has one, its numbers (N, k) with 999 as NaN, and the line that each row stands in."""
 
     header: TabHeader | None
-    values: NDArray[np.float64]
+    values: Floats
     line: list[int]
 
 
@@ -90,7 +90,7 @@ def _row(path: Path | str, line: int, cells: list[str], width: int, absent: bool
     return [np.nan] * width if any(missing) else row
 
 
-def write_rows(path: Path | str, rows: NDArray[np.float64], *, decimals: int, heading: str | None = None) -> None:
+def write_rows(path: Path | str, rows: Floats, *, decimals: int, heading: str | None = None) -> None:
     """Rows (N, k) between tabs with so many decimals; a row with NaN becomes 999.
 
     A number that would read as 999 is written one unit of the last decimal beside it.
@@ -116,8 +116,7 @@ def number(value: float, decimals: int) -> str:
 
 def write_lines(path: Path | str, lines: list[str]) -> None:
     """Lines of text, whole or not at all."""
-    with replacing(path) as beside:
-        beside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8", newline="\n")
+    write_text(path, "".join(f"{line}\n" for line in lines))
 
 
 def heading(header: TabHeader) -> str:
@@ -125,7 +124,7 @@ def heading(header: TabHeader) -> str:
     return f"Number of frames: {header.frames} Number of markers: {header.markers}"
 
 
-def shaped(path: Path | str, rows: TabRows, header: TabHeader) -> NDArray[np.float64]:
+def shaped(path: Path | str, rows: TabRows, header: TabHeader) -> Floats:
     """(M, F, k) from rows frame after frame.
 
     Raises:

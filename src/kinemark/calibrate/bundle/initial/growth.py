@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import Camera, KinemarkError
-from ....data.array_types import Floats
+from ....data.array_types import Floats, Ints
+from ....numerics.evenly import evenly
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
@@ -187,12 +187,12 @@ def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
         return FreePoints(xyz)
     markers = xyz.reshape(-1, views.markers, 3)
     sticks = sticks_through(markers, views.along)
-    off = np.linalg.norm(sticks.xyz - markers, axis=-1)
-    wrong = ~(np.where(np.isnan(off), 0.0, off).max(1) <= LONGER * np.ptp(views.along))
+    distance = np.linalg.norm(sticks.xyz - markers, axis=-1)
+    wrong = ~(np.where(np.isnan(distance), 0.0, distance).max(1) <= LONGER * np.ptp(views.along))
     return type(sticks)(np.where(wrong[:, None], np.nan, sticks.centre), sticks.direction, sticks.along)
 
 
-def _some_bodies(part: Part, uv: Floats) -> NDArray[np.int64]:
+def _some_bodies(part: Part, uv: Floats) -> Ints:
     """At most `BODIES` of those that are supported, evenly."""
     n, K = part.xyz.shape[:2]
     good = np.flatnonzero(supported((part,), complete(uv)).any(0).reshape(n, K).any(1))
@@ -201,7 +201,7 @@ def _some_bodies(part: Part, uv: Floats) -> NDArray[np.int64]:
             f"Only {len(good)} of {n} poses or places are seen whole by two cameras and fit each other. Wave longer, "
             "where the cameras look, and check the lengths and the order of the markers."
         )
-    return good[np.linspace(0, len(good) - 1, min(BODIES, len(good))).astype(int)]
+    return good[evenly(len(good), BODIES)]
 
 
 def _next_camera(views: TargetViews, cameras: dict[int, Camera]) -> dict[int, Camera]:

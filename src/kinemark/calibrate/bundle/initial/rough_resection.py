@@ -64,8 +64,8 @@ def _translation(R: Floats, xyz: Floats, xy: Floats) -> Floats:
     w = np.ones(len(xyz))
     for _ in range(10):
         t = np.linalg.lstsq((rows * w[:, None, None]).reshape(-1, 3), (b * w[:, None]).ravel(), rcond=None)[0]
-        off = np.linalg.norm(rows @ t - b, axis=1)
-        w = np.sqrt(cauchy_weight(off**2, SOFT * float(np.median(off)) + 1e-12))
+        residual = np.linalg.norm(rows @ t - b, axis=1)
+        w = np.sqrt(cauchy_weight(residual**2, SOFT * float(np.median(residual)) + 1e-12))
     return np.asarray(t)
 
 
@@ -74,8 +74,8 @@ def _robust_projection(xyz: Floats, xy: Floats, *, trials: int = 60, sample: int
     rng = np.random.default_rng(0)
     rows = np.argsort(rng.random((trials, len(xyz))), axis=1)[:, : min(sample, len(xyz))]
     P = projections(xyz[rows], xy[rows])
-    off = _misses(P, xyz, xy)
-    best = off[np.median(off, axis=1).argmin()]
+    misfit = _misses(P, xyz, xy)
+    best = misfit[np.median(misfit, axis=1).argmin()]
     for _ in range(3):
         near = best <= 4 * np.median(best) + 1e-12
         P = projections(xyz[near][None], xy[near])

@@ -16,10 +16,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....data.array_types import Floats
-from ....geometry.two_view import essential, homogeneous, midpoints, relative_pose
+from ....data.array_types import Floats, Ints
+from ....geometry.two_view import essential, midpoints, relative_pose
+from ....numerics.evenly import evenly
+from ....numerics.vectors import homogeneous
 from ..parts import complete
 from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair
@@ -91,9 +92,9 @@ def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: in
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], t[g], float(score[g])) for g in chosen]
 
 
-def _evenly(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _evenly(rows: Ints) -> Ints:
     """At most `JUDGES` of them."""
-    return rows[np.linspace(0, len(rows) - 1, min(JUDGES, len(rows))).astype(int)]
+    return rows[evenly(len(rows), JUDGES)]
 
 
 def known_focus_seed(optics: list[UnknownOptics], pair: Pair, uv: Floats) -> Seed:
@@ -109,8 +110,8 @@ def projections(xyz: Floats, xy: Floats) -> Floats:
     there = complete(xyz)
     n = np.minimum(np.maximum(there.sum(1), 1), xyz.shape[1] - 1)[:, None]
     X = np.where(there[..., None], xyz, 0.0)
-    middle = X.sum(1, keepdims=True) / n[..., None]
-    X = np.where(there[..., None], X - middle, 0.0)
+    centre = X.sum(1, keepdims=True) / n[..., None]
+    X = np.where(there[..., None], X - centre, 0.0)
     size = np.sqrt((X**2).sum((1, 2), keepdims=True) / (3 * n[..., None])) + 1e-300
     Xh = homogeneous(X / size)
     zero = np.zeros_like(Xh)
@@ -122,12 +123,14 @@ def projections(xyz: Floats, xy: Floats) -> Floats:
         rows = (A * weight[..., None, None]).reshape(len(A), -1, 12)
         P = np.linalg.eigh(rows.transpose(0, 2, 1) @ rows)[1][..., 0].reshape(-1, 3, 4)
         image = Xh @ P.transpose(0, 2, 1)
-        off = np.linalg.norm(image[..., :2] / (np.abs(image[..., 2:]) + 1e-12) * np.sign(image[..., 2:]) - xy, axis=-1)
-        typical = np.take_along_axis(np.sort(np.where(there, off, np.inf), axis=1), n // 2, axis=1)
-        weight = (there & (off <= 4 * typical)).astype(np.float64)
+        residual = np.linalg.norm(
+            image[..., :2] / (np.abs(image[..., 2:]) + 1e-12) * np.sign(image[..., 2:]) - xy, axis=-1
+        )
+        typical = np.take_along_axis(np.sort(np.where(there, residual, np.inf), axis=1), n // 2, axis=1)
+        weight = (there & (residual <= 4 * typical)).astype(np.float64)
     T = np.zeros((len(P), 4, 4))
     T[:, :3, :3] = np.eye(3) / size
-    T[:, :3, 3] = -(middle / size)[:, 0]
+    T[:, :3, 3] = -(centre / size)[:, 0]
     T[:, 3, 3] = 1.0
     return np.asarray(P @ T)
 

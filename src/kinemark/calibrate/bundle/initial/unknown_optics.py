@@ -17,12 +17,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import Camera
-from ....data.array_types import Bools, Floats
+from ....data.array_types import Bools, Floats, Ints
 from ....geometry import undistort
 from ....geometry.two_view import fit_fundamental, sampson_distance
+from ....numerics.evenly import evenly
 from ..solver import POWERS
 
 COMMON = (0.0, -0.05, -0.1, -0.16, -0.24, 0.06)
@@ -69,7 +69,7 @@ class UnknownOptics(NamedTuple):
         return replace(self.camera, K=K, distortion=k, R=R, t=t, cov=np.zeros((15, 15)), residual=float("nan"))
 
 
-def unknown_optics(name: str, size: NDArray[np.int64]) -> UnknownOptics:
+def unknown_optics(name: str, size: Ints) -> UnknownOptics:
     """A camera of which only the image size (2) px is known."""
     width = float(size.max())
     K = np.array([[width, 0.0, (size[0] - 1) / 2], [0.0, width, (size[1] - 1) / 2], [0.0, 0.0, 1.0]])
@@ -102,6 +102,6 @@ def straightened(optics: list[UnknownOptics], uv: Floats, pairs: dict[tuple[int,
     return [o._replace(bend=float(bend)) for o, bend in zip(optics, bends, strict=True)]
 
 
-def _thinned(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _thinned(rows: Ints) -> Ints:
     """At most `ENOUGH` of them, evenly."""
-    return rows[np.linspace(0, len(rows) - 1, min(len(rows), ENOUGH)).astype(int)]
+    return rows[evenly(len(rows), ENOUGH)]

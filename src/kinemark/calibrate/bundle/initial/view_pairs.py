@@ -13,12 +13,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import KinemarkError
-from ....data.array_types import Bools, Floats
-from ....geometry.two_view import homogeneous, robust_fundamental, sampson_distance
+from ....data.array_types import Bools, Floats, Ints
+from ....geometry.two_view import robust_fundamental, sampson_distance
 from ....numerics.robust import SD_PER_MEDIAN
+from ....numerics.vectors import homogeneous
 from ..parts import complete
 from .unknown_optics import UnknownOptics, straightened
 
@@ -37,7 +37,7 @@ class Pair(NamedTuple):
     scale: float
 
 
-def common_points(uv: Floats) -> NDArray[np.int64]:
+def common_points(uv: Floats) -> Ints:
     """(C, C) how many points two cameras both see."""
     seen = complete(uv).astype(np.int64)
     return np.asarray(seen @ seen.T)

@@ -25,10 +25,9 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import AngleModel, KinemarkError
-from ....data.array_types import Floats, Ints
+from ....data.array_types import Bools, Floats, Ints
 from ....data.method import parameter
 from ....signal.learn_angle_model import Learned, learn_model, template_of
 from ....signal.phase import CyclePhase, find_phase
@@ -276,7 +275,7 @@ class _Filling:
         carried = weights @ np.where(known[..., None], errors.r[use[:, None], columns] - mean, 0.0)
         return carried + (mean if self._edges else 0.0), np.clip(1 - (weights * c_t).sum(2), 0.0, 1.0)
 
-    def _edge(self, near: Placings, use: Ints, first: int, last: int) -> tuple[Ints, NDArray[np.bool_]]:
+    def _edge(self, near: Placings, use: Ints, first: int, last: int) -> tuple[Ints, Bools]:
         """Where frames of a marker's placings next to a gap stand from which errors are carried over, and for which of
         the K neighbours (K, E): at which r is known, on each side as many as wanted, within a quarter of a cycle."""
         low, start, stop, high = np.searchsorted(

@@ -253,13 +253,13 @@ class Placer:
         there = ~np.isnan(usual[:, 0])
         n = there.sum(1)
         mean = np.where(there[:, None], usual, 0.0).sum(2) / np.maximum(n, 1)[:, None]
-        off = np.where(there[:, None], usual - mean[..., None], 0.0)
-        cov = off @ off.mT / np.maximum(n - 1, 1)[:, None, None] + 1e-6 * np.eye(3)
+        deviation = np.where(there[:, None], usual - mean[..., None], 0.0)
+        cov = deviation @ deviation.mT / np.maximum(n - 1, 1)[:, None, None] + 1e-6 * np.eye(3)
         spaced = np.full((len(usual), 3, self._apart[-1] + 1), np.nan)
         spaced[..., self._apart] = usual
         noise = np.sqrt((measurement_sd_of(spaced.reshape(3 * len(usual), -1)) ** 2).reshape(-1, 3).mean(1))
         both = there[:, self._now] & there[:, self._then]
-        tau = correlation_time(off[..., self._now], off[..., self._then], both, self._lag, noise)
+        tau = correlation_time(deviation[..., self._now], deviation[..., self._then], both, self._lag, noise)
         few = n < FEWEST
         mean[few], cov[few] = 0.0, np.eye(3) * ((UNKNOWN * length[few]) ** 2)[:, None, None]
         tau[few], noise[few] = self.cycle / 10, 0.0

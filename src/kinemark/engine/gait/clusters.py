@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data.marker_sides import without_subject
-from ..gait.clusters import Clusters, with_wands
-from ..gait.usual_clusters import usual_clusters
-from .gait.settings import GaitSettings
-from .gait.walks import Recorded
+from ...data.marker_sides import without_subject
+from ...gait.clusters import Clusters, with_wands
+from ...gait.usual_clusters import usual_clusters
+from .settings import GaitSettings
+from .walks import Recorded
 
 
 def with_stated_clusters(static: Recorded, stated: Clusters) -> Recorded:

@@ -1,12 +1,13 @@
-"""Smooth chance: what soft tissue, hands and attention add to a motion."""
+"""Smooth noise: what soft tissue, hands and attention add to a motion."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..data.array_types import Floats
 
 
-def smooth_noise(shape: tuple[int, ...], rate: float, seed: int, *, cut_hz: float) -> NDArray[np.float64]:
+def smooth_noise(shape: tuple[int, ...], rate: float, seed: int, *, cut_hz: float) -> Floats:
     """Gaussian noise of standard deviation 1 along axis 1 of `shape`, with nothing above `cut_hz`.
 
     It is a sum of sinusoids with seeded phases and amplitudes, their frequencies spread over all up to the cut, so

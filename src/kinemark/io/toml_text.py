@@ -1,0 +1,59 @@
+"""TOML as untrusted text: its table, and values of the wanted kinds in it."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+from ..data import KinemarkError
+
+MOST = 2000
+"""Most entries of a list in a file; chosen, lest a broken file take memory."""
+
+
+def toml_table(text: str, what: str, *, advice: str = "Correct that line.") -> dict[str, Any]:
+    """The table that a text holds.
+
+    Args:
+        text: of the file.
+        what: the file, or what it describes, as an error begins with it.
+        advice: what to do where it is no TOML.
+
+    Raises:
+        KinemarkError: it is no TOML, or nested deeper than Python goes.
+    """
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise KinemarkError(f"{what} is no TOML: {error}. {advice}") from None
+
+
+def list_of(key: str, value: Any) -> list[Any]:
+    """A value that must be a list of at most `MOST`; key: what an error calls it.
+
+    Raises:
+        ValueError: it is none, or longer.
+    """
+    if not isinstance(value, list) or len(value) > MOST:
+        raise ValueError(f"{key} must be a list of at most {MOST}, found {str(value)[:60]}")
+    return value
+
+
+def text_of(key: str, value: Any) -> str:
+    """A value that must be text.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if not isinstance(value, str):
+        raise ValueError(f"{key} is {value!r}, wanted text")
+    return value
+
+
+def texts_of(key: str, value: Any) -> tuple[str, ...]:
+    """A value that must be a list of texts.
+
+    Raises:
+        ValueError: it is none, or longer than `MOST`.
+    """
+    return tuple(text_of(f"an entry of {key}", item) for item in list_of(key, value))

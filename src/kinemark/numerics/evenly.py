@@ -1,0 +1,12 @@
+"""A few of many, evenly."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data.array_types import Ints
+
+
+def evenly(n: int, most: int) -> Ints:
+    """At most `most` of the places 0 … n − 1, evenly spaced and rising, the first and the last among them."""
+    return np.linspace(0, n - 1, min(n, most)).astype(np.int64)

@@ -94,8 +94,8 @@ def reaction(
     force, moment, centre = _in_plate(plate, channels)
     R, middle = plate_axes(plate.corners)
     sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
-    unknown = ~np.isfinite(force).all(1)
-    loaded = _bridged(np.abs(force[:, 2]) > threshold_n, unknown)  # (6)
+    unknown: Bools = np.asarray(~np.isfinite(force).all(axis=1), np.bool_)
+    loaded = _bridged(np.asarray(np.abs(force[:, 2]) > threshold_n), unknown)  # (6)
     if centre is None:
         centre, free = _centre(force, moment, loaded)
     else:

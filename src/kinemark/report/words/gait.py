@@ -159,8 +159,8 @@ def _for_strides(found: Finding) -> str:
 def _for_left_out(found: Finding) -> str:
     if found.values["reason"] == "no_foot":
         return (
-            "If a foot did stand there, the plate's corners, their order, or its moments' unit are not as the file "
-            "says; else nothing is lost."
+            "If a foot did stand there, the plate's corners, their order, its zero, or its moments' unit are not as "
+            "the file says; else nothing is lost."
         )
     return "Other steps count; nothing is lost."
 

@@ -125,7 +125,8 @@ def reactions(time: Floats) -> tuple[tuple[Reaction, ...], tuple[Contact, ...]]:
         loaded = force[:, 2] > 20.0
         corners = np.full((4, 3), np.nan)
         plates.append(Reaction(np.where(loaded[:, None], force, 0.0), np.where(loaded[:, None], 1000 * centre, np.nan),
-                               np.where(loaded[:, None], free, 0.0), loaded, corners))  # fmt: skip
+                               np.where(loaded[:, None], free, 0.0), loaded, corners,
+                               np.zeros(len(loaded), np.bool_)))  # fmt: skip
         edges = np.flatnonzero(np.diff(np.concatenate([[0], loaded.astype(int), [0]])))
         found += [Contact(k, int(a), int(b), side, "", 0.0) for a, b in edges.reshape(-1, 2)]  # type: ignore[arg-type]
     return tuple(plates), tuple(found)

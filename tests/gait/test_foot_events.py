@@ -1,6 +1,7 @@
 """Foot events: against force plates of real walks, and laws on simulated ones."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -61,7 +62,7 @@ def test_events_from_markers_are_those_of_the_plates(step, noise_mm, share):
 
 
 def test_a_plate_that_writes_nothing_below_a_threshold_of_its_own_says_how_little_it_knows():
-    lab = gait_laboratory(WalkingBody(LAB), duration_s=2.6)
+    lab = laboratory()
     at = marker_points(lab.walk)
     true = plate_events(lab.walk, at)
     found = plate_events(replace(lab.walk, analog=tuple(map(gated, lab.walk.analog))), at)
@@ -70,7 +71,24 @@ def test_a_plate_that_writes_nothing_below_a_threshold_of_its_own_says_how_littl
     assert (np.abs(off) < 2 * sd).all() and (sd > [1.4 * e.sd for e in true]).all()
 
 
+def test_events_of_plates_are_at_one_time_whenever_the_channels_begin():
+    """A part of a trial has channels that begin before its first frame, and its baseline may lie there."""
+    whole = laboratory().walk
+    plates = tuple(replace(plate, zero_frames=np.array([0.0, 20.0])) for plate in whole.plates)
+    off = tuple(replace(a, values=a.values + 15.0) for a in whole.analog)
+    part = replace(whole, plates=plates, analog=off).frames(15, 250)
+    times = [[e.time for e in plate_events(trial, marker_points(trial))] for trial in (whole, part)]
+    assert len(times[0]) > 2
+    np.testing.assert_allclose(np.array(times[1]) + 0.15, times[0], atol=1e-9)
+    np.testing.assert_array_equal(part.plates[0].zero_frames, [-15.0, 5.0])
+
+
 LAB = SubjectMeasures(*[LegMeasures(850.0, 100.0, 70.0)] * 2, mass_kg=70.0)
+
+
+@cache
+def laboratory():
+    return gait_laboratory(WalkingBody(LAB), duration_s=2.6)
 
 
 def gated(record):

@@ -16,6 +16,15 @@ GAIT_KINDS = (
          {"side": "text", "cut": "count", "strides": "count", "joints_list": "text", "unknown_share": "share"}),
     Kind("gait_markers_leap", "gait", "amber", "Markers of a trial leap as no body does, in so many frames; greatest "
          "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
+    Kind("gait_markers_exchanged", "gait", "red", "Markers of a trial cannot be where their names say. how: sides "
+         "(left and right of all markers, or left-handed axes), pelvis (its front and back), across (with the other "
+         "side), foot (heel and toe) or leg (a wand and its joint).", {"trial": "text", "how": "text"}),
+    Kind("gait_markers_move_apart", "gait", "amber", "Markers of one segment do not keep their distance; width of the "
+         "middle 95 % of the worst.", {"trial": "text", "pairs_list": "text", "most_mm": "mm"}),
+    Kind("gait_plate_doubtful", "gait", "amber", "A plate, or all, cannot be as the file says. what: beside (the "
+         "centre of pressure is that share of the foot's length aside of it), backward (it goes that share forward), "
+         "weight (that share off the stated one) or time (of its events against the markers').",
+         {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),
     Kind("gait_measures_estimated", "gait", "amber", "Nobody states the subject's measures: legs by the markers, "
@@ -67,6 +76,7 @@ GAIT_KINDS = (
     Kind("gait_good", "gait", "info", "The verdict: nothing was found."),
     Kind("gait_usable", "gait", "info", "The verdict: gait needs attention."),
     Kind("gait_missing", "gait", "info", "The verdict: there is no gait result."),
+    Kind("gait_unusable", "gait", "info", "The verdict: markers are exchanged, so that the results are wrong."),
     Kind("gait_measured", "gait", "info", "Strides of both sides, mean speed and cadence.",
          {"left_strides": "count", "right_strides": "count", "speed": "m/s", "cadence": "count"}),
     Kind("gait_deviations", "gait", "info", "Median standard uncertainty of knee flexion, and what makes most of it.",

@@ -90,10 +90,12 @@ class Trial:
         """Frames first … stop − 1, counted from 0; channels, signals and poses stay whole and start so much earlier."""
         first, stop, _ = slice(first, stop).indices(self.trajectories.n_frames)
         earlier = first / self.trajectories.rate
+        zero = [None if plate.zero_frames is None else plate.zero_frames - first for plate in self.plates]
         return replace(
             self,
             trajectories=self.trajectories.frames(first, stop),
             analog=tuple(replace(a, start=a.start - earlier) for a in self.analog),
+            plates=tuple(replace(p, zero_frames=own) for p, own in zip(self.plates, zero, strict=True)),
             poses=tuple(replace(p, start=p.start - earlier) for p in self.poses),
             signals=Signals(tuple(replace(s, start=s.start - earlier) for s in self.signals)),
         )

@@ -16,13 +16,16 @@ from ..gait.emg import MAINS_HZ, Emg
 from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical
 from ..gait.gait_trial import GaitTrial
+from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
+from ..gait.plate_doubts import PlateDoubt
 from ..gait.static_axes import AxesShown
 from ..gait.static_checks import StaticDoubt
 from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
+from .gait_doubts import of_doubts
 from .gait_numbers import (
     averages_of,
     curve,
@@ -58,7 +61,8 @@ class GaitOfTrial(NamedTuple):
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
         way: "level", "running" or "stairs". first_frame: its number in the recording. floor: how it moves.
-        keys: key values of its strides that count. leaps: of its markers.
+        keys: key values of its strides that count. leaps: of its markers. names: what of their names cannot be.
+        plates: what of its plates cannot be.
     """
 
     name: str
@@ -73,6 +77,8 @@ class GaitOfTrial(NamedTuple):
     floor: Floor = STILL
     keys: tuple[KeyValue, ...] = ()
     leaps: MarkerLeaps = MarkerLeaps()
+    names: MarkerDoubts = MarkerDoubts()
+    plates: tuple[PlateDoubt, ...] = ()
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -279,9 +285,7 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
-    if trial.leaps.markers:
-        markers, leaps, most = trial.leaps
-        yield make_finding("gait_markers_leap", trial=trial.name, markers=markers, leaps=leaps, most_mm=most)
+    yield from of_doubts(trial.name, trial.names, trial.plates, trial.leaps)
     yield from _of_events(trial)
     if trial.way != "level":
         yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
@@ -312,7 +316,7 @@ def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
     if len(each := ways(trial.counted)) > 1:
         told = [f"{own[0].facing_deg:.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)
-    if (turned := _turned(trial)) > TURN_DEG:
+    if not trial.names.exchanged and (turned := _turned(trial)) > TURN_DEG:
         yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)
 
 
@@ -368,7 +372,9 @@ def _verdict(
     findings: Sequence[Finding], strides: Sequence[Stride], uncertainty: Sequence[Mapping[str, Any]]
 ) -> Verdict:
     grades = {found.severity for found in findings}
-    kind = "gait_missing" if "red" in grades else "gait_usable" if "amber" in grades else "gait_good"
+    wrong = any(found.kind == "gait_markers_exchanged" for found in findings)
+    kind = "gait_usable" if "amber" in grades else "gait_good"
+    kind = ("gait_unusable" if wrong else "gait_missing") if "red" in grades else kind
     statements = [make_finding(kind)]
     if strides:
         count = {side: sum(s.side == side for s in strides) for side in SIDES}

@@ -73,13 +73,19 @@ def mass_on_plates(
     strides = [b.time - a.time for side in SIDES
                for a, b in pairwise(e for e in events if e.side == side and e.strike)]  # fmt: skip
     impulses = [
-        abs(float((reactions[one.plate].force[one.first : one.stop] @ up).sum())) / rate
+        abs(float(_bridged(reactions[one.plate].force[one.first : one.stop] @ up).sum())) / rate
         for one in contacts
         if one.side is not None and not one.reason
     ]
     if not strides or not impulses:
         return None
     return float(np.median(impulses) / (GRAVITY * np.median(strides) / 2))
+
+
+def _bridged(newton: Floats) -> Floats:
+    """(n) of a contact, unknown samples between the known ones beside them."""
+    known = np.isfinite(newton)
+    return np.interp(np.arange(len(newton)), np.flatnonzero(known), newton[known])
 
 
 def check_legs(points: Mapping[str, Floats]) -> None:

@@ -13,6 +13,7 @@ from ..data.array_types import Bools, Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
+from ..numerics.runs import true_runs
 from .clinical_angles import READINGS, clinical_angles
 from .clinical_moments import clinical_force, clinical_moment
 from .clusters import CalibratedBody
@@ -175,9 +176,19 @@ def ground_contact(
         if one.side == side and one.reason in counts:
             force[frames], free[frames] = plate.force[frames], plate.free_moment[frames]
             centre[frames] = plate.centre[frames]
+            force[_beside(one, plate.unknown)] = np.nan
         elif one.side in (side, None):
             force[frames] = np.nan
     return GroundContact(force, centre, free)
+
+
+def _beside(contact: Contact, unknown: Bools) -> Bools:
+    """(F) unknown frames without a break before or after a contact: the foot may still stand there."""
+    runs = [run for run in true_runs(unknown) if contact.first == run[1] or contact.stop == run[0]]
+    found = np.zeros(len(unknown), np.bool_)
+    for first, stop in runs:
+        found[first:stop] = True
+    return found
 
 
 def measured_only(found: GaitTrial, events: Sequence[FootEvent], counts: Sequence[str], rate: float) -> GaitTrial:

@@ -6,8 +6,8 @@ centre of pressure p, on the floor, weighted by the force:
     d = Σ F_z |p − m| / Σ F_z                                                                          (1)
 
 The near foot has stepped there. A contact does not count where both feet are as near, the other foot stands on the
-plate too, a heel or toe of the standing foot is beside the plate, the recording begins or ends within it, or the plate
-is loaded while the toe swings: then something else stands there, as a stick or a walker (2).
+plate too, a heel or toe of the standing foot is beside the plate, what the plate recorded begins or ends within it, or
+the plate is loaded while the toe swings: then something else stands there, as a stick or a walker (2).
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def _judged(
         reason = "aid"  # (2)
     elif not _whole(reaction, feet[near], first, stop, up):
         reason = "beside"
-    elif first == 0 or stop == len(reaction.loaded):
+    elif first == 0 or stop == len(reaction.loaded) or reaction.unknown[first - 1] or reaction.unknown[stop]:
         reason = "cut"
     side = None if reason in ("no_foot", "unclear", "two_feet", "aid") else near
     return Contact(plate, first, stop, side, reason, float(d))

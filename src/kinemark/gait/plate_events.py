@@ -14,6 +14,7 @@ it has beyond the leap,
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -77,9 +78,13 @@ def contact_events(trial: Trial, contact: Contact, up: Floats = Z_UP) -> list[Fo
 
 def _force(trial: Trial, plate: int, up: Floats) -> _Force:
     """Of one plate, at every sample."""
-    record = next(a for a in trial.analog if trial.plates[plate].channels[0] in a.names)
+    own = trial.plates[plate]
+    record = next(a for a in trial.analog if own.channels[0] in a.names)
+    if own.zero_frames is not None:  # its first and last one as samples of the record
+        ends = np.add(own.zero_frames, (0, 1)) / trial.trajectories.rate - record.start
+        own = replace(own, zero_frames=np.subtract(ends * record.rate, (0, 1)))
     fine = reaction(
-        trial.plates[plate], trial.analog, n_frames=record.values.shape[1], rate=record.rate, threshold_n=0.0,
+        own, [replace(record, start=0.0)], n_frames=record.values.shape[1], rate=record.rate, threshold_n=0.0,
         averaged=False, up=up,
     )  # fmt: skip
     return _Force(np.abs(fine.force @ up), record.rate, record.start)

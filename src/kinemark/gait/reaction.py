@@ -16,7 +16,8 @@ of sensors at (±a, ±b) adds up to
 
 Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
 sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate
-(FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5).
+(FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5). A sample that is missing is no
+force of 0: its frame is unknown, and between loaded frames the foot is taken to have stayed (6).
 
 Source: C3D file format user guide, types 1 to 5.
 """
@@ -30,6 +31,7 @@ import numpy as np
 
 from ..data import Analog, ForcePlate, KinemarkError
 from ..data.array_types import Bools, Floats
+from ..numerics.runs import true_runs
 from .segments import Z_UP, unit
 
 THRESHOLD_N = 5.0
@@ -49,11 +51,12 @@ class Reaction:
     """What one plate does to the body over F frames.
 
     Attributes:
-        force: (F, 3) N; 0 where the plate is not loaded.
-        centre: (F, 3) mm of pressure; NaN where it is not loaded.
+        force: (F, 3) N; 0 where the plate is not loaded, NaN where it is and by how much is unknown.
+        centre: (F, 3) mm of pressure; NaN where it is not loaded, or unknown.
         free_moment: (F, 3) N·m about the vertical of the plate.
         loaded: (F).
         corners: (4, 3) mm of the plate.
+        unknown: (F) frames in which a channel has a missing sample.
     """
 
     force: Floats
@@ -61,6 +64,7 @@ class Reaction:
     free_moment: Floats
     loaded: Bools
     corners: Floats
+    unknown: Bools
 
 
 def reaction(
@@ -90,7 +94,8 @@ def reaction(
     force, moment, centre = _in_plate(plate, channels)
     R, middle = plate_axes(plate.corners)
     sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
-    loaded = np.abs(force[:, 2]) > threshold_n
+    unknown: Bools = np.asarray(~np.isfinite(force).all(axis=1), np.bool_)
+    loaded = _bridged(np.asarray(np.abs(force[:, 2]) > threshold_n), unknown)  # (6)
     if centre is None:
         centre, free = _centre(force, moment, loaded)
     else:
@@ -102,7 +107,16 @@ def reaction(
         down,
         loaded,
         plate.corners,
+        unknown,
     )
+
+
+def _bridged(loaded: Bools, unknown: Bools) -> Bools:
+    """(F) loaded frames with the unknown ones between them (6)."""
+    for first, stop in true_runs(unknown):
+        if first > 0 and stop < len(loaded) and loaded[first - 1] and loaded[stop]:
+            loaded[first:stop] = True
+    return loaded
 
 
 def plate_axes(corners: Floats) -> tuple[Floats, Floats]:
@@ -177,7 +191,9 @@ def _baseline(values: Floats, record: Analog, plate: ForcePlate, rate: float) ->
         return np.zeros(values.shape[1])
     first, stop = ((frame / rate - record.start) * record.rate for frame in np.add(plate.zero_frames, (0, 1)))
     quiet = values[max(round(first), 0) : max(round(stop), 0)]
-    steady = len(quiet) and bool((np.ptp(quiet, axis=0) <= QUIET_SHARE * np.ptp(values, axis=0)).all())
+    quiet = quiet[np.isfinite(quiet).all(1)]
+    known = values[np.isfinite(values).all(1)]
+    steady = len(quiet) and bool((np.ptp(quiet, axis=0) <= QUIET_SHARE * np.ptp(known, axis=0)).all())
     return np.asarray(quiet.mean(0)) if steady else np.zeros(values.shape[1])
 
 
@@ -189,11 +205,16 @@ def _to_house(record: Analog, name: str) -> float:
 
 
 def at_frames(values: Floats, record: Analog, *, n_frames: int, rate: float, averaged: bool) -> Floats:
-    """(F, K) of (N, K) samples at the markers' frames: with k samples a frame, the mean of 2 ⌊k / 2⌋ + 1 about each."""
+    """(F, K) of (N, K) samples at the markers' frames: with k samples a frame, the mean of 2 ⌊k / 2⌋ + 1 about each.
+
+    NaN where one of them is missing (6).
+    """
     k = record.rate / rate
     sample = np.round((np.arange(n_frames) / rate - record.start) * record.rate).astype(np.int64)
     half = int(k // 2) if averaged else 0
     first, stop = np.clip(sample - half, 0, len(values)), np.clip(sample + half + 1, 0, len(values))
     total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(np.nan_to_num(values), axis=0)])
+    missing = np.concatenate([[0], np.cumsum(~np.isfinite(values).all(1))])
     with np.errstate(invalid="ignore", divide="ignore"):
-        return (total[stop] - total[first]) / (stop - first)[:, None]
+        mean = (total[stop] - total[first]) / (stop - first)[:, None]
+    return np.asarray(np.where((missing[stop] > missing[first])[:, None], np.nan, mean))

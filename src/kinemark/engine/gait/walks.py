@@ -8,12 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...data import Events, KinemarkError, Origin, Signals, Trial
+from ...data import Events, KinemarkError, Signals, Trial
 from ...data.array_types import Floats
 from ...data.gait_curves import GaitCurves
 from ...data.laboratory_axes import shows_up
 from ...data.marker_sides import without_subject
-from ...data.model_markers import MODEL_MARKERS
 from ...data.strides import FootEvent
 from ...data.subject_measures import SIDES, SubjectMeasures
 from ...findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
@@ -26,7 +25,6 @@ from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ...gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ...gait.key_values import key_values
 from ...gait.lower_limb import check_markers, lower_limbs
-from ...gait.marker_leaps import marker_leaps
 from ...gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels, with_landmarks
 from ...gait.static_axes import with_knees
 from ...gait.static_checks import static_doubts
@@ -36,6 +34,7 @@ from ...gait.turning import with_counts, with_facing
 from ...gait.uncertainty import gait_uncertainty, with_uncertainty
 from ...gait.way_of_walking import way_of_walking
 from ...io.c3d.subject_measures import measures_of
+from .doubts import doubted_markers, doubted_plates
 from .emg import emg_of, greatest_contractions
 from .settings import GaitSettings
 
@@ -314,11 +313,10 @@ def gait_of_trial(
     steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate)
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
-    worn = {without_subject(p.name) for p in trial.trajectories if (p.origin == Origin.MEASURED).any()}
-    leaps = marker_leaps(points, tuple(n for n in MODEL_MARKERS if n in worn), rate=rate)
+    names, leaps = doubted_markers(trial, points)
     return GaitOfTrial(
         trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
-        leaps=leaps,
+        leaps=leaps, names=names, plates=doubted_plates(trial, points, gait, events, way, measures.mass_kg),
     )  # fmt: skip
 
 

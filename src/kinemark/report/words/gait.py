@@ -93,6 +93,58 @@ def _left_out(found: Finding) -> str:
     return f"{fill('{trial}: the load on plate {plate} does not count', found)}: {why}."
 
 
+EXCHANGED = {
+    "sides": "{trial}: all left markers are on the right side of the body",
+    "pelvis": "{trial}: the front of the pelvis is where its back should be ({markers})",
+    "across": "{trial}: {markers} are each on the other side of the body",
+    "foot": "{trial}: {markers} are exchanged: the foot would point backwards",
+    "leg": "{trial}: {markers} are exchanged: the wand is beyond the joint",
+}
+FOR_EXCHANGED = {
+    "sides": "Exchange left and right in the names; or, if the file comes from axes that are left-handed, turn the "
+    "sign of one axis where it was written.",
+    "pelvis": "Name the markers of the pelvis anew: ASI in front, PSI or SACR at the back.",
+}
+DOUBTFUL = {
+    "beside": "the centre of pressure is {by_share} of the foot's length beside the foot",
+    "backward": "the centre of pressure does not go forward below the foot ({by_share} of its length)",
+    "weight": "by the plates the body weighs {by_share} more than is stated",
+    "time": "its events come {late_ms:0} after those of the markers",
+}
+FOR_DOUBTFUL = {
+    "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
+    "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
+    "weight": "Check the mass in the measures, and the plates' scale.",
+    "time": "Check when cameras and plates begin, and the rate of the channels.",
+}
+
+
+def _exchanged(found: Finding) -> str:
+    template = EXCHANGED.get(str(found.values["how"]), "{trial}: {markers} are not where their names say")
+    return fill(template + "; angles and moments that follow from them are wrong.", found)
+
+
+def _for_exchanged(found: Finding) -> str:
+    return FOR_EXCHANGED.get(
+        str(found.values["how"]), "Exchange their names; kinemark audit and kinemark studio show where each one is."
+    )
+
+
+def _doubtful(found: Finding) -> str:
+    what, values = str(found.values["what"]), dict(found.values)
+    template = DOUBTFUL.get(what, "it cannot be as the file says")
+    for name, word, other in (("by_share", "more", "less"), ("late_ms", "after", "before")):
+        value = values[name]
+        if isinstance(value, float) and value < 0 and what != "backward":
+            values[name], template = -value, template.replace(word, other)
+    head = "{trial}, plate {plate}: " if found.values["plate"] else "{trial}, the plates: "
+    return fill(head + template + ": moments and powers follow it.", replace(found, values=values))
+
+
+def _for_doubtful(found: Finding) -> str:
+    return FOR_DOUBTFUL.get(str(found.values["what"]), "Check the plate in the file.")
+
+
 def _no_moments(found: Finding) -> str:
     return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
 
@@ -102,6 +154,15 @@ def _for_strides(found: Finding) -> str:
     if found.severity == "red":
         return f"R{walk}"
     return fill('If it is the standing trial, name it: --static "{file}". Else r', found) + walk
+
+
+def _for_left_out(found: Finding) -> str:
+    if found.values["reason"] == "no_foot":
+        return (
+            "If a foot did stand there, the plate's corners, their order, its zero, or its moments' unit are not as "
+            "the file says; else nothing is lost."
+        )
+    return "Other steps count; nothing is lost."
 
 
 def _for_moments(found: Finding) -> str:
@@ -131,6 +192,13 @@ GAIT_WORDS = {
         "angles, moments and powers there follow them.",
         "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
     ),
+    "gait_markers_exchanged": Words(_exchanged, _for_exchanged),
+    "gait_markers_move_apart": Words(
+        "{trial}: markers of one segment come apart by up to {most_mm:0}: {pairs_list}. One of them is another marker "
+        "for a time, or came off.",
+        "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
+    ),
+    "gait_plate_doubtful": Words(_doubtful, _for_doubtful),
     "foot_offsets_unknown": Words(
         "There is no static trial and no stated offset of the feet: ankle and foot angles are those of the line from "
         "ankle to toe.",
@@ -164,7 +232,7 @@ GAIT_WORDS = {
         "The markers of the cluster of the {segment} are {misfit_mm:1} RMS from where {trial} has them.",
         "Look whether two of them are exchanged in one of the trials, or one came off; leave it out of the cluster.",
     ),
-    "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
+    "contact_left_out": Words(_left_out, _for_left_out),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(
         "{trial}: foot strikes and offs come from the markers, ±{sd_ms:0} each.",
@@ -209,6 +277,7 @@ GAIT_WORDS = {
     ),
     "gait_good": Words("Gait was measured and nothing stands out."),
     "gait_usable": Words("Gait was measured. Look at the points below first."),
+    "gait_unusable": Words("Gait was computed from markers that are exchanged: do not use it before that is mended."),
     "gait_missing": Words("There is no gait result: the reasons stand below."),
     "gait_measured": Words(
         "{left_strides} left and {right_strides} right strides, {speed:2} at {cadence:0} steps a minute."

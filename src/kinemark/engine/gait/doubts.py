@@ -1,0 +1,46 @@
+"""What of a walk cannot be as its file says: names of markers, and plates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ...data import Origin, Trial
+from ...data.array_types import Floats
+from ...data.marker_sides import without_subject
+from ...data.model_markers import MODEL_MARKERS
+from ...data.strides import FootEvent
+from ...gait.estimated_measures import mass_on_plates
+from ...gait.foot_events import marker_events
+from ...gait.gait_trial import GaitTrial
+from ...gait.marker_doubts import MarkerDoubts, marker_doubts
+from ...gait.marker_leaps import MarkerLeaps, marker_leaps
+from ...gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts, weight_doubts
+
+
+def doubted_markers(trial: Trial, points: Mapping[str, Floats]) -> tuple[MarkerDoubts, MarkerLeaps]:
+    """What of the names of a trial's markers cannot be, and their leaps.
+
+    Args:
+        trial: by the model's names. points: (F, 3) mm of its markers.
+    """
+    worn = {without_subject(p.name) for p in trial.trajectories if (p.origin == Origin.MEASURED).any()}
+    leaps = marker_leaps(points, tuple(n for n in MODEL_MARKERS if n in worn), rate=trial.trajectories.rate)
+    return marker_doubts({name: xyz for name, xyz in points.items() if name in worn}), leaps
+
+
+def doubted_plates(
+    trial: Trial, points: Mapping[str, Floats], gait: GaitTrial, events: Sequence[FootEvent], way: str,
+    mass_kg: float | None,
+) -> tuple[PlateDoubt, ...]:  # fmt: skip
+    """What of the plates of a walk on a level floor cannot be; nothing of runs and stairs.
+
+    Args:
+        trial: with named markers. points: (F, 3) mm. gait, events, way: of it. mass_kg: of the body, as stated.
+    """
+    if way != "level" or not gait.reactions:
+        return ()
+    rate = trial.trajectories.rate
+    weighed = mass_on_plates(gait.reactions, gait.contacts, events, rate=rate)
+    measured = [event for event in events if event.source == "plate"]
+    late = time_doubts(marker_events(points, rate), measured) if measured else ()
+    return (*plate_doubts(gait.reactions, gait.contacts, points), *weight_doubts(weighed, mass_kg), *late)

@@ -1,0 +1,30 @@
+"""What is said of markers and plates of a walk that cannot be as the file says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..data import Finding, make_finding
+from ..gait.marker_doubts import MarkerDoubts
+from ..gait.marker_leaps import MarkerLeaps
+from ..gait.plate_doubts import PlateDoubt
+
+
+def of_doubts(trial: str, names: MarkerDoubts, plates: Sequence[PlateDoubt], leaps: MarkerLeaps) -> Iterator[Finding]:
+    """Findings of a trial of this name."""
+    if leaps.markers:
+        yield make_finding(
+            "gait_markers_leap", trial=trial, markers=leaps.markers, leaps=leaps.frames, most_mm=leaps.most_mm
+        )
+    for how, markers in names.exchanged:
+        yield make_finding("gait_markers_exchanged", trial=trial, markers=markers, how=how)
+    if names.moved:
+        pairs, most = [f"{a}–{b}" for a, b, _ in names.moved], max(mm for *_, mm in names.moved)
+        yield make_finding("gait_markers_move_apart", trial=trial, pairs_list=pairs, most_mm=most)
+    for doubt in plates:
+        share = doubt.value if doubt.what != "time" else None
+        late = 1000 * doubt.value if doubt.what == "time" else None
+        plate = None if doubt.plate is None else doubt.plate + 1
+        yield make_finding(
+            "gait_plate_doubtful", trial=trial, plate=plate, what=doubt.what, by_share=share, late_ms=late
+        )

@@ -1,0 +1,257 @@
+"""What of a walk's file cannot be: names of markers that are exchanged, plates unlike what it says, lost samples."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.data import MarkerTrajectory
+from kinemark.data.strides import FootEvent
+from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.walks import gait_of_trial
+from kinemark.findings.gait_doubts import of_doubts
+from kinemark.gait import analyse_gait, marker_points, standard_trial, with_static_offsets
+from kinemark.gait.estimated_measures import mass_on_plates
+from kinemark.gait.foot_events import foot_events
+from kinemark.gait.marker_doubts import MarkerDoubts, marker_doubts
+from kinemark.gait.plate_contacts import Contact
+from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts
+from kinemark.gait.reaction import Reaction
+from kinemark.io.c3d.subject_measures import measures_of
+from kinemark.io.trial import read_trial
+from kinemark.report.words import with_words
+from kinemark.synth import WalkingBody, gait_laboratory
+from support.shared import shared_data
+from support.shift_gait import MEASURES
+
+SETTINGS = GaitSettings(uncertainty=False, smoothing="none")
+
+
+@cache
+def lab():
+    return gait_laboratory(WalkingBody(MEASURES), duration_s=2.6)
+
+
+@cache
+def measures():
+    return with_static_offsets(MEASURES, marker_points(lab().static), flat_foot=True)
+
+
+def gait(trial, of=None):
+    return gait_of_trial(trial, measures() if of is None else of, SETTINGS, {})
+
+
+def renamed(trial, *pairs):
+    names = dict([*pairs, *(pair[::-1] for pair in pairs)])
+    paths = tuple(replace(p, name=names.get(p.name, p.name)) for p in trial.trajectories)
+    return replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+
+
+def both_sides(*names):
+    return [("L" + name, "R" + name) for name in names]
+
+
+ALL = ("ASI", "THI", "KNE", "TIB", "ANK", "HEE", "TOE")
+
+
+@pytest.mark.parametrize(
+    ("pairs", "how", "markers"),
+    [
+        ((), None, ()),
+        (both_sides(*ALL), "sides", ()),
+        (both_sides("ASI"), "across", ("LASI", "RASI")),
+        (both_sides("KNE"), "across", ("LKNE", "RKNE")),
+        (both_sides("ANK"), "across", ("LANK", "RANK")),
+        (both_sides("TOE"), "across", ("LTOE", "RTOE")),
+        ([("LHEE", "LTOE")], "foot", ("LHEE", "LTOE")),
+        ([("RTIB", "RKNE")], "leg", ("RTIB", "RKNE")),
+        ([("RTHI", "RKNE")], "leg", ("RTHI", "RKNE")),
+    ],
+)
+def test_exchanged_names_are_told_however_the_subject_walks(pairs, how, markers):
+    points = marker_points(renamed(lab().walk, *pairs))
+    for deg in (0.0, 37.0, 180.0):
+        c, s = np.cos(np.radians(deg)), np.sin(np.radians(deg))
+        way = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
+        found = marker_doubts({name: xyz @ way for name, xyz in points.items()})
+        assert [each for each in found.exchanged if each[0] == how] == ([(how, markers)] if how else [])
+        assert found.exchanged or not found.moved
+
+
+def test_axes_that_are_left_handed_are_told():
+    points = {name: xyz * (1, -1, 1) for name, xyz in marker_points(lab().walk).items()}
+    assert [how for how, _ in marker_doubts(points).exchanged] == ["sides"]
+
+
+def test_a_pelvis_that_is_named_the_wrong_way_round_is_told():
+    points = dict(marker_points(lab().walk))
+    left = points["LASI"] - points["RASI"]
+    turned = points | {"SACR": (points["LASI"] + points["RASI"]) / 2}
+    turned |= {"LASI": points["SACR"] + left / 2, "RASI": points["SACR"] - left / 2}
+    assert [how for how, _ in marker_doubts(turned).exchanged] == ["pelvis"]
+
+
+def test_a_marker_that_comes_off_is_told_and_one_that_is_never_seen_is_not():
+    points = dict(marker_points(lab().walk))
+    off = points["LKNE"].copy()
+    off[100:] += (0, 0, 150.0)
+    found = marker_doubts(points | {"LKNE": off})
+    assert not found.exchanged and {name for a, b, _ in found.moved for name in (a, b)} >= {"LKNE", "LANK"}
+    assert marker_doubts(points | {"LKNE": np.full_like(off, np.nan)}).moved == ()
+
+
+def corners(order):
+    def changed(walk):
+        return replace(walk, plates=tuple(replace(p, corners=p.corners[order]) for p in walk.plates))
+
+    return changed
+
+
+def channels(factor, of):
+    """Channels `of` each plate times a factor."""
+
+    def changed(walk):
+        names = {name for plate in walk.plates for name in plate.channels[of]}
+        analog = [
+            replace(a, values=a.values * np.where([n in names for n in a.names], factor, 1.0)[:, None])
+            for a in walk.analog
+        ]
+        return replace(walk, analog=tuple(analog))
+
+    return changed
+
+
+def later(seconds):
+    def changed(walk):
+        return replace(walk, analog=tuple(replace(a, start=a.start + seconds) for a in walk.analog))
+
+    return changed
+
+
+def aside(walk):
+    return replace(walk, plates=tuple(replace(p, corners=np.add(p.corners, (0, 70.0, 0))) for p in walk.plates))
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        (lambda walk: walk, set()),
+        (channels(-1.0, slice(None)), set()),  # what the foot does to the plate is as good
+        (corners([3, 2, 1, 0]), {"backward", "beside"}),
+        (aside, {"beside"}),
+        (channels(0.5, slice(None)), {"weight"}),
+    ],
+)
+def test_plates_that_are_not_as_the_file_says_are_told(changed, told):
+    found = {doubt.what for doubt in gait(changed(lab().walk)).plates}
+    assert found <= told and bool(found) == bool(told)
+
+
+def stance(rolls_mm, aside_mm):
+    """A foot of 160 mm that stands, and pressure below it that rolls so far forward, so far to its left."""
+    n = 60
+    heel = np.tile([0.0, 0, 40.0], (n, 1))
+    points = {
+        "LHEE": heel,
+        "LTOE": np.add(heel, (160.0, 0, 0)),
+        "RHEE": np.add(heel, (0, 3000.0, 0)),
+        "RTOE": np.add(heel, (160.0, 3000, 0)),
+    }
+    centre = np.column_stack([np.linspace(80 - rolls_mm / 2, 80 + rolls_mm / 2, n), np.full(n, aside_mm), np.zeros(n)])
+    force = np.column_stack([np.zeros((n, 2)), 700 * np.sin(np.linspace(0.1, 3.0, n))])
+    true = np.ones(n, np.bool_)
+    plate = Reaction(force, centre, np.zeros((n, 3)), true, np.zeros((4, 3)), ~true)
+    return (plate,), (Contact(0, 0, n, "left", "", 10.0),), points
+
+
+@pytest.mark.parametrize(
+    ("rolls_mm", "aside_mm", "told"),
+    [(150, 5, []), (60, -20, []), (0, 0, ["backward"]), (-120, 10, ["backward"]), (140, 70, ["beside"])],
+)
+def test_pressure_goes_forward_below_the_foot(rolls_mm, aside_mm, told):
+    for deg in (0.0, 130.0):
+        c, s = np.cos(np.radians(deg)), np.sin(np.radians(deg))
+        way = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
+        (plate,), contacts, points = stance(rolls_mm, aside_mm)
+        turned = {name: xyz @ way for name, xyz in points.items()}
+        found = plate_doubts([replace(plate, centre=plate.centre @ way)], contacts, turned)
+        assert [doubt.what for doubt in found] == told
+
+
+def test_plates_and_cameras_that_do_not_begin_together_are_told():
+    seen = [FootEvent("left", k % 2 == 0, 0.5 + 0.6 * k, 0.005, "markers") for k in range(4)]
+    for late in (0.0, 0.02, 0.05, -0.05):
+        measured = [event._replace(time=event.time + late, source="plate") for event in seen]
+        found = time_doubts(seen, measured)
+        assert [doubt.value for doubt in found] == (pytest.approx([late]) if abs(late) > 0.03 else [])
+    only = [event for event in seen if event.strike]
+    assert time_doubts(only, [event._replace(time=event.time + 0.05) for event in only]) == ()
+
+
+@pytest.mark.parametrize("name", ["HC030A05", "HC030A22"])
+def test_real_walks_are_not_doubted_and_moments_of_another_unit_are(name):
+    folder = shared_data("mocap3d/pig_gait_child")
+    walk = standard_trial(read_trial(folder / f"{name}.c3d")).trial
+    of = measures_of(walk.source)
+    found = gait(walk, of)
+    assert (found.names, found.plates) == (MarkerDoubts(), ())
+    assert {d.what for d in gait(channels(1e-3, slice(3, 6))(walk), of).plates} & {"beside", "backward"}
+    late = [doubt for doubt in gait(later(0.05)(walk), of).plates if doubt.what == "time"]
+    assert len(late) == 1 and late[0].value == pytest.approx(0.05, abs=0.01)
+
+
+def lost(trial, share, samples, value):
+    """So many samples of the plates' channels, from a share of the first contact on."""
+    contact = gait(trial).gait.contacts[0]
+    record = trial.analog[0]
+    first = int((contact.first + share * (contact.stop - contact.first)) / trial.trajectories.rate * record.rate)
+    rows = [record.names.index(name) for name in trial.plates[contact.plate].channels]
+    values = record.values.copy()
+    values[rows, first : first + samples] = value
+    return replace(trial, analog=(replace(record, values=values), *trial.analog[1:])), contact
+
+
+def test_samples_that_a_plate_lost_are_no_force_of_nothing():
+    walk, contact = lost(lab().walk, 0.4, 60, np.nan)
+    whole, found = gait(lab().walk).gait, gait(walk).gait
+    name = contact.side[0].upper() + "AnkleMoment"
+    ours, true = found.signals[name].values, whole.signals[name].values
+    inside = slice(contact.first, contact.stop)
+    missing = np.isnan(ours[inside]).any(1)
+    assert 5 <= missing.sum() <= 10
+    np.testing.assert_allclose(ours[inside][~missing], true[inside][~missing], atol=1e-9)
+    assert [c[:5] for c in found.contacts] == [c[:5] for c in whole.contacts]
+
+
+def test_lost_samples_change_neither_events_nor_weight():
+    walk, _ = lost(lab().walk, 0.4, 60, np.nan)
+    ways = []
+    for trial in (lab().walk, walk):
+        points, rate = marker_points(trial), trial.trajectories.rate
+        events, found = foot_events(trial, points), analyse_gait(trial, measures())
+        ways.append((events, mass_on_plates(found.reactions, found.contacts, events, rate=rate)))
+    assert [e.time for e in ways[0][0]] == [e.time for e in ways[1][0]]
+    assert ways[1][1] == pytest.approx(ways[0][1], rel=0.01)
+
+
+def test_a_plate_that_stops_within_a_step_says_no_foot_off():
+    walk, contact = lost(lab().walk, 0.6, 10_000, np.nan)
+    found = gait(walk)
+    cut = next(c for c in found.gait.contacts if c.first == contact.first)
+    assert cut.reason == "cut"
+    after = found.gait.signals[contact.side[0].upper() + "GroundReactionForce"].values[cut.stop : contact.stop]
+    assert len(after) > 10 and np.isnan(after).all()
+
+
+def test_who_reads_is_told_what_to_do():
+    walk = renamed(lab().walk, ("LHEE", "LTOE"))
+    off = walk.trajectories["RKNE"].xyz.copy()
+    off[100:] += (0, 0, 150.0)
+    paths = tuple(MarkerTrajectory.measured("RKNE", off) if p.name == "RKNE" else p for p in walk.trajectories)
+    found = gait(replace(walk, trajectories=replace(walk.trajectories, paths=paths)))
+    late = of_doubts("walk", found.names, (*found.plates, PlateDoubt(None, "time", -0.06)), found.leaps)
+    said = with_words({"findings": [one.as_dict() for one in late]})["findings"]
+    texts = " ".join(one["text"] + " " + one["advice"] for one in said)
+    assert "LHEE" in texts and "point backwards" in texts and "before those of the markers" in texts
+    assert "RKNE–RANK" in texts and "{" not in texts

@@ -46,6 +46,7 @@ from .given_up_points import without_between, without_drifting, without_merged
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, sampled_frames
+from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
 from .neighbouring_points import TrackPoints
 from .passes import Associations, run
@@ -94,6 +95,8 @@ class TrackingResult(NamedTuple):
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
         times: of the cameras, by which all was tracked.
         unfitting: stretches in which a camera fits the others no more, and was left out.
+        lenses: what the images tell of lenses of which the rig states no term, by which all was tracked where they
+            were lost; None where none is missing.
     """
 
     tracks: Tracks
@@ -106,6 +109,7 @@ class TrackingResult(NamedTuple):
     outside: Floats
     times: CameraTimes
     unfitting: tuple[Stretch, ...] = ()
+    lenses: MissingLenses | None = None
 
 
 def track_once(

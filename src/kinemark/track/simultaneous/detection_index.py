@@ -69,6 +69,8 @@ class Images(NamedTuple):
         calibration: (C) px², the second term of (1), which is in `variance`.
         timing: (D, 2) px along the motion of each image, the standard deviation that the time at which it was taken
         makes, whose square is in `variance`; None where all were taken in time.
+        common: px², the part of `variance` of images that are merged though the file does not mark them
+            (`merging_in_images`); 0 where there are none.
         widest: (F C) px², the greatest variance in each frame and camera.
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.
@@ -94,6 +96,7 @@ class Images(NamedTuple):
     size: Floats
     n_frames: int
     by_cell: ImageIndex
+    common: float = 0.0
 
     def near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
         """Images whose u lies within reach (N) px of u (N), in cells frame C + camera (N): (places in N, rows)."""
@@ -113,6 +116,12 @@ class Images(NamedTuple):
         for own, more in zip(self.of_cameras, added, strict=True):
             variance[own] = np.maximum(self.variance[own] + more, LEAST_SD**2)
         return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
+
+    def with_merged(self, merged: Bools, common: float) -> Images:
+        """The same with images (D) that are merged, though the file does not mark them, of more variance in px²."""
+        variance = self.variance + np.where(merged & ~self.merged, common, 0.0)
+        widest = _widest(variance, self.by_cell)
+        return self._replace(merged=self.merged | merged, variance=variance, widest=widest, common=common)
 
     def without(self, cameras: Ints) -> Images:
         """The same without the images of some cameras."""
@@ -155,7 +164,8 @@ def read_images(
 ) -> Images:
     """The images of detections, seen by the cameras of a rig; `timing` (D, 2) px as that of `Images`.
 
-    With those of an `other` rig they share the columns that are of no rig: a long recording has many images.
+    With those of an `other` rig they share the columns that are of no rig, as a long recording has many images, and
+    what was inferred of merged ones.
     """
     of_camera, frame = _places(detections) if other is None else (other.camera, other.frame)
     uv = _ideal(detections, rig)
@@ -170,7 +180,7 @@ def read_images(
     return_memory()
     index = _index(uv, frame, of_camera, usable, detections.n_frames, len(rig))
     return_memory()
-    return Images(
+    images = Images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
         uv=uv,
         variance=variance,
@@ -190,6 +200,7 @@ def read_images(
         n_frames=detections.n_frames,
         by_cell=index,
     )
+    return images.with_merged(other.merged, other.common) if other is not None and other.common else images
 
 
 def _ideal(detections: Detections, rig: Rig) -> Floats:

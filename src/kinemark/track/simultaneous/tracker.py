@@ -56,7 +56,7 @@ from .solved_points import Held, Solver, Working, by_motion, on_given_rig, preci
 from .stitch import Stitch, Stitched, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unfitting_stretches import Stretch
-from .unmarked_merging import Merging, inferred_merging
+from .unmarked_merging import Merging, inferred_merging, with_merging_in_images
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is
@@ -165,7 +165,7 @@ def _learned(
 ) -> tuple[Images, Noise, Working, Simultaneous, FirstPass]:
     """The images by the rig as given and their noise; the rig, noise and motion that images and tracks tell, by which
     the first pass was done, and its tracks."""
-    images, noise = with_noise(read_images(detections, rig, timing), method)
+    images, noise = with_noise(with_merging_in_images(read_images(detections, rig, timing)), method)
     working, seen = _working(detections, rig, images, noise, method)
     images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method, seen)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import cast
 
 from ...data import Finding
 from .template import Words, fill, shown
@@ -131,13 +130,12 @@ def _fits_nothing(found: Finding) -> str:
 
 
 def _lenses(found: Finding) -> str:
-    terms = ", ".join(f"{k:.3f}" for k in cast(tuple[float, ...], found.values["k1_list"]))
     said = "The calibration states no lens terms, and the images do not fit without: "
     if found.values["lost"]:
-        return said + f"radial terms k1 of {terms} were learned from them, camera by camera, and used."
+        return said + fill("radial terms k1 of {k1_list:3} were learned from them, camera by camera, and used.", found)
     return said + fill(
         "they lie {sd_px} beside each other's lines. The cameras were calibrated as if they had no lens, so that "
-        f"learned terms (k1 of {terms}) were not used.",
+        "learned terms (k1 of {k1_list:3}) were not used.",
         found,
     )
 

@@ -82,6 +82,14 @@ TRIAL_KINDS = (
          {"offset_u_px": "px", "offset_v_px": "px", "left_out": "flag"}),
     Kind("calibration_off", "track", "amber", "The images of most cameras lie beside where the others expect them, by "
          "offset_px in the median camera.", {"offset_px": "px"}),
+    Kind("lens_terms_unstated", "track", "amber", "The calibration states no lens term, and the images do not fit "
+         "without; k1_list is the radial term that they have, camera by camera. Where the terms were lost from a "
+         "calibration that had them, all was tracked and solved with these. Else nothing was changed, and it is red "
+         "where the images lie sd_px, standard deviation, above 1 px beside each other's lines.",
+         {"lost": "flag", "sd_px": "px", "k1_list": "ratio"}),
+    Kind("noise_overstated", "track", "amber", "The centroids state a standard deviation of stated_px, far more than "
+         "that by which the images of the median camera lie beside each other's lines, seen_px; the latter was "
+         "believed.", {"stated_px": "px", "seen_px": "px"}),
     Kind("camera_takes_place_of_other", "track", "amber", "The first camera sees what the second should see.",
          {"left_out": "flag"}),
     Kind("camera_fits_nothing", "track", "amber", "A camera's images fit nothing that the others see.",

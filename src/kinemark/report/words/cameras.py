@@ -129,6 +129,17 @@ def _fits_nothing(found: Finding) -> str:
     return fill("The images of {cameras} fit nothing that the others see.", found) + _left_out(found)
 
 
+def _lenses(found: Finding) -> str:
+    said = "The calibration states no lens terms, and the images do not fit without: "
+    if found.values["lost"]:
+        return said + fill("radial terms k1 of {k1_list:3} were learned from them, camera by camera, and used.", found)
+    return said + fill(
+        "they lie {sd_px} beside each other's lines. The cameras were calibrated as if they had no lens, so that "
+        "learned terms (k1 of {k1_list:3}) were not used.",
+        found,
+    )
+
+
 CAMERA_WORDS = {
     "camera_sees_nothing": Words(
         "{Cameras} saw nothing in the whole trial.",
@@ -188,6 +199,15 @@ CAMERA_WORDS = {
         "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "
         "the calibration fits no better.",
         "Calibrate again, lens distortion included, with the wand or the points all over the volume and the images.",
+    ),
+    "lens_terms_unstated": Words(
+        _lenses,
+        "Calibrate again with lens distortion, or state the lens terms in the calibration, where it had them.",
+    ),
+    "noise_overstated": Words(
+        "The centroids state a standard deviation of {stated_px}, but the images lie only {seen_px} beside each "
+        "other's lines: the latter was believed.",
+        "State standard deviations in px, and no variances or sizes of images; or leave the noise out.",
     ),
     "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
     "camera_fits_nothing": Words(

@@ -14,10 +14,15 @@ and the epipolar residual e of two images (`epipolar_noise`) by − l δ − l�
 
 with g and v of the mixture that the residuals are, θ₀ what calibrations are usually off. What the images do not tell,
 as a turn of the whole rig, stays as it was by the second term. Positions are solved with the rig as it was given.
+
+Where a file states no lens terms (`missing_lens`), the radial one is a fifth parameter k, which moves the image by
+
+    δx = k r² x,   δy = k r² y,   r² = x² + y²                                            (3)
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -38,38 +43,65 @@ ROUNDS = 5
 
 def adjusted_rig(images: Images, rig: Rig, frames: list[int]) -> Rig:
     """The rig by (2), from the images of some frames, whose pixels are those of ideal lenses."""
-    C, theta = len(rig), np.zeros((len(rig), 4))
-    for _ in range(ROUNDS):
+    return fitted_rig(lambda _: images, rig, frames, np.zeros((len(rig), 4)), USUAL_ERROR)
+
+
+def fitted_rig(
+    seen_by: Callable[[Rig], Images],
+    rig: Rig,
+    frames: list[int],
+    begin: Floats,
+    usual: Floats,
+    rounds: int = ROUNDS,
+) -> Rig:
+    """The rig by (2), from the images of some frames, as a rig sees them, in so many rounds.
+
+    Args:
+        seen_by: the images with the ideal pixels of a rig. begin: (C, 4) that θ of (2) is likely, or (C, 5) with (3).
+        usual: θ₀, as many.
+    """
+    C, theta = len(rig), begin
+    for _ in range(rounds):
         moved = _moved(rig, theta)
+        images = seen_by(moved)
         some = residuals(images, fundamentals(moved.P), frames)
         group = pair_of(some, C)
         fit = mixture(some.off, group, C * C, some.window)
         weight = np.where(peaked(fit)[group], np.sqrt(fit.weight / fit.variance[group]), 0.0)
-        J = _jacobian(images, moved, some) * weight[:, None]
-        prior = 1 / np.tile(USUAL_ERROR, C)
+        J = _jacobian(images, moved, some, theta.shape[1]) * weight[:, None]
+        prior = 1 / np.tile(usual, C)
         normal = J.T @ J + np.diag(prior**2)
-        pull = J.T @ (some.off * weight) - prior**2 * theta.ravel()
-        theta = theta + np.linalg.solve(normal, pull).reshape(C, 4)
+        pull = J.T @ (some.off * weight) - prior**2 * (theta - begin).ravel()
+        theta = theta + np.linalg.solve(normal, pull).reshape(theta.shape)
     return _moved(rig, theta)
 
 
-def _jacobian(images: Images, rig: Rig, some: Residuals) -> Floats:
-    """J (H, 4 C) of (2), px."""
-    J = np.zeros((len(some.off), len(rig), 4))
+def _jacobian(images: Images, rig: Rig, some: Residuals, n: int) -> Floats:
+    """J (H, n C) of (2), px, of n parameters a camera."""
+    J = np.zeros((len(some.off), len(rig), n))
     K = np.array([camera.K for camera in rig])
     for camera, detection, line in zip(some.camera, some.detection, some.line, strict=True):
         fx, fy = K[camera, 0, 0], K[camera, 1, 1]
         y = (images.uv[detection, 1] - K[camera, 1, 2]) / fy
         x = (images.uv[detection, 0] - K[camera, 0, 2] - K[camera, 0, 1] * y) / fx
-        dx = np.stack([-x * y, 1 + x * x, -y, x], -1) * fx[:, None]  # (1)
-        dy = np.stack([-1 - y * y, x * y, x, y], -1) * fy[:, None]
+        r2 = x * x + y * y
+        dx = np.stack([-x * y, 1 + x * x, -y, x, x * r2], -1)[:, :n] * fx[:, None]  # (1), (3)
+        dy = np.stack([-1 - y * y, x * y, x, y, y * r2], -1)[:, :n] * fy[:, None]
         J[np.arange(len(detection)), camera] += line[:, :1] * dx + line[:, 1:] * dy
-    return J.reshape(len(some.off), 4 * len(rig))
+    return J.reshape(len(some.off), n * len(rig))
 
 
 def _moved(rig: Rig, theta: Floats) -> Rig:
-    """The rig with each camera changed by its θ (C, 4)."""
-    return replace(rig, cameras=tuple(turned(camera, own) for camera, own in zip(rig, theta, strict=True)))
+    """The rig with each camera changed by its θ (C, 4), or (C, 5) with the radial term of its lens."""
+    moved = [turned(camera, own) for camera, own in zip(rig, theta, strict=True)]
+    moved_rig = replace(rig, cameras=tuple(moved))
+    return with_radial(moved_rig, theta[:, 4]) if theta.shape[1] > 4 else moved_rig
+
+
+def with_radial(rig: Rig, k: Floats) -> Rig:
+    """The rig with lenses of the radial terms k (C), and no others."""
+    bent = [replace(one, distortion=np.array([own, 0, 0, 0, 0])) for one, own in zip(rig, k, strict=True)]
+    return replace(rig, cameras=tuple(bent))
 
 
 def turned(camera: Camera, theta: Floats) -> Camera:

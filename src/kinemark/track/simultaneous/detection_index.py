@@ -69,6 +69,8 @@ class Images(NamedTuple):
         calibration: (C) px², the second term of (1), which is in `variance`.
         timing: (D, 2) px along the motion of each image, the standard deviation that the time at which it was taken
         makes, whose square is in `variance`; None where all were taken in time.
+        common: px², the part of `variance` of images that are merged though the file does not mark them
+            (`merging_in_images`); 0 where there are none.
         widest: (F C) px², the greatest variance in each frame and camera.
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.
@@ -94,6 +96,7 @@ class Images(NamedTuple):
     size: Floats
     n_frames: int
     by_cell: ImageIndex
+    common: float = 0.0
 
     def near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
         """Images whose u lies within reach (N) px of u (N), in cells frame C + camera (N): (places in N, rows)."""
@@ -114,6 +117,12 @@ class Images(NamedTuple):
             variance[own] = np.maximum(self.variance[own] + more, LEAST_SD**2)
         return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
 
+    def with_merged(self, merged: Bools, common: float) -> Images:
+        """The same with images (D) that are merged, though the file does not mark them, of more variance in px²."""
+        variance = self.variance + np.where(merged & ~self.merged, common, 0.0)
+        widest = _widest(variance, self.by_cell)
+        return self._replace(merged=self.merged | merged, variance=variance, widest=widest, common=common)
+
     def without(self, cameras: Ints) -> Images:
         """The same without the images of some cameras."""
         if not len(cameras):
@@ -129,6 +138,10 @@ class Images(NamedTuple):
         """The same without places and the index, which `placed` gives back."""
         nothing = index_images(np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0, bool), n_cells=self.by_cell.n_cells)
         return self._replace(uv=np.broadcast_to(np.nan, self.uv.shape), by_cell=nothing)
+
+    def seen_by(self, detections: Detections, rig: Rig) -> Images:
+        """The same with the places that a rig's lenses give, and the index as it is."""
+        return self._replace(uv=_ideal(detections, rig))
 
     def placed(self, detections: Detections, rig: Rig, order: NDArray[np.int32], first: Ints) -> Images:
         """The same with the places of all images of a rig, and an index of this order and these first ones of cells."""
@@ -151,7 +164,8 @@ def read_images(
 ) -> Images:
     """The images of detections, seen by the cameras of a rig; `timing` (D, 2) px as that of `Images`.
 
-    With those of an `other` rig they share the columns that are of no rig: a long recording has many images.
+    With those of an `other` rig they share the columns that are of no rig, as a long recording has many images, and
+    what was inferred of merged ones.
     """
     of_camera, frame = _places(detections) if other is None else (other.camera, other.frame)
     uv = _ideal(detections, rig)
@@ -166,7 +180,7 @@ def read_images(
     return_memory()
     index = _index(uv, frame, of_camera, usable, detections.n_frames, len(rig))
     return_memory()
-    return Images(
+    images = Images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
         uv=uv,
         variance=variance,
@@ -186,6 +200,7 @@ def read_images(
         n_frames=detections.n_frames,
         by_cell=index,
     )
+    return images.with_merged(other.merged, other.common) if other is not None and other.common else images
 
 
 def _ideal(detections: Detections, rig: Rig) -> Floats:

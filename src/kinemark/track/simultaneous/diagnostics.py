@@ -17,6 +17,9 @@ A camera whose images fit nothing may be another one's: its images are tried wit
 Images that lie where the marker was, or will be, show a camera that is not synchronous (`time_offsets`).
 A rate that is wrong changes all speeds by one factor, which no image tells; only one that makes people faster than they
 are is seen (4). Half of the true rate goes unnoticed.
+A rig without any lens term may be of cameras that have none, or of a calibration that left them out (`missing_lens`):
+where the terms were lost they are used; else it should be calibrated again (12). Noise that is stated OVERSTATED times
+as large as it is counts as unstated (13).
 """
 
 from __future__ import annotations
@@ -27,11 +30,12 @@ import numpy as np
 
 from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
+from ...data.finding import red_if
 from .associate import predict_images
 from .detection_index import Images, read_images
 from .initiate import LEAST_FRAMES
 from .kalman_states import KalmanStates
-from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
+from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
 from .misfitting_cameras import image_offset
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
 from .tracker import CameraTimes, TrackingResult
@@ -54,6 +58,10 @@ who walks through the volume changes it by up to a third."""
 ALONE = 2.0
 """px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a
 few markers in a short part move its median by up to one."""
+
+MISFIT_SD = 1.0
+"""px of standard deviation, from which on images that need lens terms make a trial useless (12); chosen, as markers at
+the edge of a view are then lost or several px off."""
 
 FEW = 30
 """Points from which a median is taken; chosen (see benchmarks/tracking.py)."""
@@ -79,7 +87,13 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist() if c not in told]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):
         return [*found, make_finding("too_few_frames", frame_count=detections.n_frames, least=LEAST_FRAMES)]
-    return found + _learned_delays(rig, result) + _too_fast(result, detections.rate)
+    return (
+        found
+        + _lenses(rig, result)
+        + _overstated(detections, result)
+        + _learned_delays(rig, result)
+        + _too_fast(result, detections.rate)
+    )
 
 
 def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) -> list[Finding]:
@@ -93,6 +107,28 @@ def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) 
         return [_inconsistent_camera(result._replace(images=images), rig, c)]
     u, v = offset
     return [make_finding("camera_shifted", cameras=[name], offset_u_px=u, offset_v_px=v, left_out=True)]
+
+
+def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:
+    """About lens terms that the rig does not state, though its images need them (12)."""
+    lenses = result.lenses
+    if lenses is None:
+        return []
+    k1 = tuple(round(float(k), 3) for k in lenses.radial)
+    severity = red_if(not lenses.lost and lenses.sd > MISFIT_SD)
+    return [
+        make_finding(
+            "lens_terms_unstated", severity=severity, cameras=rig.names, lost=lenses.lost, sd_px=lenses.sd, k1_list=k1
+        )
+    ]
+
+
+def _overstated(detections: Detections, result: TrackingResult) -> list[Finding]:
+    """About centroids that state far more noise than the images have (13)."""
+    stated, seen = np.sqrt(result.images.usual), np.sqrt(_median(result.noise.seen, np.inf))
+    if not np.isfinite(detections.cov[:, 0, 0]).any() or stated < OVERSTATED * seen:
+        return []
+    return [make_finding("noise_overstated", stated_px=stated, seen_px=seen)]
 
 
 def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:

@@ -20,8 +20,10 @@ from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
+from .adjusted_rig import with_radial
 from .detection_index import Images
 from .misfitting_cameras import beside_tracks
+from .missing_lens import missing_lenses
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, TrackingResult, track_once
@@ -60,10 +62,13 @@ def track_simultaneously(
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about.
 
-    A camera is left out of the frames in which it fits the others no more (`unfitting_stretches`), or of all where it
-    fits them nowhere (`misfitting_cameras`). Points farther than `volume_margin` mm outside the rig's volume, where it
-    has one, are left out and listed; None keeps all.
+    Lens terms that were lost from the rig's file are learned (`missing_lens`). A camera is left out of the frames in
+    which it fits the others no more (`unfitting_stretches`), or of all where it fits them nowhere
+    (`misfitting_cameras`). Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left
+    out and listed; None keeps all.
     """
+    lenses = missing_lenses(detections, rig)
+    rig = with_radial(rig, lenses.radial) if lenses is not None and lenses.lost else rig
     suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
     while True:
         result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)
@@ -72,7 +77,7 @@ def track_simultaneously(
         beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
         untried = [one for one in beside if one not in tried]
         if sure == suspected and not untried:
-            return result._replace(unfitting=suspected)
+            return result._replace(unfitting=suspected, lenses=lenses)
         suspected = sure if sure != suspected else _with(sure, untried[0])
 
 

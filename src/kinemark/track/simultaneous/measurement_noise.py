@@ -8,7 +8,8 @@ recording the variance σ² of the images of each camera is found from their dis
     a² = σ² − σ_stated²                                                                   (1)
 
 is added to all images of the camera, where it is more than MIN_MISSING_SHARE of what is stated and three standard
-errors (2). No camera is taken to lack less than the median of all (3). What is stated has a margin for association
+errors (2). No camera is taken to lack less than the median of all (3). Where far more is stated than there is, as of
+variances for standard deviations, it counts as unstated (4). What is stated has a margin for association
 (`detection_index`); whether the positions' errors have to be widened is judged by (2) without it, and the variance that
 they are given then is that of `epipolar_noise` (6) and (7), less what the calibration states of itself.
 
@@ -40,6 +41,10 @@ MIN_MISSING_SHARE = 0.5
 MIN_FOUND_SHARE = 0.15
 """Share of the places expected in a camera's image at which it must have an image; occlusion leaves 0.3 and more.
 Chosen (see benchmarks/tracking.py)."""
+
+OVERSTATED = 3.0
+"""Times as much as images disagree by, standard deviations, that their stated noise is no longer believed (4); chosen:
+noise that is stated with a margin is still believed, and only makes errors of positions as much too large."""
 
 SAMPLED_IMAGES = 1500
 """Images that are looked at, about, in two frames at least and at most in one of FRAME_STEP.
@@ -92,6 +97,8 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
     some = residuals(stated, F, frames)
     seen = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C)
+    if images.stated and images.usual > OVERSTATED**2 * _median(seen.variance[np.isfinite(seen.variance)]):  # (4)
+        stated = stated.noisier(np.full(C, LEAST_SD**2 - images.usual))._replace(stated=False)
     added = _missing(stated, seen)
     known = np.isfinite(added)
     if not known.any():
@@ -104,7 +111,7 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     white = camera_noise(some, field.left, C)
     least = np.maximum(np.fmax(seen.variance, _median(seen.variance[known])), LEAST_SD**2)
     added = np.sqrt(np.where(known, added, 0.0))
-    return noisy, Noise(added, _white(images, white), _lasting(images, field, white), found, least)
+    return noisy, Noise(added, _white(stated, white), _lasting(images, field, white), found, least)
 
 
 def _white(images: Images, noise: CameraNoise) -> Floats:

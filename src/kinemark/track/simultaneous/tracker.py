@@ -46,6 +46,7 @@ from .given_up_points import without_between, without_drifting, without_merged
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, sampled_frames
+from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
 from .neighbouring_points import TrackPoints
 from .passes import Associations, run
@@ -55,7 +56,7 @@ from .solved_points import Held, Solver, Working, by_motion, on_given_rig, preci
 from .stitch import Stitch, Stitched, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unfitting_stretches import Stretch
-from .unmarked_merging import Merging, inferred_merging
+from .unmarked_merging import Merging, inferred_merging, with_merging_in_images
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is
@@ -94,6 +95,8 @@ class TrackingResult(NamedTuple):
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
         times: of the cameras, by which all was tracked.
         unfitting: stretches in which a camera fits the others no more, and was left out.
+        lenses: what the images tell of lenses of which the rig states no term, by which all was tracked where they
+            were lost; None where none is missing.
     """
 
     tracks: Tracks
@@ -106,6 +109,7 @@ class TrackingResult(NamedTuple):
     outside: Floats
     times: CameraTimes
     unfitting: tuple[Stretch, ...] = ()
+    lenses: MissingLenses | None = None
 
 
 def track_once(
@@ -161,7 +165,7 @@ def _learned(
 ) -> tuple[Images, Noise, Working, Simultaneous, FirstPass]:
     """The images by the rig as given and their noise; the rig, noise and motion that images and tracks tell, by which
     the first pass was done, and its tracks."""
-    images, noise = with_noise(read_images(detections, rig, timing), method)
+    images, noise = with_noise(with_merging_in_images(read_images(detections, rig, timing)), method)
     working, seen = _working(detections, rig, images, noise, method)
     images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method, seen)

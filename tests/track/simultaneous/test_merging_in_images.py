@@ -1,0 +1,80 @@
+"""Images of one camera that run together, in files that do not mark them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import Camera, Detections, Rig
+from kinemark.track.simultaneous import track_simultaneously, unmarked_merging
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.merging_in_images import merged_in_images
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from kinemark.track.simultaneous.unmarked_merging import with_merging_in_images
+from support.scenes import make, scene, tally
+
+K = np.array([[1000.0, 0, 500], [0, 1000, 400], [0, 0, 1]])
+RIG = Rig((Camera("c", np.array([1000, 800]), K, np.eye(3), np.zeros(3), np.zeros(5)),))
+R = 8.0
+
+
+def passing(frames, together, *, only=None):
+    """Two images that pass each other, 3 px a frame: one in the middle while nearer than R; or the first alone."""
+    rows, truth = [], []
+    for f in range(frames):
+        x = 3.0 * (f - frames / 2 + 0.5)
+        both = np.array([[500 + x, 400.0], [500 - x, 402.0]])
+        near = abs(2 * x) < R
+        rows.append(both[:1] if near and only else both.mean(0, keepdims=True) if near and together else both)
+        truth += [near and together] * len(rows[-1])
+    counts = np.array([[len(part) for part in rows]])
+    return Detections.build(("c",), 100.0, counts, np.vstack(rows)), np.array(truth)
+
+
+def test_images_that_run_together_and_apart_are_merged_ones():
+    detections, truth = passing(20, together=True)
+    found = merged_in_images(read_images(detections, RIG), R)
+    np.testing.assert_array_equal(found, truth)
+    assert truth.sum() == 2
+
+
+@pytest.mark.parametrize("only", [True, False])
+def test_an_image_that_is_hidden_or_passes_is_no_merged_one(only):
+    detections, _ = passing(20, together=False, only=only)
+    assert not merged_in_images(read_images(detections, RIG), R).any()
+
+
+def test_time_backwards_and_shifted_images_tell_the_same():
+    detections, truth = passing(21, together=True)
+    flipped = detections.frame.max() - detections.frame
+    order = np.lexsort([np.arange(len(truth)), flipped])
+    back = Detections.build(("c",), 100.0, detections.counts[:, ::-1], detections.uv[order] + [100.0, -50.0])
+    found = merged_in_images(read_images(back, RIG), R)
+    np.testing.assert_array_equal(found, truth[order])
+
+
+def test_files_that_mark_merged_images_are_believed():
+    detections, truth = passing(20, together=True)
+    images = read_images(detections, RIG)
+    marked = images._replace(merged=np.arange(len(truth)) == 0)
+    assert with_merging_in_images(marked) is marked
+
+
+@pytest.mark.parametrize(("n", "tells"), [(4, True), (5, False)])
+def test_of_many_cameras_the_other_images_tell(n, tells, monkeypatch):
+    monkeypatch.setattr(unmarked_merging, "resolution", lambda images: R)
+    one, truth = passing(20, together=True)
+    names = tuple("abcde"[:n])
+    many = Detections.build(names, 100.0, np.tile(one.counts, (n, 1)), np.tile(one.uv, (n, 1)))
+    images = read_images(many, Rig(tuple(replace(RIG.cameras[0], name=name) for name in names)))
+    found = with_merging_in_images(images)
+    np.testing.assert_array_equal(found.merged, np.tile(truth & tells, n))
+    np.testing.assert_allclose(found.variance - images.variance, np.where(found.merged, (R / 4) ** 2, 0.0))
+
+
+def test_merged_images_of_markers_without_a_track_make_fewer_ghosts():
+    whole = scene(147050)
+    one = make(whole._replace(seconds=100 / whole.rate))
+    counts = tally(one, track_simultaneously(one.detections, one.rig, DEFAULT).tracks)
+    assert counts.ghosts <= 4  # 10 else
+    assert counts.two_found > 0.97 * counts.two and counts.more_found == counts.more

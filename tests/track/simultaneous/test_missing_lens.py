@@ -1,0 +1,98 @@
+"""Lens terms that a calibration does not state, and noise that centroids overstate."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.geometry import undistort
+from kinemark.geometry.camera import distort
+from kinemark.report.words import advice_of, text_of
+from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.adjusted_rig import with_radial
+from kinemark.track.simultaneous.missing_lens import missing_lenses
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from support.scenes import make, scene, tally
+
+
+@cache
+def made(seed, frames=40):
+    whole = scene(seed)
+    return make(whole._replace(seconds=frames / whole.rate))
+
+
+def bare(rig):
+    """The rig without its lens terms."""
+    return replace(rig, cameras=tuple(replace(camera, distortion=np.zeros(5)) for camera in rig))
+
+
+def tracked(one, detections, rig):
+    result = track_simultaneously(detections, rig, DEFAULT)
+    found = {finding.kind: finding for finding in diagnose(detections, rig, result)}
+    return result, tally(one, result.tracks), found
+
+
+def test_lost_lens_terms_are_learned_and_used():
+    one = made(147005)
+    result, counts, found = tracked(one, one.detections, bare(one.rig))
+    assert counts.two_found + counts.more_found > 0.98 * (counts.two + counts.more)  # 91 % else
+    assert counts.ghosts <= 0.05 * counts.frames
+    true = np.array([camera.distortion[0] for camera in one.rig])
+    assert np.abs(result.lenses.radial - true).max() < 0.04
+    finding = found["lens_terms_unstated"]
+    assert finding.values["lost"] and finding.severity == "amber" and len(finding.values["k1_list"]) == len(one.rig)
+    assert "were learned" in text_of(finding) and "Calibrate again" in advice_of(finding)
+
+
+def test_a_rig_that_states_lens_terms_keeps_them():
+    one = made(147005)
+    assert missing_lenses(one.detections, one.rig) is None
+    assert "lens_terms_unstated" not in tracked(one, one.detections, one.rig)[2]
+
+
+def test_images_without_distortion_lack_no_lens():
+    """Pixels from which a lens was taken out before."""
+    one = made(147005)
+    uv = np.concatenate([undistort(c, one.detections.uv[one.detections.camera == k]) for k, c in enumerate(one.rig)])
+    assert missing_lenses(replace(one.detections, uv=uv), bare(one.rig)) is None
+
+
+def test_a_rig_calibrated_as_if_without_lens_is_told_and_kept():
+    """Longer focal lengths make up for a part of the lens."""
+    one = made(147005)
+    lens = with_radial(one.rig, np.full(len(one.rig), -0.1))
+    uv = np.concatenate(
+        [_through(lens.cameras[k], c, one.detections.uv[one.detections.camera == k]) for k, c in enumerate(one.rig)]
+    )
+    cameras = [replace(c, K=c.K * [[0.985, 0.985, 1], [0.985, 0.985, 1], [1, 1, 1]]) for c in bare(one.rig)]
+    detections, rig = replace(one.detections, uv=uv), replace(one.rig, cameras=tuple(cameras))
+    lenses = missing_lenses(detections, rig)
+    assert lenses is not None and not lenses.lost
+    result, _, found = tracked(one, detections, rig)
+    assert found["lens_terms_unstated"].values["lost"] is False
+    assert (found["lens_terms_unstated"].severity == "red") == (result.lenses.sd > 1)
+    assert "were not used" in text_of(found["lens_terms_unstated"])
+
+
+def _through(lens, camera, uv):
+    """Pixels of a camera as another lens would draw them."""
+    return distort(lens, undistort(camera, uv))
+
+
+@pytest.mark.parametrize("times", [1, 20])
+def test_noise_that_is_stated_far_too_large_is_not_believed(times):
+    one = made(147003, 60)
+    stated = times * one.scene.optics.noise
+    cov = np.broadcast_to(np.eye(2) * stated**2, (len(one.detections), 2, 2))
+    detections = replace(one.detections, cov=cov)
+    result, counts, found = tracked(one, detections, one.rig)
+    assert counts.two_found + counts.more_found > 0.97 * (counts.two + counts.more)  # 45 % of 20 times else
+    sd = np.sqrt(np.trace(result.tracks.cloud.cov, axis1=1, axis2=2))
+    assert np.median(sd) < 3  # mm; errors of positions are those of the images
+    assert ("noise_overstated" in found) == (times > 1)
+    if times > 1:
+        values = found["noise_overstated"].values
+        assert values["stated_px"] == pytest.approx(stated) and 0.25 < values["seen_px"] < 0.4
+        text = text_of(found["noise_overstated"])
+        assert "6.00" in text and "0.3" in text

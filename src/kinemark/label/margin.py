@@ -69,8 +69,8 @@ from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
 BETA_TRACK = (-1.37, 1.44, 0.46, 0.0, 0.46, 0.59, 2.48, 0.61)
-"""Of (3), of the subject's own template; logits; measured on 127 000 tracks of right labels: of random shreds
-(benchmarks/labelling_shreds.py from 80000 to 85044 and from 210000 on), 25 more in 25 to 60 pieces, and the rows of
+"""Of (3), of the subject's own template; logits; measured on 126 000 tracks of right labels: of random shreds
+(benchmarks/labelling_shreds.py from 80000 to 85044 and from 210000 on), 26 more in 25 to 60 pieces, and the rows of
 benchmarks/labelling.py. Without N, pieces beside nameless markers were wrong three times as often as was said, and of
 the others' 455 from 0.5 to 0.99 one was wrong where 17 were expected."""
 BETA_TRACK_OTHER = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84, 0.0)

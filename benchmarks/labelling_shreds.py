@@ -50,9 +50,10 @@ from kinemark.label.decided_sides import at_most_even, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import (
-    BETA_TRACK_OTHER,
+    BETA_TRACK,
     GAINED,
     GAINED_OTHER,
+    MOST_OF_LABEL,
     Margins,
     first_factors,
     label_features,
@@ -81,9 +82,9 @@ labels of 190 shreds and on 117 shreds, when trials with nothing left over were 
 RIDGE = {False: 10.0, True: 1.0}
 """On the squares of what a coefficient's change does by one standard deviation of its feature; chosen: subjects left
 out in turn told 0.3 to 10 alike; of these the one by which most right names of 130 further shreds were sure."""
-RIDGE_TRACK = 0.3
-"""The same of tracks, whose coefficients are drawn to those of another subject's template; chosen: 0.3 and 3 tell
-subjects that are left out alike."""
+RIDGE_PIECE = 0.3
+"""The same of pieces, whose coefficients are drawn to those of whole tracks; chosen: 0.3 and 3 tell subjects that are
+left out alike."""
 
 PART = (0.3, 0.75)
 """Shares of the markers that a part of the body has, the least and the greatest; chosen: legs and upper bodies alone
@@ -225,8 +226,8 @@ def cases(shreds: Sequence[Shred]) -> Cases:
     return Cases(np.array(x), np.array(odds), np.array(right), np.array(doubted))
 
 
-def track_cases(shreds: Sequence[Shred]) -> Cases:
-    """Each track of labels that are right, by features of (3); its odds are 1."""
+def piece_cases(shreds: Sequence[Shred]) -> Cases:
+    """Each piece of labels that are right, by features of (3); its odds are 1."""
     x, right, doubted = [], [], []
     for one in shreds:
         features = track_features(one.about, one.weight)
@@ -234,9 +235,10 @@ def track_cases(shreds: Sequence[Shred]) -> Cases:
             own = np.flatnonzero(one.label == a)
             good = one.truth[own] == a
             if one.samples[own][good].sum() > 0.5 * one.samples[own].sum():
-                x.append(features[own])
-                right.append(good)
-                doubted.append(np.full(len(own), one.doubted))
+                pieces = one.about.share[own] < MOST_OF_LABEL
+                x.append(features[own][pieces])
+                right.append(good[pieces])
+                doubted.append(np.full(pieces.sum(), one.doubted))
     good = np.concatenate(right)
     return Cases(np.concatenate(x), np.ones(len(good)), good, np.concatenate(doubted))
 
@@ -355,12 +357,11 @@ def main() -> None:
                 other = name == "BETA_OTHER"
                 beta = fitted(every.x[own], every.odds[own], every.right[own], np.array(FORMER[other]), RIDGE[other])
                 print(name, "=", tuple(np.round(beta, 2).tolist()))
-        tracks = track_cases(shreds)
-        for name, own in (("BETA_TRACK", ~tracks.doubted), ("BETA_TRACK_OTHER", tracks.doubted)):
-            if own.any():
-                former = np.array(BETA_TRACK_OTHER)
-                beta = fitted(tracks.x[own], tracks.odds[own], tracks.right[own], former, RIDGE_TRACK)
-                print(name, "=", tuple(np.round(beta, 2).tolist()))
+        pieces = piece_cases(shreds)
+        own = ~pieces.doubted
+        if own.any():
+            beta = fitted(pieces.x[own], pieces.odds[own], pieces.right[own], np.array(BETA_TRACK), RIDGE_PIECE)
+            print("BETA_PIECE =", tuple(np.round(beta, 2).tolist()))
 
 
 if __name__ == "__main__":

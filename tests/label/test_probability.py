@@ -14,7 +14,7 @@ from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import (
     BETA_OTHER,
-    BETA_TRACK_OTHER,
+    BETA_TRACK,
     GAINED_OTHER,
     Margins,
     label_probability,
@@ -157,15 +157,16 @@ def test_pieces_beside_many_nameless_markers_are_less_sure_also_where_they_calib
     stretches, pairs = stretches_of(parts.tracks, template().size), PairScore.of_template(template())
     true = np.array([template().names.index(name) if name else -1 for name in parts.truth])
     alike = margins(stretches, true, template(), pairs)
-    named = true >= 0
-    few, many = (alike._replace(nameless=np.where(named, n, np.nan)) for n in (0.0, 30.0))
+    named = (true >= 0) & (alike.share < 0.5)
+    few, many = (alike._replace(nameless=np.full(len(true), n)) for n in (0.0, 30.0))
     p = [track_probability(one, stretches.weight)[named] for one in (few, many)]
     assert (p[1] < p[0]).all() and np.median(1 - p[1]) > 3 * np.median(1 - p[0])
-    other = [track_probability(one, stretches.weight, track=BETA_TRACK_OTHER)[named] for one in (few, many)]
+    other = [track_probability(one, stretches.weight, piece=BETA_TRACK)[named] for one in (few, many)]
     np.testing.assert_array_equal(*other)
     alone, beside = (cases_of(parts, template(), pairs, 0.3, n) for n in (0.0, 30.0))
     np.testing.assert_array_equal(alone.right, beside.right)
-    assert (alone.logit - beside.logit > 1).all()
+    change = alone.logit - beside.logit
+    assert (change >= 0).all() and np.median(change) > 1
 
 
 def test_a_piece_that_goes_on_in_a_posture_that_is_new_is_sure_and_beside_many_nameless_markers_much_less():
@@ -177,6 +178,19 @@ def test_a_piece_that_goes_on_in_a_posture_that_is_new_is_sure_and_beside_many_n
         float(track_probability(piece._replace(nameless=np.array([n])), np.array([1.08]))[0]) for n in (0.0, 30.0)
     )
     assert alone > 0.99 and 1 - beside > 5 * (1 - alone)
+    whole = piece._replace(share=np.ones(1))  # it is most of what its label is by, and right where its label is
+    assert track_probability(whole, np.array([1.08]))[0] == track_probability(
+        whole._replace(nameless=np.array([30.0])), np.array([1.08])
+    )
+
+
+def test_a_track_has_its_share_of_the_samples_of_its_label():
+    parts = shredded(walk(7), 6, 2.0, 3)
+    stretches, pairs = stretches_of(parts.tracks, template().size), PairScore.of_template(template())
+    true = np.array([template().names.index(name) if name else -1 for name in parts.truth])
+    share = margins(stretches, true, template(), pairs).share
+    np.testing.assert_allclose(np.bincount(true[true >= 0], share[true >= 0]), 1.0)
+    assert np.isnan(share[true < 0]).all() and (share[true >= 0] < 1).all()
 
 
 def test_an_exchange_all_through_the_trial_makes_its_two_labels_improbable_and_no_other():
@@ -313,7 +327,7 @@ def test_the_probability_of_a_name_is_that_of_its_label_recalibrated_times_that_
     about = margins(stretches, true, by, pairs)
     about = about._replace(nameless=np.where(true >= 0, 12.0, np.nan))  # beside so many, pieces of one frame are not
     beta = {"label": BETA_OTHER, "gained": GAINED_OTHER} if another else {}
-    tracks = {"track": BETA_TRACK_OTHER} if another else {}
+    tracks = {"piece": BETA_TRACK} if another else {}
     of_label = recalibrated(label_probability(about, **beta), another=another)
     plain = np.nan_to_num(of_label * track_probability(about, stretches.weight, **tracks))
     how = {"sure": 0.99, "least_fit": 0.3, "nameless": 12.0, **tracks}

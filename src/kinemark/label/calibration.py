@@ -26,7 +26,7 @@ import numpy as np
 from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import PairScore
-from .margin import BETA_TRACK, logistic, margins, track_logit
+from .margin import BETA_PIECE, logistic, margins, track_logit
 from .shredded import Shredded, shredded
 from .stretches import Stretches, stretches_of
 from .sweeps import outwards, sweep
@@ -64,7 +64,7 @@ def calibrated_shift(
     sure: float,
     least_fit: float,
     nameless: float = 0.0,
-    track: Sequence[float] = BETA_TRACK,
+    piece: Sequence[float] = BETA_PIECE,
 ) -> float:
     """δ of a labelled trial; 0 where all its names are sure, or too few are confident to tell.
 
@@ -72,7 +72,7 @@ def calibrated_shift(
         trajectories: T tracks that were labelled. template, pairs: by which. label: (T) −1 for none.
         probability: (T) before. sure: from which on a name is sure. least_fit: of a track, below which it has
             no name.
-        nameless: N of `margin` (3), of the trial. track: its β.
+        nameless: N of `margin` (3), of the trial. piece: its β of pieces.
     """
     unsure = (label >= 0) & (probability < sure)
     confident = np.flatnonzero(probability >= CONFIDENT)
@@ -88,7 +88,7 @@ def calibrated_shift(
     parts = shredded(trial, pieces)
     tracks = replace(parts.tracks, paths=(*parts.tracks.paths, *paths))
     truth = (*parts.truth, *(None if label[t] < 0 else UNKNOWN for t in rest.tolist()))
-    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit, nameless, track))
+    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit, nameless, piece))
 
 
 def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:
@@ -118,7 +118,7 @@ def cases_of(
     pairs: PairScore,
     least_fit: float,
     nameless: float = 0.0,
-    track: Sequence[float] = BETA_TRACK,
+    piece: Sequence[float] = BETA_PIECE,
 ) -> Cases:
     """The pieces named again from the fullest frame, without key frames; beside as many nameless as in the trial."""
     number = {name: a for a, name in enumerate(template.names)} | {None: -1, UNKNOWN: NOT_KNOWN}
@@ -128,7 +128,7 @@ def cases_of(
     named = np.flatnonzero((label >= 0) & ((truth >= 0) | (truth == -1) & _beside_its_own(parts.tracks, label, truth)))
     about = margins(stretches, label, template, pairs, exchanges=False)
     about = about._replace(nameless=np.full(len(label), nameless))
-    logit = track_logit(about, stretches.weight, track)[named]
+    logit = track_logit(about, stretches.weight, piece)[named]
     segments = len(template) * max(1.0, parts.tracks.n_frames / parts.tracks.rate / SEGMENT_S)
     return Cases(logit, label[named] == truth[named], min(1.0, segments / max(len(named), 1)))
 

@@ -20,8 +20,8 @@ from .labels import Labels, State
 from .margin import (
     BETA_LABEL,
     BETA_OTHER,
+    BETA_PIECE,
     BETA_TRACK,
-    BETA_TRACK_OTHER,
     GAINED,
     GAINED_OTHER,
     Margins,
@@ -197,15 +197,15 @@ def probability_of_all(
     """
     another = bool(np.any(template.doubt))
     beta, gained = (BETA_OTHER, GAINED_OTHER) if another else (BETA_LABEL, GAINED)
-    track = BETA_TRACK_OTHER if another else BETA_TRACK
+    piece = BETA_TRACK if another else BETA_PIECE
     of_label = recalibrated(label_probability(about, label=beta, gained=gained), another=another)
     of_label = of_label if another else by_what_is_absent(of_label, about)
-    p = _of_named(of_label * track_probability(about, weight, track=track))
+    p = _of_named(of_label * track_probability(about, weight, piece=piece))
     shift = calibrated_shift(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit,
-        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)), track=track,
+        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)), piece=piece,
     )  # fmt: skip
-    return _of_named(of_label * track_probability(about, weight, shift, track))
+    return _of_named(of_label * track_probability(about, weight, shift, piece))
 
 
 def _of_named(p: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Random shreds of labelled trials: how often names are right by their probability, and the coefficients of it.
 
     python benchmarks/labelling_shreds.py static:31000-31060 …    reliability of these seeds
-    python benchmarks/labelling_shreds.py --fit                   the coefficients of `label.margin` (4), by `FITTED`
+    python benchmarks/labelling_shreds.py --fit                   the coefficients of `label.margin` by `FITTED`
 
 Kinds are own (the subject's walks), static (static trials), other (another subject's template), crowded (own or
 static, with 1 to 40 further markers on the body, up to 3 points that stand still and ghosts that are twins of
@@ -49,7 +49,17 @@ from kinemark.label import Distances, shredded
 from kinemark.label.decided_sides import at_most_even, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import GAINED, GAINED_OTHER, Margins, first_factors, label_features, margins
+from kinemark.label.margin import (
+    BETA_TRACK,
+    GAINED,
+    GAINED_OTHER,
+    MOST_OF_LABEL,
+    Margins,
+    first_factors,
+    label_features,
+    margins,
+    track_features,
+)
 from kinemark.label.score import BINS
 from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
@@ -72,6 +82,9 @@ labels of 190 shreds and on 117 shreds, when trials with nothing left over were 
 RIDGE = {False: 10.0, True: 1.0}
 """On the squares of what a coefficient's change does by one standard deviation of its feature; chosen: subjects left
 out in turn told 0.3 to 10 alike; of these the one by which most right names of 130 further shreds were sure."""
+RIDGE_PIECE = 0.3
+"""The same of pieces, whose coefficients are drawn to those of whole tracks; chosen: 0.3 and 3 tell subjects that are
+left out alike."""
 
 PART = (0.3, 0.75)
 """Shares of the markers that a part of the body has, the least and the greatest; chosen: legs and upper bodies alone
@@ -213,8 +226,28 @@ def cases(shreds: Sequence[Shred]) -> Cases:
     return Cases(np.array(x), np.array(odds), np.array(right), np.array(doubted))
 
 
+def piece_cases(shreds: Sequence[Shred]) -> Cases:
+    """Each piece of labels that are right, by features of (3); its odds are 1."""
+    x, right, doubted = [], [], []
+    for one in shreds:
+        features = track_features(one.about, one.weight)
+        for a in np.unique(one.label[one.label >= 0]).tolist():
+            own = np.flatnonzero(one.label == a)
+            good = one.truth[own] == a
+            if one.samples[own][good].sum() > 0.5 * one.samples[own].sum():
+                pieces = one.about.share[own] < MOST_OF_LABEL
+                x.append(features[own][pieces])
+                right.append(good[pieces])
+                doubted.append(np.full(pieces.sum(), one.doubted))
+    good = np.concatenate(right)
+    return Cases(np.concatenate(x), np.ones(len(good)), good, np.concatenate(doubted))
+
+
 def fitted(x: Floats, odds: Floats, right: Bools, former: Floats, ridge: float) -> Floats:
-    """β of (4), the most probable one; none but the first is below 0, as what fits better makes no name less sure."""
+    """β of (3) or (4), the most probable one; none but the first is below 0.
+
+    What fits better makes no name less sure.
+    """
     scale = np.r_[0.0, x[:, 1:].std(0)]
 
     def loss(beta: Floats) -> tuple[float, Floats]:
@@ -324,6 +357,11 @@ def main() -> None:
                 other = name == "BETA_OTHER"
                 beta = fitted(every.x[own], every.odds[own], every.right[own], np.array(FORMER[other]), RIDGE[other])
                 print(name, "=", tuple(np.round(beta, 2).tolist()))
+        pieces = piece_cases(shreds)
+        own = ~pieces.doubted
+        if own.any():
+            beta = fitted(pieces.x[own], pieces.odds[own], pieces.right[own], np.array(BETA_TRACK), RIDGE_PIECE)
+            print("BETA_PIECE =", tuple(np.round(beta, 2).tolist()))
 
 
 if __name__ == "__main__":

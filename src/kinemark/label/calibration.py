@@ -17,6 +17,7 @@ pieces. An exchange of whole labels is invisible to this: `margin` (4) judges it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -25,7 +26,7 @@ import numpy as np
 from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import PairScore
-from .margin import logistic, margins, track_logit
+from .margin import BETA_PIECE, logistic, margins, track_logit
 from .shredded import Shredded, shredded
 from .stretches import Stretches, stretches_of
 from .sweeps import outwards, sweep
@@ -62,6 +63,8 @@ def calibrated_shift(
     *,
     sure: float,
     least_fit: float,
+    nameless: float = 0.0,
+    piece: Sequence[float] = BETA_PIECE,
 ) -> float:
     """δ of a labelled trial; 0 where all its names are sure, or too few are confident to tell.
 
@@ -69,6 +72,7 @@ def calibrated_shift(
         trajectories: T tracks that were labelled. template, pairs: by which. label: (T) −1 for none.
         probability: (T) before. sure: from which on a name is sure. least_fit: of a track, below which it has
             no name.
+        nameless: N of `margin` (3), of the trial. piece: its β of pieces.
     """
     unsure = (label >= 0) & (probability < sure)
     confident = np.flatnonzero(probability >= CONFIDENT)
@@ -84,7 +88,7 @@ def calibrated_shift(
     parts = shredded(trial, pieces)
     tracks = replace(parts.tracks, paths=(*parts.tracks.paths, *paths))
     truth = (*parts.truth, *(None if label[t] < 0 else UNKNOWN for t in rest.tolist()))
-    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit))
+    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit, nameless, piece))
 
 
 def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:
@@ -108,14 +112,23 @@ def _joined(
     return Trajectories(tuple(paths), trajectories.rate)
 
 
-def cases_of(parts: Shredded, template: Template, pairs: PairScore, least_fit: float) -> Cases:
-    """The pieces named again from the fullest frame, without key frames."""
+def cases_of(
+    parts: Shredded,
+    template: Template,
+    pairs: PairScore,
+    least_fit: float,
+    nameless: float = 0.0,
+    piece: Sequence[float] = BETA_PIECE,
+) -> Cases:
+    """The pieces named again from the fullest frame, without key frames; beside as many nameless as in the trial."""
     number = {name: a for a, name in enumerate(template.names)} | {None: -1, UNKNOWN: NOT_KNOWN}
     truth = np.array([number[name] for name in parts.truth], np.int64)
     stretches = stretches_of(parts.tracks, template.size)
     label = _again(stretches, truth, pairs, least_fit)
     named = np.flatnonzero((label >= 0) & ((truth >= 0) | (truth == -1) & _beside_its_own(parts.tracks, label, truth)))
-    logit = track_logit(margins(stretches, label, template, pairs, exchanges=False), stretches.weight)[named]
+    about = margins(stretches, label, template, pairs, exchanges=False)
+    about = about._replace(nameless=np.full(len(label), nameless))
+    logit = track_logit(about, stretches.weight, piece)[named]
     segments = len(template) * max(1.0, parts.tracks.n_frames / parts.tracks.rate / SEGMENT_S)
     return Cases(logit, label[named] == truth[named], min(1.0, segments / max(len(named), 1)))
 

@@ -17,7 +17,18 @@ from .evidence import PairScore
 from .held import OWN, held
 from .label import refusal, state_of
 from .labels import Labels, State
-from .margin import BETA_LABEL, BETA_OTHER, GAINED, GAINED_OTHER, Margins, label_probability, margins, track_probability
+from .margin import (
+    BETA_LABEL,
+    BETA_OTHER,
+    BETA_PIECE,
+    BETA_TRACK,
+    GAINED,
+    GAINED_OTHER,
+    Margins,
+    label_probability,
+    margins,
+    track_probability,
+)
 from .parts import KNOWN, placed_share, with_parts
 from .recalibration import by_what_is_absent, recalibrated
 from .solve import solve, solve_with_facts
@@ -186,13 +197,15 @@ def probability_of_all(
     """
     another = bool(np.any(template.doubt))
     beta, gained = (BETA_OTHER, GAINED_OTHER) if another else (BETA_LABEL, GAINED)
+    piece = BETA_TRACK if another else BETA_PIECE
     of_label = recalibrated(label_probability(about, label=beta, gained=gained), another=another)
     of_label = of_label if another else by_what_is_absent(of_label, about)
-    p = _of_named(of_label * track_probability(about, weight))
+    p = _of_named(of_label * track_probability(about, weight, piece=piece))
     shift = calibrated_shift(
-        trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit
-    )
-    return _of_named(of_label * track_probability(about, weight, shift))
+        trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit,
+        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)), piece=piece,
+    )  # fmt: skip
+    return _of_named(of_label * track_probability(about, weight, shift, piece))
 
 
 def _of_named(p: Floats) -> Floats:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import MarkerTrajectory, Trial, same
+from kinemark.data import MarkerTrajectory, Trajectories, Trial, same
+from kinemark.engine.naming import files as engine_files
 from kinemark.engine.naming.check_files import check_file
 from kinemark.engine.naming.files import label_file, label_text, template_of
 from kinemark.engine.naming.marker_set_files import set_from_file
@@ -70,6 +71,34 @@ def test_names_are_checked_and_sets_and_sessions_learnt_without_them(files):
     assert set(set_from_file(files / "known.c3d", files / "own.toml").names) == set(walker().names[:15])
     session = SimpleNamespace(label=Labelling(template=("known.c3d",)), marker_set=None, gait=None)
     assert session_template(files, session, ()).template.names == tuple(sorted(walker().names[:15]))
+
+
+def test_what_a_static_trial_does_not_show_to_be_computed_is_told_by_the_trials_to_be_named(files):
+    """Nothing moves in it, so that a centre of mass keeps its distances as a marker does."""
+    few = walker().names[:15]
+    frame = walker(2).select(few).xyz[:, 50:51]
+    still = frame + np.random.default_rng(0).normal(0, 0.1, (15, 60, 3))
+    standing = Trajectories(tuple(map(MarkerTrajectory.measured, few, still)), 100.0)
+    centre = standing.xyz.mean(0)
+    more = {"CentreOfMass": centre, "CentreOfMassFloor": centre * [1.0, 1.0, 0.0]}
+    paths = (MarkerTrajectory.measured(name, xyz) for name, xyz in more.items())
+    write_trial(Trial("static", replace(standing, paths=(*standing.paths, *paths))), files / "static.c3d")
+    alone = template_of([files / "static.c3d"], Known(static=True))
+    assert "CentreOfMass" in alone.template.names
+    named = (files / "damaged.c3d", files / "new.c3d")
+    named[0].write_bytes(b"no trial")
+    found = template_of([files / "static.c3d"], Known(static=True, to_name=named))
+    assert found.template.names == tuple(sorted(few))
+    kept = template_of([files / "static.c3d"], Known(static=True, to_name=named, markers=(*few, "CentreOfMass")))
+    assert "CentreOfMass" in kept.template.names
+
+
+def test_the_command_tells_the_template_which_trials_are_to_be_named(files, monkeypatch):
+    told = []
+    monkeypatch.setattr(engine_files, "template_of", lambda paths, known, **how: told.append(known.to_name) or 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        app(["label", str(files), "-t", str(files / "known.c3d"), "--static"], result_action="return_value")
+    assert told == [(files / "new.c3d",)]
 
 
 def test_what_a_file_lists_as_its_programs_own_is_put_aside(files):

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
-from itertools import count
+from itertools import count, islice
+from pathlib import Path
 from typing import NamedTuple
 
-from ...data import MarkerTrajectory, Trajectories, Trial
+from ...data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ...io.c3d import modeled_points
+from ...io.trial import read_trial
 from ...label import computed_points
 
 FILES = 3
-"""Trials whose computed points are remembered, a number; chosen: those that are looked at side by side."""
+"""Trials whose computed points are remembered, or tell of another's, a number; chosen: as many are looked at side by
+side."""
 
 
 class PutAside(NamedTuple):
@@ -40,6 +44,15 @@ def put_aside(trial: Trial, *, keep: Collection[str] = ()) -> PutAside:
 def computed_names(trial: Trial) -> tuple[str, ...]:
     """Points of a file that are no markers, worked out once for each trial."""
     return tuple(path.name for path in put_aside(trial).aside)
+
+
+def computed_in(files: Iterable[Path]) -> frozenset[str]:
+    """Names of the computed points of the first few trials, of those that can be read."""
+    found: set[str] = set()
+    for file in islice(files, FILES):
+        with suppress(KinemarkError):
+            found.update(path.name for path in put_aside(read_trial(file)).aside)
+    return frozenset(found)
 
 
 def put_back(done: Trajectories, aside: Collection[MarkerTrajectory]) -> Trajectories:

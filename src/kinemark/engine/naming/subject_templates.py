@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...data import KinemarkError, MarkerSet, Trajectories
+from ...data import KinemarkError, MarkerSet, Trajectories, Trial
 from ...data.marker_sides import without_subject
 from ...data.nearest_word import some_names
 from ...io.c3d import prefixes_of
@@ -21,7 +21,7 @@ from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders,
 from ...label.pooled import contradiction, pooled, template_of_subjects
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ...report.words import advice_of, text_of
-from .put_aside import put_aside
+from .put_aside import computed_in, put_aside
 from .segments_of_clusters import set_of_clusters
 from .template_files import is_template, load_template
 
@@ -40,6 +40,8 @@ class Known(NamedTuple):
         heights_mm: of the others whose files are given, mm, in their order; none where the files are of the subject.
         computed: where all names are learnt, also those of points that look computed of others.
         clusters: markers by the segment that they sit on, as `[gait.clusters]` has them, in place of a marker set.
+        to_name: trials that are to be named: points that these show to be computed are no markers of a static trial,
+            in which nothing moves that would tell them.
     """
 
     marker_set: MarkerSet | None = None
@@ -50,6 +52,7 @@ class Known(NamedTuple):
     heights_mm: tuple[float, ...] = ()
     computed: bool = False
     clusters: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    to_name: tuple[Path, ...] = ()
 
 
 def subject_template(files: Sequence[Path], known: Known) -> SubjectTemplate:
@@ -140,7 +143,7 @@ def _by_others(files: Sequence[Path], known: Known) -> SubjectTemplate:
 def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     """By labelled trials of the subject."""
     read = [read_trial(file) for file in files]
-    points = [trial.trajectories if known.computed else put_aside(trial, keep=_wanted(known)).rest for trial in read]
+    points = [trial.trajectories if known.computed else _markers_of(trial, known) for trial in read]
     own = [of_subject(one, known.subject, prefixes_of(trial.source)) for one, trial in zip(points, read, strict=True)]
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
     known = _by_clusters(trials[0], known) if known.clusters else known
@@ -149,6 +152,15 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
         TemplateSource(file.name, trial.n_frames, _today(), kind) for file, trial in zip(files, trials, strict=True)
     )
     return _named(SubjectTemplate(_learnt(trials, known), sources=sources, wider=_wider(trials, known)), known)
+
+
+def _markers_of(trial: Trial, known: Known) -> Trajectories:
+    """Without computed points, also those that only the trials to be named show to be such."""
+    wanted = _wanted(known)
+    rest = put_aside(trial, keep=wanted).rest
+    elsewhere = computed_in(known.to_name) if known.static else frozenset()
+    own = [name for name in rest.names if name not in elsewhere or name.rpartition(":")[2] in wanted]
+    return rest.select(own) if own else rest
 
 
 def _by_clusters(static: Trajectories, known: Known) -> Known:

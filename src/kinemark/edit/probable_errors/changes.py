@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...data.progress import tell
 from .carried import Leaving
 from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
@@ -105,6 +106,7 @@ def changes(paths: Paths, found: Sequence[Place]) -> list[Change]:
     window = _Windows(paths)
     at, out = 0, []
     for place in found:
+        tell(len(out), len(found))
         rows = slice(at, at + len(place.partners))
         at = rows.stop
         out.append(_change(place, costs.rows(rows), window))

@@ -38,8 +38,8 @@ MOST_AT_ONCE = 400_000
 MOVES = 30
 """At most, one after the other; chosen."""
 ONE_OF, ROUNDED = 8, 1.0
-"""One of so many frames in which (2) knows what a move gains, chosen of 4 to 16 as the quickest; and nats that rounding
-may make of sums in single precision, chosen far above."""
+"""Every how many frames what a move gains is known to (2), chosen: two of the dozen frames of a window; and nats that
+rounding may make of sums in single precision, chosen far above."""
 
 Move = tuple[tuple[int, ...], tuple[int, ...]]
 """Labels, and what they become."""

@@ -104,5 +104,7 @@ def test_looking_stands_still_while_something_is_said(document, monkeypatch):
         return real(*given)
 
     monkeypatch.setattr(acts, "done", done)
-    acts.act(document, ActBody(head=document.head, act=EraseAct(kind="erase", marker="LKNE", first=20, last=29), why=""))
+    acts.act(
+        document, ActBody(head=document.head, act=EraseAct(kind="erase", marker="LKNE", first=20, last=29), why="")
+    )
     assert still == [True]

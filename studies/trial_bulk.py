@@ -8,9 +8,9 @@ is known what it is said to be by itself, and by the others of its trial (`edit/
 What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL of
 `probable_errors`), which is left out.
 
-At last a factor and a constant of the log-odds of each kind (LEVELS) are fitted together with (3): the coefficients of
-kinds were fitted one by one, to other mixes of faults, so that what tells little of leaps and spikes is feared too much.
-They are told, and not taken.
+At last a factor and a constant of the log-odds of each kind (LEVELS) are fitted together with (3): coefficients were
+fitted one by one, to other mixes of faults, so that what tells little of leaps and spikes is feared too much. They are
+told, and not taken.
 
 Run: python studies/trial_bulk.py [fit]         fit: print coefficients of changes too, by the laboratories of FILES
 """

@@ -88,7 +88,7 @@ def by_peers(exchanger: Exchanger) -> Exchanger:
 
 def _in_window(y: Single, exchanger: Exchanger, near: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:
     """Of these frames; `near` is the same by each one's peers alone."""
-    seen: list[bool] = np.isfinite(y[..., 0]).any(0).tolist()
+    seen = np.asarray(np.isfinite(y[..., 0]).any(0))
     moves = [((a, b), to) for (a, b), to in exchanger.twos if seen[a] and seen[b]]
     moves = [move for move, may in zip(moves, near.may_gain(y, moves), strict=True) if may]
     gains, own = exchanger.gains(y, moves), near.gains(y, moves)

@@ -104,7 +104,7 @@ def changes(paths: Paths, found: Sequence[Place]) -> list[Change]:
         return []
     costs = _Costs.of(paths, found)
     window = _Windows(paths)
-    at, out = 0, []
+    at, out = 0, list[Change]()
     for place in found:
         tell(len(out), len(found))
         rows = slice(at, at + len(place.partners))

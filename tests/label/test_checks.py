@@ -9,6 +9,7 @@ import pytest
 from kinemark.data import MarkerTrajectory
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import find_exchanges, find_mislabelled, find_side_swaps, learn_template
+from kinemark.label.exchange import Exchanger
 from support.tools import tools
 from support.wearing import body_of, moving
 
@@ -87,3 +88,25 @@ def test_tools_that_stand_otherwise_to_each_other_are_not_exchanged_and_two_that
     a[80:], b[80:] = trial["B2"].xyz[80:], trial["B1"].xyz[80:]
     found = find_exchanges(changed(trial, {"B1": a, "B2": b}), template)
     assert {one.markers for one in found} == {("B1", "B2")} and found[-1].stop > 190
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_exchanges_that_are_not_looked_at_could_not_have_gained(seed, monkeypatch):
+    template, trial = subject(seed)
+    near = {"RFHD": trial["LFHD"].xyz, "LFHD": trial["RFHD"].xyz, "LTOE": trial["LHEE"].xyz, "LHEE": trial["LTOE"].xyz}
+    wrong = changed(swapped(trial, LEG[:2], 100, 200), near)
+    looked, real = [0, 0], Exchanger.may_gain
+
+    def counted(self, y, moves):
+        may = real(self, y, moves)
+        looked[0] += int(may.sum())
+        looked[1] += len(may)
+        assert may[self.gains(y, moves) > 0].all()
+        return may
+
+    monkeypatch.setattr(Exchanger, "may_gain", counted)
+    assert find_exchanges(trial, template) == () and looked[0] < looked[1] / 2
+    found = find_exchanges(wrong, template)
+    assert len(found) >= 2
+    monkeypatch.setattr(Exchanger, "may_gain", lambda self, y, moves: np.ones(len(moves), bool))
+    assert find_exchanges(wrong, template) == found

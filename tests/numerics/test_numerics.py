@@ -23,7 +23,7 @@ from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_r
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
 from kinemark.numerics.small_matrices import inverse2, inverse3, solve3, solve3_entries
-from kinemark.numerics.vectors import across, cross, cross_matrix, perpendicular_pair
+from kinemark.numerics.vectors import across, cross, cross_matrix, lengths, perpendicular_pair
 
 T = np.linspace(0, 2, 40)
 
@@ -324,6 +324,20 @@ def test_equal_runs_end_where_any_column_changes():
     assert equal_runs(a[:0], b[:0]).tolist() == [0]
 
 
+# ---- vectors ----
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+@pytest.mark.parametrize("shape", [(3,), (1, 3), (7, 3), (12, 60, 60, 3)])
+def test_lengths_are_those_of_numpy_to_the_last_digit(kind, shape):
+    rng = np.random.default_rng(len(shape))
+    v = (300 * rng.normal(size=shape)).astype(kind)
+    v[rng.random(shape) < 0.01] = np.nan
+    found = lengths(v)
+    assert found.dtype == kind
+    np.testing.assert_array_equal(found, np.sqrt((v**2).sum(-1)))
+
+
 # ---- medians and quantiles of rows ----
 
 
@@ -335,6 +349,7 @@ def test_medians_and_quantiles_of_rows_with_gaps_are_those_of_numpy_to_the_last_
     rows[rng.random(rows.shape) < 0.3] = np.nan
     rows[np.isnan(rows).all(-1), 0] = 1.0
     assert (row_medians(rows) == np.nanmedian(rows, axis=-1)).all()
+    assert (row_medians(rows[0, :4]) == np.nanmedian(rows[0, :4], axis=-1)).all()  # few places, long rows
     assert (row_quantiles(rows, share) == np.nanquantile(rows, share, axis=-1)).all()
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Ints
+from ..data.progress import tell
 from .evidence import PairScore, Single
 from .exchange import Exchanger
 from .stretches import stretches_of
@@ -61,7 +61,8 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
     near = by_peers(exchanger)
     window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
     found: list[Exchanged] = []
-    for part in np.unique(window):
+    for part in (parts := np.unique(window)):
+        tell(int(part), int(parts[-1]))
         rows = np.flatnonzero(window == part)
         found += _in_window(y[rows], exchanger, near, template, stretches.frame[rows])
     return _merged(found, round(2 * WINDOW_S * trajectories.rate))
@@ -87,8 +88,9 @@ def by_peers(exchanger: Exchanger) -> Exchanger:
 
 def _in_window(y: Single, exchanger: Exchanger, near: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:
     """Of these frames; `near` is the same by each one's peers alone."""
-    seen: NDArray[np.bool_] = np.isfinite(y[..., 0]).sum(0) > 0
-    moves = [move for move in exchanger.twos if seen[list(move[0])].all()]
+    seen = np.asarray(np.isfinite(y[..., 0]).any(0))
+    moves = [((a, b), to) for (a, b), to in exchanger.twos if seen[a] and seen[b]]
+    moves = [move for move, may in zip(moves, near.may_gain(y, moves), strict=True) if may]
     gains, own = exchanger.gains(y, moves), near.gains(y, moves)
     return [
         Exchanged((template.names[a], template.names[b]), int(frame[0]), int(frame[-1]) + 1, float(gain))

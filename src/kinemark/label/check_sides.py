@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import Trajectories
+from ..data.progress import tell
 from .check import LEAST_NATS, WINDOW_S
 from .evidence import PairScore, Single
 from .exchange import Exchanger, Move
@@ -61,7 +62,8 @@ def find_side_swaps(
     groups = limbs(template, kept)
     window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
     found = []
-    for part in np.unique(window):
+    for part in (parts := np.unique(window)):
+        tell(int(part), int(parts[-1]))
         rows = np.flatnonzero(window == part)
         best = _best(y[rows], template, exchanger, groups)
         if best is not None:

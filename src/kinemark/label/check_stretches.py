@@ -16,6 +16,8 @@ import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Floats, Ints
+from ..data.progress import tell
+from ..numerics.vectors import lengths
 from .check import WINDOW_S
 from .evidence import PairScore, Single
 from .stretches import stretches_of
@@ -70,7 +72,8 @@ def find_mislabelled(
         y[np.isin(stretches.frame, frames), template.names.index(name)] = np.nan
     window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
     found = []
-    for part in np.unique(window):
+    for part in (parts := np.unique(window)):
+        tell(int(part), int(parts[-1]))
         rows = np.flatnonzero(window == part)
         found += _in_window(y[rows].copy(), template, pairs, stretches.frame[rows])
     return _merged(found, round(2 * WINDOW_S * trajectories.rate))
@@ -99,7 +102,7 @@ def _evidence(y: Single, pairs: PairScore) -> tuple[Floats, Floats]:
     """(L) mean nats of each label by those that tell most, and what is expected of as many; 0 for absent labels."""
     L = y.shape[1]
     every = np.arange(L)
-    d = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1))
+    d = lengths(y[:, :, None] - y[:, None])
     there = np.isfinite(d)
     n = np.maximum(np.isfinite(y[..., 0]).sum(0), 1)
     told = pairs.expected * there.sum(0) / n[:, None]

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from ..numerics.vectors import lengths
 
 if TYPE_CHECKING:
     from .template import Template
@@ -149,7 +150,7 @@ class PairScore(NamedTuple):
 
         The same as `of_points` has it for each point and its own label.
         """
-        d = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1))
+        d = lengths(y[:, :, None] - y[:, None])
         nats: Single = self.at(d, slice(None), slice(None)).sum(2)
         if self.hands is None:
             return nats
@@ -163,7 +164,7 @@ class PairScore(NamedTuple):
 
 def distances(a: Single, b: Single) -> Single:
     """(N, M) between points (N, 3) and (M, 3)."""
-    return np.sqrt(((a[:, None] - b[None]) ** 2).sum(-1))
+    return lengths(a[:, None] - b[None])
 
 
 def hands(xyz: Single, handed: Ints, sign: Ints) -> Single:

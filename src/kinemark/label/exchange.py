@@ -4,6 +4,13 @@ The markers of a plate look alike: with two of them exchanged, each supports the
 and the score of all pairs that this touches is compared, by the template as it was given:
 
     ΔS = Σ_pairs ‹ l(|y_a − y_b|; D_π(a)π(b)) − l(|y_a − y_b|; D_ab) ›  + quadruples                                (1)
+
+No pair can have more than its base, nor can more quadruples be turned back than are wrong. So a move gains in frame k
+at most
+
+    u_k = Σ_pairs base_π(a)π(b) − l(|y_a − y_b|; D_ab)  + quadruples that are wrong                               (2)
+
+and one that loses more in some frames than all others can give has not to be looked at.
 """
 
 from __future__ import annotations
@@ -15,7 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.array_types import Ints
+from ..data.array_types import Bools, Ints
+from ..numerics.vectors import lengths
 from .evidence import WRONG_HAND, PairScore, Single
 from .template import Template
 
@@ -29,6 +37,9 @@ MOST_AT_ONCE = 400_000
 """Distances that are scored at once; chosen: they stay in a processor's cache."""
 MOVES = 30
 """At most, one after the other; chosen."""
+ONE_OF, ROUNDED = 8, 1.0
+"""Every how many frames what a move gains is known to (2), chosen: two of the dozen frames of a window; and nats that
+rounding may make of sums in single precision, chosen far above."""
 
 Move = tuple[tuple[int, ...], tuple[int, ...]]
 """Labels, and what they become."""
@@ -68,18 +79,42 @@ class Exchanger(NamedTuple):
 
     def gains(self, y: Single, moves: Sequence[Move]) -> NDArray[np.float64]:
         """(1) of moves, nats, mean over frames; y (K, L, 3) places of the labels as they are."""
-        d = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1))
+        seen = [np.isfinite(y[:, list(was), 0]).any(1).sum() for was, _ in moves]
+        return self.nats(y, moves) / np.maximum(seen, 1)
+
+    def may_gain(self, y: Single, moves: Sequence[Move]) -> Bools:
+        """Whether (1) of moves that exchange two may be above 0, by (2)."""
+        was = np.array([move[0] for move in moves], np.int64).reshape(-1, 2)
+        most = self.pairs.base.sum(1)[was].sum(1) - self._as_they_are(y)[:, was].sum(2)
+        some = np.arange(len(y)) % ONE_OF == 0
+        return np.asarray(self.nats(y[some], moves) + most[~some].sum(0) > -ROUNDED)
+
+    def _as_they_are(self, y: Single) -> Single:
+        """(K, L) nats of all pairs and quadruples of which each label is one."""
+        a, b = np.nonzero(np.triu(self.pairs.inverse))
+        d = lengths(y[:, a] - y[:, b])
+        of = np.zeros((len(a) + len(self.handed), y.shape[1]), np.float32)
+        of[np.arange(len(a)), a] = of[np.arange(len(a)), b] = 1.0
+        np.put_along_axis(of[len(a) :], self.handed, np.float32(1.0), axis=1)
+        wrong = -WRONG_HAND * _wrong(y, self.handed, self.sign)
+        return np.asarray(np.hstack([self.pairs.at(d, a, b), wrong.astype(np.float32)]) @ of)
+
+    def nats(self, y: Single, moves: Sequence[Move]) -> NDArray[np.float64]:
+        """(1) of moves, nats of all frames together; as `gains`."""
+        if not moves:
+            return np.zeros(0)
+        d = lengths(y[:, :, None] - y[:, None])
         found = np.zeros(len(moves))
         for size in {len(was) for was, _ in moves}:
             own = [i for i, (was, _) in enumerate(moves) if len(was) == size]
             most = max(1, MOST_AT_ONCE // max(y.shape[0] * y.shape[1] * size, 1))
             for some in (own[k : k + most] for k in range(0, len(own), most)):
-                found[some] = self._gains(
+                found[some] = self._nats(
                     y, d, *(np.array(part) for part in zip(*(moves[i] for i in some), strict=True))
                 )
         return found
 
-    def _gains(self, y: Single, d: Single, was: Ints, to: Ints) -> NDArray[np.float64]:
+    def _nats(self, y: Single, d: Single, was: Ints, to: Ints) -> NDArray[np.float64]:
         """Of M moves of as many labels, (M, n) each; d (K, L, L) distances of the labels as they are."""
         every, rows = np.arange(y.shape[1]), np.arange(len(was))[:, None]
         new = np.repeat(every[None], len(was), axis=0)
@@ -90,9 +125,7 @@ class Exchanger(NamedTuple):
         moved = np.ones((len(was), len(every)), np.float32)
         moved[rows, was] = 0.5  # counted from both sides
         each *= moved[:, None, None]
-        seen = np.maximum(np.isfinite(y[:, was, 0]).any(2).sum(0), 1)
-        nats = each.reshape(len(was), -1).sum(1)
-        return np.asarray((nats - WRONG_HAND * self._hands(y, was, new)) / seen)
+        return np.asarray(each.reshape(len(was), -1).sum(1) - WRONG_HAND * self._hands(y, was, new))
 
     def _hands(self, y: Single, was: Ints, new: Ints) -> Ints:
         """(M) how many quadruples of all frames more are turned the wrong way after each move."""

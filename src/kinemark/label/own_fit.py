@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..data.array_types import Floats
+from ..numerics.vectors import lengths
 from .evidence import PairScore, frame_fit
 
 if TYPE_CHECKING:
@@ -60,4 +61,4 @@ def _spread_of(template: Template, pieces: Sequence[Floats]) -> Floats:
 
 def _distances(xyz: Floats) -> Floats:
     """(L, L, K) of each pair in each frame."""
-    return np.asarray(np.sqrt(((xyz[:, None] - xyz[None]) ** 2).sum(-1)))
+    return lengths(xyz[:, None] - xyz[None])

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
+from ..numerics.vectors import lengths
 from .computed_points import computed_points
 from .own_fit import own_fit
 
@@ -211,7 +212,7 @@ def _sampled(trial: Trajectories, names: tuple[str, ...]) -> tuple[Floats, float
 
 def _distances(xyz: Floats) -> Floats:
     """(L, L, K) of each pair in each frame."""
-    return np.sqrt(((xyz[:, None] - xyz[None]) ** 2).sum(-1))
+    return lengths(xyz[:, None] - xyz[None])
 
 
 def _short_spread(parts: Sequence[tuple[Floats, float]], names: tuple[str, ...]) -> Floats:

@@ -5,7 +5,7 @@ schur                 normal equations of which most unknowns appear in small bl
 scaled                inverses and solutions of matrices whose unknowns differ by many powers of ten in size
 small_matrices        2 × 2 and 3 × 3 systems, very many at once
 robust                weights for observations of which some are wrong
-vectors               cross products and perpendiculars
+vectors               lengths, cross products and perpendiculars
 row_quantiles         medians and quantiles of many rows with gaps
 runs                  where a mask is true, or a value stays the same, without a break
 """

@@ -91,7 +91,7 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
 /** The ways to fill the gap that is looked at, best first. */
 function Ways(): React.JSX.Element {
   const { header, gaps, gap, candidates, method, clicks } = useStore();
-  if (!gap && gaps && !gaps.gaps.length) return <div className={styles.ways}><p className="soft">{header?.cameras.length ? "No named marker has a gap between its first and its last sample." : "No named marker has a gap. What is missing before a marker was first seen, or after it was last seen, is none."}</p></div>;
+  if (!gap && gaps && !gaps.gaps.length) return <div className={styles.ways}><p className="soft">{header?.cameras.length ? "No named marker has a gap between its first and its last sample." : "No named marker has a gap. Frames before a marker is first seen, or after it is last seen, do not count as gaps."}</p></div>;
   if (!gap) return <div className={styles.ways}><p className="soft">Choose a gap on the left, or press <kbd>N</kbd>. Each way to fill it is drawn with its band{header?.cameras.length ? "; the + in the images shows where the fill would be: a free image on the + proves it" : ""}.</p></div>;
   return (
     <div className={styles.ways}>

@@ -36,10 +36,12 @@ from .acts_messages import (
 from .changed_paths import bases_of, changed_by, shown_now, span_of
 from .desk import OpenDocument
 from .edit_messages import ActBody, ActDone, Join, Outcome, Preview
+from .gap_work import work_of
 from .header import header, next_undo, pairs_of
 from .images import mosaic_of
 from .paths import differing, part
 from .problems import alternative_edits, verdict_on
+from .turns import Rank
 
 STALE = "Somebody else has said something of this trial since. It is shown anew: look, and decide again."
 
@@ -56,9 +58,11 @@ def act(document: OpenDocument, body: ActBody) -> ActDone:
         if body.head != document.head:
             raise StaleJournal(STALE)
         before = document.now
-        said = document.editing.say(*edits_of(document, body.act), why=body.why, head=body.head)
-        document.refresh()
-        return done(document, said, before)
+        edits = edits_of(document, body.act)  # which may have to look for problems, that give way to the rest
+        with work_of(document).turns.taken(Rank.ASKED):
+            said = document.editing.say(*edits, why=body.why, head=body.head)
+            document.refresh()
+            return done(document, said, before)
 
 
 def done(document: OpenDocument, said: Said, before: Edited) -> ActDone:

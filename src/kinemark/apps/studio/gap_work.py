@@ -180,6 +180,5 @@ def _within(gap: Gap, fill: GapFill) -> GapFill:
 
 def work_of(document: OpenDocument) -> GapWork:
     """The work on a document's gaps."""
-    with document.lock:
-        found: GapWork = document.kept.setdefault("gaps", GapWork())
-        return found
+    found: GapWork = document.kept.setdefault("gaps", GapWork())  # without a lock: acts hold theirs while they wait
+    return found

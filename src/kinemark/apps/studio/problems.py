@@ -10,12 +10,15 @@ import numpy as np
 from ...data import KinemarkError, MarkerTrajectory
 from ...data import problems as core
 from ...data.edits import Edit, GapChoice, Verdict, live
+from ...data.progress import Cancelled, listening
 from ...engine.problems import problems
 from .acts_messages import AlternativeAct
 from .desk import OpenDocument
 from .edit_messages import Alternative, Problem, Problems
+from .gap_work import work_of
 from .gaps import judged_gaps
 from .header import finite
+from .turns import Rank
 
 NEAR_FRAMES = 10
 """Frames beside the one to look at in which cameras are counted; chosen: a blink."""
@@ -32,15 +35,31 @@ class Looked(NamedTuple):
 def problems_of(document: OpenDocument) -> core.Problems:
     """Those of the trial as it is edited now, worked out once for each version and state of the gaps.
 
-    One looks at a time: whoever asked meanwhile finds those of the newest version, and none are worked out twice.
+    One looks at a time: whoever asked meanwhile finds those of the newest version, and none are worked out twice. What
+    is said meanwhile goes first, and those of a version that is no more are not looked for any longer.
     """
     with document.looking:
-        gaps, now = judged_gaps(document), document.now.trajectories.paths
-        key = document.head, document.ran, len(gaps)
-        known: Looked | None = document.kept.get("problems")
-        if known is None or known.key != key:
+        while True:
+            with suppress(Cancelled):
+                return _found(document)
+
+
+def _found(document: OpenDocument) -> core.Problems:
+    """Those that are known of this version, or looked for; raises Cancelled where another version comes meanwhile."""
+    gaps, now = judged_gaps(document), document.now.trajectories.paths
+    key = document.head, document.ran, len(gaps)
+    known: Looked | None = document.kept.get("problems")
+    if known is None or known.key != key:
+        turns = work_of(document).turns
+
+        def go_on(*_: int) -> None:
+            turns.give_way(Rank.BEHIND)
+            if document.head != key[0]:
+                raise Cancelled
+
+        with listening(go_on):
             document.kept["problems"] = known = Looked(key, problems(document.editing, gaps=gaps), now)
-        return known.found
+    return known.found
 
 
 def listed(document: OpenDocument) -> Problems:

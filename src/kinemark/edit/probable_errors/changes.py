@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...data.progress import tell
 from .carried import Leaving
 from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
@@ -103,8 +104,9 @@ def changes(paths: Paths, found: Sequence[Place]) -> list[Change]:
         return []
     costs = _Costs.of(paths, found)
     window = _Windows(paths)
-    at, out = 0, []
+    at, out = 0, list[Change]()
     for place in found:
+        tell(len(out), len(found))
         rows = slice(at, at + len(place.partners))
         at = rows.stop
         out.append(_change(place, costs.rows(rows), window))

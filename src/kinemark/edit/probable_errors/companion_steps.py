@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 
 from ...data.array_types import Floats, Ints
+from ...data.progress import tell
 from ...numerics.row_quantiles import row_medians
 from .carried import COMPANIONS, NEAR
 from .paths import JUMP, JUMP_MM, RESTLESS, USUAL_STEPS, Paths
@@ -40,13 +41,16 @@ def _nearest(paths: Paths) -> Ints:
 
 
 def _sudden(paths: Paths, p: int, near: Ints) -> Ints:
+    tell(p, len(paths.frames))
     own, near = paths.frames[p], near[near >= 0]
     if len(own) < 3 or len(near) < FEWEST:
         return np.zeros(0, np.int64)
-    change = _change(paths, p, near)
+    change, step = _change(paths, p, near), np.diff(own) == 1
+    least = JUMP * paths.sd[p] + JUMP_MM
+    if not (step & (change > least)).any():  # so that what is usual is not asked for, which takes longest
+        return np.zeros(0, np.int64)
     usual = scipy.ndimage.median_filter(np.nan_to_num(change), 2 * USUAL_STEPS + 1, mode="nearest")
     usual = np.minimum(usual, RESTLESS * np.nanmedian(change)) if np.isfinite(change).any() else usual
-    step = np.diff(own) == 1
     return np.flatnonzero(step & (change > JUMP * (usual + paths.sd[p]) + JUMP_MM))
 
 

@@ -22,6 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats
+from ...data.progress import tell
+from ...numerics.row_quantiles import row_medians
 from ...numerics.runs import true_runs
 from .carried import BESIDE, left_mm
 from .paths import Paths
@@ -84,6 +86,7 @@ def fillings(paths: Paths) -> list[Filling]:
     near, rounded = _nearest(paths), _rounded_mm(paths)
     found: list[Filling] = []
     for p in range(len(second)):
+        tell(p, len(second))
         if len(near[p]) and not paths.images[p].any():
             found += _of_path(paths, p, second[p], _median(second[near[p]]), rounded)
     return found
@@ -114,7 +117,7 @@ def _median(rows: Floats) -> Floats:
     """(F) over what is known; NaN where nothing is."""
     out = np.full(rows.shape[1], np.nan)
     some = np.isfinite(rows).any(0)
-    out[some] = np.nanmedian(rows[:, some], axis=0)
+    out[some] = row_medians(rows[:, some].T)
     return out
 
 

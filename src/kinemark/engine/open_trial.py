@@ -19,6 +19,7 @@ from .calibration.calibrated import Calibrated
 from .editing.stage import stage_before_edits
 from .graph import Graph
 from .naming import ABSENT, Earlier, before
+from .naming.absent_files import check_files_of_names
 from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
@@ -115,6 +116,8 @@ class OpenTrial:
     ) -> OpenTrial:
         """The same, where the trials before this one are named; raises as `run` does."""
         source, graph = self.source(calibrated.rig), self._graph(calibrated, earlier)
+        if any(stage.name == "label" for stage in graph.to(to)):
+            check_files_of_names(self.workspace.root, self.workspace.settings)
         with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
             s = self.workspace
             inputs = TrialInputs(

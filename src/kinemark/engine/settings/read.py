@@ -8,13 +8,22 @@ from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
+from pydantic.json_schema import SkipJsonSchema as Hidden
 
 from ...data import KinemarkError
+from .calibration_table import WAYS
 from .overrides import overridden
 from .session_file import Settings
 from .suggestions import are, guess
 
 ADVICE = "A session is a folder with a session.toml, saved as UTF-8; kinemark init FOLDER writes a first one."
+
+MISSING = {
+    "calibration": f"; say under [calibration] what the cameras are calibrated with, one of {', '.join(WAYS)}",
+    "trials": '; each recording has a table [[trials]] with name = "…" and images, detections or answers',
+    "name": '; call the session as you like, as name = "normal gait"',
+}
+"""What to write where a required key is missing."""
 
 
 def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
@@ -69,7 +78,7 @@ def _said(row: Any) -> str:
     if not where:
         return str(row["msg"].removeprefix("Value error, "))
     if row["type"] == "missing":
-        return f"{where}: is missing"
+        return f"{where}: is missing{MISSING.get(where, '')}"
     found = "" if isinstance(row["input"], dict) else f", found {row['input']!r}"  # a table is in the file to be read
     return f"{where}: {row['msg'].removeprefix('Value error, ')}{found}"[:400]
 
@@ -80,7 +89,7 @@ def _keys(table: tuple[Any, ...]) -> list[str]:
     for part in table:
         if isinstance(part, str) and part in model.model_fields:
             model = _model_in(model.model_fields[part].annotation) or model
-    return list(model.model_fields)
+    return [key for key, field in model.model_fields.items() if not any(isinstance(m, Hidden) for m in field.metadata)]
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:

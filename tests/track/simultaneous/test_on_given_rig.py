@@ -17,6 +17,9 @@ MARKERS, FRAMES = 4, 40
 ELSEWHERE, TURN = np.array([-5.0, 0.5, -10.0]), np.array([0.002, -0.001, 0.0015])
 """mm and rad: how a rig that is adjusted to images stands beside the given one."""
 
+BESIDE = np.array([0.0, 1000.0, 0.0])
+"""mm, from markers on a line."""
+
 
 def recorded(noise):
     """A solver, and the points of markers by the given rig; every ninth has the image of one camera alone."""
@@ -78,7 +81,7 @@ def test_points_on_a_line_say_nothing_of_what_is_beside_it():
     middle = cloud.xyz.mean(0)
     noise = np.random.default_rng(1).normal(0, 0.3, cloud.xyz.shape)
     flat = middle + ((cloud.xyz - middle) @ line)[:, None] * line + noise
-    before = np.where(vague[:, None], flat + [0.0, 1000.0, 0.0], flat)
+    before = np.where(vague[:, None], flat + BESIDE, flat)
     after = before + ELSEWHERE + np.random.default_rng(2).normal(0, 0.3, flat.shape)
     xyz, _ = _gone_over(before, after, np.flatnonzero(~vague), np.flatnonzero(vague))
     assert np.abs(xyz - before[vague] - ELSEWHERE).max() < 1.0

@@ -59,8 +59,7 @@ def convert(
         another = f"Choose another ending: {', '.join(others) or 'none fits'}."
         raise KinemarkError(
             f"{source} has {', '.join(have) or 'nothing to convert'}; {suffix or 'no ending'} can hold "
-            f"{' or '.join(held) or 'none of it'}. "
-            + ("Say which with --what." if len(fits) > 1 else another)
+            f"{' or '.join(held) or 'none of it'}. " + ("Say which with --what." if len(fits) > 1 else another)
         )
     content = have[fits[0]]
     turning: tuple[FileNote, ...] = ()

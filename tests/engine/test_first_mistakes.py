@@ -2,6 +2,7 @@
 
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.engine.formats import convert
 from kinemark.engine.session import Session
@@ -28,8 +29,8 @@ def error_of(folder, text):
     ],
 )
 def test_what_is_missing_is_said_with_what_to_write(tmp_path, left_out, advice):
-    read_settings_of_whole = error_of(tmp_path, WHOLE.replace(left_out, "", 1))
-    assert "is missing" in read_settings_of_whole and advice in read_settings_of_whole
+    said = error_of(tmp_path, WHOLE.replace(left_out, "", 1))
+    assert "is missing" in said and advice in said
 
 
 def test_keys_that_are_listed_can_be_written(tmp_path):
@@ -58,3 +59,21 @@ def test_an_ending_that_holds_nothing_of_it_is_answered_with_those_that_do(tmp_p
     session_of(tmp_path)
     with pytest.raises(KinemarkError, match=r"Choose another ending: \.c3d, .*\.trc"):
         convert(tmp_path / "earlier.c3d", tmp_path / "earlier.xyz")
+
+
+def test_results_of_before_are_told_from_none(tmp_path, capsys):
+    """After an update of the program or another setting nothing is up to date, and yet there are results."""
+    folder, said = session_of(tmp_path, "walk01"), []
+    for change in ("", "[track]\ngate = 4.0\n"):
+        file = folder / "session.toml"
+        file.write_text(file.read_text() + change)
+        for run in (False, True):
+            if run and not change:
+                Session.open(folder).run(to="track")
+            with pytest.raises(SystemExit):
+                app(["status", str(folder)])
+            said.append(capsys.readouterr().out)
+    assert said[0].startswith("walk01: nothing done; to do: detect") and "there are results" not in said[0]
+    assert said[1].startswith("walk01: detect, track done") and "there are results" not in said[1]
+    assert said[2].startswith("walk01: detect done; to do: track")
+    assert "(there are results of other settings, input or version)" in said[2]

@@ -146,6 +146,11 @@ class OpenTrial:
         store, keys = Store.read(self.folder), graph.keys(graph.names[-1])
         return {stage.name: store.holds(stage.name, keys[stage.name], stage.files) for stage in graph.stages}
 
+    def outdated(self) -> tuple[str, ...]:
+        """Stages of former runs whose settings, input or version of Kinemark are no longer those of now."""
+        there = self.state()
+        return tuple(stage for stage in Store.read(self.folder).old if not there.get(stage, True))
+
     def done(self, stage: str) -> bool:
         """Whether the run came as far as this stage; of a trial that was only opened, whether its record is there."""
         return any(step.stage == stage for step in self._known())

@@ -1,4 +1,4 @@
-"""Figures that a page takes from a kept run are those of the run: `<!-- figures: STUDY -->` stands before the paragraph.
+"""Figures that a page takes from a kept run are those of the run, where `<!-- figures: STUDY -->` stands before them.
 
 Each decimal figure up to the next empty line must stand in the run, or be what a figure of the run rounds to.
 """

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
-from pydantic.json_schema import SkipJsonSchema as Hidden
+from pydantic.json_schema import SkipJsonSchema
 
 from ...data import KinemarkError
 from .calibration_table import WAYS
@@ -89,7 +89,8 @@ def _keys(table: tuple[Any, ...]) -> list[str]:
     for part in table:
         if isinstance(part, str) and part in model.model_fields:
             model = _model_in(model.model_fields[part].annotation) or model
-    return [key for key, field in model.model_fields.items() if not any(isinstance(m, Hidden) for m in field.metadata)]
+    hidden = type(SkipJsonSchema())  # keys that the file writes as tables within other tables
+    return [key for key, field in model.model_fields.items() if not any(type(m) is hidden for m in field.metadata)]
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:

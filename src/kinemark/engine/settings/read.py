@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
-from pydantic.json_schema import SkipJsonSchema
 
 from ...data import KinemarkError
 from .calibration_table import WAYS
@@ -89,8 +88,9 @@ def _keys(table: tuple[Any, ...]) -> list[str]:
     for part in table:
         if isinstance(part, str) and part in model.model_fields:
             model = _model_in(model.model_fields[part].annotation) or model
-    hidden = type(SkipJsonSchema())  # keys that the file writes as tables within other tables
-    return [key for key, field in model.model_fields.items() if not any(type(m) is hidden for m in field.metadata)]
+    hidden = "SkipJsonSchema"  # of keys that the file writes as tables within other tables
+    fields = model.model_fields.items()
+    return [key for key, field in fields if hidden not in [type(one).__name__ for one in field.metadata]]
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:

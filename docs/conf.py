@@ -44,5 +44,6 @@ html_theme = "furo"
 html_title = f"Kinemark {version}"
 html_show_sourcelink = False
 html_copy_source = False
-html_static_path = []
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 html_theme_options = {"source_view_link": "", "top_of_page_buttons": []}

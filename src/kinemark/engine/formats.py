@@ -55,10 +55,11 @@ def convert(
     fits = [content for content in have if suffix in endings(content) and what in (None, content)]
     if len(fits) != 1:
         held = FORMATS[suffix].write if suffix in FORMATS else ()
+        others = dict.fromkeys(ending for content in have if what in (None, content) for ending in endings(content))
+        another = f"Choose another ending: {', '.join(others) or 'none fits'}."
         raise KinemarkError(
             f"{source} has {', '.join(have) or 'nothing to convert'}; {suffix or 'no ending'} can hold "
-            f"{' or '.join(held) or 'none of it'}. "
-            + ("Say which with --what." if len(fits) > 1 else "Choose another ending.")
+            f"{' or '.join(held) or 'none of it'}. " + ("Say which with --what." if len(fits) > 1 else another)
         )
     content = have[fits[0]]
     turning: tuple[FileNote, ...] = ()

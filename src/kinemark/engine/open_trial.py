@@ -19,6 +19,7 @@ from .calibration.calibrated import Calibrated
 from .editing.stage import stage_before_edits
 from .graph import Graph
 from .naming import ABSENT, Earlier, before
+from .naming.absent_files import check_files_of_names
 from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
@@ -115,6 +116,8 @@ class OpenTrial:
     ) -> OpenTrial:
         """The same, where the trials before this one are named; raises as `run` does."""
         source, graph = self.source(calibrated.rig), self._graph(calibrated, earlier)
+        if any(stage.name == "label" for stage in graph.to(to)):
+            check_files_of_names(self.workspace.root, self.workspace.settings)
         with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
             s = self.workspace
             inputs = TrialInputs(
@@ -142,6 +145,11 @@ class OpenTrial:
         graph = self._graph(self.workspace.calibrate())
         store, keys = Store.read(self.folder), graph.keys(graph.names[-1])
         return {stage.name: store.holds(stage.name, keys[stage.name], stage.files) for stage in graph.stages}
+
+    def outdated(self) -> tuple[str, ...]:
+        """Stages of former runs whose settings, input or version of Kinemark are no longer those of now."""
+        there = self.state()
+        return tuple(stage for stage in Store.read(self.folder).old if not there.get(stage, True))
 
     def done(self, stage: str) -> bool:
         """Whether the run came as far as this stage; of a trial that was only opened, whether its record is there."""

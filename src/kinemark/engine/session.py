@@ -102,7 +102,7 @@ class Session(Workspace):
             Cancelled: `cancel` was set.
         """
         if unknown := [name for name in names if name not in self.names]:
-            raise KinemarkError(f"There is no trial {unknown}; the session has {', '.join(self.names)}.")
+            raise KinemarkError(f"There is no trial {', '.join(unknown)}; the session has {', '.join(self.names)}.")
         chosen = [self.trial(name) for name in names or self.names]
         if frames is not None:
             chosen = [trial.preview(*frames) for trial in chosen]
@@ -153,7 +153,7 @@ class Session(Workspace):
     def _entry(self, name: str) -> TrialEntry:
         found = next((entry for entry in self.settings.trials if entry.name == name), None)
         if found is None:
-            raise KinemarkError(f"There is no trial {name!r}; the session has {', '.join(self.names)}.")
+            raise KinemarkError(f"There is no trial {name}; the session has {', '.join(self.names)}.")
         return found
 
 

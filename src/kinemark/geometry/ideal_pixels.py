@@ -23,7 +23,8 @@ def check_cameras(detections: Detections, rig: Rig) -> None:
         raise KinemarkError(f"{len(rig)} camera is calibrated, and a point in space needs two. Add a camera.")
     if detections.cameras != rig.names:
         raise KinemarkError(
-            f"The detections are of cameras {list(detections.cameras)} and the calibration of {list(rig.names)}. "
+            f"The detections are of cameras {', '.join(detections.cameras)} and the calibration of "
+            f"{', '.join(rig.names)}. "
             "Name the same cameras in the same order in both."
         )
 

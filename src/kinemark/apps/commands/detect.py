@@ -79,7 +79,7 @@ def _show(source: Path, page: Path, trial: str | None, frames: str, *, json: boo
         print_result({"page": str(page), "pictures": counts})
         return
     total, invalid = sum(one.valid for row in rows for one in row), sum(one.invalid for row in rows for one in row)
-    print_result(f"{page} is written: {len(counts)} images with {total} markers and {invalid} invalid spots.")
+    print_result(f"{page} is written: {len(counts)} images with {total} markers; invalid spots: {invalid}.")
 
 
 def _numbers(frames: str) -> list[int]:

@@ -96,7 +96,8 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
     for name, stages in found.items():
         done = ", ".join(stage for stage, there in stages.items() if there) or "nothing"
         left = ", ".join(stage for stage, there in stages.items() if not there)
-        print_result(f"{name}: {done} done" + (f"; to do: {left}" if left else ""))
+        before = " (there are results of other settings, input or version)" if opened.trial(name).outdated() else ""
+        print_result(f"{name}: {done} done" + (f"; to do: {left}{before}" if left else ""))
 
 
 def calibrate(

@@ -11,10 +11,18 @@ from pydantic import BaseModel, ValidationError
 from ...data import KinemarkError
 from ...data.nearest_word import are, guess
 from ...io.toml_text import toml_table
+from .calibration_table import WAYS
 from .overrides import overridden
 from .session_file import Settings
 
 ADVICE = "A session is a folder with a session.toml, saved as UTF-8; kinemark init FOLDER writes a first one."
+
+MISSING = {
+    "calibration": f"; say under [calibration] what the cameras are calibrated with, one of {', '.join(WAYS)}",
+    "trials": '; each recording has a table [[trials]] with name = "…" and images, detections or answers',
+    "name": '; call the session as you like, as name = "normal gait"',
+}
+"""What to write where a required key is missing."""
 
 
 def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
@@ -67,7 +75,7 @@ def _said(row: Any) -> str:
     if not where:
         return str(row["msg"].removeprefix("Value error, "))
     if row["type"] == "missing":
-        return f"{where}: is missing"
+        return f"{where}: is missing{MISSING.get(where, '')}"
     found = "" if isinstance(row["input"], dict) else f", found {row['input']!r}"  # a table is in the file to be read
     return f"{where}: {row['msg'].removeprefix('Value error, ')}{found}"[:400]
 
@@ -78,7 +86,9 @@ def _keys(table: tuple[Any, ...]) -> list[str]:
     for part in table:
         if isinstance(part, str) and part in model.model_fields:
             model = _model_in(model.model_fields[part].annotation) or model
-    return list(model.model_fields)
+    hidden = "SkipJsonSchema"  # of keys that the file writes as tables within other tables
+    fields = model.model_fields.items()
+    return [key for key, field in fields if hidden not in [type(one).__name__ for one in field.metadata]]
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:

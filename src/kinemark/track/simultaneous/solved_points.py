@@ -4,6 +4,12 @@ Where two cameras look along almost one line, or markers run together, a point i
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
 What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
 filtered, and as much of it as those points have added afterwards (2).
+
+Images hardly tell where the rig stands as a whole, so that one adjusted to them (`rig_of_tracks`) may stand some
+millimetres beside the given one. Positions x that are known by motion alone go over with the others, by least squares
+over these, x̄ being their mean:
+
+    x′ = x + b + B (x − x̄)                                                                (3)
 """
 
 from __future__ import annotations
@@ -28,6 +34,10 @@ LEAST = 1e-6
 
 UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
+
+MOST_TELLING, LEAST_SPREAD = 5000, 0.05
+"""Points from which (3) is learned, chosen: more say the same; and the spread along a direction, as a share of that
+along the widest, below which B leaves the direction out; chosen: points far beside a plane would go anywhere."""
 
 AT_ONCE = 20_000
 """Points that are solved in one go; chosen: more would take memory and no less time."""
@@ -196,7 +206,7 @@ def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, or
 def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
     """The points solved with the rig as it was given, the solver's.
 
-    Those of which the images say little keep their positions.
+    Those of which the images say little keep their positions among the others (3).
     """
     xyz, cov, residual = solved_columns(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
     lasting = solver.lasting
@@ -207,9 +217,23 @@ def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
     vague = np.flatnonzero(~clear)
     if len(vague):
-        xyz[vague], residual[vague] = cloud.xyz[vague], cloud.residual[vague]
-        cov[vague] = cloud.cov[vague] + _shared_cov(sd[clear], lasting)  # (2)
+        xyz[vague], left = _gone_over(cloud.xyz, xyz, np.flatnonzero(clear), vague)
+        residual[vague] = cloud.residual[vague]
+        cov[vague] = cloud.cov[vague] + left + _shared_cov(sd[clear], lasting)  # (2)
     return replace(cloud, xyz=xyz, cov=cov, residual=residual)
+
+
+def _gone_over(before: Floats, after: Floats, telling: Ints, rows: Ints) -> tuple[Floats, Floats]:
+    """(n, 3) mm where points at `before` (P, 3) of some rows (n) are by (3), learned from how telling ones (m) went
+    `after` (P, 3), and (3, 3) mm² what (3) leaves of these."""
+    telling = telling[:: max(len(telling) // MOST_TELLING, 1)]
+    if not len(telling):
+        return before[rows], np.zeros((3, 3))
+    middle, shift = before[telling].mean(0), after[telling] - before[telling]
+    beside = before[telling] - middle
+    B = np.linalg.lstsq(beside, shift - shift.mean(0), rcond=LEAST_SPREAD)[0]
+    left = shift - shift.mean(0) - beside @ B
+    return before[rows] + shift.mean(0) + (before[rows] - middle) @ B, left.T @ left / len(telling)
 
 
 class Moved(NamedTuple):

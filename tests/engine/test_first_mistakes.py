@@ -1,0 +1,79 @@
+"""Mistakes of the first day: each error says what there is, in words of the file, before hours of work."""
+
+import pytest
+
+from kinemark.apps.cli import app
+from kinemark.data import KinemarkError
+from kinemark.engine.formats import convert
+from kinemark.engine.session import Session
+from kinemark.engine.settings import read_settings
+from support.named_sessions import session_of
+
+WHOLE = 'name = "n"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "a"\ndetections = "a.csv"\n'
+
+
+def error_of(folder, text):
+    """What is said of a session file with this text."""
+    (folder / "session.toml").write_text(text)
+    with pytest.raises(KinemarkError) as said:
+        read_settings(folder / "session.toml")
+    return str(said.value)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "advice"),
+    [
+        ('[calibration]\nfile = "rig.toml"\n', "one of file, control_points, control_frame, wand, single_marker"),
+        ('[[trials]]\nname = "a"\ndetections = "a.csv"\n', "each recording has a table [[trials]]"),
+        ('name = "n"\n', 'name = "normal gait"'),
+    ],
+)
+def test_what_is_missing_is_said_with_what_to_write(tmp_path, left_out, advice):
+    said = error_of(tmp_path, WHOLE.replace(left_out, "", 1))
+    assert "is missing" in said and advice in said
+
+
+def test_keys_that_are_listed_can_be_written(tmp_path):
+    said = error_of(tmp_path, "nmae = 1\n" + WHOLE)
+    listed = said.partition("there are ")[2].partition("\n")[0].split(", ")
+    assert "detect" in listed and not [key for key in listed if key in ("detect_cameras", "label_subjects")]
+
+
+def test_a_trial_that_is_not_there_is_named_as_it_was_typed(tmp_path):
+    session = Session.open(session_of(tmp_path, "walk01"))
+    for ask in (lambda: session.run(["walk07"]), lambda: session.trial("walk07")):
+        with pytest.raises(KinemarkError, match=r"There is no trial walk07; the session has walk01\."):
+            ask()
+
+
+@pytest.mark.parametrize("label", ['template = ["earlyer.c3d"]', 'static = ["earlyer.c3d"]', 'names = "earlyer.c3d"'])
+def test_files_that_name_markers_are_looked_for_before_the_work(tmp_path, label):
+    session = Session.open(session_of(tmp_path, "walk01", label=label))
+    with pytest.raises(KinemarkError, match=r"\[label\] names earlyer\.c3d, which is not a file"):
+        session.run()
+    assert not list((tmp_path / "results").rglob("*.h5"))  # nothing was computed of the trial
+    assert session.run(to="detect")["walk01"].computed == ("detect",)  # which needs no names
+
+
+def test_an_ending_that_holds_nothing_of_it_is_answered_with_those_that_do(tmp_path):
+    session_of(tmp_path)
+    with pytest.raises(KinemarkError, match=r"Choose another ending: \.c3d, .*\.trc"):
+        convert(tmp_path / "earlier.c3d", tmp_path / "earlier.xyz")
+
+
+def test_results_of_before_are_told_from_none(tmp_path, capsys):
+    """After an update of the program or another setting nothing is up to date, and yet there are results."""
+    folder, said = session_of(tmp_path, "walk01"), []
+    for change in ("", "[track]\ngate = 4.0\n"):
+        file = folder / "session.toml"
+        file.write_text(file.read_text() + change)
+        for run in (False, True):
+            if run and not change:
+                Session.open(folder).run(to="track")
+            with pytest.raises(SystemExit):
+                app(["status", str(folder)])
+            said.append(capsys.readouterr().out)
+    assert said[0].startswith("walk01: nothing done; to do: detect") and "there are results" not in said[0]
+    assert said[1].startswith("walk01: detect, track done") and "there are results" not in said[1]
+    assert said[2].startswith("walk01: detect done; to do: track")
+    assert "(there are results of other settings, input or version)" in said[2]

@@ -108,7 +108,7 @@ FOR_EXCHANGED = {
 DOUBTFUL = {
     "beside": "the centre of pressure is {by_share} of the foot's length beside the foot",
     "backward": "the centre of pressure does not go forward below the foot ({by_share} of its length)",
-    "weight": "by the plates the body weighs {by_share} more than is stated",
+    "weight": "by the plates the body weighs {by_share} more than by the measures",
     "time": "its events come {late_ms:0} after those of the markers",
 }
 FOR_DOUBTFUL = {

@@ -285,6 +285,32 @@ def test_samples_that_a_plate_lost_are_no_force_of_nothing():
     assert [c[:5] for c in found.contacts] == [c[:5] for c in whole.contacts]
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_single_samples_that_are_lost_take_no_step_away(value):
+    rng = np.random.default_rng(3)
+    record = lab().walk.analog[0]
+    values = np.where(rng.random(record.values.shape[1]) < 0.01, value, record.values)
+    found = gait(replace(lab().walk, analog=(replace(record, values=values), *lab().walk.analog[1:]))).gait
+    whole = gait(lab().walk).gait
+    assert [c[:5] for c in found.contacts] == [c[:5] for c in whole.contacts]
+    for name in ("LAnkleMoment", "RAnkleMoment"):
+        ours, true = found.signals[name].values, whole.signals[name].values
+        assert (np.isnan(ours) == np.isnan(true)).all() and np.nanmax(np.abs(ours - true)) < 0.01 * np.nanmax(true)
+
+
+@pytest.mark.parametrize("lost", [1, 6])
+def test_a_strike_within_lost_samples_says_how_well_it_is_known(lost):
+    record = lab().walk.analog[0]
+    whole = next(e for e in foot_events(lab().walk, marker_points(lab().walk)) if e.strike and e.source == "plate")
+    at = round((whole.time - record.start) * record.rate)
+    values = record.values.copy()
+    values[:, at - lost // 2 : at - lost // 2 + lost] = np.nan
+    walk = replace(lab().walk, analog=(replace(record, values=values), *lab().walk.analog[1:]))
+    events = foot_events(walk, marker_points(walk))
+    found = min((e for e in events if e.strike), key=lambda e: abs(e.time - whole.time))
+    assert abs(found.time - whole.time) <= max(2 * found.sd, 1 / record.rate)
+
+
 def test_lost_samples_change_neither_events_nor_weight():
     walk, _ = lost(lab().walk, 0.4, 60, np.nan)
     ways = []

@@ -16,7 +16,7 @@ from kinemark.gait.estimated_measures import mass_on_plates
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.marker_doubts import MarkerDoubts, marker_doubts
 from kinemark.gait.plate_contacts import Contact
-from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts
+from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts, weight_doubts
 from kinemark.gait.reaction import Reaction
 from kinemark.io.c3d.subject_measures import measures_of
 from kinemark.io.trial import read_trial
@@ -77,6 +77,27 @@ def test_exchanged_names_are_told_however_the_subject_walks(pairs, how, markers)
         found = marker_doubts({name: xyz @ way for name, xyz in points.items()})
         assert [each for each in found.exchanged if each[0] == how] == ([(how, markers)] if how else [])
         assert found.exchanged or not found.moved
+
+
+def test_feet_that_turn_in_and_cross_are_no_exchange():
+    points = dict(marker_points(lab().walk))
+    for letter, sign in (("L", 1), ("R", -1)):
+        c, s = np.cos(np.radians(40)), sign * np.sin(np.radians(40))
+        turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])  # to the inside, and the legs are nearer by 100 mm
+        ankle, inwards = points[letter + "ANK"], np.array([0, -50.0 * sign, 0])
+        for name in ("HEE", "TOE"):
+            points[letter + name] = ankle + (points[letter + name] - ankle) @ turn.T + inwards
+        points[letter + "ANK"] = ankle + inwards
+    assert np.median((points["LTOE"] - points["RTOE"])[:, 1]) < -30
+    assert marker_doubts(points) == MarkerDoubts()
+
+
+def test_a_whole_leg_that_is_exchanged_is_told():
+    below = ("KNE", "ANK", "TOE")  # and the heels, which are too near to each other to tell
+    found = marker_doubts(marker_points(renamed(lab().walk, *both_sides(*below, "TIB", "HEE"))))
+    assert {name for how, markers in found.exchanged if how == "across" for name in markers} >= {
+        letter + name for name in below for letter in "LR"
+    }
 
 
 def test_axes_that_are_left_handed_are_told():
@@ -179,12 +200,52 @@ def test_pressure_goes_forward_below_the_foot(rolls_mm, aside_mm, told):
         assert [doubt.what for doubt in found] == told
 
 
+def test_a_foot_that_strikes_with_the_toes_is_no_doubt_of_the_plate():
+    (plate,), contacts, points = stance(150, 5)
+    n = len(plate.centre)
+    x = np.concatenate([np.linspace(165, 50, n // 3), np.linspace(50, 150, n - n // 3)])
+    centre = plate.centre.copy()
+    centre[:, 0] = x
+    assert plate_doubts([replace(plate, centre=centre)], contacts, points) == ()
+
+
+def test_pressure_at_the_edge_of_a_raised_foot_is_below_it():
+    (plate,), contacts, points = stance(60, 38)
+    raised = points | {"LHEE": points["LTOE"] - (160 * np.cos(0.8), 0, -160 * np.sin(0.8))}
+    centre = np.add(plate.centre, (40.0, 0, 0))
+    assert plate_doubts([replace(plate, centre=centre)], contacts, raised) == ()
+
+
+def weighed(newton):
+    """kg of steps of so many N by (side, N), and what is said of 70 kg."""
+    true = np.ones(60, np.bool_)
+    plates = [
+        Reaction(np.tile([0.0, 0, n], (60, 1)), np.zeros((60, 3)), np.zeros((60, 3)), true, np.zeros((4, 3)), ~true)
+        for _, n in newton
+    ]
+    contacts = [Contact(k, 0, 60, side, "", 10.0) for k, (side, _) in enumerate(newton)]
+    events = [FootEvent(side, True, time, 0.005, "plate") for side in ("left", "right") for time in (0.0, 1.2)]
+    kg = mass_on_plates(plates, contacts, events, rate=100)
+    return kg, [doubt.what for doubt in weight_doubts(kg, 70.0, contacts)]
+
+
+def test_a_leg_that_is_spared_is_no_doubt_of_the_weight():
+    body = 70.0 * 9.81
+    assert weighed([("left", 0.8 * body)]) == (pytest.approx(56, rel=1e-3), [])
+    kg, said = weighed([("left", 0.8 * body), ("left", 0.8 * body), ("right", 1.2 * body)])
+    assert kg == pytest.approx(70, rel=1e-3) and not said
+    assert weighed([("left", 0.7 * body), ("right", 0.9 * body)])[1] == ["weight"]
+    assert weighed([("left", 0.5 * body)])[1] == ["weight"]
+
+
 def test_plates_and_cameras_that_do_not_begin_together_are_told():
     seen = [FootEvent("left", k % 2 == 0, 0.5 + 0.6 * k, 0.005, "markers") for k in range(4)]
     for late in (0.0, 0.02, 0.05, -0.05):
         measured = [event._replace(time=event.time + late, source="plate") for event in seen]
         found = time_doubts(seen, measured)
         assert [doubt.value for doubt in found] == (pytest.approx([late]) if abs(late) > 0.03 else [])
+    slow = [event._replace(time=3 * event.time) for event in seen]
+    assert time_doubts(slow, [event._replace(time=event.time + 0.05, source="plate") for event in slow]) == ()
     only = [event for event in seen if event.strike]
     assert time_doubts(only, [event._replace(time=event.time + 0.05) for event in only]) == ()
 
@@ -222,6 +283,32 @@ def test_samples_that_a_plate_lost_are_no_force_of_nothing():
     assert 5 <= missing.sum() <= 10
     np.testing.assert_allclose(ours[inside][~missing], true[inside][~missing], atol=1e-9)
     assert [c[:5] for c in found.contacts] == [c[:5] for c in whole.contacts]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_single_samples_that_are_lost_take_no_step_away(value):
+    rng = np.random.default_rng(3)
+    record = lab().walk.analog[0]
+    values = np.where(rng.random(record.values.shape[1]) < 0.01, value, record.values)
+    found = gait(replace(lab().walk, analog=(replace(record, values=values), *lab().walk.analog[1:]))).gait
+    whole = gait(lab().walk).gait
+    assert [c[:5] for c in found.contacts] == [c[:5] for c in whole.contacts]
+    for name in ("LAnkleMoment", "RAnkleMoment"):
+        ours, true = found.signals[name].values, whole.signals[name].values
+        assert (np.isnan(ours) == np.isnan(true)).all() and np.nanmax(np.abs(ours - true)) < 0.01 * np.nanmax(true)
+
+
+@pytest.mark.parametrize("lost", [1, 6])
+def test_a_strike_within_lost_samples_says_how_well_it_is_known(lost):
+    record = lab().walk.analog[0]
+    whole = next(e for e in foot_events(lab().walk, marker_points(lab().walk)) if e.strike and e.source == "plate")
+    at = round((whole.time - record.start) * record.rate)
+    values = record.values.copy()
+    values[:, at - lost // 2 : at - lost // 2 + lost] = np.nan
+    walk = replace(lab().walk, analog=(replace(record, values=values), *lab().walk.analog[1:]))
+    events = foot_events(walk, marker_points(walk))
+    found = min((e for e in events if e.strike), key=lambda e: abs(e.time - whole.time))
+    assert abs(found.time - whole.time) <= max(2 * found.sd, 1 / record.rate)
 
 
 def test_lost_samples_change_neither_events_nor_weight():

@@ -68,11 +68,16 @@ def write_session(file: Path, document: TOMLDocument) -> None:
         KinemarkError: it cannot be written, or would not be understood then: what was there stays.
     """
     with replacing(file) as beside:
-        beside.write_text(tomlkit.dumps(document), "utf-8")
+        beside.write_bytes(_with_its_line_ends(tomlkit.dumps(document)).encode())
         try:
             read_settings(beside)
         except KinemarkError as error:
             raise KinemarkError(str(error).replace(str(beside), file.name)) from error
+
+
+def _with_its_line_ends(text: str) -> str:
+    """The text with the ends of lines that it had, in what is new as well."""
+    return text.replace("\r\n", "\n").replace("\n", "\r\n") if "\r\n" in text else text
 
 
 def table_in(parent: Any, name: str, *, within: bool = False) -> Any:

@@ -64,7 +64,9 @@ def mass_on_plates(
     reactions: Sequence[Reaction], contacts: Sequence[Contact], events: Sequence[FootEvent], *, rate: float,
     up: Floats = Z_UP,
 ) -> float | None:  # fmt: skip
-    """kg by (3), the median over all contacts of a whole foot; None where there are none, or no strides.
+    """kg by (3) over contacts of a whole foot; None where there are none, or no strides.
+
+    The mean of both sides' medians, as who spares a leg loads the other one more; of one, where the other has none.
 
     Args:
         reactions: of the plates over F frames. contacts: on them. events: of the feet. rate: frames a second.
@@ -72,14 +74,15 @@ def mass_on_plates(
     """
     strides = [b.time - a.time for side in SIDES
                for a, b in pairwise(e for e in events if e.side == side and e.strike)]  # fmt: skip
-    impulses = [
-        abs(float(_bridged(reactions[one.plate].force[one.first : one.stop] @ up).sum())) / rate
-        for one in contacts
-        if one.side is not None and not one.reason
-    ]
+    impulses: dict[str, list[float]] = {}
+    for one in contacts:
+        if one.side is not None and not one.reason:
+            newton = _bridged(reactions[one.plate].force[one.first : one.stop] @ up)
+            impulses.setdefault(one.side, []).append(abs(float(newton.sum())) / rate)
     if not strides or not impulses:
         return None
-    return float(np.median(impulses) / (GRAVITY * np.median(strides) / 2))
+    impulse = np.mean([np.median(own) for own in impulses.values()])
+    return float(impulse / (GRAVITY * np.median(strides) / 2))
 
 
 def _bridged(newton: Floats) -> Floats:

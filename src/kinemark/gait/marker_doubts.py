@@ -11,6 +11,9 @@ median over the frames
 Where (1) fails for all pairs that tell, left and right are exchanged throughout, or the axes of the file are
 left-handed; where (2) fails as well, the front of the pelvis is its back. Two markers of one segment keep their
 distance but for skin (4).
+
+Legs that scissor, and feet that turn in, bring ankles, heels and toes across as well. These count as exchanged only
+where they leave their own leg: where (4) fails, or the joint above is exchanged as well (5).
 """
 
 from __future__ import annotations
@@ -38,6 +41,8 @@ SEGMENTS = (
     ("THI", "KNE"),
 )
 """Pairs of (4), after L or R; conventional."""
+ABOVE = {"ANK": "KNE", "HEE": "ANK", "TOE": "ANK"}
+"""The joint above of (5), after L or R; by definition."""
 OPPOSITE_MM = 30.0
 """By which (1), (2) or (3) must fail, mm; chosen: in 17 public walks and turns the least of (1) was +63 and of (2)
 +126; legs that cross by less are a person's."""
@@ -90,8 +95,13 @@ def _exchanged_sides(points: Mapping[str, Floats], up: Floats) -> Iterator[tuple
         pelvis = tuple(name for name in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if name in points)
         yield ("pelvis", pelvis) if back and len(back) == len(feet) else ("sides", ())
         return
-    for pair in across:
-        yield "across", pair
+    moved = {name for *pair, _ in _moved(points) for name in pair}
+    exchanged: list[str] = []
+    for pair in across:  # joints come before what is below them
+        name = pair[0][1:]
+        if name not in ABOVE or ABOVE[name] in exchanged or moved.intersection(pair):
+            exchanged.append(name)
+            yield "across", pair
     for pair in back:
         yield "foot", pair
 

@@ -6,37 +6,45 @@ stands, of length 1 foot, and the centre of pressure p under at least `LOADED` o
 
     a = 1 + (p − t) · f,   b = (p − t) · (z × f)                                                              (1)
 
-the toe since it stays with the floor to the end, be that a belt.
+the toe since it stays with the floor to the end, be that a belt. f is level, and its unit is the way from heel to toe,
+which a raised heel does not shorten.
 
-b stays small, and a goes forward from the first fifth of the contact to the last (2). The contact's impulse weighs the
-body (`estimated_measures`), and events from markers and plates are at one time (3).
+b stays below the foot, also where that bears on its edge. a goes forward from the first fifth of the contact to the
+last (2). Feet that strike with the toes, or bear on the heel alone, have little of that, so a plate is doubted where
+the pressure goes backward, or hardly moves at all. The contacts' impulses weigh the body (`estimated_measures`), and
+events from markers and plates are at one time (3).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
-from ..data.subject_measures import LETTER
+from ..data.subject_measures import LETTER, SIDES
 from .plate_contacts import Contact
 from .reaction import Reaction
-from .segments import Z_UP
+from .segments import Z_UP, unit
 
 LOADED = 0.2
 """Of a contact's greatest force, from which (1) counts; chosen: less says little of where it acts."""
 BESIDE = 0.25
-"""b of (1) in feet, in the median; chosen: in 23 contacts of nine public walks it was up to 0.09."""
-FORWARD = 0.15
-"""Least way of (2) in feet; chosen: in the same contacts it was 0.45 and more, and less is left for feet that
-stand on their toes."""
+"""b of (1) in feet, in the median; chosen: in 23 contacts of nine public walks it was up to 0.10, and the edge of a
+foot is at 0.25 to 0.3."""
+STILL = 0.15
+"""Way of (2), and reach of a, in feet; chosen: in the same contacts they were 0.41 and 0.55 at least."""
 WEIGHT_SHARE = 0.15
 """Difference of the body's weight by plates from the stated one; chosen: in nine public walks it was up to 0.06."""
+WEIGHT_OF_ONE_SIDE = 0.35
+"""The same where feet of one side alone were weighed; chosen: persons who spare a leg load it by a fifth less."""
 LATE_S = 0.03
 """Mean of (3), s; chosen: in 33 public events single ones were up to 0.013."""
+LATE_SHARE = 0.03
+"""The same of a stride, where that is more; chosen: slow feet strike and leave over a longer time."""
 ALIKE_S = 0.15
 """Within which an event from markers and one from a plate are the same, s; chosen: less than half a step."""
 
@@ -69,10 +77,16 @@ def plate_doubts(
     return tuple(PlateDoubt(plate, what, value) for (plate, what), value in found.items())
 
 
-def weight_doubts(by_plates: float | None, stated: float | None) -> tuple[PlateDoubt, ...]:
-    """Whether the mass by plates, kg, is the stated one; nothing where either is unknown."""
+def weight_doubts(by_plates: float | None, stated: float | None, contacts: Sequence[Contact]) -> tuple[PlateDoubt, ...]:
+    """Whether the mass by plates, kg, is the stated one; nothing where either is unknown.
+
+    Args:
+        by_plates, stated: kg. contacts: by which it was weighed, and others.
+    """
     share = by_plates / stated - 1 if by_plates and stated else 0.0
-    return (PlateDoubt(None, "weight", share),) if abs(share) > WEIGHT_SHARE else ()
+    sides = {one.side for one in contacts if one.side is not None and not one.reason}
+    most = WEIGHT_SHARE if len(sides) > 1 else WEIGHT_OF_ONE_SIDE
+    return (PlateDoubt(None, "weight", share),) if abs(share) > most else ()
 
 
 def time_doubts(seen: Sequence[FootEvent], measured: Sequence[FootEvent]) -> tuple[PlateDoubt, ...]:
@@ -85,7 +99,9 @@ def time_doubts(seen: Sequence[FootEvent], measured: Sequence[FootEvent]) -> tup
         strike: [p.time - m.time for p in measured for m in seen if _same(p, m, strike)] for strike in (True, False)
     }
     means = [float(np.mean(times)) for times in late.values() if times]
-    alike = len(means) == 2 and np.ptp(means) < LATE_S and min(map(abs, means)) > LATE_S
+    strides = [b.time - a.time for side in SIDES for a, b in pairwise(e for e in seen if e.strike and e.side == side)]
+    least = max(LATE_S, LATE_SHARE * float(np.median(strides))) if strides else LATE_S
+    alike = len(means) == 2 and np.ptp(means) < LATE_S and min(map(abs, means)) > least
     return (PlateDoubt(None, "time", float(np.mean(means))),) if alike else ()
 
 
@@ -108,7 +124,7 @@ def _of_contact(
     forward = float(a[-fifth:].mean() - a[:fifth].mean())
     if abs(aside := float(np.median(b))) > BESIDE:
         yield "beside", aside
-    elif forward < FORWARD:
+    elif forward < -STILL or (forward < STILL and np.ptp(a) < STILL):
         yield "backward", forward
 
 
@@ -123,7 +139,6 @@ def _in_feet(reaction: Reaction, contact: Contact, points: Mapping[str, Floats],
     if not stands.any() or not on.any():
         return np.zeros(0), np.zeros(0)
     f = np.median((toe - heel)[stands], axis=0)
-    f = f - (f @ up) * up
-    foot = max(float(f @ f), 1e-300)
+    foot, f = max(float(np.linalg.norm(f)), 1e-300), unit(f - (f @ up) * up)
     off = (centre - toe)[on]
     return 1 + off @ f / foot, off @ np.cross(up, f) / foot

@@ -96,6 +96,10 @@ def _crossing(force: _Force, k: int, outwards: int) -> tuple[float, float]:
     beyond = k + outwards
     if not 0 <= beyond < len(newton):
         return time, 0.5 / force.rate
+    if np.isnan(newton[beyond]):  # somewhere in what is lost
+        lost = np.isnan(newton[beyond::outwards])
+        n = int(lost.argmin()) or len(lost)
+        return time + outwards * n / 2 / force.rate, n / 2 / force.rate
     excess = newton[k] - PLATE_N
     inside = newton[k - outwards * max(1, round(SLOPE_S * force.rate)) :: outwards]
     slope = (inside[0] - newton[k]) / SLOPE_S if len(inside) else np.inf

@@ -17,7 +17,8 @@ of sensors at (±a, ±b) adds up to
 Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
 sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate
 (FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5). A sample that is missing is no
-force of 0: its frame is unknown, and between loaded frames the foot is taken to have stayed (6).
+force of 0: up to half a frame of them lie between their neighbours, else the frame is unknown, and between loaded
+frames the foot is taken to have stayed (6).
 
 Source: C3D file format user guide, types 1 to 5.
 """
@@ -207,14 +208,30 @@ def _to_house(record: Analog, name: str) -> float:
 def at_frames(values: Floats, record: Analog, *, n_frames: int, rate: float, averaged: bool) -> Floats:
     """(F, K) of (N, K) samples at the markers' frames: with k samples a frame, the mean of 2 ⌊k / 2⌋ + 1 about each.
 
-    NaN where one of them is missing (6).
+    NaN where more than ⌊k / 2⌋ in a row are missing (6).
     """
     k = record.rate / rate
     sample = np.round((np.arange(n_frames) / rate - record.start) * record.rate).astype(np.int64)
     half = int(k // 2) if averaged else 0
+    values = _with_short_gaps(values, half)
     first, stop = np.clip(sample - half, 0, len(values)), np.clip(sample + half + 1, 0, len(values))
-    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(np.nan_to_num(values), axis=0)])
+    total = np.concatenate(
+        [np.zeros((1, values.shape[1])), np.cumsum(np.where(np.isfinite(values), values, 0.0), axis=0)]
+    )
     missing = np.concatenate([[0], np.cumsum(~np.isfinite(values).all(1))])
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = (total[stop] - total[first]) / (stop - first)[:, None]
     return np.asarray(np.where((missing[stop] > missing[first])[:, None], np.nan, mean))
+
+
+def _with_short_gaps(values: Floats, most: int) -> Floats:
+    """(N, K) samples with those in gaps of at most so many on the line between the ones beside them."""
+    known = np.isfinite(values).all(1)
+    n = len(values)
+    short = [np.arange(a, b) for a, b in true_runs(np.asarray(~known)) if b - a <= most and a > 0 and b < n]
+    if not short:
+        return values
+    gaps, there, whole = np.concatenate(short), np.flatnonzero(known), values.copy()
+    for column in range(values.shape[1]):
+        whole[gaps, column] = np.interp(gaps, there, values[there, column])
+    return whole

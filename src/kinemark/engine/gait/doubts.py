@@ -43,4 +43,8 @@ def doubted_plates(
     weighed = mass_on_plates(gait.reactions, gait.contacts, events, rate=rate)
     measured = [event for event in events if event.source == "plate"]
     late = time_doubts(marker_events(points, rate), measured) if measured else ()
-    return (*plate_doubts(gait.reactions, gait.contacts, points), *weight_doubts(weighed, mass_kg), *late)
+    return (
+        *plate_doubts(gait.reactions, gait.contacts, points),
+        *weight_doubts(weighed, mass_kg, gait.contacts),
+        *late,
+    )

@@ -108,13 +108,13 @@ FOR_EXCHANGED = {
 DOUBTFUL = {
     "beside": "the centre of pressure is {by_share} of the foot's length beside the foot",
     "backward": "the centre of pressure does not go forward below the foot ({by_share} of its length)",
-    "weight": "by the plates the body weighs {by_share} more than is stated",
+    "weight": "by the plates the body weighs {by_share} more than by the measures",
     "time": "its events come {late_ms:0} after those of the markers",
 }
 FOR_DOUBTFUL = {
     "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
-    "weight": "Check the mass in the measures, and the plates' scale.",
+    "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helping hands carry weight too.",
     "time": "Check when cameras and plates begin, and the rate of the channels.",
 }
 

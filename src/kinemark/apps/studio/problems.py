@@ -62,9 +62,19 @@ def _found(document: OpenDocument) -> core.Problems:
     return known.found
 
 
-def listed(document: OpenDocument) -> Problems:
-    """For the page."""
-    found = problems_of(document)
+def listed(document: OpenDocument) -> Problems | None:
+    """For the page; None where the trial is edited meanwhile, as the page asks again then.
+
+    So requests do not pile up while somebody edits faster than problems are found: a browser has six at a time.
+    """
+    asked = document.head
+    with suppress(Cancelled), document.looking:
+        if document.head == asked:
+            return _listed(document, _found(document))
+    return None
+
+
+def _listed(document: OpenDocument, found: core.Problems) -> Problems:
     return Problems(
         problems=[_problem(document, one) for one in found.items],
         errors=found.errors,

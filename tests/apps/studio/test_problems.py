@@ -93,13 +93,29 @@ def test_requests_do_not_pile_up_while_somebody_edits_faster_than_problems_are_f
 def test_looking_stands_still_while_somebody_waits_for_an_answer(document, looking):
     heads, steps, end = looking
     with work_of(document).turns.taken(Rank.ASKED):
-        thread, found = behind(lambda: problems_of(document))
+        thread, found = behind(lambda: listed(document))
         seen(lambda: heads)
         time.sleep(0.1)
         assert not steps
     end.set()
     thread.join(LONG_S)
     assert found[0].head == document.head
+
+
+def test_looking_goes_on_where_an_act_waits_for_it_though_somebody_looks_at_gaps(document, looking):
+    """The act holds the document meanwhile: with gaps looked at one after the other it waited for all of these."""
+    heads, steps, end = looking
+    with work_of(document).turns.taken(Rank.LOOKED_AT):
+        shown, _ = behind(lambda: listed(document))
+        seen(lambda: heads)
+        time.sleep(0.05)
+        assert not steps
+        waiting, found = behind(lambda: problems_of(document))
+        seen(lambda: steps)
+        end.set()
+        waiting.join(LONG_S)
+        assert found[0].head == document.head
+    shown.join(LONG_S)
 
 
 def test_an_act_that_waits_for_problems_does_not_keep_them_from_being_looked_for(document):

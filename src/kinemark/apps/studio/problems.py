@@ -65,7 +65,8 @@ def _found(document: OpenDocument) -> core.Problems:
 def listed(document: OpenDocument) -> Problems | None:
     """For the page; None where the trial is edited meanwhile, as the page asks again then.
 
-    What is said meanwhile goes first, and those of a version that is no more are not looked for any longer. So requests do not pile up while somebody edits faster than problems are found: a browser has six at a time.
+    What is said meanwhile goes first, and those of a version that is no more are not looked for any longer. So requests
+    do not pile up while somebody edits faster than problems are found: a browser has six at a time.
     """
     asked = document.head
     with suppress(Cancelled), document.looking:

@@ -36,7 +36,7 @@ def problems_of(document: OpenDocument) -> core.Problems:
     """Those of the trial as it is edited now, worked out once for each version and state of the gaps.
 
     One looks at a time: whoever asked meanwhile finds those of the newest version, and none are worked out twice. For
-    acts, which wait for them and keep others from the document: they give way to nothing, as `listed` does.
+    acts, which wait for them and keep others from the document: they give way to nothing. `listed` does.
     """
     with work_of(document).turns.hurried(), document.looking:
         while True:

@@ -55,10 +55,17 @@ def test_files_that_name_markers_are_looked_for_before_the_work(tmp_path, label)
     assert session.run(to="detect")["walk01"].computed == ("detect",)  # which needs no names
 
 
+def test_a_file_where_a_list_is_wanted_is_answered_with_the_list(tmp_path):
+    said = error_of(tmp_path, WHOLE + '[label]\ntemplate = "earlier.c3d"\n')
+    assert """label.template: wants a list: ['earlier.c3d']""" in said and "tuple" not in said
+
+
 def test_an_ending_that_holds_nothing_of_it_is_answered_with_those_that_do(tmp_path):
     session_of(tmp_path)
     with pytest.raises(KinemarkError, match=r"Choose another ending: \.c3d, .*\.trc"):
         convert(tmp_path / "earlier.c3d", tmp_path / "earlier.xyz")
+    with pytest.raises(KinemarkError, match=r"a file without an ending can hold none of it"):
+        convert(tmp_path / "earlier.c3d", tmp_path / "earlier")
 
 
 def test_results_of_before_are_told_from_none(tmp_path, capsys):
@@ -77,3 +84,13 @@ def test_results_of_before_are_told_from_none(tmp_path, capsys):
     assert said[1].startswith("walk01: detect, track done") and "there are results" not in said[1]
     assert said[2].startswith("walk01: detect done; to do: track")
     assert "(there are results of other settings, input or version)" in said[2]
+
+
+def test_results_that_were_deleted_are_not_said_to_be_of_other_settings(tmp_path, capsys):
+    session = Session.open(session_of(tmp_path, "walk01"))
+    session.run(to="detect")
+    next((tmp_path / "results/walk01").glob("detect*.h5")).unlink()
+    with pytest.raises(SystemExit):
+        app(["status", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert "to do: detect" in said and "there are results" not in said

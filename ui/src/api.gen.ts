@@ -1069,7 +1069,7 @@ export interface paths {
         };
         /**
          * Get Problems
-         * @description What is probably wrong, what saves most first.
+         * @description What is probably wrong, what saves most first; nothing where the trial is edited while they are looked for.
          */
         get: operations["get_problems_api_trials__trial__problems_get"];
         put?: never;
@@ -5885,7 +5885,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problems"];
+                    "application/json": components["schemas"]["Problems"] | null;
                 };
             };
             /** @description Unprocessable Entity */

@@ -58,7 +58,7 @@ def convert(
         others = dict.fromkeys(ending for content in have if what in (None, content) for ending in endings(content))
         another = f"Choose another ending: {', '.join(others) or 'none fits'}."
         raise KinemarkError(
-            f"{source} has {', '.join(have) or 'nothing to convert'}; {suffix or 'no ending'} can hold "
+            f"{source} has {', '.join(have) or 'nothing to convert'}; {suffix or 'a file without an ending'} can hold "
             f"{' or '.join(held) or 'none of it'}. " + ("Say which with --what." if len(fits) > 1 else another)
         )
     content = have[fits[0]]

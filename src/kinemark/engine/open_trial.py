@@ -22,7 +22,7 @@ from .naming import ABSENT, Earlier, before
 from .naming.absent_files import check_files_of_names
 from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
-from .sources import Frames, Recording, TrialSource, source_of
+from .sources import Frames, Recording, TrialSource, identifies, source_of
 from .store import Store
 from .trial_graph import REPORT, trial_graph
 from .trial_inputs import TrialInputs, edits_of, filled_of, tracks_of
@@ -116,8 +116,8 @@ class OpenTrial:
     ) -> OpenTrial:
         """The same, where the trials before this one are named; raises as `run` does."""
         source, graph = self.source(calibrated.rig), self._graph(calibrated, earlier)
-        if any(stage.name == "label" for stage in graph.to(to)):
-            check_files_of_names(self.workspace.root, self.workspace.settings)
+        if any(stage.name == "label" for stage in graph.to(to)) and not identifies(source):
+            check_files_of_names(self.workspace.root, self.workspace.settings, self.entry)
         with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
             s = self.workspace
             inputs = TrialInputs(
@@ -148,8 +148,9 @@ class OpenTrial:
 
     def outdated(self) -> tuple[str, ...]:
         """Stages of former runs whose settings, input or version of Kinemark are no longer those of now."""
-        there = self.state()
-        return tuple(stage for stage in Store.read(self.folder).old if not there.get(stage, True))
+        graph, old = self._graph(self.workspace.calibrate()), Store.read(self.folder).old
+        keys = graph.keys(graph.names[-1])
+        return tuple(stage for stage in graph.names if stage in old and old[stage].input != keys[stage])
 
     def done(self, stage: str) -> bool:
         """Whether the run came as far as this stage; of a trial that was only opened, whether its record is there."""

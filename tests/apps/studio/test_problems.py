@@ -13,7 +13,7 @@ from kinemark.apps.studio.acts_messages import EraseAct
 from kinemark.apps.studio.desk import opened
 from kinemark.apps.studio.edit_messages import ActBody
 from kinemark.apps.studio.gap_work import work_of
-from kinemark.apps.studio.problems import problems_of
+from kinemark.apps.studio.problems import listed, problems_of
 from kinemark.apps.studio.shelf import Place
 from kinemark.apps.studio.turns import Rank
 from kinemark.data.edits import Erase
@@ -74,16 +74,48 @@ def test_those_of_a_version_that_is_no_more_are_not_looked_for_any_longer(docume
     assert found[0].head == document.head == heads[1] != heads[0]
 
 
+def test_requests_do_not_pile_up_while_somebody_edits_faster_than_problems_are_found(document, looking):
+    """A browser has six at a time, which acts would wait for; whoever shows the trial asks again after each edit."""
+    heads, _, end = looking
+    asked = []
+    for frame in (20, 22, 24):
+        asked.append(behind(lambda: listed(document)))
+        seen(lambda: heads[-1:] == [document.head])
+        document.editing.say(Erase("LKNE", frame, frame + 1))
+        document.refresh()
+    for thread, found in asked:
+        thread.join(LONG_S)
+        assert found == [None]  # though nobody let any look end
+    end.set()
+    assert listed(document).head == document.head
+
+
 def test_looking_stands_still_while_somebody_waits_for_an_answer(document, looking):
     heads, steps, end = looking
     with work_of(document).turns.taken(Rank.ASKED):
-        thread, found = behind(lambda: problems_of(document))
+        thread, found = behind(lambda: listed(document))
         seen(lambda: heads)
         time.sleep(0.1)
         assert not steps
     end.set()
     thread.join(LONG_S)
     assert found[0].head == document.head
+
+
+def test_looking_goes_on_where_an_act_waits_for_it_though_somebody_looks_at_gaps(document, looking):
+    """The act holds the document meanwhile: with gaps looked at one after the other it waited for all of these."""
+    heads, steps, end = looking
+    with work_of(document).turns.taken(Rank.LOOKED_AT):
+        shown, _ = behind(lambda: listed(document))
+        seen(lambda: heads)
+        time.sleep(0.05)
+        assert not steps
+        waiting, found = behind(lambda: problems_of(document))
+        seen(lambda: steps)
+        end.set()
+        waiting.join(LONG_S)
+        assert found[0].head == document.head
+    shown.join(LONG_S)
 
 
 def test_an_act_that_waits_for_problems_does_not_keep_them_from_being_looked_for(document):

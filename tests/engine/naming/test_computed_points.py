@@ -12,7 +12,7 @@ from kinemark.engine.naming import files as engine_files
 from kinemark.engine.naming.check_files import check_file
 from kinemark.engine.naming.files import label_file, label_text, template_of
 from kinemark.engine.naming.marker_set_files import set_from_file
-from kinemark.engine.naming.put_aside import put_aside, put_back
+from kinemark.engine.naming.put_aside import computed_in, put_aside, put_back
 from kinemark.engine.naming.subject_templates import Known
 from kinemark.engine.naming.templates import session_template
 from kinemark.io.c3d import Parameter, modeled_points, read_document, with_parameters, write_document
@@ -91,6 +91,23 @@ def test_what_a_static_trial_does_not_show_to_be_computed_is_told_by_the_trials_
     assert found.template.names == tuple(sorted(few))
     kept = template_of([files / "static.c3d"], Known(static=True, to_name=named, markers=(*few, "CentreOfMass")))
     assert "CentreOfMass" in kept.template.names
+
+
+def test_a_marker_that_fell_off_in_one_trial_to_be_named_is_one_of_the_others(files):
+    """It lies still on the floor there, as a computed point may; nor tell points without a name of another file's."""
+    walk = read_trial(files / "new.c3d")
+    fallen = walk.trajectories["LKNE"].xyz * 0.0 + [100.0, 200.0, 8.0]
+    paths = [
+        MarkerTrajectory.measured("LKNE", fallen) if path.name == "LKNE"
+        else replace(path, name="*4") if path.name == "LFEA" else path
+        for path in walk.trajectories
+    ]  # fmt: skip
+    write_trial(replace(walk, trajectories=replace(walk.trajectories, paths=tuple(paths))), files / "fallen.c3d")
+    aside = {path.name for path in put_aside(read_trial(files / "fallen.c3d")).aside}
+    told = computed_in([files / "fallen.c3d", files / "new.c3d"])
+    assert {"LKNE", "*4", "LFEP"} <= aside and {"LFEA", "LFEP"} <= told and not {"LKNE", "*4"} & told
+    known = Known(static=True, to_name=(files / "fallen.c3d", files / "new.c3d"))
+    assert "LKNE" in template_of([files / "known.c3d"], known).template.names
 
 
 def test_the_command_tells_the_template_which_trials_are_to_be_named(files, monkeypatch):

@@ -96,6 +96,17 @@ def test_markers_are_reconstructed_by_their_names(form, tmp_path):
         assert np.isnan(error).sum() == (name == "knee_r")  # one camera alone sees it in frame 4
 
 
+def test_who_names_markers_in_the_recording_needs_no_files_of_names(tmp_path):
+    """Of a session in which other trials are named by these."""
+    WRITERS["wide"](tmp_path)
+    write_rig_toml(tmp_path / "rig.toml", RIG)
+    (tmp_path / "session.toml").write_text(
+        'name = "n"\nrate_hz = 100\n[calibration]\nfile = "rig.toml"\n[label]\ntemplate = ["later.c3d"]\n'
+        '[[trials]]\nname = "walk"\ndetections = "walk.csv"\n'
+    )
+    assert set(Session.open(tmp_path).run(to="label")["walk"].trajectories.names) == set(NAMES)
+
+
 def test_a_marker_twice_in_an_image_is_an_error(tmp_path):
     path = tmp_path / "d.csv"
     path.write_text("camera,frame,marker,u_px,v_px\na,0,hip,1,2\na,0,knee,3,4\na,0,hip,5,6\n")

@@ -109,6 +109,16 @@ def test_a_trial_of_one_of_them_has_that_one_s_names_alone(tmp_path):
     assert share_right(bare, truth) == 1.0
 
 
+def test_a_trial_of_one_of_them_does_not_wait_for_the_files_of_the_others(tmp_path):
+    """Who was recorded first is named before the other was."""
+    folder = session_of(tmp_path, "alone", trials='subject = "B"')
+    (folder / "A.c3d").unlink()
+    assert Session.open(folder).run(to="label")["alone"].computed
+    (folder / "B.c3d").unlink()
+    with pytest.raises(KinemarkError, match=r"\[label\] names B\.c3d, which is not a file"):
+        Session.open(folder).run(to="label")
+
+
 def test_names_stated_with_a_subject_are_facts_by_which_the_others_are_found(tmp_path):
     """Templates of none: the statements alone name the first trial, and that the second, for each subject."""
     truth = both()

@@ -51,7 +51,8 @@ export const home = (): Promise<Home> => json("/home");
 export const trial = (id: string): Promise<TrialHeader> => json(of(id));
 /** Whether a screen of a trial can be shown; what stands in its way is told in words, and is no error of the browser's. */
 export const standing = (id: string, screen: "trial" | "detect" | "digitise" | "report"): Promise<Standing> => json(`${of(id)}/standing?screen=${screen}`);
-export const problems = (id: string): Promise<Problems> => json(`${of(id)}/problems`);
+/** Null where the trial is edited while they are looked for: who shows that asks again. */
+export const problems = (id: string): Promise<Problems | null> => json(`${of(id)}/problems`);
 export const gaps = (id: string): Promise<Gaps> => json(`${of(id)}/gaps`);
 export const gap = (id: string, marker: string, first: number): Promise<GapCandidates | null> =>
   json(`${of(id)}/gaps/${part(marker)}/${first}`);

@@ -128,12 +128,17 @@ export async function choose(problem: Problem, key: string): Promise<void> {
   set((s) => ({ problems: s.problems && without(s.problems, problem) })); // no key is for it now
   const at = atOnce(before, problem, done);
   if (at) lookAt(at);
-  await looking;
+  await looked();
   const now = walked(get()), seen = at?.id ?? problem.id;
   if (get().problem !== seen || (at && now.some((p) => p.id === seen))) return; // the person went on, or is where they should be
   const next = nextAfter(before, problem.id, now);
   if (next) lookAt(next);
   else finishLooking();
+}
+
+/** The newest look for problems is done: one that an edit came before is answered at once, with nothing. */
+async function looked(): Promise<void> {
+  for (let last = null as Promise<void> | null; last !== looking; ) await (last = looking);
 }
 
 /** The next problem, where what was said changed nothing of its tracks: it is there without being looked for. */

@@ -35,10 +35,10 @@ class Looked(NamedTuple):
 def problems_of(document: OpenDocument) -> core.Problems:
     """Those of the trial as it is edited now, worked out once for each version and state of the gaps.
 
-    One looks at a time: whoever asked meanwhile finds those of the newest version, and none are worked out twice. What
-    is said meanwhile goes first, and those of a version that is no more are not looked for any longer.
+    One looks at a time: whoever asked meanwhile finds those of the newest version, and none are worked out twice. For
+    acts, which wait for them and keep others from the document: they give way to nothing. `listed` does.
     """
-    with document.looking:
+    with work_of(document).turns.hurried(), document.looking:
         while True:
             with suppress(Cancelled):
                 return _found(document)
@@ -53,7 +53,7 @@ def _found(document: OpenDocument) -> core.Problems:
         turns = work_of(document).turns
 
         def go_on(*_: int) -> None:
-            turns.give_way(Rank.BEHIND)
+            turns.give_way(Rank.BEHIND, unhurried=True)
             if document.head != key[0]:
                 raise Cancelled
 
@@ -62,9 +62,20 @@ def _found(document: OpenDocument) -> core.Problems:
     return known.found
 
 
-def listed(document: OpenDocument) -> Problems:
-    """For the page."""
-    found = problems_of(document)
+def listed(document: OpenDocument) -> Problems | None:
+    """For the page; None where the trial is edited meanwhile, as the page asks again then.
+
+    What is said meanwhile goes first, and those of a version that is no more are not looked for any longer. So requests
+    do not pile up while somebody edits faster than problems are found: a browser has six at a time.
+    """
+    asked = document.head
+    with suppress(Cancelled), document.looking:
+        if document.head == asked:
+            return _listed(document, _found(document))
+    return None
+
+
+def _listed(document: OpenDocument, found: core.Problems) -> Problems:
     return Problems(
         problems=[_problem(document, one) for one in found.items],
         errors=found.errors,

@@ -82,8 +82,8 @@ def viewed(document: OpenDocument, view: m.View) -> tuple[Trajectories, bool]:
 
 
 @router.get("/problems")
-def get_problems(document: Document) -> e.Problems:
-    """What is probably wrong, what saves most first."""
+def get_problems(document: Document) -> e.Problems | None:
+    """What is probably wrong, what saves most first; nothing where the trial is edited while they are looked for."""
     return listed(document)
 
 

@@ -24,6 +24,7 @@ class Turns:
 
     def __init__(self) -> None:
         self._going = [0] * len(Rank)
+        self._hurried = 0
         self._ended = threading.Condition()
 
     @contextmanager
@@ -38,8 +39,24 @@ class Turns:
                 self._going[rank] -= 1
                 self._ended.notify_all()
 
-    def give_way(self, rank: Rank) -> None:
-        """Stand still while work of a lesser rank goes on."""
-        if any(self._going[:rank]):
+    @contextmanager
+    def hurried(self) -> Iterator[None]:
+        """In this block somebody waits for what may stand still already: where it can be hurried, it goes on."""
+        with self._ended:
+            self._hurried += 1
+            self._ended.notify_all()
+        try:
+            yield
+        finally:
             with self._ended:
-                self._ended.wait_for(lambda: not any(self._going[:rank]))
+                self._hurried -= 1
+
+    def give_way(self, rank: Rank, *, unhurried: bool = False) -> None:
+        """Stand still while work of a lesser rank goes on; `unhurried` work only while nobody waits for it."""
+
+        def free() -> bool:
+            return not any(self._going[:rank]) or (unhurried and self._hurried > 0)
+
+        if not free():
+            with self._ended:
+                self._ended.wait_for(free)

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...data import KinemarkError
-from ..settings import Settings
+from ..settings import Settings, TrialEntry
 
 
-def check_files_of_names(root: Path, settings: Settings) -> None:
-    """Raises KinemarkError, which names all, where files of `[label]` are not in the session's folder `root`."""
-    absent = [file for file in dict.fromkeys(_named(settings)) if not (root / file).is_file()]
+def check_files_of_names(root: Path, settings: Settings, entry: TrialEntry) -> None:
+    """Raises KinemarkError, which names all, where files of `[label]` for a trial are not in the session's folder."""
+    absent = [file for file in dict.fromkeys(_named(settings, entry)) if not (root / file).is_file()]
     if absent:
         verb, they = ("is not a file", "it") if len(absent) == 1 else ("are no files", "them")
         raise KinemarkError(
@@ -19,9 +19,9 @@ def check_files_of_names(root: Path, settings: Settings) -> None:
         )
 
 
-def _named(settings: Settings) -> Iterator[str]:
-    """The files by which the markers of all subjects are named."""
-    apart = [settings.of_subject(name) for name in settings.subjects_of()] or [settings]
+def _named(settings: Settings, entry: TrialEntry) -> Iterator[str]:
+    """The files by which the markers of a trial's subjects are named."""
+    apart = [settings.of_subject(name) for name in settings.subjects_of(entry)] or [settings]
     for label in (one.label for one in apart):
         if label is not None:
             yield from (*label.template, *label.static, *((label.names,) if label.names else ()))

@@ -47,12 +47,18 @@ def computed_names(trial: Trial) -> tuple[str, ...]:
 
 
 def computed_in(files: Iterable[Path]) -> frozenset[str]:
-    """Names of the computed points of the first few trials, of those that can be read."""
-    found: set[str] = set()
+    """Names of the computed points of the first few trials, of those that can be read.
+
+    Not of what is a marker in one of them, as one that fell off in another and lay still; nor `*1`, which is another
+    point in each file.
+    """
+    found, markers = set[str](), set[str]()
     for file in islice(files, FILES):
         with suppress(KinemarkError):
-            found.update(path.name for path in put_aside(read_trial(file)).aside)
-    return frozenset(found)
+            points = put_aside(read_trial(file))
+            found.update(path.name for path in points.aside)
+            markers.update(points.rest.names)
+    return frozenset(name for name in found - markers if not name.startswith("*"))
 
 
 def put_back(done: Trajectories, aside: Collection[MarkerTrajectory]) -> Trajectories:

@@ -76,6 +76,8 @@ def _said(row: Any) -> str:
         return str(row["msg"].removeprefix("Value error, "))
     if row["type"] == "missing":
         return f"{where}: is missing{MISSING.get(where, '')}"
+    if row["type"] == "tuple_type" and isinstance(row["input"], str):
+        return f"{where}: wants a list: [{row['input']!r}]"
     found = "" if isinstance(row["input"], dict) else f", found {row['input']!r}"  # a table is in the file to be read
     return f"{where}: {row['msg'].removeprefix('Value error, ')}{found}"[:400]
 

@@ -58,6 +58,16 @@ def test_images_without_distortion_lack_no_lens():
     assert missing_lenses(replace(one.detections, uv=uv), bare(one.rig)) is None
 
 
+@pytest.mark.parametrize(("seed", "off", "frames"), [(148003, 1.0, 20), (148009, 3.0, 100), (148006, 1.0, 20)])
+def test_a_calibration_that_is_off_lacks_no_lens(seed, off, frames):
+    """Few images of it fit any lens, and a fit without a lens needs as many rounds."""
+    whole = scene(seed)
+    optics = whole.optics._replace(noise=0.2)
+    one = make(whole._replace(calibration=off, optics=optics, seconds=frames / whole.rate))
+    uv = np.concatenate([undistort(c, one.detections.uv[one.detections.camera == k]) for k, c in enumerate(one.rig)])
+    assert missing_lenses(replace(one.detections, uv=uv), bare(one.rig)) is None
+
+
 def test_a_rig_calibrated_as_if_without_lens_is_told_and_kept():
     """Longer focal lengths make up for a part of the lens."""
     one = made(147005)
@@ -80,12 +90,13 @@ def _through(lens, camera, uv):
     return distort(lens, undistort(camera, uv))
 
 
-@pytest.mark.parametrize("times", [1, 20])
-def test_noise_that_is_stated_far_too_large_is_not_believed(times):
+@pytest.mark.parametrize(("times", "spread"), [(1, 0.0), (20, 0.0), (20, 0.5)])
+def test_noise_that_is_stated_far_too_large_is_not_believed(times, spread):
+    """Nor are the images of more than the usual noise."""
     one = made(147003, 60)
     stated = times * one.scene.optics.noise
-    cov = np.broadcast_to(np.eye(2) * stated**2, (len(one.detections), 2, 2))
-    detections = replace(one.detections, cov=cov)
+    share = np.exp(spread * np.random.default_rng(0).normal(size=len(one.detections)))
+    detections = replace(one.detections, cov=np.eye(2) * (stated * share[:, None, None]) ** 2)
     result, counts, found = tracked(one, detections, one.rig)
     assert counts.two_found + counts.more_found > 0.97 * (counts.two + counts.more)  # 45 % of 20 times else
     sd = np.sqrt(np.trace(result.tracks.cloud.cov, axis1=1, axis2=2))
@@ -93,6 +104,15 @@ def test_noise_that_is_stated_far_too_large_is_not_believed(times):
     assert ("noise_overstated" in found) == (times > 1)
     if times > 1:
         values = found["noise_overstated"].values
-        assert values["stated_px"] == pytest.approx(stated) and 0.25 < values["seen_px"] < 0.4
+        assert values["stated_px"] == pytest.approx(stated, rel=0.03) and 0.25 < values["seen_px"] < 0.4
         text = text_of(found["noise_overstated"])
-        assert "6.00" in text and "0.3" in text
+        assert f"{values['stated_px']:.2f}" in text and "0.3" in text
+
+
+def test_right_noise_of_many_pixels_is_believed():
+    """No peak of residuals is seen of 3 px, but a few that meet by chance."""
+    whole = scene(148023)
+    one = make(whole._replace(optics=whole.optics._replace(noise=3.0, stated=True), seconds=150 / whole.rate))
+    _, counts, found = tracked(one, one.detections, one.rig)
+    assert "noise_overstated" not in found
+    assert counts.two_found + counts.more_found > 0.98 * (counts.two + counts.more)  # 88 % else

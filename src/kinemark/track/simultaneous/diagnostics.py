@@ -126,7 +126,7 @@ def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:
 def _overstated(detections: Detections, result: TrackingResult) -> list[Finding]:
     """About centroids that state far more noise than the images have (13)."""
     stated, seen = np.sqrt(result.images.usual), np.sqrt(_median(result.noise.seen, np.inf))
-    if not np.isfinite(detections.cov[:, 0, 0]).any() or stated < OVERSTATED * seen:
+    if not np.isfinite(detections.cov[:, 0, 0]).any() or result.images.stated or stated < OVERSTATED * seen:
         return []
     return [make_finding("noise_overstated", stated_px=stated, seen_px=seen)]
 

@@ -69,6 +69,7 @@ FEW = 30
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
     """What is odd about the input; nothing where nothing is."""
+    rig = rig if result.lenses is None else result.lenses.on(rig)
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])

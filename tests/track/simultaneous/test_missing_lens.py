@@ -6,13 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 
+from kinemark.data import Matches
 from kinemark.geometry import undistort
 from kinemark.geometry.camera import distort
+from kinemark.geometry.weighted_points import DEFAULT_ERRORS, weighted_points
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import diagnose, track_simultaneously
 from kinemark.track.simultaneous.adjusted_rig import with_radial
-from kinemark.track.simultaneous.missing_lens import missing_lenses
+from kinemark.track.simultaneous.facts import tracked_images
+from kinemark.track.simultaneous.missing_lens import missing_lenses, rig_of_points
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from kinemark.track.simultaneous.solved_points import solved, solver_for
 from support.scenes import make, scene, tally
 
 
@@ -45,6 +49,29 @@ def test_lost_lens_terms_are_learned_and_used():
     assert "were learned" in text_of(finding) and "Calibrate again" in advice_of(finding)
 
 
+def test_what_is_found_later_is_solved_with_the_learned_lenses():
+    """By names, by edits: points solved again lie where they were."""
+    one = made(147022)
+    rig = bare(one.rig)
+    tracks = track_simultaneously(one.detections, rig, DEFAULT).tracks
+    timed, working, _ = tracked_images(one.detections, rig, tracks, DEFAULT)
+    solver, cloud = solver_for(timed, np.zeros(len(timed), bool), working, DEFAULT_ERRORS), tracks.cloud
+    again = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
+    off = np.linalg.norm(again.xyz - cloud.xyz, axis=1)
+    assert np.nanmedian(off) < 0.05 and np.nanpercentile(off, 90) < 0.5  # 0.34, and 3.6 mm of one in twenty, else
+
+
+def test_points_that_were_solved_without_lenses_are_found_without():
+    """By other methods, which learn no lens."""
+    one = made(147022)
+    rig = bare(one.rig)
+    cloud = track_simultaneously(one.detections, rig, DEFAULT).tracks.cloud
+    assert rig_of_points(one.detections, rig, cloud) is not rig
+    matches = Matches(cloud.frame, cloud.detection, np.zeros(len(cloud)), cloud.n_frames)
+    plain = weighted_points(matches, one.detections, rig)
+    assert rig_of_points(one.detections, rig, replace(cloud, xyz=plain.xyz)) is rig
+
+
 def test_a_rig_that_states_lens_terms_keeps_them():
     one = made(147005)
     assert missing_lenses(one.detections, one.rig) is None
@@ -54,6 +81,16 @@ def test_a_rig_that_states_lens_terms_keeps_them():
 def test_images_without_distortion_lack_no_lens():
     """Pixels from which a lens was taken out before."""
     one = made(147005)
+    uv = np.concatenate([undistort(c, one.detections.uv[one.detections.camera == k]) for k, c in enumerate(one.rig)])
+    assert missing_lenses(replace(one.detections, uv=uv), bare(one.rig)) is None
+
+
+@pytest.mark.parametrize(("seed", "off", "frames"), [(148003, 1.0, 20), (148009, 3.0, 100), (148006, 1.0, 20)])
+def test_a_calibration_that_is_off_lacks_no_lens(seed, off, frames):
+    """Few images of it fit any lens, and a fit without a lens needs as many rounds."""
+    whole = scene(seed)
+    optics = whole.optics._replace(noise=0.2)
+    one = make(whole._replace(calibration=off, optics=optics, seconds=frames / whole.rate))
     uv = np.concatenate([undistort(c, one.detections.uv[one.detections.camera == k]) for k, c in enumerate(one.rig)])
     assert missing_lenses(replace(one.detections, uv=uv), bare(one.rig)) is None
 
@@ -80,12 +117,13 @@ def _through(lens, camera, uv):
     return distort(lens, undistort(camera, uv))
 
 
-@pytest.mark.parametrize("times", [1, 20])
-def test_noise_that_is_stated_far_too_large_is_not_believed(times):
+@pytest.mark.parametrize(("times", "spread"), [(1, 0.0), (20, 0.0), (20, 0.5)])
+def test_noise_that_is_stated_far_too_large_is_not_believed(times, spread):
+    """Nor are the images of more than the usual noise."""
     one = made(147003, 60)
     stated = times * one.scene.optics.noise
-    cov = np.broadcast_to(np.eye(2) * stated**2, (len(one.detections), 2, 2))
-    detections = replace(one.detections, cov=cov)
+    share = np.exp(spread * np.random.default_rng(0).normal(size=len(one.detections)))
+    detections = replace(one.detections, cov=np.eye(2) * (stated * share[:, None, None]) ** 2)
     result, counts, found = tracked(one, detections, one.rig)
     assert counts.two_found + counts.more_found > 0.97 * (counts.two + counts.more)  # 45 % of 20 times else
     sd = np.sqrt(np.trace(result.tracks.cloud.cov, axis1=1, axis2=2))
@@ -93,6 +131,15 @@ def test_noise_that_is_stated_far_too_large_is_not_believed(times):
     assert ("noise_overstated" in found) == (times > 1)
     if times > 1:
         values = found["noise_overstated"].values
-        assert values["stated_px"] == pytest.approx(stated) and 0.25 < values["seen_px"] < 0.4
+        assert values["stated_px"] == pytest.approx(stated, rel=0.03) and 0.25 < values["seen_px"] < 0.4
         text = text_of(found["noise_overstated"])
-        assert "6.00" in text and "0.3" in text
+        assert f"{values['stated_px']:.2f}" in text and "0.3" in text
+
+
+def test_right_noise_of_many_pixels_is_believed():
+    """No peak of residuals is seen of 3 px, but a few that meet by chance."""
+    whole = scene(148023)
+    one = make(whole._replace(optics=whole.optics._replace(noise=3.0, stated=True), seconds=150 / whole.rate))
+    _, counts, found = tracked(one, one.detections, one.rig)
+    assert "noise_overstated" not in found
+    assert counts.two_found + counts.more_found > 0.98 * (counts.two + counts.more)  # 88 % else

@@ -85,3 +85,18 @@ def test_points_on_a_line_say_nothing_of_what_is_beside_it():
     after = before + ELSEWHERE + np.random.default_rng(2).normal(0, 0.3, flat.shape)
     xyz, _ = _gone_over(before, after, np.flatnonzero(~vague), np.flatnonzero(vague))
     assert np.abs(xyz - before[vague] - ELSEWHERE).max() < 1.0
+
+
+@pytest.mark.parametrize("telling", [4, 8, 30])
+def test_few_points_do_not_send_others_astray(telling):
+    """By the noise of few points others would go anywhere, with a covariance of 0."""
+    rng, off, stated = np.random.default_rng(3), [], []
+    for _ in range(100):
+        before = np.vstack([rng.normal(0, 300.0, (telling, 3)), rng.normal(0, 900.0, 3)])
+        after = before + ELSEWHERE + rng.normal(0, 1.0, before.shape)
+        xyz, left = _gone_over(before, after, np.arange(telling), np.array([telling]))
+        off.append(xyz[0] - before[-1] - ELSEWHERE)
+        stated.append(np.linalg.inv(left[0]))
+    assert np.abs(off).max() < 8.0  # 41 mm of four and 15 of eight else
+    squared = np.einsum("ij,ijk,ik->i", off, stated, off)
+    assert np.median(squared) < 6.0

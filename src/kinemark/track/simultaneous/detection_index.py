@@ -117,6 +117,12 @@ class Images(NamedTuple):
             variance[own] = np.maximum(self.variance[own] + more, LEAST_SD**2)
         return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
 
+    def believed(self, share: float) -> Images:
+        """The same with that share of the variance that the centroids state."""
+        variance = self.variance + (share - 1) * _centroid_variance(self.cov, self.usual)
+        variance = np.maximum(variance, LEAST_SD**2)
+        return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
+
     def with_merged(self, merged: Bools, common: float) -> Images:
         """The same with images (D) that are merged, though the file does not mark them, of more variance in px²."""
         variance = self.variance + np.where(merged & ~self.merged, common, 0.0)

@@ -69,6 +69,7 @@ FEW = 30
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
     """What is odd about the input; nothing where nothing is."""
+    rig = rig if result.lenses is None else result.lenses.on(rig)
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
@@ -126,7 +127,7 @@ def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:
 def _overstated(detections: Detections, result: TrackingResult) -> list[Finding]:
     """About centroids that state far more noise than the images have (13)."""
     stated, seen = np.sqrt(result.images.usual), np.sqrt(_median(result.noise.seen, np.inf))
-    if not np.isfinite(detections.cov[:, 0, 0]).any() or stated < OVERSTATED * seen:
+    if not np.isfinite(detections.cov[:, 0, 0]).any() or result.images.stated or stated < OVERSTATED * seen:
         return []
     return [make_finding("noise_overstated", stated_px=stated, seen_px=seen)]
 

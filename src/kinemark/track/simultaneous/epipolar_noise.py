@@ -153,6 +153,13 @@ def peaked(fit: Mixture) -> Bools:
     return (fit.number >= MIN_PAIRS) & (fit.variance - fit.about**2 < MAX_SD**2)
 
 
+def peak_height(fit: Mixture, n: int) -> float:
+    """How many times as dense the peaks of (3) are as what else there is of n residuals."""
+    ok = peaked(fit)
+    height = (fit.number[ok] / np.sqrt(2 * np.pi * fit.variance[ok])).sum()
+    return float(height * 2 * WINDOW / max(n - fit.number[ok].sum(), 1.0))
+
+
 def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     """(1) of all pairs of images that lie within WINDOW of each other's lines."""
     rows = [own[~images.merged[own]] for own in images.in_frames(frames)]

@@ -20,7 +20,6 @@ from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
-from .adjusted_rig import with_radial
 from .detection_index import Images
 from .misfitting_cameras import beside_tracks
 from .missing_lens import missing_lenses
@@ -68,7 +67,7 @@ def track_simultaneously(
     out and listed; None keeps all.
     """
     lenses = missing_lenses(detections, rig)
-    rig = with_radial(rig, lenses.radial) if lenses is not None and lenses.lost else rig
+    rig = rig if lenses is None else lenses.on(rig)
     suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
     while True:
         result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)

@@ -60,8 +60,8 @@ def test_files_that_mark_merged_images_are_believed():
     assert with_merging_in_images(marked) is marked
 
 
-@pytest.mark.parametrize(("n", "tells"), [(4, True), (5, False)])
-def test_of_many_cameras_the_other_images_tell(n, tells, monkeypatch):
+@pytest.mark.parametrize(("n", "tells"), [(2, False), (3, True), (4, True), (5, False)])
+def test_three_and_four_cameras_are_told_by_one_of_them(n, tells, monkeypatch):
     monkeypatch.setattr(unmarked_merging, "resolution", lambda images: R)
     one, truth = passing(20, together=True)
     names = tuple("abcde"[:n])

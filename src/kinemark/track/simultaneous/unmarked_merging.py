@@ -71,9 +71,9 @@ SHARE = 0.1
 """Of (2): standard deviation of what an image has of one of its two markers, 0.5 in the mean; chosen: depths of one
 eighth apart make as much."""
 
-FEW_CAMERAS = 4
-"""Up to which one camera's images alone tell of merging, a number; chosen: of `gait9`, seven cameras, 97.8 % of the
-reference's samples are found without it, 97.4 with it."""
+FEW_CAMERAS = range(3, 5)
+"""Numbers of cameras of which one camera's images alone tell of merging; chosen: of `gait9`, seven cameras, 97.8 % of
+the reference's samples are found without it, 97.4 with it; two cameras lose up to 4 % of their points and few ghosts."""
 
 LOOK = 8
 """Frames before a run and after it, and at either end of it, that (3) is about; chosen, as in `neighbouring_points`."""
@@ -200,9 +200,10 @@ def inferred_merging(points: TrackPoints, detection: Ints, images: Images, T: fl
 
 
 def with_merging_in_images(images: Images) -> Images:
-    """The images of few cameras with those marked that one camera alone shows to be of two; the same where the file
-    marks any, and of more cameras, where the other images of a point tell as much."""
-    r = 0.0 if images.merged.any() or len(images.P) > FEW_CAMERAS else resolution(images)
+    """The images of three or four cameras with those marked that one camera alone shows to be of two. They are the
+    same where the file marks any, with more cameras, where a point's other images tell as much, and with two, where
+    each point needs both of its images."""
+    r = 0.0 if images.merged.any() or len(images.P) not in FEW_CAMERAS else resolution(images)
     merged = merged_in_images(images, r) if r else images.merged
     return images.with_merged(merged, r * r / 16) if merged.any() and r else images
 

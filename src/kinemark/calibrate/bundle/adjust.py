@@ -17,6 +17,7 @@ from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
 from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
+from .camera_step import CameraStep
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
@@ -72,6 +73,8 @@ class BundleFit(NamedTuple):
             the frame in which the points rest as a whole.
         chi2: Σ of the kept points' squared residuals by their covariances.
         freedom: ν, degrees of freedom of it.
+        step: that a camera was probably moved meanwhile, and when; None where nothing says so, or it was not looked
+            for.
     """
 
     rig: Rig
@@ -81,6 +84,7 @@ class BundleFit(NamedTuple):
     joint: Floats
     chi2: float
     freedom: int
+    step: CameraStep | None = None
 
 
 def bundle(

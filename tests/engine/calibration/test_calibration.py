@@ -361,6 +361,7 @@ def test_gaps_of_a_wand_that_are_measured_wrong_are_said_and_the_calibration_goe
     (said,) = found(wrong.figures, "wand_gaps_differ")
     assert said.severity == "amber"
     assert list(said.values["seen_mm_list"]) == pytest.approx([200.0, 300.0], abs=0.15)
+    assert ("gaps seen as" in wrong.rig.method, "gaps seen as" in right.rig.method) == (True, False)
     assert np.abs(wrong.rig.centres - right.rig.centres).max() < 1.0  # mm
     check_findings(wrong.figures)
 

@@ -42,6 +42,7 @@ KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "t
 FIRST_POSES = 150  # poses of the first rig; chosen for speed
 CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
+SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +123,8 @@ def calibrate_wand(
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
-    return fit._replace(rig=Rig(fit.rig.cameras, _words(detections, want, chosen, fit), volume))
+    words = _words(detections, want, chosen, fit, np.diff(marker_places(lengths)))
+    return fit._replace(rig=Rig(fit.rig.cameras, words, volume))
 
 
 def _calibrated(
@@ -241,7 +243,7 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
         )
 
 
-def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit) -> str:
+def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit, stated: Floats) -> str:
     """What was done, for `Rig.method`."""
     poses = int((rows >= 0).any((0, 2)).sum())
     seen = int((rows >= 0).sum())
@@ -249,4 +251,8 @@ def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit) -> 
     words += f"; left out: {seen - int(fit.kept.sum())} of {seen} points"
     crowded = [f"{n} {k}" for n, k in zip(detections.cameras, want.crowded, strict=True) if k]
     words += f"; frames with too many points: {', '.join(crowded)}" if crowded else ""
+    gaps = np.diff(places_of(fit.xyz.reshape(detections.n_frames, -1, 3)))
+    if np.abs(gaps - stated).max() > SAME_MM:
+        seen, given = (" + ".join(f"{mm:.6g}" for mm in each) for each in (gaps, stated))
+        words += f"; gaps seen as {seen} mm, stated as {given} mm"
     return words + (f"; {step_words(fit.step)}" if fit.step else "")

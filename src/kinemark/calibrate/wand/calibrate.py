@@ -253,6 +253,6 @@ def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit, sta
     words += f"; frames with too many points: {', '.join(crowded)}" if crowded else ""
     gaps = np.diff(places_of(fit.xyz.reshape(detections.n_frames, -1, 3)))
     if np.abs(gaps - stated).max() > SAME_MM:
-        seen, given = (" + ".join(f"{mm:.6g}" for mm in each) for each in (gaps, stated))
-        words += f"; gaps seen as {seen} mm, stated as {given} mm"
+        found, given = (" + ".join(f"{mm:.6g}" for mm in each) for each in (gaps, stated))
+        words += f"; gaps seen as {found} mm, stated as {given} mm"
     return words + (f"; {step_words(fit.step)}" if fit.step else "")

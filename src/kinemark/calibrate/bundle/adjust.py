@@ -30,6 +30,10 @@ MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchm
 IMPLAUSIBLE = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
 
 
+class Misfit(KinemarkError):
+    """Cameras were found, and they do not fit each other: one of them may have been moved meanwhile."""
+
+
 @dataclass(frozen=True, slots=True)
 class Bundle(Method):
     """All cameras, and all places of what they saw, at once: bundle adjustment."""
@@ -196,7 +200,7 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
     for c, camera in enumerate(fit.rig):
         lost = 1 - fit.kept[c].sum() / max(there[c].sum(), 1)
         if not camera.residual < IMPLAUSIBLE * np.hypot(*camera.size) or lost > MOST_LOST:
-            raise KinemarkError(
+            raise Misfit(
                 f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")
                 + "Check that it is synchronous and did not move, that markers are not mixed up and lengths are right; "

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ...data import Camera, KinemarkError, Rig
 from ...data.array_types import Floats
 from ..stage import CALIBRATE
-from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
+from .adjust import Bundle, BundleFit, Misfit, adjusted, check_calibration, completed, observed
 from .camera_step import camera_step
 from .initial import TargetViews, start
 from .initial.unknown_optics import UnknownOptics, unknown_optics
@@ -208,7 +208,7 @@ def _check_found(rig: Rig, noise: float) -> None:
     """Raises a KinemarkError where all cameras fit much worse than any two of them do alone, to `noise` px."""
     largest = max(rig, key=lambda camera: camera.residual)
     if largest.residual > max(WORSE * noise, FINE):
-        raise KinemarkError(
+        raise Misfit(
             f"Two cameras fit each other within {noise:.2f} px, but all together leave {largest.residual:.2f} px in "
             f"camera {largest.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
             "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation."

@@ -23,12 +23,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
+from ...data import PARAMETERS, Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
-from ..bundle.adjust import check_calibration
+from ..bundle.adjust import Misfit, check_calibration
 from ..bundle.camera_step import camera_step
 from ..bundle.parts import complete
 from ..bundle.solver import placed
@@ -116,10 +116,10 @@ def calibrate_wand(
 
     try:
         fit, chosen = _calibrated(detections, want, rows, sizes, *first_rig(rows), method, lenses is not None)
-    except KinemarkError as error:
+    except Misfit as error:
         if (step := step_of_part(detections, rows, lambda part: first_rig(part)[0])) is None:
             raise
-        raise KinemarkError(f"{step_words(step)} {error}") from error
+        raise Misfit(f"{step_words(step)} {error}") from error
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
@@ -231,13 +231,13 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
     """Of the frames that cameras seem to share, most show a stick of the wand's length; every camera takes part."""
     agreed = int(_shared(rows).sum())
     if agreed < max(AGREEING * shared, FEWEST):
-        raise KinemarkError(
+        raise Misfit(
             f"In {shared} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
             "a stick of its length. Check that the cameras are synchronised and their recordings begin at the same "
             "moment, the wand's lengths, and that no second wand was in view."
         )
     for c in np.flatnonzero(((rows >= 0).sum(2) >= 2).sum(1) < FEWEST):
-        raise KinemarkError(
+        raise Misfit(
             f"Camera {detections.cameras[c]} does not agree with the others where the wand is. Check that it is "
             "synchronised, and that its images are not mirrored or another camera's."
         )

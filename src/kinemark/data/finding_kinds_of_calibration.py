@@ -74,6 +74,9 @@ CALIBRATION_KINDS = (
     Kind("wand_gaps_differ", "calibrate", "amber", "The images show other gaps between the wand's markers than stated; "
          "theirs were taken, the length as a whole as stated. Info below 0.2 % of the length.",
          {"stated_mm_list": "mm", "seen_mm_list": "mm"}),
+    Kind("camera_moved_while_calibrating", "calibrate", "amber", "From a frame on the cameras do not fit each other as "
+         "before, while a wand or marker was waved: a camera's image lies beside by offset_px, from from_s on; no "
+         "camera where several would explain it. Red above 1 px.", {"offset_px": "px", "from_s": "s"}),
     Kind("l_frame_moved", "calibrate", "amber", "The L-frame, or something taken for it, stood elsewhere in some "
          "frames, which were left out.", {"frame_count": "count", "read_frames": "count", "off_mm": "mm"}),
     Kind("precision_low", "calibrate", "amber", "Standard deviation of a position per axis in 95 % of the volume; red "

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import KinemarkError, Rig
+from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.engine.detection.proposals import learn_session_masks
 from kinemark.engine.session import Session
 from kinemark.engine.simulate import Scene, simulate
@@ -19,6 +19,7 @@ from kinemark.geometry import project_all
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.images import write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
+from kinemark.report.words import text_of
 from kinemark.synth import Optics, control_frame, dot_grid, render, wand, write_calibration
 from kinemark.synth.score import score
 from support.calibrations import (
@@ -356,12 +357,27 @@ def test_gaps_of_a_wand_that_are_measured_wrong_are_said_and_the_calibration_goe
     by_wand = 'wand = {{ lengths_mm = {}, detections = "wand.csv" }}\n'
     right = session(folder, by_wand.format([200.0, 300.0]) + L_FRAME).calibrate()
     wrong = session(folder, by_wand.format([201.8, 298.2]) + L_FRAME).calibrate()
-    assert "wand_gaps_differ" not in kinds(right.figures)
+    assert not {"wand_gaps_differ", "camera_moved_while_calibrating"} & set(kinds(right.figures))
     (said,) = found(wrong.figures, "wand_gaps_differ")
     assert said.severity == "amber"
     assert list(said.values["seen_mm_list"]) == pytest.approx([200.0, 300.0], abs=0.15)
+    assert ("gaps seen as" in wrong.rig.method, "gaps seen as" in right.rig.method) == (True, False)
     assert np.abs(wrong.rig.centres - right.rig.centres).max() < 1.0  # mm
     check_findings(wrong.figures)
+
+
+def test_a_camera_that_is_moved_while_the_wand_is_waved_is_told_with_when(tmp_path):
+    folder = three_markers(tmp_path / "s")
+    waved = detected(wand((0.0, 200.0, 500.0), duration_s=96.0, rate=2.5).xyz, noise=0.3)
+    uv = waved.uv + np.where(((waved.camera == 1) & (waved.frame >= 120))[:, None], 1.5, 0.0)
+    write_detections_csv(folder / "wand.csv", Detections.build(waved.cameras, 2.5, waved.counts, uv))
+    made = session(folder, BY_WAND.replace("500.0", "200.0, 300.0") + "\n" + L_FRAME).calibrate()
+    check_findings(made.figures)
+    (said,) = found(made.figures, "camera_moved_while_calibrating")
+    assert (said.severity, said.cameras) == ("red", (waved.cameras[1],))
+    assert said.values["offset_px"] == pytest.approx(1.5 * np.sqrt(2), rel=0.2)
+    assert abs(said.frames[0][0] - 120) <= 20
+    assert "was probably moved while calibrating: from about frame" in text_of(said)
 
 
 def test_the_world_rests_on_all_frames_of_the_l_frame(tmp_path):

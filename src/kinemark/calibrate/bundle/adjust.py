@@ -17,6 +17,7 @@ from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
 from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
+from .camera_step import CameraStep
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
@@ -27,6 +28,10 @@ VAGUE = 0.1
 benchmarks/bundle.py)."""
 MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchmarks/bundle.py)
 IMPLAUSIBLE = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
+
+
+class Misfit(KinemarkError):
+    """Cameras were found, and they do not fit each other: one of them may have been moved meanwhile."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +77,8 @@ class BundleFit(NamedTuple):
             the frame in which the points rest as a whole.
         chi2: Σ of the kept points' squared residuals by their covariances.
         freedom: ν, degrees of freedom of it.
+        step: that a camera was probably moved meanwhile, and when; None where nothing says so, or it was not looked
+            for.
     """
 
     rig: Rig
@@ -81,6 +88,7 @@ class BundleFit(NamedTuple):
     joint: Floats
     chi2: float
     freedom: int
+    step: CameraStep | None = None
 
 
 def bundle(
@@ -192,7 +200,7 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
     for c, camera in enumerate(fit.rig):
         lost = 1 - fit.kept[c].sum() / max(there[c].sum(), 1)
         if not camera.residual < IMPLAUSIBLE * np.hypot(*camera.size) or lost > MOST_LOST:
-            raise KinemarkError(
+            raise Misfit(
                 f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")
                 + "Check that it is synchronous and did not move, that markers are not mixed up and lengths are right; "

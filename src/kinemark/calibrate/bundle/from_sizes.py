@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from ...data import Camera, KinemarkError, Rig
 from ...data.array_types import Floats
 from ..stage import CALIBRATE
-from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
+from .adjust import Bundle, BundleFit, Misfit, adjusted, check_calibration, completed, observed
+from .camera_step import camera_step
 from .initial import TargetViews, start
 from .initial.unknown_optics import UnknownOptics, unknown_optics
 from .parts import Sticks, complete
@@ -92,7 +93,7 @@ def calibrate_points(
     Args:
         names: (C).
         sizes: (C, 2) width and height of the images, px.
-        uv: (C, N, 2) px; NaN where not seen.
+        uv: (C, N, 2) px, in order of time where a moved camera is to be noticed; NaN where not seen.
         cov: (C, N, 2, 2) px², right in proportion; without it, or with NaN in it, all points count alike.
         method: what to fit.
         lenses: (C) as in `calibrate_sticks`.
@@ -103,7 +104,8 @@ def calibrate_points(
     """
     if uv.ndim != 3 or uv.shape[2] != 2:
         raise ValueError(f"uv has shape {uv.shape}, wanted (cameras, places, 2)")
-    return _calibrated(names, sizes, uv, None, cov, method or Bundle(), lenses)
+    fit = _calibrated(names, sizes, uv, None, cov, method or Bundle(), lenses)
+    return fit._replace(step=camera_step(fit.rig, uv[:, :, None]))
 
 
 def _calibrated(
@@ -206,7 +208,7 @@ def _check_found(rig: Rig, noise: float) -> None:
     """Raises a KinemarkError where all cameras fit much worse than any two of them do alone, to `noise` px."""
     largest = max(rig, key=lambda camera: camera.residual)
     if largest.residual > max(WORSE * noise, FINE):
-        raise KinemarkError(
+        raise Misfit(
             f"Two cameras fit each other within {noise:.2f} px, but all together leave {largest.residual:.2f} px in "
             f"camera {largest.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
             "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation."

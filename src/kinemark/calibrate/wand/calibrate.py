@@ -23,23 +23,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
+from ...data import PARAMETERS, Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
-from ..bundle.adjust import check_calibration
+from ..bundle.adjust import Misfit, check_calibration
+from ..bundle.camera_step import camera_step
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
+from .moved_camera import step_of_part, step_words
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig; chosen for speed
 CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
+SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,15 +110,39 @@ def calibrate_wand(
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
-    first, along = _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
+
+    def first_rig(rows: Ints) -> tuple[Rig, Floats]:
+        return _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
+
+    try:
+        fit, chosen = _calibrated(detections, want, rows, sizes, *first_rig(rows), method, lenses is not None)
+    except Misfit as error:
+        if (step := step_of_part(detections, rows, lambda part: first_rig(part)[0])) is None:
+            raise
+        raise Misfit(f"{step_words(step)} {error}") from error
+    fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
+    there = fit.xyz[np.isfinite(fit.xyz).all(1)]
+    volume = np.stack([there.min(0), there.max(0)])
+    words = _words(detections, want, chosen, fit, np.diff(marker_places(lengths)))
+    return fit._replace(rig=Rig(fit.rig.cameras, words, volume))
+
+
+def _calibrated(
+    detections: Detections,
+    want: Wanted,
+    rows: Ints,
+    sizes: Ints,
+    first: Rig,
+    along: Floats,
+    method: Wand,
+    lens_known: bool,
+) -> tuple[BundleFit, Ints]:
+    """Steps 3 and 4 from a first reading and rig: the fit, and the rows (C, F, K) that it was made from."""
     shared = int(_shared(rows).sum())
     rows, xyz = completed(first, detections, want.use, rows, along, search_radius=method.search_radius)
     _check_agreement(detections, rows, shared)
     chosen = thinned(detections, rows, sizes, method.most_poses)
-    fit = _final_fit(first, detections, chosen, xyz, along, method, lenses is not None)
-    there = fit.xyz[np.isfinite(fit.xyz).all(1)]
-    volume = np.stack([there.min(0), there.max(0)])
-    return fit._replace(rig=Rig(fit.rig.cameras, _words(detections, want, chosen, fit), volume))
+    return _final_fit(first, detections, chosen, xyz, along, method, lens_known), chosen
 
 
 def thinned(detections: Detections, rows: Ints, sizes: ArrayLike, most: int) -> Ints:
@@ -204,23 +231,28 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
     """Of the frames that cameras seem to share, most show a stick of the wand's length; every camera takes part."""
     agreed = int(_shared(rows).sum())
     if agreed < max(AGREEING * shared, FEWEST):
-        raise KinemarkError(
+        raise Misfit(
             f"In {shared} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
             "a stick of its length. Check that the cameras are synchronised and their recordings begin at the same "
             "moment, the wand's lengths, and that no second wand was in view."
         )
     for c in np.flatnonzero(((rows >= 0).sum(2) >= 2).sum(1) < FEWEST):
-        raise KinemarkError(
+        raise Misfit(
             f"Camera {detections.cameras[c]} does not agree with the others where the wand is. Check that it is "
             "synchronised, and that its images are not mirrored or another camera's."
         )
 
 
-def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit) -> str:
+def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit, stated: Floats) -> str:
     """What was done, for `Rig.method`."""
     poses = int((rows >= 0).any((0, 2)).sum())
     seen = int((rows >= 0).sum())
     words = f"wand: bundle adjustment, {poses} poses of {detections.n_frames} frames"
     words += f"; left out: {seen - int(fit.kept.sum())} of {seen} points"
     crowded = [f"{n} {k}" for n, k in zip(detections.cameras, want.crowded, strict=True) if k]
-    return words + (f"; frames with too many points: {', '.join(crowded)}" if crowded else "")
+    words += f"; frames with too many points: {', '.join(crowded)}" if crowded else ""
+    gaps = np.diff(places_of(fit.xyz.reshape(detections.n_frames, -1, 3)))
+    if np.abs(gaps - stated).max() > SAME_MM:
+        found, given = (" + ".join(f"{mm:.6g}" for mm in each) for each in (gaps, stated))
+        words += f"; gaps seen as {found} mm, stated as {given} mm"
+    return words + (f"; {step_words(fit.step)}" if fit.step else "")

@@ -15,6 +15,7 @@ from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, s
 from ...calibrate.wand import calibrate_wand
 from ...data import Detections, Finding, KinemarkError, Severity, make_finding
 from ...data.array_types import Floats, Ints
+from ...data.finding import red_if
 from ...data.progress import tell
 from .lens_grids import Lenses, lenses_of
 from .task import RigWithEvidence, Task
@@ -23,6 +24,9 @@ from .world_placement import placed_in_world
 FEWEST_FRAMES = 20
 """In which two cameras each see one marker; chosen."""
 SAME_MM = 1e-6  # mm; gaps that differ by less are the same but for rounding; chosen
+MOVED_RED_PX = 1.0
+"""By which the image of a camera that was moved lies beside; chosen: from there on, errors are several times the stated
+ones in most simulated rigs."""
 WRONG_GAP = 0.002
 """Of a wand's length; gaps measured with care, from centre to centre, are not off by more; chosen."""
 
@@ -57,7 +61,7 @@ def from_wand(task: Task) -> RigWithEvidence:
     tell(1, 1)
     way_text = f"a wand of {' + '.join(f'{mm:g}' for mm in stated)} mm"
     made = _placed(task, FittedRig(fit, along, judged, lenses), way_text)
-    found = (*made.evidence.findings, *_changed(stated, gaps))
+    found = (*made.evidence.findings, *_changed(stated, gaps), *_moved_meanwhile(fit, seen.detections))
     return made._replace(evidence=replace(made.evidence, known=gaps, lengths=judged.lengths, findings=found))
 
 
@@ -68,6 +72,19 @@ def _changed(stated: Floats, gaps: Floats) -> Iterator[Finding]:
         severity: Severity = "amber" if difference > WRONG_GAP * stated.sum() else "info"
         yield make_finding(
             "wand_gaps_differ", severity=severity, stated_mm_list=stated.tolist(), seen_mm_list=gaps.tolist()
+        )
+
+
+def _moved_meanwhile(fit: BundleFit, detections: Detections) -> Iterator[Finding]:
+    """Says that a camera was moved between the first frame and the last."""
+    if (step := fit.step) is not None:
+        yield make_finding(
+            "camera_moved_while_calibrating",
+            severity=red_if(step.px > MOVED_RED_PX),
+            cameras=[step.camera] if step.alone else [],
+            frames=[(step.frame, detections.n_frames - 1)],
+            offset_px=step.px,
+            from_s=step.frame / detections.rate,
         )
 
 
@@ -84,7 +101,9 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
     judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
     tell(1, 1)
-    return _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
+    made = _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
+    found = (*made.evidence.findings, *_moved_meanwhile(fit, seen.detections))
+    return made._replace(evidence=replace(made.evidence, findings=found))
 
 
 def _check_sizes(sizes: Ints) -> None:

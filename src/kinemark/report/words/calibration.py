@@ -46,6 +46,19 @@ def _wrong_here(found: Finding) -> str:
     return fill("About ({place_mm_list:0}) the wand is ", found) + f"{shown(size, 'mm')} too {length}."
 
 
+def _moved_meanwhile(found: Finding) -> str:
+    since = "from about frame {first_frame} on ({from_s:1} from the beginning)"
+    if found.cameras:
+        return fill(
+            f"{{Cameras}} was probably moved while calibrating: {since} its images lie {{offset_px:1}} beside.", found
+        )
+    return fill(
+        f"The cameras do not fit each other the whole time while calibrating: {since} one of them was probably moved, "
+        "by {offset_px:1} in its image.",
+        found,
+    )
+
+
 CALIBRATION_WORDS = {
     "cameras_miss_points": Words(
         "{Cameras} {cameras:misses|miss} the calibration points by up to {max_px:1} RMS.",
@@ -104,6 +117,11 @@ CALIBRATION_WORDS = {
         "The gaps between the wand's markers are given as {stated_mm_list:.5g} and come out as {seen_mm_list:.5g}. "
         "These were used, with the whole length as it is given.",
         "Measure them again, from centre to centre, and the whole length too: the scale rests on it.",
+    ),
+    "camera_moved_while_calibrating": Words(
+        _moved_meanwhile,
+        "Errors are larger than stated. Wave again and touch no camera; or calibrate from the longer part of the "
+        "recording, before or after, if the cameras stand now as they did then; or leave that camera out.",
     ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "

@@ -1,0 +1,97 @@
+"""Laws of a camera that is moved while a wand is waved: it is found, and nothing is where none was moved."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.calibrate.bundle.camera_step import BLOCKS, camera_step
+from kinemark.calibrate.wand import calibrate_wand
+from kinemark.calibrate.wand.identify import marker_places
+from kinemark.data import Detections, KinemarkError, Rig
+from kinemark.geometry import project_all
+from kinemark.synth import observe, ring, wand
+
+GAPS = [150.0, 350.0]
+FRAMES = 480
+LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
+
+
+def images(cameras, seed, *, noise=0.3):
+    """A rig and where it sees a waved wand (C, F, K, 2) px."""
+    rig = ring(cameras, distortion=LENS)
+    xyz = wand(marker_places(GAPS), duration_s=FRAMES / 25, rate=25, seed=seed, volume=rig.volume).xyz
+    uv = project_all(rig, xyz.swapaxes(0, 1))
+    return rig, uv + np.random.default_rng(seed).normal(0, noise, uv.shape)
+
+
+def beside(uv, c, at, px):
+    """The images with those of camera c px beside from frame `at` on."""
+    uv = uv.copy()
+    uv[c, at:] += px
+    return uv
+
+
+def pushed(seed, px, *, cameras=4, at=FRAMES // 2):
+    """Detections of a wand, the last camera's image px beside from frame `at` on; the sizes of the images."""
+    rig = ring(cameras, distortion=LENS)
+    subject = wand(marker_places(GAPS), duration_s=FRAMES / 25, rate=25, seed=seed, volume=rig.volume)
+    seen = observe(rig, subject, noise_px=0.3, seed=seed).detections
+    after = (seen.camera == cameras - 1) & (seen.frame >= at)
+    moved = Detections.build(
+        seen.cameras, seen.rate, seen.counts, seen.uv + np.where(after[:, None], px, 0.0), seen.cov
+    )
+    return moved, np.array([camera.size for camera in rig])
+
+
+@pytest.mark.parametrize("at", [60, 240, 400])
+@pytest.mark.parametrize(("cameras", "c"), [(3, 0), (6, 5)])
+def test_a_camera_that_is_moved_is_named_with_the_frame_and_by_how_much(cameras, c, at):
+    rig, uv = images(cameras, at)
+    step = camera_step(rig, beside(uv, c, at, (2.0, -1.0)))
+    assert (step.camera, step.alone) == (rig.names[c], True)
+    assert abs(step.frame - at) <= FRAMES / BLOCKS
+    assert step.px == pytest.approx(np.hypot(2, 1), rel=0.1)
+
+
+@pytest.mark.parametrize("cameras", [2, 3, 5])
+@pytest.mark.parametrize("seed", range(4))
+def test_where_no_camera_is_moved_none_is_named(cameras, seed):
+    assert camera_step(*images(cameras, seed)) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_lens_that_is_known_wrongly_is_no_move(seed):
+    rig, uv = images(4, seed, noise=0.1)
+    sharp = Rig(tuple(replace(camera, distortion=np.array([-0.1, 0.0, 0.002, 0.0, 0.0])) for camera in rig))
+    assert camera_step(sharp, uv) is None
+
+
+def test_of_two_cameras_either_may_have_been_moved():
+    rig, uv = images(2, 0)
+    assert not camera_step(rig, beside(uv, 1, 200, (9.0, 9.0))).alone
+
+
+def test_of_few_frames_nothing_is_said():
+    rig, uv = images(3, 0)
+    assert camera_step(rig, beside(uv, 0, 50, 9.0)[:, :100]) is None
+
+
+def test_strays_are_no_move():
+    rig, uv = images(4, 1)
+    wild = np.random.default_rng(0).random(uv.shape[:3]) < 0.03
+    wild[:, : FRAMES // 2] = False
+    assert camera_step(rig, np.where(wild[..., None], uv + 200.0, uv)) is None
+
+
+def test_a_calibration_says_that_a_camera_was_moved():
+    moved, sizes = pushed(1, (2.0, 1.0))
+    fit = calibrate_wand(moved, lengths=GAPS, sizes=sizes)
+    assert (fit.step.camera, fit.step.alone) == (moved.cameras[3], True)
+    assert f"Camera {moved.cameras[3]} was probably moved: from about frame" in fit.rig.method
+
+
+def test_cameras_that_fit_nothing_as_one_was_moved_are_refused_with_its_name_and_the_frame():
+    moved, sizes = pushed(2, (15.0, 6.0))
+    with pytest.raises(KinemarkError, match=rf"Camera {moved.cameras[3]} was probably moved: from about frame 2\d\d"):
+        calibrate_wand(moved, lengths=GAPS, sizes=sizes)

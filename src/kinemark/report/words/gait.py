@@ -114,7 +114,7 @@ DOUBTFUL = {
 FOR_DOUBTFUL = {
     "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
-    "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helping hands carry weight too.",
+    "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",
     "time": "Check when cameras and plates begin, and the rate of the channels.",
 }
 

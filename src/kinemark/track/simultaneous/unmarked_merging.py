@@ -73,7 +73,7 @@ eighth apart make as much."""
 
 FEW_CAMERAS = range(3, 5)
 """Numbers of cameras of which one camera's images alone tell of merging; chosen: of `gait9`, seven cameras, 97.8 % of
-the reference's samples are found without it, 97.4 with it; two cameras lose up to 4 % of their points and few ghosts."""
+the reference's samples are found without it, 97.4 with it; two cameras lose up to 4 % of their points, few ghosts."""
 
 LOOK = 8
 """Frames before a run and after it, and at either end of it, that (3) is about; chosen, as in `neighbouring_points`."""

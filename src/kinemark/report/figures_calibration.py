@@ -20,8 +20,8 @@ from .thin import short
 SLICES = 3  # heights of the volume that are drawn; chosen
 SCALE = even_scale(
     "#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"
-)  # Cividis of Nuñez, Anderton and Renslow 2018
-"""Light is uncertain; people with any colour vision read it alike."""
+)
+"""The colours of Plotly's Cividis: light is uncertain; people with any colour vision read it alike."""
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 MOST_BARS = 40  # drawn; chosen, so that names can be read
 LOST_COLUMNS = 4  # panels side by side; chosen

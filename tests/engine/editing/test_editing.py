@@ -195,7 +195,7 @@ def test_mistakes_are_said_in_words_and_leave_nothing_behind(session, tmp_path):
         "There is no marker B": lambda: editing.erase("B", 1, 2),
         "nothing would be left": lambda: editing.finish(),
         "neither a file": lambda: open_editing(tmp_path / "no" / "where"),
-        "no trial 'two'": lambda: open_editing(session / "two"),
+        "no trial two": lambda: open_editing(session / "two"),
         "There is no entry": lambda: editing.journal.undo(3),
     }
     for words, act in wrong.items():

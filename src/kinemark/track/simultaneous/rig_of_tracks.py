@@ -55,6 +55,10 @@ agrees is then where nothing moves, as of cameras that are not synchronous; chos
 infrared footage 80 to 130."""
 
 
+EXACT = 1e-9
+"""px of σ at least, by definition: images without noise leave rounding errors, half of which may be 0."""
+
+
 class Derivatives(NamedTuple):
     """Residuals (C, S, 2) px, and what moves them: A (C, S, 2, 7) by θ, B (C, S, 2, 3) by the points."""
 
@@ -110,7 +114,7 @@ def _derivatives(rig: Rig, xyz: Floats, uv: Floats, depth: Floats) -> Derivative
 def _weighted(all_: Derivatives, seen: Bools) -> tuple[Derivatives, float]:
     """The derivatives times √w / σ of (2), 0 where a camera (C, S) does not see the point; and σ."""
     squared = np.where(seen, (all_.r**2).sum(-1), 0.0)
-    sigma = plane_scale(np.sqrt(squared[seen]))
+    sigma = max(plane_scale(np.sqrt(squared[seen])), EXACT)
     root = np.where(seen, np.sqrt(cauchy_weight(squared / sigma**2, SOFT)) / sigma, 0.0)
     return Derivatives(all_.r * root[..., None], *(one * root[..., None, None] for one in all_[1:])), sigma
 

@@ -18,7 +18,7 @@ where they leave their own leg: where (4) fails, or the joint above is exchanged
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -74,14 +74,17 @@ def marker_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> MarkerD
     Args:
         points: (F, 3) mm by the model's names. up: of the laboratory.
     """
-    exchanged = tuple((*_exchanged_sides(points, up), *_exchanged_in_legs(points)))
+    changing = list(_moved(points))
+    exchanged = (*_exchanged_sides(points, up, changing), *_exchanged_in_legs(points))
     named = {name for _, names in exchanged for name in names}
-    moved = tuple((a, b, mm) for a, b, mm in _moved(points) if not {a, b} & named)
+    moved = tuple((a, b, mm) for a, b, mm in changing if not {a, b} & named)
     return MarkerDoubts(exchanged, moved)
 
 
-def _exchanged_sides(points: Mapping[str, Floats], up: Floats) -> Iterator[tuple[Exchange, tuple[str, ...]]]:
-    """By (1) and (2)."""
+def _exchanged_sides(
+    points: Mapping[str, Floats], up: Floats, changing: Sequence[tuple[str, str, float]]
+) -> Iterator[tuple[Exchange, tuple[str, ...]]]:
+    """By (1), (2) and (5), with what fails (4)."""
     forward = _forward(points, up)
     if forward is None:
         return
@@ -95,7 +98,7 @@ def _exchanged_sides(points: Mapping[str, Floats], up: Floats) -> Iterator[tuple
         pelvis = tuple(name for name in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if name in points)
         yield ("pelvis", pelvis) if back and len(back) == len(feet) else ("sides", ())
         return
-    moved = {name for *pair, _ in _moved(points) for name in pair}
+    moved = {name for a, b, _ in changing for name in (a, b)}
     exchanged: list[str] = []
     for pair in across:  # joints come before what is below them
         name = pair[0][1:]

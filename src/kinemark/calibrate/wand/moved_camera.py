@@ -34,8 +34,8 @@ def step_of_part(detections: Detections, rows: Ints, first_rig: Callable[[Ints],
 
 
 def step_words(step: CameraStep) -> str:
-    """What was found, for an error and `Rig.method`."""
-    since = f"from about frame {step.frame} on"
+    """What was found, for an error and `Rig.method`; frames are counted from 1 in words."""
+    since = f"from about frame {step.frame + 1} on"
     if not step.alone:
         return f"The cameras do not fit each other as before {since}: one of them was moved, by {step.px:.1f} px or so."
     return f"Camera {step.camera} was probably moved: {since} its images lie {step.px:.1f} px beside."

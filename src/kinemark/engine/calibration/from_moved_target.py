@@ -82,7 +82,7 @@ def _moved_meanwhile(fit: BundleFit, detections: Detections) -> Iterator[Finding
             "camera_moved_while_calibrating",
             severity=red_if(step.px > MOVED_RED_PX),
             cameras=[step.camera] if step.alone else [],
-            frames=[(step.frame, detections.n_frames - 1)],
+            frames=[(step.frame + 1, detections.n_frames)],
             offset_px=step.px,
             from_s=step.frame / detections.rate,
         )

@@ -28,6 +28,7 @@ import scipy
 from ..data import Detections, KinemarkError
 from ..data.array_types import Floats
 from ..data.arrays import check_positive
+from ..numerics.evenly import evenly
 
 TOLERANCE = 3.0  # px within which a mark has not moved; chosen
 REACH = 20.0  # px within which a mark that moved is looked for; chosen
@@ -139,7 +140,7 @@ def find_marks(detections: Detections, before: Floats, *, reach: float = REACH, 
 
 def _common_shift(detections: Detections, c: int, places: Floats, reach: float, still: float) -> Floats | None:
     """(2,) px; the densest place among differences of detections from all marks, if there is any."""
-    frames = np.unique(np.linspace(0, detections.n_frames - 1, MOST_FRAMES).astype(int))
+    frames = evenly(detections.n_frames, MOST_FRAMES)
     uv = np.concatenate([detections[c, f] for f in frames if f >= 0] or [np.zeros((0, 2))])
     offset = (uv[:, None] - places[np.isfinite(places[:, 0])]).reshape(-1, 2)
     offset = offset[np.linalg.norm(offset, axis=1) <= reach]

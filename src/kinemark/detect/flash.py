@@ -25,6 +25,7 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats, GreyLevels, Ints
 from ..data.progress import tell
+from ..numerics.robust import SD_PER_MEDIAN
 from .centroids_method import grey_scale
 from .frame_source import BATCH, FrameSource
 
@@ -88,7 +89,7 @@ def find_flash(source: FrameSource) -> Flash:
     if not np.isfinite(rises).any():
         raise KinemarkError(f"no flash lights the whole image; {len(levels)} frames are too few")
     change = np.median(np.diff(levels, axis=0), axis=1)
-    lit = _flashes(rises, max(LEAST, SIGMAS * 1.4826 * float(np.median(np.abs(change)))))  # (3)
+    lit = _flashes(rises, max(LEAST, SIGMAS * SD_PER_MEDIAN * float(np.median(np.abs(change)))))  # (3)
     if not lit:
         raise KinemarkError(f"no flash lights the whole image; the greatest rise is {rises.max():.2g} grey levels")
     equal = [one for one in lit if one.rise >= lit[0].rise / 2]

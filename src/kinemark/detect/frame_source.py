@@ -9,6 +9,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.evenly import evenly
+
 BATCH = 16  # frames read in one go; chosen for memory
 
 
@@ -40,11 +42,6 @@ class RandomAccess(Protocol):
     def frames_near(self, wanted: NDArray[np.int64], /) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:
         """Numbers (n) of frames near these rising ones, and the frames, at the least cost of decoding."""
         ...
-
-
-def evenly(n_frames: int, n: int) -> NDArray[np.int64]:
-    """Numbers of at most n frames of so many, spread evenly from the first to the last."""
-    return np.unique(np.linspace(0, n_frames - 1, min(n, n_frames)).astype(np.int64))
 
 
 def spread(source: FrameSource, n: int) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.method import Method
+from ..numerics.evenly import evenly
 from .centroids_method import grey_scale
 
 AnyMethod = TypeVar("AnyMethod", bound=Method)
@@ -40,7 +41,7 @@ def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMet
         return method
     white = np.iinfo(images.dtype).max
     counts = np.zeros(white + 1, np.int64)
-    chosen = images[np.unique(np.linspace(0, len(images) - 1, FRAMES).astype(int))] if len(images) else images
+    chosen = images[evenly(len(images), FRAMES)]
     for image in chosen:
         counts += np.bincount(image.reshape(-1), minlength=white + 1)
     found = levels(counts[::-1] if inverted else counts, frames=len(chosen))

@@ -16,8 +16,9 @@ import numpy as np
 
 from ..data import Finding, make_finding
 from ..data.array_types import GreyLevels
+from ..numerics.evenly import evenly
 from .centroids_method import Centroids, Limits, check_images, grey_scale
-from .frame_source import FrameSource, evenly, spread
+from .frame_source import FrameSource, spread
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
 from .stability import LevelGap, marker_gap, peaks_of, real_groups

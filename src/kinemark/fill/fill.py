@@ -13,6 +13,7 @@ from ..data.array_types import Bools, Floats
 from ..data.edits import OPEN, GapChoice
 from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
+from ..numerics.evenly import evenly
 from .chosen_gaps import chosen_gaps, groups
 from .edges import GapEdges, trim_edges
 from .filled_gap import Filled, FilledGap, GapState
@@ -312,7 +313,7 @@ def _gaps_to_test(gaps: list[Gap], most: int = ENOUGH, *, longest: float = 0.0) 
     first = list(dict.fromkeys([*first, *order[len(order) - int(longest * most) :]]))[:most]
     taken = set(first)
     rest = [k for k in order if k not in taken]
-    places = np.linspace(0, len(rest) - 1, most - len(first)).astype(int)
+    places = evenly(len(rest), most - len(first))
     return sorted({*first, *(rest[k] for k in places)})
 
 

@@ -8,5 +8,5 @@ from ..data.array_types import Ints
 
 
 def evenly(n: int, most: int) -> Ints:
-    """At most `most` of the places 0 … n − 1, evenly spaced and rising, the first and the last among them."""
-    return np.linspace(0, n - 1, min(n, most)).astype(np.int64)
+    """At most `most` of the places 0 … n − 1, evenly spaced and rising, with the first and the last; none for n ≤ 0."""
+    return np.linspace(0, n - 1, max(min(n, most), 0)).astype(np.int64)

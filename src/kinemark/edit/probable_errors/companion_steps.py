@@ -13,6 +13,7 @@ import scipy
 
 from ...data.array_types import Floats, Ints
 from ...data.progress import tell
+from ...numerics.evenly import evenly
 from ...numerics.row_quantiles import row_medians
 from .carried import COMPANIONS, NEAR
 from .paths import JUMP, JUMP_MM, RESTLESS, USUAL_STEPS, Paths
@@ -32,7 +33,7 @@ def companion_steps(paths: Paths) -> list[Ints]:
 
 def _nearest(paths: Paths) -> Ints:
     """(M, ≤ NEAR) of each path, the nearest first; −1 where there is none."""
-    frames = np.unique(np.linspace(0, paths.xyz.shape[1] - 1, LOOKED_AT).astype(np.int64))
+    frames = evenly(paths.xyz.shape[1], LOOKED_AT)
     xyz = paths.xyz[:, frames]
     far = np.array([row_medians(np.linalg.norm(xyz - own, axis=2)) for own in xyz])
     np.fill_diagonal(far, np.nan)

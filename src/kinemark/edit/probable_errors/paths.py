@@ -25,6 +25,7 @@ import scipy
 
 from ...data import Origin, Trajectories
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.evenly import evenly
 
 NEAREST = 12
 """Samples that a path is continued from; chosen: farther ones tell nothing new."""
@@ -206,7 +207,7 @@ def _tests(paths: Paths, held: int) -> tuple[Ints, Ints]:
     for p, own in enumerate(paths.frames):
         if len(own) > 3 * held:
             whole = np.flatnonzero(own[2 * held :] - own[: -2 * held] == 2 * held) + held // 2
-            chosen = whole[np.linspace(0, len(whole) - 1, min(each, len(whole))).astype(int)] if len(whole) else whole
+            chosen = whole[evenly(len(whole), each)] if len(whole) else whole
             who += [p] * len(chosen)
             index += chosen.tolist()
     return np.array(who, np.int64), np.array(index, np.int64)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...numerics.evenly import evenly
 from .paths import HALF, LEAST_SD
 
 WINDOW, WIDEST = 5, 24
@@ -65,7 +66,7 @@ class Ways:
     def usual(self, s: int, lost: int, f: Ints) -> Floats:
         """(M, N) mm that ends are usually apart, medians, near to frames f."""
         if (s, lost) not in self._usual:
-            frames = np.unique(np.linspace(0, self.xyz.shape[1] - 1 - s, TESTS).astype(np.int64))
+            frames = evenly(self.xyz.shape[1] - s, TESTS)
             off = self.off(frames, s, lost) / self._near_by[:, frames]
             self._usual[s, lost] = _median(off, axis=1)
         return np.maximum(self._usual[s, lost][:, None] * self._near_by[:, f], LEAST_SD * np.sqrt(HALF))
@@ -80,7 +81,7 @@ class Ways:
     def usual_inside(self, s: int, f: int) -> Floats:
         """(M) mm that these are usually apart."""
         if (s, None) not in self._usual:
-            frames = np.unique(np.linspace(0, self.xyz.shape[1] - 1 - s, TESTS).astype(np.int64))
+            frames = evenly(self.xyz.shape[1] - s, TESTS)
             a, b = self.inside(frames, s)
             self._usual[s, None] = _median(np.linalg.norm(b - a, axis=2) / self._near_by[:, frames], axis=1)
         return np.maximum(self._usual[s, None] * self._near_by[:, f], LEAST_SD * np.sqrt(HALF))
@@ -89,7 +90,7 @@ class Ways:
         """(N) means over the paths of ln(1 + χ²/4) of how far samples are from one parabola, those up to frames f (step
         −1) or from there on (1): great where a break is among them."""
         if ("rough", step) not in self._usual:
-            frames = np.unique(np.linspace(0, self.xyz.shape[1] - 1, TESTS).astype(np.int64))
+            frames = evenly(self.xyz.shape[1], TESTS)
             self._usual["rough", step] = _median(self._from_parabola(frames, step) / self._near_by[:, frames], axis=1)
         usual = np.maximum(self._usual["rough", step][:, None] * self._near_by[:, f], LEAST_SD)
         of = np.log1p(self._from_parabola(f, step) ** 2 * HALF / usual**2 / 4)

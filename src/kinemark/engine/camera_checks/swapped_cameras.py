@@ -11,6 +11,7 @@ from ...data import Cloud, Detections, Finding, Rig, make_finding
 from ...data.array_types import Floats
 from ...data.method import Method
 from ...match import match
+from ...numerics.evenly import evenly
 from ...reconstruct import reconstruct
 
 LITTLE = 0.6
@@ -61,7 +62,7 @@ def swapped_cameras(
 
 def some_frames(detections: Detections) -> Detections:
     """Those of LOOKED_AT frames, spread over the recording."""
-    frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
+    frames = evenly(detections.n_frames, LOOKED_AT)
     return detections.keep(np.isin(detections.frame, frames))
 
 

@@ -10,6 +10,7 @@ from ...data import KinemarkError
 from ...detect.proposal import DetectionProposal, propose
 from ...io.images import ImageSource, open_images
 from ...io.masks_toml import write_masks
+from ...numerics.evenly import evenly
 from ..recordings import masks_of, open_cameras
 from ..session import Session
 
@@ -53,7 +54,7 @@ def _together(sources: dict[str, ImageSource], inverted: bool | None) -> dict[st
 
 def _first_of_stretches(source: ImageSource, n: int) -> np.ndarray:
     """So many frames of a recording, spread evenly."""
-    wanted = set(np.linspace(0, source.n_frames - 1, min(n, source.n_frames)).astype(int).tolist())
+    wanted = set(evenly(source.n_frames, n).tolist())
     return np.concatenate([batch for f, batch in enumerate(source.batches(1)) if f in wanted])
 
 

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.evenly import evenly
 from ..local_frames import local, triad
 from ..marker_array import Gap, MarkerArray
 from ..mirrored_markers import REFLECTED
@@ -120,7 +121,7 @@ def training_frames_of(
 
 def _frames_to_judge(n: int) -> Ints:
     """About SEARCH of n frames, the same ones from both ends."""
-    half = np.linspace(0, n - 1, min(n, SEARCH))[: (min(n, SEARCH) + 1) // 2].astype(int)
+    half = evenly(n, SEARCH)[: (min(n, SEARCH) + 1) // 2]
     return np.unique(np.concatenate([half, n - 1 - half]))
 
 
@@ -143,7 +144,7 @@ def _thin(frames: Ints, gap: Gap, most: int, step: int) -> Ints:
     away = np.maximum(gap.start - kept, kept - gap.stop + 1)
     order = np.argsort(away, kind="stable")
     near, far = order[: most // 2], np.sort(order[most // 2 :])
-    spread = far[np.linspace(0, len(far) - 1, most - len(near)).astype(int)]
+    spread = far[evenly(len(far), most - len(near))]
     return np.sort(kept[np.concatenate([near, spread])])
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from ...data import AngleModel, KinemarkError, Tracks
 from ...data.array_types import Floats, Ints
 from ...geometry.rigid_pairs import spanning_links
+from ...numerics.robust import SD_PER_MEDIAN
 from ...signal.learn_angle_model import learn_model
 from ...signal.segment_directions import LinkedSegments
 
@@ -71,7 +72,7 @@ def _lengths(paths: Floats) -> tuple[Floats, Floats]:
             if len(apart) >= FEWEST:
                 middle = float(np.median(apart))
                 length[i, j] = length[j, i] = middle
-                spread[i, j] = spread[j, i] = 1.4826 * float(np.median(np.abs(apart - middle)))
+                spread[i, j] = spread[j, i] = SD_PER_MEDIAN * float(np.median(np.abs(apart - middle)))
     return length, spread
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError
+from kinemark.io import images
 from kinemark.io.images import open_images, read_image, write_png
 from kinemark.io.video import write_video
 from support.shared import shared_data
@@ -35,6 +36,15 @@ def test_lossless_video_is_lossless(tmp_path, frames, rate):
     assert read.dtype == frames.dtype and np.array_equal(read, frames)
     assert [len(batch) for batch in source.batches(5)] == [5, 5, 2]
     assert np.array_equal(np.concatenate(list(source.batches(5))), frames)
+
+
+def test_batches_have_no_more_frames_than_fit_in_their_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(images, "BATCH_BYTES", 3 * BYTES[0].nbytes + 1)
+    write_video(tmp_path / "v.mkv", BYTES, 50.0)
+    parts = list(open_images(tmp_path / "v.mkv").batches(5))
+    assert [len(part) for part in parts] == [3, 3, 3, 3] and np.array_equal(np.concatenate(parts), BYTES)
+    monkeypatch.setattr(images, "BATCH_BYTES", 1)
+    assert {len(part) for part in open_images(tmp_path / "v.mkv").batches(5)} == {1}
 
 
 @pytest.mark.parametrize("image", [BYTES[0], WORDS[0], BYTES[0, :1, :1], WORDS[1, :7, :3]])

@@ -40,6 +40,9 @@ MAGIC = (
     (b"P5", "pgm"),
     (b"P6", "ppm"),
 )
+BATCH_BYTES = 24 << 20
+"""Of frames that are given together, so that those of large images take no more memory; chosen: from 32 MiB on the C
+library takes fresh memory for each batch, which costs as much time as reading it."""
 NUMBER = re.compile(r"%(0\d+)?d")
 
 
@@ -139,7 +142,8 @@ class ImageSource:
         return np.stack([whole[f // 2][(f + first) % 2 :: 2] for f in wanted.tolist()])
 
     def batches(self, n: int) -> Iterator[Image]:
-        """The frames, n at a time: (n, H, W), the last batch mostly shorter.
+        """The frames, at most n at a time and no more than fit in `BATCH_BYTES`: (n, H, W), the last batch mostly
+        shorter.
 
         Raises:
             ValueError: n is not positive.
@@ -149,9 +153,10 @@ class ImageSource:
             raise ValueError(f"n is {n}, wanted at least 1")
         frames = self.frames()
         for first in frames:
-            batch = np.empty((n, *first.shape), first.dtype)
+            few = min(n, max(1, BATCH_BYTES // first.nbytes))
+            batch = np.empty((few, *first.shape), first.dtype)
             batch[0], found = first, 1
-            for image in islice(frames, n - 1):  # copied once, from where the decoder left it
+            for image in islice(frames, few - 1):  # copied once, from where the decoder left it
                 batch[found] = image
                 found += 1
             yield batch[:found]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,7 +23,7 @@ from ...data.method import Method
 from ...detect import Blobs, Centroids, combined_masks, detect_frames
 from ...detect.centroids_method import grey_scale
 from ...detect.detect_recording import for_camera
-from ...detect.frame_source import BATCH
+from ...detect.frame_source import BATCH, FrameSource
 from ...detect.ground import Ground
 from ...detect.levels import levelled
 from ...detect.masks import masked
@@ -265,18 +265,12 @@ class OpenDetection:
             found, ground = for_camera(method, source)
             ready: Method | None = found
             if getattr(found, "relative_threshold", None) is not None:
-                tries = (
-                    levelled(found, self._under(batch, ground, k)) for k, batch in enumerate(source.batches(BATCH))
-                )
+                tries = (levelled(found, images) for images in _under(source, ground))
                 ready = next((one for one in tries if one is not None), None)
             self._learned[key] = _Learned(ready, ground)
             while len(self._learned) > KEPT:
                 self._learned.pop(next(iter(self._learned)), None)
         return self._learned[key]
-
-    @staticmethod
-    def _under(images: GreyLevels, ground: Ground | None, batch: int) -> GreyLevels:
-        return images if ground is None else ground.taken_from(images, batch * BATCH)
 
     def _recording(self, camera: str) -> _Remembered:
         """The stretch that a run would learn from."""
@@ -286,3 +280,11 @@ class OpenDetection:
             first = self.first - 1
             self._recordings[camera] = _Remembered(source if whole else Excerpt(source, first, first + self.n_frames))
         return self._recordings[camera]
+
+
+def _under(source: FrameSource, ground: Ground | None) -> Iterator[GreyLevels]:
+    """The batches of a source without the ground."""
+    first = 0
+    for images in source.batches(BATCH):
+        yield images if ground is None else ground.taken_from(images, first)
+        first += len(images)

@@ -145,9 +145,13 @@ class Images(NamedTuple):
         nothing = index_images(np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0, bool), n_cells=self.by_cell.n_cells)
         return self._replace(uv=np.broadcast_to(np.nan, self.uv.shape), by_cell=nothing)
 
-    def seen_by(self, detections: Detections, rig: Rig) -> Images:
-        """The same with the places that a rig's lenses give, and the index as it is."""
-        return self._replace(uv=_ideal(detections, rig))
+    def seen_by(self, detections: Detections, rig: Rig, frames: list[int]) -> Images:
+        """The same with the places that a rig's lenses give to images of some frames, and the index as it is."""
+        rows, uv = np.concatenate(self.in_frames(frames)), self.uv.copy()
+        for c, camera in enumerate(rig):
+            own = rows[self.camera[rows] == c]
+            uv[own] = undistort(camera, detections.uv[own])
+        return self._replace(uv=uv)
 
     def placed(self, detections: Detections, rig: Rig, order: NDArray[np.int32], first: Ints) -> Images:
         """The same with the places of all images of a rig, and an index of this order and these first ones of cells."""

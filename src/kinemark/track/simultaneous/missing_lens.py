@@ -82,7 +82,7 @@ def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
     bent = _fitted(detections, images, rig, frames)
     k = np.array([camera.distortion[0] for camera in bent])
     begun = rig, with_radial(bent, np.zeros(len(rig)))  # as one fit may end where the other does not come
-    flat = [fitted_rig(lambda _: images, one, frames, np.zeros((len(rig), 4)), USUAL_ERROR, ROUNDS) for one in begun]
+    flat = (fitted_rig(lambda _: images, one, frames, np.zeros((len(rig), 4)), USUAL_ERROR, ROUNDS) for one in begun)
     if not all(_better(detections, images, bent, one, frames) for one in flat):  # (2)
         return None
     lost = _better(detections, images, with_radial(rig, k), rig, frames)  # (3)
@@ -113,15 +113,19 @@ def _off(detections: Detections, rig: Rig, cloud: Cloud, rows: Ints) -> float:
 
 def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> Rig:
     """The rig, its lenses fitted together with turns and focal lengths."""
-    likely = max(LIKELY.tolist(), key=lambda k: _meeting(images.seen_by(detections, _alike(rig, k)), rig, frames))
+
+    def meeting(k: float) -> float:
+        return _meeting(images.seen_by(detections, _alike(rig, k), frames), rig, frames)
+
+    likely = max(LIKELY.tolist(), key=meeting)
     begin = np.column_stack([np.zeros((len(rig), 4)), np.full(len(rig), likely)])
     usual = np.append(USUAL_ERROR, USUAL_RADIAL)
-    return fitted_rig(lambda moved: images.seen_by(detections, moved), rig, frames, begin, usual, ROUNDS)
+    return fitted_rig(lambda moved: images.seen_by(detections, moved, frames), rig, frames, begin, usual, ROUNDS)
 
 
 def _better(detections: Detections, images: Images, bent: Rig, flat: Rig, frames: list[int]) -> bool:
     """Whether images agree clearly better by a rig with lenses than by one without, by variance and by (1)."""
-    seen = images.seen_by(detections, bent)
+    seen = images.seen_by(detections, bent, frames)
     less = _variance(seen, bent, frames) < LESS * _variance(images, flat, frames)
     return bool(less and _meeting(seen, bent, frames) > _meeting(images, flat, frames) + MORE * len(flat))
 

@@ -39,7 +39,7 @@ USUAL_HZ = 60.0
 TAIL, BEYOND = 2.0, 6.0
 """Log-odds of (4); chosen of 1.5 to 4 and 2 to infinity by what is told of each laboratory by the others."""
 UNLIKELY = 2.0
-"""Log-odds against an error from which on (5) falls faster; chosen of 0, 2 and 3 by what is told of each laboratory by
+"""Log-odds against an error from which on (5) falls faster; chosen of 0 to 3 by what is told of each laboratory by
 the others."""
 LEAST = 1e-6
 """Probability that counts as none; chosen."""
@@ -59,7 +59,7 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-7.58, -0.70, -0.11, 1.09, 1.00),
-    "in_trial": (1.57, 1.98, 0.47),
+    "in_trial": (1.53, 1.92, 0.33),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),

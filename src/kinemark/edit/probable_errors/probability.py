@@ -98,7 +98,7 @@ def in_trial(wrong: Floats, rate: float) -> Floats:
     return np.asarray(1 / (1 + np.exp(-np.clip(z, -50, 50))))
 
 
-def logit_in_trial(evidence: Floats, c: Sequence[float]) -> Floats:
+def logit_in_trial(evidence: Floats, c: Sequence[float] | Floats) -> Floats:
     """(3) and (5) of problems by `evidence_of_trial` (N, 3), with c₁, c₂ and c₃."""
     u = evidence[:, 0] + c[0] * evidence[:, 1] - c[1] * evidence[:, 2]
     return np.asarray(u - c[2] * np.maximum(-u - UNLIKELY, 0.0))

@@ -3,14 +3,10 @@
 Each file of 16 laboratories is looked at as it is and with faults, at its own rate and at lower ones, as in
 `probable_errors`; with faults twice: up to two of each kind, and one or two in all. Of each change, leap and spike it
 is known what it is said to be by itself, and by the others of its trial (`edit/probable_errors/probability.py`, (3) and
-(4)). The two coefficients of (3) are fitted to all laboratories; what is told of each is by those fitted to the others.
+(5)). The three coefficients are fitted to all laboratories; what is told of each is by those fitted to the others.
 
 What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL of
 `probable_errors`), which is left out.
-
-At last a factor and a constant of the log-odds of each kind (LEVELS) are fitted together with (3): coefficients were
-fitted one by one, to other mixes of faults, so that what tells little of leaps and spikes is feared too much. They are
-told, and not taken.
 
 Run: python studies/trial_bulk.py [fit]         fit: print coefficients of changes too, by the laboratories of FILES
 """
@@ -33,7 +29,7 @@ from kinemark.data.array_types import Floats
 from kinemark.data.problems import Problem
 from kinemark.edit.probable_errors import Evidence
 from kinemark.edit.probable_errors.leaps import LeapEvidence
-from kinemark.edit.probable_errors.probability import COEFFICIENTS, LEAST, TAIL, evidence_of_trial
+from kinemark.edit.probable_errors.probability import COEFFICIENTS, TAIL, evidence_of_trial, logit_in_trial
 from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
 PROBLEMS: Any = sys.modules["kinemark.engine.problems"]
@@ -47,12 +43,6 @@ LABORATORIES = {
     "qualisys_cgm2": "qualisys_gait", "GHr": "ulema", "HTH1": "ulema", "calMARKERS": "ulema",
     "kinematics_racing": "wheelchair",
 }  # fmt: skip
-LEVELS = ("change_in_file", "change_in_file_alone", "leap", "spike_in_file")
-"""Of which coefficients there is a level; changes by whether companions tell of them."""
-FIRM = 0.5
-"""Nats that a constant of 2, or a factor of e^(1/2), costs as evidence from before; chosen: a laboratory has few."""
-TURNS = 4
-"""Times that levels and (3) are fitted in turn; chosen: they change no more."""
 KINDS = {"change": Evidence._fields, "leap": LeapEvidence._fields, "spike": SpikeEvidence._fields}
 
 
@@ -109,65 +99,15 @@ def told(patterns: Sequence[str] = (*FILES, *OTHERS)) -> list[Told]:
 
 
 def fit(rows: Sequence[Told]) -> Floats:
-    """c₁ and c₂ of (3), as likely as they can be within what keeps it monotone."""
+    """c₁ and c₂ of (3) and c₃ of (5), as likely as they can be within what keeps them monotone."""
     x, y = np.array([row.of_trial for row in rows]), np.array([float(row.true) for row in rows])
 
-    def cost(c: Floats) -> tuple[float, Floats]:
-        z = x @ np.array([1.0, c[0], -c[1]])
-        off = scipy.special.expit(z) - y
-        return float((np.logaddexp(0, z) - y * z).sum()), np.array([off @ x[:, 1], -off @ x[:, 2]])
+    def cost(c: Floats) -> float:
+        z = logit_in_trial(x, c)
+        return float((np.logaddexp(0, z) - y * z).sum())
 
-    some = scipy.optimize.minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0, None), (0, 0.99 * TAIL)])
-    return np.asarray(some.x)
-
-
-class Levels(NamedTuple):
-    """Constants and factors (4) of the log-odds of LEVELS, and c₁ and c₂ of (3) beside them."""
-
-    constant: Floats
-    factor: Floats
-    c: Floats
-
-
-def level_of(row: Told) -> int:
-    """Index in LEVELS."""
-    alone = row.kind == "change" and not row.values["left"] > 0
-    return 1 if alone else {"change": 0, "leap": 2, "spike": 3}[row.kind]
-
-
-def levelled(rows: Sequence[Told], levels: Levels) -> list[Told]:
-    """What is said by itself with these levels, and what its trial tells then."""
-    kind, wrong = np.array([level_of(row) for row in rows]), np.array([row.wrong for row in rows])
-    z = scipy.special.logit(np.clip(wrong, LEAST, 1 - LEAST))
-    wrong = scipy.special.expit(levels.constant[kind] + levels.factor[kind] * z)
-    out, trial = list(rows), np.array([row.trial for row in rows])
-    for number in np.unique(trial):
-        own = np.flatnonzero(trial == number)
-        for k, its in zip(own.tolist(), evidence_of_trial(wrong[own], rows[own[0]].rate), strict=True):
-            out[k] = rows[k]._replace(wrong=float(wrong[k]), of_trial=tuple(its))
-    return out
-
-
-def fit_levels(rows: Sequence[Told]) -> Levels:
-    """Levels and (3), as likely as they are together."""
-    kind, y = np.array([level_of(row) for row in rows]), np.array([float(row.true) for row in rows])
-    z = scipy.special.logit(np.clip([row.wrong for row in rows], LEAST, 1 - LEAST))
-    found = Levels(np.zeros(len(LEVELS)), np.ones(len(LEVELS)), np.ones(2))
-    for _ in range(TURNS):
-        of = np.array([row.of_trial[1:] for row in levelled(rows, found)])
-
-        def cost(x: Floats, of: Floats = of) -> float:
-            c, constant, factor = np.split(x, (2, 2 + len(LEVELS)))
-            u = constant[kind] + np.exp(factor[kind]) * z + of @ (c * np.array([1.0, -1.0]))
-            firm = FIRM * float((constant**2).sum() / 4 + 4 * (factor**2).sum())
-            return float((np.logaddexp(0, u) - y * u).sum()) + firm
-
-        bounds = [(0, None), (0, 0.99 * TAIL), *[(-3, 3)] * len(LEVELS), *[(-1, 1)] * len(LEVELS)]
-        first = np.concatenate([found.c, found.constant, np.log(found.factor)])
-        x = scipy.optimize.minimize(cost, first, method="L-BFGS-B", bounds=bounds).x
-        c, constant, factor = np.split(x, (2, 2 + len(LEVELS)))
-        found = Levels(constant, np.exp(factor), c)
-    return found
+    bounds = [(0, None), (0, 0.99 * TAIL), (0, None)]
+    return np.asarray(scipy.optimize.minimize(cost, np.ones(3), method="L-BFGS-B", bounds=bounds).x)
 
 
 def fit_changes(rows: Sequence[Told]) -> Floats:
@@ -186,7 +126,7 @@ def fit_changes(rows: Sequence[Told]) -> Floats:
             its = evidence_of_trial(np.array([rows[k].wrong for k in own]), rows[own[0]].rate)
             for k, one in zip(own, its, strict=True):
                 rows[k] = rows[k]._replace(of_trial=tuple(one))
-        beside = np.array([rows[k].of_trial[1:] for k in mine]) @ (fit(rows) * np.array([1.0, -1.0]))
+        beside = np.array([rows[k].of_trial[1:] for k in mine]) @ (fit(rows)[:2] * np.array([1.0, -1.0]))
         b = _likeliest(x, y, beside, b)
     return b
 
@@ -207,7 +147,7 @@ def judged(rows: Sequence[Told], c: Floats | None) -> list[Judged]:
     for row in rows:
         wrong = row.wrong
         if c is not None:
-            wrong = float(scipy.special.expit(np.dot((1.0, c[0], -c[1]), row.of_trial)))
+            wrong = float(scipy.special.expit(logit_in_trial(np.array([row.of_trial]), c)[0]))
         out.append(Judged(row.laboratory, row.kind, wrong, row.true, wrong >= 0.05))
     return out
 
@@ -253,30 +193,8 @@ def main(*what: str) -> None:
         alone = judged([row for row in rows if row.laboratory == place], None)
         print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(mine)}; by themselves {unsure(alone)}")
     say("By its trial, by the coefficients of all", judged(rows, c_all := fit(rows)))
-    print(f"  in_trial: {c_all[0]:.2f}, {c_all[1]:.2f}; without one laboratory {spread(c, 0)}, {spread(c, 1)}")
-    say_levels(rows, places)
-
-
-def say_levels(rows: Sequence[Told], places: Sequence[str]) -> None:
-    """What levels of kinds would make of it."""
-    others = {place: fit_levels([row for row in rows if row.laboratory != place]) for place in places}
-    say(
-        "With levels, each laboratory by the others",
-        [one for place, levels in others.items() for one in told_by(rows, levels, place)],
-    )
-    every = fit_levels(rows)
-    for kind, constant, factor in zip(LEVELS, every.constant, every.factor, strict=True):
-        print(f"  {kind}: constant {constant:+.2f}, factor {factor:.2f}")
-
-
-def judged_by(rows: Sequence[Told], levels: Levels) -> list[Judged]:
-    """By their trials, with these levels."""
-    return judged(levelled(rows, levels), levels.c)
-
-
-def told_by(rows: Sequence[Told], levels: Levels, place: str) -> list[Judged]:
-    """Of one laboratory, with the levels of others."""
-    return judged_by([row for row in rows if row.laboratory == place], levels)
+    fitted, without_one = ", ".join(f"{k:.2f}" for k in c_all), ", ".join(spread(c, k) for k in range(3))
+    print(f"  in_trial: {fitted}; without one laboratory {without_one}")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from kinemark.edit.probable_errors import Paths, Told, changes, ghosts, in_trial
 from kinemark.edit.probable_errors.companion_steps import companion_steps
 from kinemark.edit.probable_errors.paths import HALF, Ends, continued, ends, meeting
 from kinemark.edit.probable_errors.places import APART_S, PARTNERS, REACH_MM, REACH_SPEED
-from kinemark.edit.probable_errors.probability import BEYOND, COEFFICIENTS, TAIL, as_common, evidence_of_trial
+from kinemark.edit.probable_errors.probability import BEYOND, COEFFICIENTS, TAIL, UNLIKELY, as_common, evidence_of_trial
 from kinemark.edit.probable_errors.shape import companions, spread
 from kinemark.signal.filters import butterworth
 from support.walked import RATE, clean, every, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
@@ -334,11 +334,22 @@ def test_the_other_problems_of_a_trial_tell_how_likely_one_is():
     np.testing.assert_array_equal(said([]), np.zeros(0))
 
 
-@pytest.mark.parametrize("wrong", [1e-5, 0.05, 0.1, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize("wrong", [0.12, 0.2, 0.5, 0.9, 0.999])
 def test_what_stands_alone_in_its_trial_is_as_likely_as_it_tells_itself(wrong):
     """Whatever its kind and the rate: no trial says of a problem what none of its other problems does."""
     for rate in (20.0, 100.0, 250.0):
         np.testing.assert_allclose(said([wrong], rate), [wrong], rtol=1e-9)
+
+
+@pytest.mark.parametrize("others", [[], [0.99] * 5])
+def test_what_is_unlikely_falls_faster_than_its_evidence(others):
+    """What is hardly off its way is no error: odds a tenth as great by itself are less than a tenth as great, also
+    among errors, and without a step where that begins."""
+    odds = [said([own, *others])[0] for own in 1 / (1 + np.exp([8.0, 10.3, 12.6]))]
+    odds = [one / (1 - one) for one in odds]
+    assert odds[1] < odds[0] / 11 and odds[2] < odds[1] / 11
+    either = said([1 / (1 + np.exp(UNLIKELY + 1e-6))])[0], said([1 / (1 + np.exp(UNLIKELY - 1e-6))])[0]
+    assert abs(either[0] - either[1]) < 1e-6
 
 
 def test_what_stands_out_in_a_restless_trial_stays_likely():
@@ -357,9 +368,9 @@ def test_what_tells_more_is_never_less_likely():
 
 
 def test_the_coefficients_of_a_trial_keep_what_tells_more_likelier():
-    """The bounds of (3), within which the study fits them."""
-    more, common = COEFFICIENTS["in_trial"]
-    assert more > 0 and 0 < common < TAIL
+    """The bounds of (3) and (5), within which the study fits them."""
+    more, common, faster = COEFFICIENTS["in_trial"]
+    assert more > 0 and 0 < common < TAIL and faster > 0
 
 
 def test_motion_is_counted_of_the_others_and_at_most_as_what_one_tells_itself():

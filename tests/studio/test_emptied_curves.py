@@ -1,7 +1,12 @@
-"""Curves of a marker that has no sample any more keep their axes: nothing jumps, and undoing is drawn at once."""
+"""Curves of an emptied marker keep their axes, so that nothing jumps; and names are written as they are."""
 
+from dataclasses import replace
+
+from kinemark.data import Trial
+from kinemark.io.trial import write_trial
 from support.studio import file_in
 from support.studio_page import Studio, needed, served, window
+from support.walked import clean, without
 
 
 def test_axes_stay_when_a_marker_is_emptied_and_come_back_with_it(tmp_path, chromium_running):
@@ -24,4 +29,20 @@ def test_axes_stay_when_a_marker_is_emptied_and_come_back_with_it(tmp_path, chro
         head = studio.head
         studio.press("Control+z").acted(head)
         assert page.evaluate(places) == before
+        context.close()
+
+
+def test_a_name_with_a_space_is_written_with_it_in_every_list(tmp_path, chromium_running):
+    """Where a name is parted, so that its end is never cut, the space went: "r asis" was "rasis" among the gaps."""
+    needed()
+    trial = without(clean(), 5, 60, 66)
+    paths = [replace(path, name="r asis") if k == 5 else path for k, path in enumerate(trial)]
+    write_trial(Trial("walk", replace(trial, paths=tuple(paths))), tmp_path / "walk.c3d")
+    with served(tmp_path) as server:
+        context = window(chromium_running)
+        page = Studio(context, server).enter(server.address).open("gaps", trial="walk.c3d").page
+        begin = page.locator("[data-gap^='r asis'] b span").first
+        begin.wait_for()
+        assert begin.text_content().endswith(" ")
+        assert begin.evaluate("own => getComputedStyle(own).whiteSpace") == "pre"
         context.close()

@@ -52,6 +52,8 @@ describe("presses", () => {
     expect(press("!", { shiftKey: true, code: "Digit1" })).toBe("Shift+1");
     expect(press("z", { metaKey: true })).toBe("Ctrl+Z");
     expect(press(" ")).toBe("Space");
+    expect(press("[", { altKey: true, ctrlKey: true })).toBe("[");
+    expect(press("]", { altKey: true })).toBe("]");
   });
 
   it("are single letters or not", () => {

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { fitting } from "../src/model/format";
 import { frameAt, painted, pieces, placeOf, rowOrder } from "../src/model/lanes";
 import { HEADER, path, set } from "./support";
 
@@ -31,4 +32,20 @@ describe("places and frames", () => {
 it("rows are in the order of the marker set, then other names, then tracks without one", () => {
   const paths = set(["*3", "RKNE", "extra", "LKNE"].map((name) => path(name, [1, 1, 1, 1, 1, 1])));
   expect(rowOrder(HEADER, paths)).toEqual(["LKNE", "RKNE", "extra", "*3"]);
+});
+
+it("rows of names without a sample come last, and a marker of the set keeps its place", () => {
+  const paths = set(["probe", "*3", "RKNE", "extra", "LKNE"].map((name) => path(name, [1, 1, 1, 1, 1, 1])));
+  const tracks = ["probe", "*3", "RKNE", "extra", "LKNE"].map((name) => ({ ...HEADER.tracks[0]!, name, samples: name === "probe" || name === "RKNE" ? 0 : 6 }));
+  expect(rowOrder({ ...HEADER, tracks }, paths)).toEqual(["LKNE", "RKNE", "extra", "*3", "probe"]);
+});
+
+describe("names of rows", () => {
+  const width = (words: string): number => 5 * words.length;
+
+  it("are whole where there is room", () => expect(fitting("r head backb", 60, width)).toBe("r head backb"));
+  it("lose no more of their middle than they must", () => {
+    expect(fitting("right head back b", 60, width)).toBe("right h…ck b");
+    expect(fitting("right head back b", 1, width)).toBe("r…ck b");
+  });
 });

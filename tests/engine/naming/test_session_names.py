@@ -113,6 +113,12 @@ def test_a_claim_in_the_journal_is_a_fact_for_the_names_until_it_is_undone(tmp_p
     assert back.trajectories.names == before.names and labels(folder, "walk01")["figures"]["claimed"] == 0
 
 
+def test_a_claim_that_confirms_a_name_holds_as_it_does_when_the_trial_is_named_again(tmp_path):
+    """Without it another template may call the track otherwise: it is no idle word, though no sample changes by it."""
+    trial = run(session_of(tmp_path, "walk01", label='template = ["earlier.c3d"]'), to="label")["walk01"]
+    assert [one.outcome for one in Editing.of_trial(trial).claim("LKNE", "LKNE").applied] == ["held"]
+
+
 def test_a_claim_of_some_frames_names_its_piece_and_the_rest_of_the_track_stays_what_it_is(tmp_path):
     folder = session_of(tmp_path, "walk01", label='template = ["earlier.c3d"]')
     trial = run(folder)["walk01"]

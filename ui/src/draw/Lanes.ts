@@ -1,14 +1,16 @@
 /** The whole trial as lanes, a row a marker: measured, filled, edited, missing. Painted once; the playhead moves over it. */
 import type { Problem, TrialHeader } from "../api/types";
-import { inShort } from "../model/format";
+import { fitting } from "../model/format";
 import { withoutSubject } from "../model/names";
 import { frameAt, painted, pieces, placeOf, rowOrder } from "../model/lanes";
 import { EDITED, FILLED, MEASURED, MISSING, type PathSet } from "../model/paths";
 import { byOrigin, fit, palette, type Palette } from "./palette";
 import { soon } from "./soon";
 
-/** px: of a row, of the names left of it, of the strip of problems and events above. */
-const ROW = 9, NAMES = 62, HEAD = 14;
+/** px: of a row, of the strip of problems and events above. */
+const ROW = 9, HEAD = 14;
+/** px of the names left of the rows, at least and at most; left of a name. Chosen: the longest of usual names fit. */
+const LEAST = 62, MOST = 104, INSET = 4;
 
 /** Opacity of lanes that are not selected; chosen. */
 const QUIET = 0.62;
@@ -31,6 +33,9 @@ export class Lanes {
   private worth = 0;
   private marks: LaneMarks = { selected: [], first: null, last: null, problem: null };
   private rows: string[] = [];
+  /** What is written of each row, and px that the names take. */
+  private words = new Map<string, string>();
+  private names = LEAST;
   private frame = 1;
   private waiting = 0;
   private hatch: { of: Palette; pattern: CanvasPattern | string } | null = null;
@@ -53,9 +58,20 @@ export class Lanes {
 
   /** `worth`: how many of the problems, from the first, are worth a look. */
   set(header: TrialHeader, paths: PathSet, problems: readonly Problem[], worth: number): void {
+    if (header !== this.header || paths !== this.paths) this.order(header, paths);
     Object.assign(this, { header, paths, problems, worth });
-    this.rows = rowOrder(header, paths);
     soon(this, () => this.paint());
+  }
+
+  /** The rows, and their names as far as there is room for them. */
+  private order(header: TrialHeader, paths: PathSet): void {
+    const c = this.canvas.getContext("2d")!, whole = new Map<string, string>();
+    c.font = font();
+    const width = (words: string): number => c.measureText(words).width;
+    this.rows = rowOrder(header, paths);
+    for (const name of this.rows) whole.set(name, withoutSubject(header, name));
+    this.names = Math.ceil(Math.min(MOST, Math.max(LEAST, ...[...whole.values()].map((words) => width(words) + 2 * INSET))));
+    this.words = new Map([...whole].map(([name, words]) => [name, fitting(words, this.names - 2 * INSET, width)]));
   }
 
   mark(marks: LaneMarks): void {
@@ -68,7 +84,7 @@ export class Lanes {
   show(frame: number): void {
     this.frame = frame;
     if (!this.paths) return;
-    const x = NAMES + placeOf(frame, this.width, this.paths.firstFrame, this.paths.frames);
+    const x = this.names + placeOf(frame, this.width, this.paths.firstFrame, this.paths.frames);
     this.line.style.transform = `translateX(${x.toFixed(1)}px)`;
   }
 
@@ -82,7 +98,7 @@ export class Lanes {
   private wide = 0;
 
   private get width(): number {
-    return Math.max(1, (this.wide ||= this.scroll.clientWidth) - NAMES);
+    return Math.max(1, (this.wide ||= this.scroll.clientWidth) - this.names);
   }
 
   private reveal(name: string): void {
@@ -97,13 +113,13 @@ export class Lanes {
   private paint(): void {
     const { paths, header } = this;
     if (!paths || !header) return;
-    const p = palette(), width = this.width, whole = width + NAMES, height = Math.max(1, this.rows.length * ROW);
+    const p = palette(), width = this.width, whole = width + this.names, height = Math.max(1, this.rows.length * ROW);
     lay(this.canvas, { height });
     lay(this.head, { height: HEAD, width: whole });
     const scale = fit(this.canvas, whole, height), c = this.canvas.getContext("2d")!;
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, whole, height);
-    c.font = `9px ${getComputedStyle(document.body).fontFamily}`;
+    c.font = font();
     c.textBaseline = "middle";
     const hatch = (this.hatch = this.hatch?.of === p ? this.hatch : { of: p, pattern: hatching(c, p) }).pattern, some = new Set(this.marks.selected);
     for (const [i, name] of this.rows.entries()) this.row(c, p, hatch, name, i * ROW, width, some.has(name));
@@ -115,12 +131,12 @@ export class Lanes {
   private row(c: CanvasRenderingContext2D, p: Palette, hatch: CanvasPattern | string, name: string, y: number, width: number, selected: boolean): void {
     const path = this.paths!.byName.get(name);
     if (!path) return;
-    if (selected) (c.fillStyle = p.line), c.fillRect(0, y, NAMES + width, ROW);
+    if (selected) (c.fillStyle = p.line), c.fillRect(0, y, this.names + width, ROW);
     c.fillStyle = selected ? p.select : p.faint;
-    c.fillText(inShort(withoutSubject(this.header, name), 9), 4, y + ROW / 2 + 0.5);
+    c.fillText(this.words.get(name) ?? name, INSET, y + ROW / 2 + 0.5);
     const colours = byOrigin(p);
     for (const piece of painted(pieces(path.origin, width))) {
-      const x = NAMES + piece.x, own = piece.origin;
+      const x = this.names + piece.x, own = piece.origin;
       c.fillStyle = own === MISSING ? p.view : (colours[own] ?? p.measured);
       c.globalAlpha = own === MEASURED && !selected ? QUIET : 1; // what is as usual stands back
       c.fillRect(x, y + 1, piece.width, ROW - 2);
@@ -134,7 +150,7 @@ export class Lanes {
   private stretch(c: CanvasRenderingContext2D, p: Palette, width: number, height: number): void {
     const { first, last } = this.marks, { firstFrame, frames } = this.paths!;
     if (first === null && last === null) return;
-    const a = NAMES + placeOf(first ?? firstFrame, width, firstFrame, frames), b = NAMES + placeOf(last ?? firstFrame + frames - 1, width, firstFrame, frames);
+    const a = this.names + placeOf(first ?? firstFrame, width, firstFrame, frames), b = this.names + placeOf(last ?? firstFrame + frames - 1, width, firstFrame, frames);
     c.fillStyle = `${p.select}1c`;
     c.fillRect(a, 0, Math.max(1, b - a), height);
     c.fillStyle = p.select;
@@ -148,9 +164,9 @@ export class Lanes {
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, whole, HEAD);
     c.fillStyle = p.faint;
-    for (const event of this.header!.events) c.fillRect(NAMES + placeOf(1 + event.time_s * this.header!.rate, width, firstFrame, frames), 9, 1, 5);
+    for (const event of this.header!.events) c.fillRect(this.names + placeOf(1 + event.time_s * this.header!.rate, width, firstFrame, frames), 9, 1, 5);
     for (const [i, problem] of [...this.problems.entries()].reverse()) { // what is worth a look stands over the others
-      const x = NAMES + placeOf(problem.frame, width, firstFrame, frames), own = problem.id === this.marks.problem;
+      const x = this.names + placeOf(problem.frame, width, firstFrame, frames), own = problem.id === this.marks.problem;
       c.fillStyle = own ? p.select : i < this.worth ? p.bad : p.faint;
       c.beginPath();
       c.moveTo(x - (own ? 6 : 4), own ? 1 : 3);
@@ -163,15 +179,15 @@ export class Lanes {
   private readonly down = (event: PointerEvent): void => {
     if (!this.paths || event.button) return;
     const canvas = event.currentTarget as HTMLCanvasElement, { firstFrame, frames } = this.paths;
-    const at = (e: PointerEvent): number => frameAt(e.offsetX - NAMES, this.width, firstFrame, frames);
+    const at = (e: PointerEvent): number => frameAt(e.offsetX - this.names, this.width, firstFrame, frames);
     const from = at(event);
     if (canvas === this.head) {
-      const near = this.problems.find((p) => Math.abs(NAMES + placeOf(p.frame, this.width, firstFrame, frames) - event.offsetX) < 7);
+      const near = this.problems.find((p) => Math.abs(this.names + placeOf(p.frame, this.width, firstFrame, frames) - event.offsetX) < 7);
       if (near) return this.onProblem(near.id);
     } else {
       const name = this.rows[Math.floor(event.offsetY / ROW)];
       if (name) this.onSelect(name, event.ctrlKey || event.metaKey);
-      if (event.offsetX < NAMES) return;
+      if (event.offsetX < this.names) return;
     }
     canvas.setPointerCapture(event.pointerId);
     if (!event.shiftKey) this.onFrame(from);
@@ -183,6 +199,9 @@ export class Lanes {
     canvas.addEventListener("pointerup", () => canvas.removeEventListener("pointermove", move), { once: true });
   };
 }
+
+/** That of the rows' names. */
+const font = (): string => `9px ${getComputedStyle(document.body).fontFamily}`;
 
 /** Give an element its size, px, where it has another one: all of the page is laid out anew for it. */
 function lay(element: HTMLElement, size: { width?: number; height: number }): void {

@@ -86,6 +86,13 @@ function layout(n: 1 | 2 | 3 | 4, title: string): Command {
   return { id: `layout-${n}`, keys: [`Shift+${n}`], title, group: "View", screens: ["tracks"], run: () => (keep("layout", String(n)), set({ layout: n })) };
 }
 
+/** The second of two that are selected: the next one, or the one before. */
+function nextBeside(step: 1 | -1): void {
+  const { header, paths, computed, selected } = get(), shown = shownPaths(header, paths, computed), first = selected[0];
+  const names = header && shown ? rowOrder(header, shown).filter((name) => name !== first) : [], at = names.indexOf(selected[1] ?? "");
+  if (first && names.length) set({ selected: [first, names[at < 0 ? (step > 0 ? 0 : names.length - 1) : (at + step + names.length) % names.length]!] });
+}
+
 const SIDES = 4;
 
 export const COMMANDS: readonly Command[] = [
@@ -134,6 +141,8 @@ export const COMMANDS: readonly Command[] = [
   { id: "end", keys: ["End"], title: "Last frame", group: "Time", screens: PLAYED, run: jumpTo(() => playhead.last) },
   { id: "marker-next", keys: ["."], title: "Next marker", group: "Time", screens: EDITOR, run: () => nextMarker(1) },
   { id: "marker-back", keys: [","], title: "Marker before", group: "Time", screens: EDITOR, run: () => nextMarker(-1) },
+  { id: "second-next", keys: [">"], title: "Select a second marker: the next", group: "Time", screens: EDITOR, when: selected, run: () => nextBeside(1) },
+  { id: "second-back", keys: ["<"], title: "Select a second marker: the one before", group: "Time", screens: EDITOR, when: selected, run: () => nextBeside(-1) },
   // View
   { id: "lines", keys: ["E"], title: "Epipolar lines", group: "View", screens: EDITOR, run: flip("lines") },
   { id: "images", keys: ["I"], title: "Images of the cameras", group: "View", screens: EDITOR, run: flip("images") },

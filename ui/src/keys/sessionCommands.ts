@@ -1,6 +1,6 @@
 /** Keys of the screens New session, Cameras & calibration, and Angles. */
 import { goTo } from "../state/load";
-import { answer, asked, back, calibrate, choose, lookAtSpike, makeSession, now, put, sessionOf, writeEuler } from "../state/sessions";
+import { answer, asked, back, calibrate, choose, lookAtSpike, makeSession, now, pointAtSpot, put, sessionOf, stepSpot, writeEuler } from "../state/sessions";
 import { get, playhead, set, type State } from "../state/store";
 import type { Command, Level } from "./commands";
 
@@ -41,6 +41,9 @@ export const SESSION_COMMANDS: readonly Command[] = [
   { id: "session-make", keys: ["Shift+Enter"], title: "Make the session", group: "Cameras", screens: ["new"], when: () => now().proposed?.lacking === "", foot: 1, hint: () => `make the session ${now().proposed?.name ?? ""}`, run: () => void makeSession(false) },
   { id: "calibrate", keys: ["Shift+Enter"], title: "Calibrate now", group: "Cameras", screens: ["cameras"], when: () => now().session !== null, foot: 4, hint: () => "calibrate now", run: () => void calibrate() },
   { id: "ball-point", keys: ["P"], title: "Point at the control balls, or look at the verdict", group: "Cameras", screens: ["cameras"], when: () => now().control !== null, foot: 5, hint: () => (now().pointing ? "the verdict" : "point at the balls"), run: () => put({ pointing: !now().pointing }) },
+  { id: "ball-spot", keys: ["Space"], title: "Point at the white spot that is chosen", group: "Cameras", screens: ["cameras"], when: () => balls() && now().spot >= 0, foot: 0, hint: () => `${now().point} is at the square`, run: pointAtSpot },
+  { id: "ball-spot-next", keys: ["."], title: "Next white spot", group: "Cameras", screens: ["cameras"], when: balls, foot: 3, hint: () => "next white spot", run: () => stepSpot(1) },
+  { id: "ball-spot-before", keys: [","], title: "White spot before", group: "Cameras", screens: ["cameras"], when: balls, run: () => stepSpot(-1) },
   { id: "ball-none", keys: ["B"], title: "The camera does not see it", group: "Cameras", screens: ["cameras"], when: balls, foot: 1, hint: () => `${now().camera} does not see ${now().point}`, run: () => void answer({ seen: false }) },
   { id: "ball-back", keys: ["Backspace"], title: "Take the last answer back", group: "Cameras", screens: ["cameras"], when: () => balls() && now().given.length > 0, foot: 2, hint: () => `take ${now().given.at(-1)!.point} back`, run: () => void back() },
   { id: "ball-next", keys: ["N"], title: "Next ball", group: "Cameras", screens: ["cameras"], when: balls, foot: 3, hint: () => "next ball", run: () => step(1) },

@@ -37,3 +37,9 @@ const END = 4;
 export const ends = (name: string): [string, string] => [name.slice(0, Math.max(0, name.length - END)), name.slice(-END)];
 /** A name of at most so many letters, cut in its middle. */
 export const inShort = (name: string, most: number): string => (name.length > most ? `${name.slice(0, most - END - 1)}…${name.slice(-END)}` : name);
+/** A name as long as there is room for it, cut in its middle where it must be; `width`: of words. */
+export function fitting(name: string, room: number, width: (words: string) => number): string {
+  let most = name.length;
+  while (most > END + 2 && width(inShort(name, most)) > room) most--;
+  return inShort(name, most);
+}

@@ -17,11 +17,11 @@ export function pieces(origin: Uint8Array, width: number): Piece[] {
 /** Long pieces first, so that short ones are painted over them. */
 export const painted = (all: readonly Piece[]): Piece[] => [...all].sort((a, b) => b.width - a.width);
 
-/** The rows in their order: markers of the set as it has them, other names, tracks without a name, then points that are no markers. */
+/** The rows in their order: markers of the set as it has them, other names, tracks without a name, points that are no markers, then what a file has a name for and no sample of. */
 export function rowOrder(header: TrialHeader, paths: PathSet): string[] {
   const places = new Map(header.marker_set?.names.map((name, i) => [name, i]));
-  const away = new Set(computedNames(header));
-  const of = (name: string): number => (away.has(name) ? 3e6 : name.startsWith("*") ? 2e6 : (places.get(name) ?? 1e6));
+  const away = new Set(computedNames(header)), empty = new Set(header.tracks.filter((track) => !track.samples).map((track) => track.name));
+  const of = (name: string): number => places.get(name) ?? (empty.has(name) ? 4e6 : away.has(name) ? 3e6 : name.startsWith("*") ? 2e6 : 1e6);
   const index = new Map(header.tracks.map((track, i) => [track.name, i]));
   return [...paths.byName.keys()].sort((a, b) => of(a) - of(b) || (index.get(a) ?? 0) - (index.get(b) ?? 0));
 }

@@ -3,7 +3,7 @@ import { EyeOff, Undo2 } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import * as api from "../api/sessions";
 import { palette } from "../draw/palette";
-import { answer, asked, back, choose, fetchWhite, keepThreshold, put, useSessions } from "../state/sessions";
+import { answer, asked, back, choose, fetchWhite, keepThreshold, put, spotsOf, useSessions } from "../state/sessions";
 import { useStore } from "../state/store";
 import { Asked } from "./Shown";
 import styles from "./ControlView.module.css";
@@ -15,7 +15,7 @@ export function ControlView(): React.JSX.Element {
   return (
     <div className={styles.screen}>
       <section className={styles.image} aria-label="Image">
-        <p className={styles.question} role="status">{own ? <><b>{camera}</b>: where is <b>{point}</b>? Click any white pixel of it.</> : "Choose a camera."}</p>
+        <p className={styles.question} role="status">{own ? <><b>{camera}</b>: where is <b>{point}</b>? Click any white pixel of it, or choose a spot with <kbd>.</kbd> and point at it with <kbd>Space</kbd>.</> : "Choose a camera."}</p>
         <Picture />
         <Threshold />
       </section>
@@ -56,7 +56,7 @@ function Threshold(): React.JSX.Element {
 
 /** The image with its white pixels, as large as fits. */
 function Picture(): React.JSX.Element {
-  const { session, camera, control, white, level, inverted, point } = useSessions(), theme = useStore((s) => s.theme);
+  const { session, camera, control, white, level, inverted, point, spot } = useSessions(), theme = useStore((s) => s.theme);
   const canvas = useRef<HTMLCanvasElement>(null), place = useRef<HTMLDivElement>(null), [image, setImage] = useState<{ of: string; picture: HTMLImageElement } | null>(null), [size, setSize] = useState([1, 1]);
   const address = session ? api.controlImage(session, camera) : "", own = control?.cameras.find((c) => c.name === camera);
   useEffect(() => {
@@ -71,19 +71,19 @@ function Picture(): React.JSX.Element {
   }, []);
   const ready = image?.of === address ? image.picture : null, w = own?.width ?? 1, h = own?.height ?? 1, scale = Math.min(size[0]! / w, size[1]! / h);
   useEffect(() => {
-    if (ready && own) paint(canvas.current!, ready, level ?? white?.threshold ?? 256, inverted, white?.centroids ?? [], asked(own), point);
-  }, [ready, own, level, white, inverted, point, theme]);
+    if (ready && own) paint(canvas.current!, ready, level ?? white?.threshold ?? 256, inverted, spotsOf(white), asked(own), point, spot);
+  }, [ready, own, level, white, inverted, point, spot, theme]);
   const click = (e: React.MouseEvent): void => {
     const box = canvas.current!.getBoundingClientRect();
     void answer({ u: ((e.clientX - box.left) / box.width) * w - 0.5, v: ((e.clientY - box.top) / box.height) * h - 0.5 });
   };
-  return <div ref={place} className={styles.place}><canvas ref={canvas} data-camera={ready ? camera : ""} style={{ width: w * scale, height: h * scale }} onClick={click} role="img" aria-label={`Image of ${camera}; white pixels are tinted`} /></div>;
+  return <div ref={place} className={styles.place}><canvas ref={canvas} data-camera={ready ? camera : ""} data-spot={spotsOf(white)[spot]?.join(" ") ?? ""} style={{ width: w * scale, height: h * scale }} onClick={click} role="img" aria-label={`Image of ${camera}; white pixels are tinted`} /></div>;
 }
 
 /** Canvas pixels an image pixel; so that marks are drawn finer than the image. */
 const FINE = 3;
 
-function paint(canvas: HTMLCanvasElement, image: HTMLImageElement, level: number, inverted: boolean, centroids: readonly (readonly [number, number])[], balls: readonly { point: string; u?: number | null; v?: number | null }[], point: string): void {
+function paint(canvas: HTMLCanvasElement, image: HTMLImageElement, level: number, inverted: boolean, centroids: readonly (readonly [number, number])[], balls: readonly { point: string; u?: number | null; v?: number | null }[], point: string, spot: number): void {
   const w = image.naturalWidth, h = image.naturalHeight, c = canvas.getContext("2d")!, p = palette();
   const plain = new OffscreenCanvas(w, h), o = plain.getContext("2d", { willReadFrequently: true })!;
   o.drawImage(image, 0, 0);
@@ -95,6 +95,12 @@ function paint(canvas: HTMLCanvasElement, image: HTMLImageElement, level: number
   c.drawImage(plain, 0, 0, FINE * w, FINE * h);
   c.fillStyle = "#ffffff";
   for (const [u, v] of centroids) c.fillRect(FINE * (u + 0.5) - 1, FINE * (v + 0.5) - 1, 3, 3);
+  const chosen = centroids[spot];
+  if (chosen) {
+    c.strokeStyle = p.select;
+    c.lineWidth = 4;
+    c.strokeRect(FINE * (chosen[0] + 0.5) - 26, FINE * (chosen[1] + 0.5) - 26, 52, 52);
+  }
   c.font = "bold 30px sans-serif";
   for (const b of balls) {
     if (b.u == null || b.v == null) continue;

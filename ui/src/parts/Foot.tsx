@@ -9,8 +9,9 @@ const ICON = { done: CircleCheck, refused: CircleAlert, news: Info };
 /** Never cut off, however much there is to say. */
 const ALWAYS: readonly string[] = ["help", "up"];
 
+/** Who goes by keys presses the key itself, so that Tab passes over those that may be cut off. */
 const key = ({ key, words, id }: ReturnType<typeof footLine>[number]): React.JSX.Element => (
-  <li key={id}><button type="button" onClick={byId(id).run}><kbd>{shownKey(key)}</kbd><span>{words}</span></button></li>
+  <li key={id}><button type="button" tabIndex={ALWAYS.includes(id) ? 0 : -1} onClick={byId(id).run}><kbd>{shownKey(key)}</kbd><span>{words}</span></button></li>
 );
 
 /** What the next key would do, and what the last one did. */

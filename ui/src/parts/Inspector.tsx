@@ -18,7 +18,7 @@ export function Inspector(): React.JSX.Element {
   return (
     <section className={styles.section} aria-label="Selection">
       <header><h2>Selection</h2>{selected.length > 0 && <button type="button" className="icon-button" aria-label="Select nothing" onClick={() => set({ selected: [], first: null, last: null })}><X size={14} aria-hidden /></button>}</header>
-      {!selected.length && <p className="soft">Click a marker in any view; with Ctrl a second one. <kbd>[</kbd> and <kbd>]</kbd> mark a stretch.</p>}
+      {!selected.length && <p className="soft">Click a marker in any view; with Ctrl a second one. By keys <kbd>.</kbd> selects one, <kbd>&gt;</kbd> a second. <kbd>[</kbd> and <kbd>]</kbd> mark a stretch.</p>}
       <ul className={styles.tracks}>
         {selected.slice(0, 3).map((name) => {
           const t = header?.tracks.find((one) => one.name === name);

@@ -101,8 +101,8 @@ function Links(): React.JSX.Element {
         <thead><tr><th scope="col">Link</th><th scope="col">Length</th><th scope="col">Stated</th><th scope="col">State</th></tr></thead>
         <tbody>
           {links.map((l) => (
-            <tr key={`${l.a} ${l.b}`} className={l.state === "stretched" ? styles.stretched : ""} onClick={() => set((s) => ({ selected: [l.a, l.b], focused: s.focused + 1 }))}>
-              <th scope="row">{l.a} – {l.b}</th><td className="number">{mm(l.mean_mm)} ± {mm(l.sd_mm)} mm</td><td className="number">{l.stated_mm === null ? "–" : `${mm(l.stated_mm)} mm`}</td><td>{l.state === "stretched" ? <b>stretched</b> : LINK[l.state]}</td>
+            <tr key={`${l.a} ${l.b}`} className={l.state === "stretched" ? styles.stretched : ""}>
+              <th scope="row"><button type="button" className={styles.link} onClick={() => set((s) => ({ selected: [l.a, l.b], focused: s.focused + 1 }))}>{l.a} – {l.b}</button></th><td className="number">{mm(l.mean_mm)} ± {mm(l.sd_mm)} mm</td><td className="number">{l.stated_mm === null ? "–" : `${mm(l.stated_mm)} mm`}</td><td>{l.state === "stretched" ? <b>stretched</b> : LINK[l.state]}</td>
             </tr>
           ))}
         </tbody>

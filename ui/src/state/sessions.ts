@@ -26,6 +26,8 @@ interface Sessions {
   level: number | null;
   inverted: boolean;
   white: White | null;
+  /** The centroid that the keys have chosen, by its place in the list; −1: none. */
+  spot: number;
   given: readonly { camera: string; point: string }[];
 
   angles: Angles | null;
@@ -35,7 +37,7 @@ interface Sessions {
 
 export const useSessions = create<Sessions>()(() => ({
   folders: null, folder: null, said: {}, proposed: null, session: null, cameras: null, lost: null, control: null, pointing: null, camera: "", point: "", level: null,
-  inverted: false, white: null, given: [], angles: null, choice: {}, spike: null,
+  inverted: false, white: null, spot: -1, given: [], angles: null, choice: {}, spike: null,
 }));
 export const now = useSessions.getState;
 
@@ -128,7 +130,7 @@ export function choose({ camera, point }: { camera: string; point: string }): vo
   put({ camera, point });
   if (camera === before) return;
   const own = now().control?.cameras.find((c) => c.name === camera);
-  put({ level: own?.threshold ?? null, inverted: own?.inverted ?? false, white: null });
+  put({ level: own?.threshold ?? null, inverted: own?.inverted ?? false, white: null, spot: -1 });
   void fetchWhite();
 }
 
@@ -137,7 +139,22 @@ export async function fetchWhite(): Promise<void> {
   const { session, camera, level, inverted } = now();
   if (!session || !camera) return;
   const white = await tried(() => api.white(session, camera, level, inverted));
-  if (white && now().camera === camera && now().level === level && now().inverted === inverted) put({ white });
+  if (white && now().camera === camera && now().level === level && now().inverted === inverted) put({ white, spot: -1 });
+}
+
+/** Choose the next white spot of the image, or the one before: from left to right, as they are looked for. */
+export function stepSpot(by: 1 | -1): void {
+  const n = now().white?.centroids.length ?? 0, at = now().spot;
+  if (n) put({ spot: at < 0 ? (by > 0 ? 0 : n - 1) : (at + by + n) % n });
+}
+
+/** Where the spots of the image are, from left to right. */
+export const spotsOf = (white: White | null): readonly (readonly [number, number])[] => [...(white?.centroids ?? [])].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+
+/** Point at the spot that the keys have chosen. */
+export function pointAtSpot(): void {
+  const at = spotsOf(now().white)[now().spot];
+  if (at) void answer({ u: at[0], v: at[1] });
 }
 
 let answering = false;

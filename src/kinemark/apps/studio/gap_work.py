@@ -30,8 +30,9 @@ FIRST = ThreadPoolExecutor(1, "gap that is looked at")
 FEW = 3
 """Gaps that are judged one by one, at most; chosen: as after an edit of a marker."""
 STILL_S = 1.0
-"""s after it was asked for last in which somebody still looks at a gap; chosen: the page asks every quarter of a
-second, and who goes through many gaps waits for the last."""
+"""s after it was asked for last in which somebody still looks at a gap, though another one was looked at since; chosen:
+the page asks every quarter of a second, and who goes through many gaps waits for the last. The gap that was looked at
+last is gone on with, however long a busy machine lets the page wait."""
 ALONE = "best alone"
 """As a method: the best by the tests of this gap alone, which says what is best until all were judged together."""
 Key = tuple[str, int, int]
@@ -58,6 +59,7 @@ class GapWork:
     answers: dict[tuple[Key, str], tuple[MarkerTrajectory, Future[GapFill]]] = field(default_factory=dict)
     prepared: PreparedFill | None = None
     looked: dict[Key, float] = field(default_factory=dict)
+    last_looked: Key | None = None
     turns: Turns = field(default_factory=Turns)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
@@ -77,7 +79,7 @@ class GapWork:
 
     def look(self, document: OpenDocument, gap: Gap) -> None:
         """Somebody looks at a gap: what fills it best is worked out before the others."""
-        self.looked[gap.key] = time.monotonic()
+        self.looked[gap.key], self.last_looked = time.monotonic(), gap.key
         if self._done(gap, BEST) is None:
             self._ask(document, gap, ALONE, FIRST)
 
@@ -142,7 +144,8 @@ class GapWork:
         """That of a gap that somebody looks at, as long as they do."""
 
         def go_on(*_: int) -> None:
-            if method == ALONE and time.monotonic() - self.looked.get(gap.key, 0.0) > STILL_S:
+            left = self.last_looked != gap.key and time.monotonic() - self.looked.get(gap.key, 0.0) > STILL_S
+            if method == ALONE and left:
                 self.answers.pop((gap.key, ALONE), None)  # who looks at it again asks again
                 raise KinemarkError("nobody looks at this gap any more")
             self.turns.give_way(Rank.LOOKED_AT)

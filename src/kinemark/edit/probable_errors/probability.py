@@ -11,7 +11,7 @@ How many errors a file has nobody knows before, nor how its people move, but its
 is common in its own trial, an error stands alone there; and where much is wrong, more is. With z the log-odds of (1),
 z_j those of the trial's other problems, w_j their probabilities, and f its rate,
 
-    logit wrong' = z + c₁ ln(1 + S) − c₂ ln(1 + n(z)),      S = Σ_j w_j²                                  (3)
+    u = z + c₁ ln(1 + S) − c₂ ln(1 + n(z)),      S = Σ_j w_j²                                             (3)
     n(z) = √(f / USUAL_HZ) Σ_j (1 − w_j) exp(min(z, z_j) / TAIL − max(z − z_j, 0) / BEYOND)              (4)
 
 w_j² lets what is likely wrong speak of errors, and 1 − w_j what is not of motion. Of motion each counts as what it
@@ -19,6 +19,11 @@ tells, at most as what this one does, and less the farther this one is beyond it
 what tells no more than much else in its trial is motion, the more so the shorter the time from frame to frame. This is
 empirical Bayes with the trial's own distribution of what is no error. A problem without others stays at (1), and with
 0 ≤ c₁ and 0 ≤ c₂ < TAIL more evidence of its own never makes one less likely.
+
+A logistic function falls as slowly far below its middle as its middle says. Errors do not: what is hardly off its way
+is none, whatever else is told of it. So what is unlikely is less likely than (3) says,
+
+    logit wrong' = u − c₃ max(0, −u − UNLIKELY)                                                           (5)
 """
 
 from __future__ import annotations
@@ -33,6 +38,9 @@ USUAL_HZ = 60.0
 """Rate of (4); by definition."""
 TAIL, BEYOND = 2.0, 6.0
 """Log-odds of (4); chosen of 1.5 to 4 and 2 to infinity by what is told of each laboratory by the others."""
+UNLIKELY = 2.0
+"""Log-odds against an error from which on (5) falls faster; chosen of 0 to 3 by what is told of each laboratory by
+the others."""
 LEAST = 1e-6
 """Probability that counts as none; chosen."""
 
@@ -51,24 +59,24 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-7.58, -0.70, -0.11, 1.09, 1.00),
-    "in_trial": (1.46, 1.98),
+    "in_trial": (1.53, 1.92, 0.33),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
 }
-"""Constant, then as the evidence of each kind lists them; c₁ and c₂ of (3). Fitted by studies/probable_errors.py: those
-of leaps to files, those of errors that have a kind for files as well to scenes: changes of tracks with a partner
-(`change`) and without (`cut`) to what the list keeps of them. The others were fitted before rough tracks were among the
-faults, to files (spikes in them) or to both: fitted anew to files alone, spikes would be told in clean files. Spikes of
-files then got a factor and a constant by which each recording counts the same (`levelled`). (3) is fitted by
-studies/trial_bulk.py, to the laboratories of FILES there; changes of files without companions were, beside an earlier
-form of (3), to all 16, and those with companions have these times a factor, a constant, and what companions tell, by
-those of FILES. Fillings are by
-studies/filled_samples.py, lost frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are
-chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59 and
-140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left.
-Changes and ghosts of tracks got a factor and a constant each (`rescaled`) by scenes 100 to 139 and 340 to 459 and the
-present tracker, loose pieces of files by those of the laboratories."""
+"""Constant, then as the evidence of each kind lists them; c₁ and c₂ of (3), c₃ of (5). Fitted by
+studies/probable_errors.py: those of leaps to files, those of errors that have a kind for files as well to scenes:
+changes of tracks with a partner (`change`) and without (`cut`) to what the list keeps of them. The others were
+fitted before rough tracks were among the faults, to files (spikes in them) or to both: fitted anew to files alone,
+spikes would be told in clean files. Spikes of files then got a factor and a constant by which each recording counts
+the same (`levelled`). (3) and (5) are fitted by studies/trial_bulk.py, to all 16 laboratories there; changes of
+files without companions were, beside an earlier form of (3), to the same, and those with companions have these times
+a factor, a constant, and what companions tell, by those of FILES. Fillings are by studies/filled_samples.py, lost
+frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are chosen, as few files rest:
+where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59 and 140 to 141, and of 260
+to 339 the twelve that have most, and twelve others, which count for the 68 that are left. Changes and ghosts of
+tracks got a factor and a constant each (`rescaled`) by scenes 100 to 139 and 340 to 459 and the present tracker,
+loose pieces of files by those of the laboratories."""
 
 
 def of_source(kind: str, tracked: bool) -> str:
@@ -85,10 +93,15 @@ def probability(kind: str, evidence: Sequence[float]) -> float:
 
 
 def in_trial(wrong: Floats, rate: float) -> Floats:
-    """(3) of the problems (N) of a trial at so many Hz that are as likely by themselves."""
-    c, evidence = COEFFICIENTS["in_trial"], evidence_of_trial(wrong, rate)
-    z = evidence[:, 0] + c[0] * evidence[:, 1] - c[1] * evidence[:, 2]
+    """(5) of the problems (N) of a trial at so many Hz that are as likely by themselves."""
+    z = logit_in_trial(evidence_of_trial(wrong, rate), COEFFICIENTS["in_trial"])
     return np.asarray(1 / (1 + np.exp(-np.clip(z, -50, 50))))
+
+
+def logit_in_trial(evidence: Floats, c: Sequence[float] | Floats) -> Floats:
+    """(3) and (5) of problems by `evidence_of_trial` (N, 3), with c₁, c₂ and c₃."""
+    u = evidence[:, 0] + c[0] * evidence[:, 1] - c[1] * evidence[:, 2]
+    return np.asarray(u - c[2] * np.maximum(-u - UNLIKELY, 0.0))
 
 
 def evidence_of_trial(wrong: Floats, rate: float) -> Floats:

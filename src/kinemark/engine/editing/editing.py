@@ -51,6 +51,7 @@ class Editing:
         by: who edits; the user of the machine where empty.
         source: the file's trial; None of a session's. decisions: of the tracking that were close.
         facts: the claims by which the markers were named; pinned: the edits with which they were tracked again.
+        named: whether claims are facts for the names, so that one which confirms a name holds.
         replays: versions that were worked out before.
     """
 
@@ -64,6 +65,7 @@ class Editing:
     decisions: tuple[AmbiguousDecision, ...] = ()
     facts: tuple[Claim, ...] = ()
     pinned: tuple[Edit, ...] = ()
+    named: bool = False
     replays: Replays = field(default_factory=Replays, repr=False)
 
     @classmethod
@@ -81,10 +83,12 @@ class Editing:
         """A trial of a session, by what `OpenTrial.before_edits` gave."""
         journal = Journal.of(trial.workspace.root, trial.name)
         decisions = last_tracked(records).ambiguous_decisions
-        facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
+        named = claims_are_facts(records)
+        facts = claims_of(trial.workspace.root, trial.name) if named else ()
         return cls(
             trial.name, journal, measured_of(inputs, records), detections_of(records), inputs.rig, by,
             decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
+            named=named,
         )  # fmt: skip
 
     @property
@@ -295,7 +299,7 @@ class Editing:
         def replayed(entries: Sequence[Entry]) -> Edited:
             return replay(
                 self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world,
-                facts=bool(self.facts or self.pinned),
+                facts=self.named,
             )  # fmt: skip
 
         return self.replays.of(entries, replayed)

@@ -165,8 +165,8 @@ def _compute(
 
 
 def claims_are_facts(records: Records) -> bool:
-    """Whether markers were tracked, or named, by what people claimed."""
-    return "retrack" in records or ("label" in records and bool(records["label"].figures.get("claimed")))
+    """Whether markers are tracked, or named, by what people claim as well: a claim that confirms a name is a fact."""
+    return "retrack" in records or "label" in records
 
 
 def _save(path: Path, record: EditRecord) -> None:

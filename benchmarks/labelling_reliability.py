@@ -63,8 +63,8 @@ class Kept(NamedTuple):
 
 class Bin(NamedTuple):
     """Labels whose probability is from `low` to below `high`: how many, of how many shreds, their probability and the
-    share of right ones in the mean, and the standard error of the difference of both: the greater of that of shreds, and
-    of labels, as independent ones."""
+    share of right ones in the mean, and the standard error of the difference of both, the greater of those with shreds
+    and with labels as independent ones."""
 
     low: float
     high: float
@@ -187,7 +187,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--keep", nargs="*", default=[], help="kind:from-to")
     asked = parser.parse_args()
-    keep([one for part in asked.keep for one in seeds_of(part)])
+    if asked.keep:
+        keep([one for part in asked.keep for one in seeds_of(part)])
     print(*table(kept_labels()), sep="\n")
 
 

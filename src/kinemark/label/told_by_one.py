@@ -49,4 +49,5 @@ def in_one_posture(twos: Sequence[tuple[int, int]], keeps: Bools) -> Bools:
     Args:
         twos: M labels a and b. keeps: (L, L) of the template.
     """
-    return ~keeps.any(1)[np.array(twos, np.int64).reshape(-1, 2)].any(1)
+    loose = np.asarray(~keeps.any(1))
+    return np.asarray(loose[np.array(twos, np.int64).reshape(-1, 2)].all(1))

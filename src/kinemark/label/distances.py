@@ -196,20 +196,25 @@ def probability_of_all(
     What a map of labels' probabilities was measured on tells nothing of how sure a piece of a label is.
     """
     another = bool(np.any(template.doubt))
-    beta, gained = (BETA_OTHER, GAINED_OTHER) if another else (BETA_LABEL, GAINED)
-    piece = BETA_TRACK if another else BETA_PIECE
-    of_label = recalibrated(label_probability(about, label=beta, gained=gained), another=another)
-    of_label = of_label if another else by_what_is_absent(of_label, about)
-    p = _of_named(of_label * track_probability(about, weight, piece=piece))
+    p = probability_by(about, weight, another=another)
     shift = calibrated_shift(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit,
-        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)), piece=piece,
+        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)), piece=BETA_TRACK if another else BETA_PIECE,
     )  # fmt: skip
-    return _of_named(of_label * track_probability(about, weight, shift, piece))
+    return probability_by(about, weight, another=another, shift=shift)
 
 
-def _of_named(p: Floats) -> Floats:
-    """(T) 0 for tracks without label."""
+def probability_by(about: Margins, weight: Floats, *, another: bool, shift: float = 0.0) -> Floats:
+    """(T) by the coefficients of all trials, labels recalibrated; 0 for tracks without label.
+
+    Args:
+        about: of T tracks. weight: (T) independent frames. another: the template is another subject's.
+        shift: of the logits of tracks, by what the trial itself shows.
+    """
+    beta, gained = (BETA_OTHER, GAINED_OTHER) if another else (BETA_LABEL, GAINED)
+    of_label = recalibrated(label_probability(about, label=beta, gained=gained), another=another)
+    of_label = of_label if another else by_what_is_absent(of_label, about)
+    p = of_label * track_probability(about, weight, shift, BETA_TRACK if another else BETA_PIECE)
     return np.where(np.isfinite(p), p, 0.0)
 
 

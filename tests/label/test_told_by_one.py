@@ -1,0 +1,66 @@
+"""Markers that look alike, by a static trial without segments: what one other marker alone says of them."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.label import learn_template
+from kinemark.label import margin as of_margin
+from kinemark.label.evidence import PairScore
+from kinemark.label.margin import label_probability, margins
+from kinemark.label.stretches import stretches_of
+from kinemark.label.told_by_one import TIMES, in_one_posture, told_by_one
+
+WRIST = ("MEDIAL", "LATERAL")
+
+
+@cache
+def seated(frames):
+    """Forty markers of a trunk that leans a little, and two of a wrist 0.4 m beside it, 50 mm apart."""
+    rng, t = np.random.default_rng(4), np.linspace(0, 2, frames)
+    trunk = np.array([0.0, 400.0, 0.0]) + rng.normal(0, 1.0, (40, 3)) * [60.0, 60.0, 120.0]
+    trunk[:2, 2] = 900.0, -900.0  # of a body as tall as one
+    wrist = np.array([[0.0, 25.0, 0.0], [0.0, -25.0, 0.0]])
+    names = (*(f"T{k}" for k in range(40)), *WRIST)
+    xyz = np.concatenate([trunk, wrist])[:, None] + 0 * t[:, None]
+    xyz[:40, :, 0] += 8.0 * np.sin(3 * t) * trunk[:, 2:] / 120.0
+    xyz = xyz + rng.normal(0, 0.5, xyz.shape)
+    return Trajectories(tuple(MarkerTrajectory.measured(n, p) for n, p in zip(names, xyz, strict=True)), 50.0)
+
+
+def by_one_posture(segments=None):
+    return learn_template(seated(1), relative_spread=0.18, segments=segments)
+
+
+def of_exchanged(monkeypatch, times):
+    """What exchanging the wrist's markers loses, and how likely their names are; the forearm may have turned."""
+    monkeypatch.setattr(of_margin, "TIMES", times)
+    trial, template = seated(100), by_one_posture()
+    called = np.array([template.names.index(name) for name in trial.names])
+    about = margins(stretches_of(trial, template.size), called, template, PairScore.of_template(template))
+    own = [trial.names.index(name) for name in WRIST]
+    return about.exchange[own], label_probability(about)[own]
+
+
+def test_two_markers_of_a_wrist_are_not_sure_where_a_trunk_alone_tells_them_apart(monkeypatch):
+    lost, p = of_exchanged(monkeypatch, TIMES)
+    assert (lost < 3).all() and (p < 0.99).all()
+    lost, p = of_exchanged(monkeypatch, 1e6)
+    assert (lost > 5).all() and (p > 0.99).all()
+
+
+def test_one_other_marker_says_little_of_markers_that_look_alike_and_much_of_others():
+    template, place = by_one_posture(), seated(1)
+    y = np.stack([place[name].xyz for name in template.names], axis=1).astype(np.float32)
+    a, b, far = (template.names.index(name) for name in (*WRIST, "T7"))
+    alike, apart = told_by_one(y, PairScore.of_template(template), [(a, b), (a, far)])
+    assert 0 < alike < 0.5 < 2 < apart
+
+
+@pytest.mark.parametrize("segments", [None, {"forearm": WRIST}])
+def test_it_is_of_templates_that_know_no_segment(segments):
+    template = by_one_posture(segments)
+    a, b = (template.names.index(name) for name in WRIST)
+    assert in_one_posture([(a, b)], template.keeps).tolist() == [segments is None]

@@ -225,7 +225,7 @@ def test_a_trial_whose_markers_have_names_is_judged_by_them(session):
     editing.claim(one, "LKNE")
     named = error_budget(session).figures
     editing.journal.undo()
-    names = [row["name"] for row in named["by_marker"]]
+    names = [row["marker"] for row in named["by_marker"]]
     assert "LKNE" in names and one not in names and set(others) <= set(names)
     assert named["total"]["mm"] == pytest.approx(before["total"]["mm"], rel=0.05)
     assert "LKNE" in (session / "results/walk01/sensitivity.html").read_text("utf-8")

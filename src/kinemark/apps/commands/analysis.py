@@ -225,7 +225,7 @@ def gait_compare(
 
     Args:
         first: gait.json of the first condition, or its folder.
-        second: of the second.
+        second: gait.json of the second, or its folder.
         output: folder of the results.
         same_markers: they stayed on the subject in between, with one static trial.
         self_contained: put the drawing library into the page, for mailing.

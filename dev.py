@@ -5,8 +5,8 @@
     test      make the environment, install with the test tools, run the tests
     check     the same, then format, lint, types, layers
     fix       let ruff format and mend what it can
-    studio    install what `kinemark studio` needs and build its page, with node from a wheel; `python3 dev.py studio test`
-              runs its tests
+    studio    install what `kinemark studio` needs, and build its page with node from a wheel;
+              `python3 dev.py studio test` runs its tests
     docs      build the documentation as a site: docs/_build/index.html
     validate  run the studies and write what they print to docs/validation; names of studies may follow
     nightly   the tests with new random examples, the tests without compiled parts, studies and benchmarks against

@@ -16,7 +16,8 @@ def text(app: Any) -> str:
     said = app.generate_docs(output_format="markdown", heading_level=1)
     first = re.search(r"^## (?!Table of Contents)", said, re.MULTILINE)
     said = said[first.start() :] if first else said
-    return re.sub(r"(?m)^(kinemark .*?) -m sphinx\b", r"\1", said)  # cyclopts takes the builder's call for the command's
+    # cyclopts takes the call of the builder, python -m sphinx, for that of the command
+    return re.sub(r"(?m)^(kinemark .*?) -m sphinx\b", r"\1", said)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -256,7 +256,8 @@ def test_a_sessions_operator_types(recorded, capsys, monkeypatch, tmp_path):
     with pytest.raises(KinemarkError, match="There is no trial drinking; the session has feeding"):
         app(["digitise", str(tmp_path), "drinking"])
     text = (tmp_path / "session.toml").read_text("utf-8")
-    (tmp_path / "session.toml").write_text(re.sub(r"(?m)^answers.*\n", "", text), "utf-8")
+    without = re.sub(r"(?m)^answers.*\n|^\[reconstruct\]\n(?:[^\[].*\n)*", "", text)
+    (tmp_path / "session.toml").write_text(without, "utf-8")
     with pytest.raises(KinemarkError, match=r"Trial feeding has no answers\. Write .* below \[digitise\] the names"):
         app(["digitise", str(tmp_path), "feeding"])
     (tmp_path / "session.toml").write_text(text, "utf-8")

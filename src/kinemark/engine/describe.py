@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from ..data import Analog, Detections, Rig, Signals, Trajectories, Trial
 from ..io.formats import UNKNOWN_RATE, ReadOptions, holds, read_file
 from ..io.tdf import Tdf
-from ..report.formatting import count
 from .session_name import FILE
 
 if TYPE_CHECKING:
@@ -183,7 +182,7 @@ def _camera(c: Mapping[str, Any]) -> str:
 def _kinds(signals: list[Mapping[str, Any]]) -> str:
     """How many of each: `58 angles, 16 powers`."""
     each = Counter("EMG channel" if s["kind"] == "emg" else s["kind"] for s in signals)
-    return ", ".join(count(n, kind) for kind, n in each.items())
+    return ", ".join(f"{n} {kind}{'' if n == 1 else 's'}" for kind, n in each.items())
 
 
 def _cameras(value: Any) -> str:

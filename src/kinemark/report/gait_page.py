@@ -202,7 +202,7 @@ def body_text(figures: dict[str, Any]) -> str:
     return " · ".join(f"{name} {measure(own.get(key), digits, unit)}" for name, key, digits, unit in said)
 
 
-MODEL_WORDS = {
+MODEL_WORDS: dict[str, str | dict[Any, str]] = {
     "name": {"physical": "moments by Newton and Euler", "plug_in_gait": "as Plug-in Gait computes it"},
     "hip_centre": "hip joint centre by {}", "inertia": "segments' inertia by {}", "smoothing": "markers smoothed by {}",
     "axes": {True: "axes of knees and ankles as the standing trial shows them",

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trial, make_finding
+from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.reference import reference_of_files
@@ -20,8 +20,7 @@ from kinemark.io.gait_reference import read_reference
 from kinemark.io.notes import file_note_text
 from kinemark.io.trial import read_trial
 from kinemark.report.figures_gait import KINEMATICS, panels_figure
-from kinemark.report.gait_page import consistency_table, key_values_table, model_text, time_distance_table
-from kinemark.report.words import text_of
+from kinemark.report.gait_page import key_values_table, time_distance_table
 from kinemark.synth import WalkingBody, gait_laboratory, walking
 from support.drawings import check_page
 from support.plug_in_gait import ADULT
@@ -248,30 +247,6 @@ def test_controls_become_a_band_that_others_are_scored_against(walk):
         reference_of_files(controls[:1], output=walk / "band.json", source="")
     with pytest.raises(KinemarkError, match="never overwritten"):
         reference_of_files(controls, output=controls[0], source="")
-
-
-def test_the_page_says_its_method_and_its_subject_in_words(walk):
-    settings = GaitSettings(uncertainty=False, hip_centre="harrington", smoothing="none", flat_foot=False)
-    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=settings)
-    page = (found.folder / "gait.html").read_text()
-    words = "hip joint centre by Harrington et al. (2007); segments&#39; inertia by Winter (2009); markers not smoothed"
-    assert words in page and "feet as they stood" in page and "hip_centre" not in page
-    assert "Body mass 70.0\u00a0kg" in page and "left, or whole" not in page
-    assert "left pelvic obliquity" in page and 'href="#profile"' not in page
-    plug_in = {"method": {"name": "plug_in_gait", "flat_foot": True, "axes": False}}
-    assert model_text(plug_in) == (
-        "as Plug-in Gait computes it; feet flat in the standing trial; axes of knees and ankles by wands and measures"
-    )
-
-
-def test_one_stride_of_a_side_is_one_and_tells_nothing_of_consistency(walk):
-    figures = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
-    assert len(consistency_table(figures).rows) > 4
-    one = figures | {"curves": [curve | {"strides": 1} for curve in figures["curves"]]}
-    assert not consistency_table(one).rows and "several walks" in consistency_table(one).absent
-    statement = {"left_strides": 1, "speed": 1.2, "cadence": 110.0}
-    for n, words in ((1, "1 left and 1 right stride,"), (2, "1 left and 2 right strides,")):
-        assert words in text_of(make_finding("gait_measured", right_strides=n, **statement).as_dict())
 
 
 def test_exports_have_y_up_and_unknown_ones_are_refused(walk):

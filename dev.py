@@ -5,7 +5,8 @@
     test      make the environment, install with the test tools, run the tests
     check     the same, then format, lint, types, layers
     fix       let ruff format and mend what it can
-    studio    build the page of `kinemark studio` with node from a wheel; `python3 dev.py studio test` runs its tests
+    studio    install what `kinemark studio` needs, and build its page with node from a wheel;
+              `python3 dev.py studio test` runs its tests
     docs      build the documentation as a site: docs/_build/index.html
     validate  run the studies and write what they print to docs/validation; names of studies may follow
     nightly   the tests with new random examples, the tests without compiled parts, studies and benchmarks against
@@ -37,6 +38,8 @@ CHECKS: tuple[tuple[str, list[str]], ...] = (
     ("types", ["mypy"]),
     ("layers", []),
 )
+EXTRAS = {"demo": "run", "docs": "docs", "studio": "studio,ui"}
+"""What is installed for a task; for all others the tools of the tests."""
 SITE = ("sphinx", "--fail-on-warning", "--keep-going", "--quiet", "-b", "html", "docs", "docs/_build")
 NIGHTLY: tuple[tuple[str, list[str], dict[str, str]], ...] = (
     ("tests, new random examples", ["-m", "pytest", "-m", "", "--hypothesis-profile=nightly"], {}),
@@ -162,7 +165,7 @@ def main() -> None:
     task, rest = (sys.argv[1] if len(sys.argv) > 1 else "help"), sys.argv[2:]
     if sys.version_info < (3, 11):  # noqa: UP036  whoever runs this may have an older one
         sys.exit(f"Kinemark needs Python 3.11 or later; this is {sys.version.split()[0]}.")
-    extras = {"demo": "run", "docs": "docs", "studio": "ui"}.get(task, "test")
+    extras = EXTRAS.get(task, "test")
     commands = {
         "demo": lambda: run(PYTHON, "-m", "kinemark", "demo", *rest),
         "test": lambda: run(PYTHON, "-m", "pytest", *rest),

@@ -15,7 +15,9 @@ def text(app: Any) -> str:
     """Markdown, a heading a command."""
     said = app.generate_docs(output_format="markdown", heading_level=1)
     first = re.search(r"^## (?!Table of Contents)", said, re.MULTILINE)
-    return said[first.start() :] if first else said
+    said = said[first.start() :] if first else said
+    # cyclopts takes the call of the builder, python -m sphinx, for that of the command
+    return re.sub(r"(?m)^(kinemark .*?) -m sphinx\b", r"\1", said)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 
 import numpy as np
 import pytest
@@ -252,8 +253,14 @@ def test_a_sessions_operator_types(recorded, capsys, monkeypatch, tmp_path):
     assert len(read_answers(tmp_path / "answers" / "cam3.csv")) == 16 + FRAMES
     with pytest.raises(KinemarkError, match="no camera 'cam9'"):
         app(["digitise", str(tmp_path), "feeding", "--camera", "cam9"])
-    with pytest.raises(KinemarkError, match="no trial with images and answers"):
+    with pytest.raises(KinemarkError, match="There is no trial drinking; the session has feeding"):
         app(["digitise", str(tmp_path), "drinking"])
+    text = (tmp_path / "session.toml").read_text("utf-8")
+    without = re.sub(r"(?m)^answers.*\n|^\[reconstruct\]\n(?:[^\[].*\n)*", "", text)
+    (tmp_path / "session.toml").write_text(without, "utf-8")
+    with pytest.raises(KinemarkError, match=r"Trial feeding has no answers\. Write .* below \[digitise\] the names"):
+        app(["digitise", str(tmp_path), "feeding"])
+    (tmp_path / "session.toml").write_text(text, "utf-8")
     L = read_cp(folder / "box.cp2").L
     before = Session.open(tmp_path).calibrate().rig
     write_cp(folder / "box.cp2", L * (1, 1, 1, 1.01, 1, 1, 1, 1, 1, 1, 1))

@@ -1,4 +1,6 @@
-"""A command line that lacks something says what, and what that is."""
+"""A command line that lacks something says what, and what that is; the help says of every option what it is."""
+
+import re
 
 import pytest
 
@@ -24,3 +26,12 @@ def test_what_is_missing_is_named_as_the_help_names_it(typed, said, capsys):
     assert ended.value.code == 2 and said in words
     command = " ".join(["kinemark", *(typed[:2] if typed[0] == "marker-set" else typed[:1])])
     assert words.endswith(f"What there is: {command} --help")
+
+
+def test_help_says_of_every_option_what_it_is():
+    """A line of a docstring with two names in it gave one option the words of both, and the other none."""
+    said = app.generate_docs(output_format="markdown", heading_level=1)
+    options = re.findall(r"(?m)^\* `(.+?)`: ?(.*)$", said)
+    assert len(options) > 250
+    assert [name for name, words in options if not words or words.startswith(("**[", "*["))] == []
+    assert [name for name, _ in options if "--empty-" in name] == []

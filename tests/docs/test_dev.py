@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+STUDIO = "import sys; sys.path.insert(0, {root!r}); import dev; print(dev.EXTRAS['studio'])"
 PIP = """
 import sys, time
 print("Collecting numpy", flush=True)
@@ -56,3 +57,11 @@ def test_what_is_compiled_is_kept_for_the_processes_that_tests_start(tmp_path):
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(tmp_path)}
     subprocess.run([sys.executable, "-c", code], env=environment, check=True, timeout=60)
     assert list(tmp_path.glob("__pycache__/m.*.pyc"))
+
+
+def test_building_the_studio_installs_what_it_is_served_with():
+    """`python3 dev.py demo`, then `studio`: a newcomer had the page and no server for it."""
+    done = subprocess.run(
+        [sys.executable, "-c", STUDIO.format(root=str(ROOT))], capture_output=True, text=True, check=True
+    )
+    assert set(done.stdout.strip().split(",")) == {"studio", "ui"}

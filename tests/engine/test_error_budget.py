@@ -8,6 +8,7 @@ import pytest
 
 from kinemark.apps.commands.analysis import sensitivity as sensitivity_command
 from kinemark.data import Cloud, Detections, KinemarkError, MarkerTrajectory, Rig, Tracks, Trajectories
+from kinemark.engine.editing.files import open_editing
 from kinemark.engine.error_budget import error_budget
 from kinemark.engine.session import Session
 from kinemark.findings.sensitivity_figures import sensitivity_figures
@@ -213,6 +214,21 @@ def test_named_markers_of_the_same_recording(session, tmp_path):
     (tmp_path / "x.trc").write_text("nothing")
     with pytest.raises(KinemarkError):
         error_budget(session, markers=tmp_path / "x.trc")
+
+
+def test_a_trial_whose_markers_have_names_is_judged_by_them(session):
+    """Before, a session that names its markers was told of *1 to *15, and a model wanted a file of the same names."""
+    result = Session.open(session).run(["walk01"])["walk01"]
+    before = error_budget(session).figures
+    editing = open_editing(session / "walk01", by="me")
+    one, *others = result.trajectories.names
+    editing.claim(one, "LKNE")
+    named = error_budget(session).figures
+    editing.journal.undo()
+    names = [row["marker"] for row in named["by_marker"]]
+    assert "LKNE" in names and one not in names and set(others) <= set(names)
+    assert named["total"]["mm"] == pytest.approx(before["total"]["mm"], rel=0.05)
+    assert "LKNE" in (session / "results/walk01/sensitivity.html").read_text("utf-8")
 
 
 def test_what_cannot_be_judged_is_refused():

@@ -9,6 +9,7 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
+from kinemark.engine.describe import described
 from kinemark.engine.fill_files import targets_of
 from kinemark.engine.folders import trials_in
 from kinemark.io.c3d import write_c3d
@@ -133,3 +134,8 @@ def test_a_table_takes_the_place_of_an_earlier_table_and_of_nothing_else(folder)
     run("gaps.csv")
     run("gaps.csv", source="b.c3d")
     assert "b.c3d" in ours.read_text() and "a.c3d" not in ours.read_text()
+
+
+def test_info_counts_signals_by_their_kind():
+    signals = [{"kind": kind} for kind in ("angle", "angle", "scalar", "emg", "emg")]
+    assert described({"signals": signals}) == ["signals: 2 angles, 1 scalar, 2 EMG channels"]

@@ -17,7 +17,8 @@ from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult
 from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
-from kinemark.report.filling_page import filling_page
+from kinemark.report.filling_page import filling_page, gap_table
+from kinemark.report.filling_text import filling_summary
 from support.filling import GAP, segment, swaying, trial_of, with_gap
 from support.findings import found
 from support.laboratory import observe, ring
@@ -164,6 +165,20 @@ def test_the_page_draws_the_band_and_says_why_only_where_a_gap_is_open():
         page = filling_page(figures=figures, trajectories=filled.trajectories, before=before)
         assert ("why it is open" in page) == words and ("<polygon" in page) != words
         assert "&lt;s&gt;" in page and "<s>" not in page and "nan" not in page.split("<main>")[1].lower()
+
+
+def test_frames_of_open_gaps_are_told_as_one_or_as_a_stretch():
+    before = trial_of(with_gap(segment(120))).trajectories
+    (gap,) = (filled := fill(before, method=Linear(), limit_mm=np.inf)).gaps
+    left = replace(gap, method="", state="left_open")
+    gaps = (left, replace(left, stop=left.start + 1))
+    figures = filling_figures(filled._replace(gaps=gaps), before, source="s", method="linear", limit_mm=np.inf)
+    first, last = gap.start + before.first_frame, gap.stop - 1 + before.first_frame
+    text = filling_summary(figures)
+    assert f"frames {first}–{last}: somebody" in text and f"frame {first}: somebody" in text
+    table = gap_table(figures["list"], np.inf)
+    assert [row[1:3] for row in table.rows] == [[f"{first}–{last}", str(gap.stop - gap.start)], [f"{first}", "1"]]
+    assert "replaced" not in table.head and table.rows[0][-1] == "somebody chose to leave it open"
 
 
 def test_open_gaps_and_the_least_certain_are_drawn_first():

@@ -1,5 +1,6 @@
 """Two conditions: what differs by chance or by the measurement's error is no difference, and what is one is found."""
 
+import csv
 import json
 
 import numpy as np
@@ -14,6 +15,7 @@ from kinemark.gait.comparison import Condition, difference, stretches
 from kinemark.io.c3d import write_c3d
 from kinemark.synth import walking
 from support.drawings import check_page
+from support.pages import data_of
 
 PERCENT = np.linspace(0, 2 * np.pi, 101)
 
@@ -101,6 +103,60 @@ def test_heels_that_were_put_on_anew_explain_a_wider_step_and_many_strides_do_no
 
     assert not exceeds(102.0, same_markers=False) and exceeds(102.0, same_markers=True)
     assert exceeds(115.0, same_markers=False) and not exceeds(91.0, same_markers=True)
+
+
+def test_key_values_are_compared_and_kept_for_statistics(conditions):
+    """A knee that bends 25° more in swing, known to 3°, differs; a range, whose error nobody knows, is not judged."""
+    table = json.loads((conditions / "slow/gait.json").read_text())
+
+    def walked(name, more):
+        found = json.loads(json.dumps(table)) | {"uncertainty": [{"name": "LKneeAngles", "by_cause": {}}]}
+        for key in found["key_values"]:
+            sd = None if key["name"].endswith("range") else 3.0
+            key["left"] = {"mean": 40.0 + more, "spread": 2.0, "strides": 6, "sd": sd}
+        (conditions / name).mkdir()
+        (conditions / name / "gait.json").write_text(json.dumps(found))
+        return conditions / name
+
+    app(["gait-compare", str(walked("stiff", 0.0)), str(walked("freed", 25.0)), "-o", str(conditions / "keys")],
+        result_action="return_value")  # fmt: skip
+    with (conditions / "keys/comparison.csv").open(encoding="utf-8") as file:
+        rows = {(row["name"], row["side"]): row for row in csv.DictReader(file)}
+    swing, whole = rows["knee flexion, greatest in swing", "left"], rows["knee flexion, range", "left"]
+    assert [float(swing[key]) for key in ("first", "second", "difference", "exceeds")] == [40, 65, 25, 1]
+    assert 8 < float(swing["error_95"]) < 10  # 1.96 √(3² + 3²) and what strides differ
+    assert (float(whole["difference"]), whole["error_95"], whole["exceeds"]) == (25, "", "")
+    assert float(rows["knee flexion, greatest in swing", "right"]["difference"]) == 0
+    assert ("speed", "left") in rows
+    page = (conditions / "keys/comparison.html").read_text()
+    assert "knee flexion, greatest in swing, left (°)" in page and "not judged" in page
+
+
+def test_what_nobody_can_judge_is_told(conditions, capsys):
+    """One stride of each condition says nothing of how strides differ: that is no proof that they are alike."""
+    table = json.loads((conditions / "slow/gait.json").read_text())
+    for name in ("one stride", "another stride"):
+        found = json.loads(json.dumps(table))
+        for curve in found["curves"]:
+            if curve["name"] == "LKneeAngles":
+                curve["spread"] = [[None] * 3 for _ in range(101)]
+        (conditions / name).mkdir()
+        (conditions / name / "gait.json").write_text(json.dumps(found))
+    app(["gait-compare", str(conditions / "one stride"), str(conditions / "another stride"),
+         "-o", str(conditions / "alone")], result_action="return_value")  # fmt: skip
+    words = "Parts of curves knee flexion left, knee adduction left, knee rotation left are not judged"
+    assert words in " ".join(capsys.readouterr().out.split())
+    assert words in (conditions / "alone/comparison.html").read_text()
+
+
+def test_a_drawing_of_a_comparison_fits_a_page_of_paper_and_says_what_is_up(conditions):
+    """270 mm of A4 are 1020 px, and drawings are printed at 0.8 of their size."""
+    compare_gait(conditions / "slow", conditions / "fast", folder=conditions / "paper")
+    figures = data_of((conditions / "paper/comparison.html").read_text())
+    sides = [one for name, one in figures.items() if name.startswith(("left", "right"))]
+    assert sides and all(0.8 * one["layout"]["height"] < 900 for one in sides)
+    said = {note["text"] for one in sides for note in one["layout"]["annotations"]}
+    assert {"flexion", "extension", "varus", "valgus", "<b>sagittal plane</b>"} <= said
 
 
 def test_two_people_are_told(conditions, capsys):

@@ -30,7 +30,9 @@ def test_a_band_comes_back(tmp_path):
 
 
 def test_a_band_may_be_toml_and_keeps_the_scale_of_its_controls(tmp_path):
-    given = band()._replace(log_score=(1.6, 0.25))
+    given = band()._replace(
+        log_score=(1.6, 0.25), numbers={"speed": (1200.0, 90.0), "knee flexion at strike": (5.0, 3.5)}
+    )
     write_reference(tmp_path / "band.json", given)
     rows = {name: [[f"{v:.9g}" for v in row] for row in given.mean[name]] for name in given.mean}
     tables = "".join(
@@ -39,10 +41,15 @@ def test_a_band_may_be_toml_and_keeps_the_scale_of_its_controls(tmp_path):
         for name in rows
     )
     head = 'source = "a journal"\nsubjects = 40\nlicence = "CC BY 4.0"\nlog_score = [1.6, 0.25]\n'
+    head += '[numbers]\nspeed = [1200, 90]\n"knee flexion at strike" = [5.0, 3.5]\n'
     (tmp_path / "band.toml").write_text(head + tables, encoding="utf-8")
     one, other = (read_reference(tmp_path / f"band.{end}") for end in ("json", "toml"))
     assert one.log_score == other.log_score == (1.6, 0.25) and other.subjects == 40
     np.testing.assert_allclose(other.mean["KneeAngles"], one.mean["KneeAngles"], atol=1e-5)
+    assert one.numbers == other.numbers == given.numbers
+    (tmp_path / "band.toml").write_text(head.replace("1200, 90", "1200, nan") + tables, encoding="utf-8")
+    with pytest.raises(KinemarkError, match="speed is"):
+        read_reference(tmp_path / "band.toml")
     (tmp_path / "band.toml").write_text(head.replace("0.25", "-1.0") + tables, encoding="utf-8")
     with pytest.raises(KinemarkError, match="log_score"):
         read_reference(tmp_path / "band.toml")

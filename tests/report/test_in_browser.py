@@ -77,6 +77,10 @@ def test_pages_are_printed_within_the_margins_of_their_paper(folder, name):
         page.until(f"{wide} === 0 || {wide} === PRINTED")
         every = "[...document.querySelectorAll('.card, table, td, .plot, p')]"
         assert page.ask(f"Math.max(...{every}.map(one => one.getBoundingClientRect().right))") <= 703
+        narrow = (
+            "[...document.querySelectorAll('td.words')].map(one => one.getBoundingClientRect().width).filter(Boolean)"
+        )
+        assert page.ask(f"Math.min(999, ...{narrow})") > 60  # of 7 points; a sentence of one letter a line is not read
         divided = "one => getComputedStyle(one).breakInside !== 'avoid'"
         assert page.ask(f"[...document.querySelectorAll('.plot, tr')].filter({divided}).length") == 0
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from cyclopts import App
 
 from ..version import __version__
-from .output import errors
+from .output import NO_EMPTY, errors
 from .usage_errors import usage_error
 
 COMMANDS = {
@@ -53,6 +53,7 @@ def command_line() -> App:
         help_format="plaintext",
         version=__version__,
         error_formatter=usage_error,
+        default_parameter=NO_EMPTY,
         suppress_keyboard_interrupt=False,  # __main__ tells what is kept
     )
     here = Path(__file__).parent

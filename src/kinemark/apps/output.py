@@ -43,6 +43,8 @@ SelfContained = Annotated[
     bool,
     Parameter(negative="", help="Put the drawing library into the page, for mailing; otherwise pages share one file."),
 ]
+NO_EMPTY = Parameter(negative_iterable=())
+"""Of all commands: several values have no option that empties them (--empty-size-px)."""
 FailOn = Literal["red", "amber", "never"]
 Set = Annotated[
     list[str] | None,

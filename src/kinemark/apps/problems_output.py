@@ -15,11 +15,14 @@ def problems_text(found: Problems, *, every: bool = False) -> str:
     """A paragraph for each, and how many errors are expected to be left."""
     shown = found.items if every else found.asked
     lines = [line for one in shown for line in _lines(one)]
-    rest = len(found.items) - len(found.asked)
-    lines.append(
-        f"{len(found.asked)} to look at; {rest} more are less likely than {100 * ASK_ABOVE:.0f} %. "
-        f"Expected errors left after these: {found.errors_left:.1f}."
+    rest, asked = len(found.items) - len(found.asked), len(found.asked)
+    more = (
+        f"; {rest} more {'is' if rest == 1 else 'are'} less likely than {100 * ASK_ABOVE:.0f} % (--every)"
+        if rest
+        else ""
     )
+    left = f"{found.errors_left:.1f} errors are expected to be left" + (" after these" if asked else "")
+    lines.append(f"{_count(asked, 'problem') if asked else 'Nothing'} to look at{more}; {left}.")
     return "\n".join(lines)
 
 
@@ -53,8 +56,13 @@ def chosen_edits(found: Problems, problem: str, alternative: int) -> tuple[Edit,
 
 def _lines(one: Problem) -> list[str]:
     """What it is, then its alternatives."""
-    head = f"{one.id}  {100 * one.wrong:.0f} %  {one.words}; {one.at_stake} samples"
+    head = f"{one.id}  {100 * one.wrong:.0f} %  {one.words}; {_count(one.at_stake, 'sample')}"
     return [head, *(f"    {k}  {way.words}" for k, way in enumerate(one.alternatives, 1))]
+
+
+def _count(n: int, one: str) -> str:
+    """`1 sample`, `2 samples`; the report's own words take long to import."""
+    return f"{n} {one if n == 1 else one + 's'}"
 
 
 def _plain(value: Any) -> Any:

@@ -77,6 +77,8 @@ class GaitReference(NamedTuple):
         mean, sd: (101, A) by the name of the quantity without its side, as "KneeAngles"; SD between subjects.
         source: where they are from. subjects: how many.
         log_score: mean and standard deviation of the logarithms of the controls' own profile scores; None: unknown.
+        numbers: mean and SD between subjects of time-distance parameters ("speed") and key values, by name, in the
+            units of `gait.json`.
     """
 
     mean: Mapping[str, Floats]
@@ -84,6 +86,7 @@ class GaitReference(NamedTuple):
     source: str
     subjects: int
     log_score: tuple[float, float] | None = None
+    numbers: Mapping[str, tuple[float, float]] = {}
 
 
 class KeyValue(NamedTuple):

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..data import KinemarkError, Trajectories
+from ..data.edits import is_named
 from ..findings.quality import write_quality
 from ..findings.sensitivity_figures import sensitivity_figures
 from ..io.model_toml import load_model
@@ -51,7 +52,8 @@ def error_budget(
         trial: its name; the first where None.
         method: what is asked.
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
-        markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
+        markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories. The
+            names that the trial itself has where None.
         rate_hz, length_unit: of that file, where it is silent or wrong. partial: read what there is of it.
         self_contained: the page holds the drawing library, as where the session's file says so.
         progress: called with each step.
@@ -62,7 +64,7 @@ def error_budget(
     opened = Session.open(session)
     name = trial or opened.settings.trials[0].name
     results = opened.run([name], progress=progress)[name]
-    named = None if markers is None else _named(markers, rate_hz, length_unit, partial)
+    named = _names_of(results) if markers is None else _named(markers, rate_hz, length_unit, partial)
     there = _there(results, named, method.frames)
     angles = kinematics_of(load_model(model), there.names) if model else None
     rig = results.rig.select(results.detections.cameras)
@@ -74,6 +76,12 @@ def error_budget(
     write_sensitivity_page(page, figures=figures, ranking=ranking, rig=rig, assets=assets)
     update_index(opened.results, opened.settings)
     return ErrorBudgetResult(figures, page)
+
+
+def _names_of(results: OpenTrial) -> Trajectories | None:
+    """The trial's own markers, where at least one has a name."""
+    found = results.trajectories
+    return found if any(map(is_named, found.names)) else None
 
 
 def _there(results: OpenTrial, named: Trajectories | None, frames: int) -> SampledFrames:

@@ -143,9 +143,13 @@ class Session(Workspace):
         Raises:
             KinemarkError: there is no such trial, it has no answers, or images cannot be used.
         """
-        entry = next((entry for entry in self.settings.trials if entry.name == name), None)
-        if entry is None or entry.images is None or entry.answers is None:
-            raise KinemarkError(f"{name!r} is no trial with images and answers. Write both into its [[trials]].")
+        entry = self._entry(name)
+        if entry.images is None or entry.answers is None:
+            raise KinemarkError(
+                f"Trial {name} has no {'images' if entry.images is None else 'answers'}. Write into its [[trials]] "
+                f'images = "{name}/{{camera}}.mkv" and answers = "{name}/{{camera}}.csv", where the answers will be '
+                "kept, and below [digitise] the names of the markers."
+            )
         source = OpenTrial(self, entry).source(rig)
         assert isinstance(source, OperatedImages)  # as the entry has images and answers
         return source.task()

@@ -164,10 +164,16 @@ def scaled_score(score: float, reference: GaitReference) -> float:
     return float(100.0 - 10.0 * (np.log(score) - mean) / sd)
 
 
-def reference_of(controls: Sequence[Mapping[str, Floats]], source: str) -> GaitReference:
+def reference_of(
+    controls: Sequence[Mapping[str, Floats]], source: str, numbers: Sequence[Mapping[str, Sequence[float]]] = ()
+) -> GaitReference:
     """A band of controls, each by its (101, A) mean curves by name ("LKneeAngles").
 
     A subject counts once, with the mean of both sides; a quantity counts where two subjects have it.
+
+    Args:
+        controls: curves of each. source: where they are from.
+        numbers: of each control, what its sides have of a time-distance parameter or a key value, by name.
     """
     each: dict[str, list[Floats]] = {}
     for means in controls:
@@ -179,7 +185,17 @@ def reference_of(controls: Sequence[Mapping[str, Floats]], source: str) -> GaitR
     shared = {name: np.array(ys) for name, ys in each.items() if len(ys) > 1}
     mean = {name: known_mean(ys) for name, ys in shared.items()}
     sd = {name: np.sqrt(known_mean((ys - mean[name]) ** 2) * _unbiased(ys)) for name, ys in shared.items()}
-    return GaitReference(mean, sd, source, len(controls), _log_score(shared))
+    return GaitReference(mean, sd, source, len(controls), _log_score(shared), _numbers_of(numbers))
+
+
+def _numbers_of(controls: Sequence[Mapping[str, Sequence[float]]]) -> dict[str, tuple[float, float]]:
+    """Mean and standard deviation between subjects of each number that two or more have."""
+    each: dict[str, list[float]] = {}
+    for own in controls:
+        for name, sides in own.items():
+            if len(sides):
+                each.setdefault(name, []).append(float(np.mean(sides)))
+    return {name: (float(np.mean(y)), float(np.std(y, ddof=1))) for name, y in each.items() if len(y) > 1}
 
 
 def _log_score(shared: Mapping[str, Floats]) -> tuple[float, float] | None:

@@ -2,10 +2,12 @@
 
     {"source": "our controls 2026", "subjects": 12,
      "log_score": [mean, deviation],
+     "numbers": {"speed": [mean, deviation], "knee flexion at strike": [mean, deviation], …},
      "curves": {"KneeAngles": {"mean": [[flexion, adduction, rotation], … 101 rows], "sd": [[…], …]}, …}}
 
 In TOML likewise: `source`, `subjects`, and a table `[curves.KneeAngles]` with `mean` and `sd`, `nan` where unknown. The
-`log_score`, of the controls' own profile scores, may be absent. Further keys, as of age, speed or licence, are kept out
+`log_score`, of the controls' own profile scores, and `numbers`, time-distance parameters and key values in the units of
+`gait.json` (mm, mm/s, s, deg), may be absent. Further keys, as of age, speed or licence, are kept out
 of the computing and may stand there.
 """
 
@@ -20,6 +22,8 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitReference
+from ..data.strides import UNITS
+from ..data.subject_measures import SIDES
 from .files import write_text
 from .number_text import read_text
 from .toml_text import toml_table
@@ -38,6 +42,8 @@ def write_reference(path: Path | str, reference: GaitReference) -> None:
     table = {"source": reference.source, "subjects": reference.subjects, "curves": curves}
     if reference.log_score is not None:
         table["log_score"] = reference.log_score
+    if reference.numbers:
+        table["numbers"] = dict(reference.numbers)
     write_text(path, json.dumps(table, allow_nan=False) + "\n")
 
 
@@ -51,12 +57,13 @@ def read_reference(path: Path | str) -> GaitReference:
     try:
         curves = {name: (_curve(one["mean"]), _curve(one["sd"])) for name, one in table["curves"].items()}
         found = str(table["source"]), int(table["subjects"]), _pair(table.get("log_score"))
+        numbers = {str(name): _number(name, pair) for name, pair in table.get("numbers", {}).items()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise KinemarkError(
             f"{path} is no reference band ({error}). Make one: kinemark gait-reference CONTROL/gait.json … -o band.json"
         ) from None
     return GaitReference(
-        {name: mean for name, (mean, _) in curves.items()}, {n: sd for n, (_, sd) in curves.items()}, *found
+        {name: mean for name, (mean, _) in curves.items()}, {n: sd for n, (_, sd) in curves.items()}, *found, numbers
     )
 
 
@@ -68,6 +75,24 @@ def control_curves(path: Path | str) -> dict[str, Floats]:
     """
     try:
         return {one["name"]: _curve(one["mean"]) for one in read_json(path)["curves"] if one["axes"][0] != "envelope"}
+    except (KeyError, TypeError, ValueError) as error:
+        raise KinemarkError(
+            f"{path} is no gait.json of kinemark gait ({error}). Run it on the control first."
+        ) from None
+
+
+def control_numbers(path: Path | str) -> dict[str, list[float]]:
+    """Time-distance parameters and key values of a subject's `gait.json`: the means of the sides that have one.
+
+    Raises:
+        KinemarkError: the file is absent or no such file.
+    """
+    table = read_json(path)
+    try:
+        sides = {name: [table["time_distance"][s][name] for s in SIDES] for name in UNITS}
+        sides |= {key["name"]: [key[side] for side in SIDES] for key in table.get("key_values", [])}
+        means = {name: [one["mean"] for one in both if one is not None] for name, both in sides.items()}
+        return {name: [float(x) for x in both if x is not None] for name, both in means.items()}
     except (KeyError, TypeError, ValueError) as error:
         raise KinemarkError(
             f"{path} is no gait.json of kinemark gait ({error}). Run it on the control first."
@@ -92,6 +117,14 @@ def _pair(value: Any) -> tuple[float, float] | None:
     mean, sd = (float(x) for x in value)
     if not (np.isfinite(mean) and sd > 0):
         raise ValueError(f"log_score is {value}, wanted a mean and a deviation above 0")
+    return mean, sd
+
+
+def _number(name: str, value: Any) -> tuple[float, float]:
+    """Mean and deviation of one number."""
+    mean, sd = (float(x) for x in value)
+    if not (np.isfinite(mean) and sd >= 0):
+        raise ValueError(f"{name} is {value}, wanted a mean and a deviation of 0 or more")
     return mean, sd
 
 

@@ -16,7 +16,7 @@ from .formatting import count, measure, millimetres, number
 from .identity_text import identity_text
 from .tables import Table, Tile
 from .templating import render, write_text
-from .words import open_gap_text
+from .words import frames_text, open_gap_text
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
 MOST_DRAWN = 60
@@ -24,6 +24,8 @@ MOST_DRAWN = 60
 MOST_LISTED = 3
 """Named in the table and drawn beside a gap; chosen."""
 OPEN = "stayed open"
+COUNTED = {"replaced": "trimmed", "suspicious": "suspicious"}
+"""Samples beside a gap that are counted, and their figures."""
 
 
 class GapDrawing(NamedTuple):
@@ -78,42 +80,32 @@ def _certain(gap: dict[str, Any]) -> tuple[bool, float, float]:
 
 
 def gap_table(gaps: list[dict[str, Any]], limit_mm: float) -> Table:
-    """A row a gap; those that stayed open are tinted, and say why."""
+    """A row a gap; those that stayed open are tinted, and say why in place of the markers that filled them.
+
+    What no gap has (samples replaced, suspicious ones) has no column.
+    """
     left_open = [not gap["method"] for gap in gaps]
-    head = [
-        "marker",
-        "from (s)",
-        "length (s)",
-        "frames",
-        "method",
-        "expected (mm)",
-        "next best",
-        "largest σ (mm)",
-        "tests",
-        "replaced",
-        "suspicious",
-        "from markers",
-        *(["why it is open"] if any(left_open) else []),
-    ]
+    counted = {name: key for name, key in COUNTED.items() if any(gap[key] for gap in gaps)}
+    head = ["marker", "frames", "length", "from (s)", "method", "expected (mm)", "next best", "largest σ (mm)", "tests"]
     rows = [
         [
             gap["marker"],
+            frames_text(gap),
+            number(gap["frames"]),
             number(gap["first_s"], 2),
-            number(gap["length_s"], 2),
-            f"{gap['first_frame']}–{gap['last_frame']}",
             gap["method"] or OPEN,
             number(gap["expected_mm"], 2),
             _next_best(gap),
             number(gap["sd_max_mm"], 2),
             number(gap["tests"]),
-            number(len(gap["trimmed"])) if gap["trimmed"] else "–",
-            number(len(gap["suspicious"])) if gap["suspicious"] else "–",
-            _few(gap["reference_markers"]),
-            *([open_gap_text(gap, limit_mm)] if any(left_open) else []),
+            *(number(len(gap[key])) if gap[key] else "–" for key in counted.values()),
+            _few(gap["reference_markers"]) if gap["method"] else open_gap_text(gap, limit_mm),
         ]
         for gap in gaps
     ]
-    return Table(head, rows, marked=left_open, absent="None.", kept_in="what kinemark fill --json prints")
+    last = "from markers, or why it is open" if any(left_open) else "from markers"
+    kept_in = "what kinemark fill --json prints"
+    return Table([*head, *counted, last], rows, marked=left_open, absent="None.", kept_in=kept_in)
 
 
 def _few(markers: list[str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .words import TAGS, headline_of, open_gap_text, sentences_of, text_of
+from .words import TAGS, frames_text, headline_of, open_gap_text, sentences_of, text_of
 
 
 def filling_summary(figures: dict[str, Any]) -> str:
@@ -14,6 +14,6 @@ def filling_summary(figures: dict[str, Any]) -> str:
     lines += [f"  {TAGS[found['severity']]}: {text_of(found)}" for found in figures["findings"]]
     for gap in figures["list"]:
         if not gap["method"]:
-            frames = f"frames {gap['first_frame']} to {gap['last_frame']}"
+            frames = f"frame{'' if gap['frames'] == 1 else 's'} {frames_text(gap)}"
             lines.append(f"  open: {gap['marker']}, {frames}: {open_gap_text(gap, figures['limit_mm'])}")
     return "\n".join(lines)

@@ -12,15 +12,22 @@ import numpy as np
 from ..gait.comparison import Condition, Difference, stretches
 from .drawing import Figure
 from .drawing_library import drawing_library
-from .figures_gait import KINEMATICS, KINETICS, REFERENCE_COLOUR, SIDE_COLOURS, UNITS, Panel
-from .formatting import number
-from .gait_page import NAMES, SHOWN
-from .stride_panels import Part, band, line, stride_figure
+from .figures_gait import BLANK, KINEMATICS, KINETICS, PLANES, REFERENCE_COLOUR, SIDE_COLOURS, UNITS, Panel
+from .formatting import number, some
+from .gait_page import KEY_DIGITS, NAMES, SHOWN
+from .stride_panels import Part, band, directions, line, stride_figure
 from .tables import Table
 from .templating import render, write_text
 
-NAV = {"verdict": "What differs", "time": "Time and distance", "left": "Left", "right": "Right", "terms": "Methods"}
+NAV = {
+    "verdict": "What differs", "time": "Time and distance", "keys": "Key values", "left": "Left", "right": "Right",
+    "terms": "Methods",
+}  # fmt: skip
 """Sections of the page, in their order."""
+DRAWN = {"Angles": (KINEMATICS, PLANES), "Moments and powers": (KINETICS, ())}
+"""Panels of each drawing of a side, and what its columns are; one is a page on paper."""
+JUDGED = {True: "differs", False: "within its error", None: "not judged"}
+"""What is said of one number."""
 
 
 class ComparedCurve(NamedTuple):
@@ -58,8 +65,10 @@ def write_comparison_page(
         differing=differing_table(figures),
         doubt=other_subject(figures),
         strides=strides_compared(figures),
+        not_judged=not_judged(figures),
         time_table=parameters_table(figures),
-        drawings={side: side_figure([c for c in curves if c.side == side], side) for side in ("left", "right")},
+        key_table=key_values_table(figures),
+        drawings={side: side_figures([c for c in curves if c.side == side], side) for side in ("left", "right")},
     )
     write_text(path, text)
 
@@ -86,6 +95,23 @@ def strides_compared(figures: dict[str, Any]) -> str:
     return f"Strides: {'; '.join(each)}."
 
 
+def not_judged(figures: dict[str, Any]) -> str:
+    """Which curves have parts without a known error; empty where there are none."""
+    titles = {(p.name, p.axis): p.title.lower() for p in (*KINEMATICS, *KINETICS)}
+    found = [
+        f"{titles[one['name'][1:], k]} {one['side']}"
+        for one in figures["curves"] for k, part in enumerate(one["components"])
+        if part["unknown"] and (one["name"][1:], k) in titles
+    ]  # fmt: skip
+    if not found:
+        return ""
+    which = some("curve", found)
+    return (
+        f"Parts of {which} are not judged: neither condition has two strides of them, so that nobody knows how much "
+        "strides differ. Give each condition more walks."
+    )
+
+
 def differing_table(figures: dict[str, Any]) -> Table:
     """A row a component that differs, the clearest first."""
     titles = {(p.name, p.axis): p.title for p in (*KINEMATICS, *KINETICS)}
@@ -105,31 +131,65 @@ def differing_table(figures: dict[str, Any]) -> Table:
     rows.sort(key=lambda row: -row[0])
     return Table(
         ["", "where in the stride", "where clearest", "its error (95 %)"], [row for _, row in rows],
-        absent="No angle, moment or power differs by more than its own error.",
+        absent="No angle, moment or power whose error is known differs by more than it.",
     )  # fmt: skip
 
 
 def parameters_table(figures: dict[str, Any]) -> Table:
-    """A row a time-distance parameter; those that differ beyond their error are marked."""
-    rows, marked = [], []
-    for one in figures["time_distance"]:
-        unit, by, digits = SHOWN[one["unit"]]
-        values = [number(one[key] / by, digits) for key in ("first", "second")]
-        error = "–" if one["error"] is None else f"± {number(one['error'] / by, digits + 1)}"
-        title, off = f"{NAMES[one['name']]}, {one['side']} ({unit})", f"{one['difference'] / by:+.{digits + 1}f}"
-        rows.append([title, *values, off, error, "differs" if one["exceeds"] else "within its error"])
-        marked.append(bool(one["exceeds"]))
-    names = [one["name"] for one in figures["conditions"]]
-    return Table(["", *names, "difference", "its error (95 %)", ""], rows, marked=marked)
+    """A row a time-distance parameter of a side; those that differ beyond their error are marked."""
+    order = list(NAMES)
+    rows = sorted(figures["time_distance"], key=lambda one: (order.index(one["name"]), one["side"]))
+    shown = {one["name"]: SHOWN[one["unit"]] for one in rows}
+    cells = [_compared(one, f"{NAMES[one['name']]}, {one['side']}", *shown[one["name"]], finer=1) for one in rows]
+    return _numbers_table(figures, rows, cells)
 
 
-def side_figure(curves: Sequence[ComparedCurve], side: str) -> Figure:
+def key_values_table(figures: dict[str, Any]) -> Table:
+    """A row a key value of a side; those that differ beyond their error are marked."""
+    rows = figures["key_values"]
+    cells = [
+        _compared(one, f"{one['name']}, {one['side']}", UNITS.get(one["unit"], one["unit"]), 1.0,
+                  KEY_DIGITS.get(one["unit"], 2))
+        for one in rows
+    ]  # fmt: skip
+    return _numbers_table(figures, rows, cells)
+
+
+def _compared(one: dict[str, Any], title: str, unit: str, by: float, digits: int, *, finer: int = 0) -> list[str]:
+    """The row of one number; `finer`: decimals more of what is a difference."""
+    values = [number(one[key] / by, digits) for key in ("first", "second")]
+    error = "–" if one["error"] is None else f"± {number(one['error'] / by, digits + finer)}"
+    judged = JUDGED[None if one["error"] is None else one["exceeds"]]
+    return [f"{title} ({unit})", *values, f"{one['difference'] / by:+.{digits + finer}f}", error, judged]
+
+
+def _numbers_table(figures: dict[str, Any], rows: Sequence[dict[str, Any]], cells: Sequence[list[str]]) -> Table:
+    """Of both conditions beside each other."""
+    head = ["", *(one["name"] for one in figures["conditions"]), "difference", "its error (95 %)", ""]
+    return Table(head, cells, marked=[bool(one["exceeds"]) for one in rows], absent="There are none in both.",
+                 kept_in="comparison.csv")  # fmt: skip
+
+
+def side_figures(curves: Sequence[ComparedCurve], side: str) -> dict[str, Figure]:
     """Means of both conditions; grey: what the second may be off by its error; bars below: where it is off by more."""
     by_name = {one.name[1:]: one for one in curves}
-    panels = [p for p in (*KINEMATICS, *KINETICS) if p.name in by_name]
-    titles = [f"{p.title} ({UNITS.get(by_name[p.name].unit, by_name[p.name].unit)})" for p in panels]
-    parts = [_curves(by_name[p.name], p, SIDE_COLOURS[side], i) for i, p in enumerate(panels)]
-    return stride_figure(titles, list(itertools.chain.from_iterable(parts)))
+    return {
+        title: _side_figure(by_name, panels, heads, SIDE_COLOURS[side])
+        for title, (panels, heads) in DRAWN.items() if any(p.name in by_name for p in panels)
+    }  # fmt: skip
+
+
+def _side_figure(
+    by_name: dict[str, ComparedCurve], panels: Sequence[Panel], heads: Sequence[str], colour: str
+) -> Figure:
+    """A panel a component, where both conditions have it; the others stay empty."""
+    here = [p if p.name in by_name else BLANK for p in panels]
+    titles = [f"{p.title} ({UNITS.get(u := by_name[p.name].unit, u)})" if p.name else "" for p in here]
+    parts = [_curves(by_name[p.name], p, colour, i) for i, p in enumerate(here) if p.name]
+    notes = [directions(p.up, p.down, i) for i, p in enumerate(here) if p.name]
+    hidden = {i: ({"visible": False}, {"visible": False}) for i, p in enumerate(here) if not p.name}
+    flat = itertools.chain.from_iterable
+    return stride_figure(titles, list(flat(parts)), (), list(flat(notes)), heads=heads, axes=hidden)
 
 
 def _curves(one: ComparedCurve, panel: Panel, colour: str, i: int) -> list[Part]:

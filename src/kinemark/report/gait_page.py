@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_gait import KINEMATICS, KINETICS, PLANES, UNITS, emg_figures, panels_figure
-from .formatting import number
+from .formatting import measure, number
 from .identity_text import identity_text
 from .tables import Table
 from .templating import render, write_text
 
 NAV = {
     "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "kinetics": "Moments and powers",
-    "keys": "Key values", "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
+    "keys": "Key values", "profile": "Profile", "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
 }  # fmt: skip
 """Sections of the page, in their order."""
 NAMES = {
@@ -66,18 +66,22 @@ def gait_page(
     """The page as text; the drawing library is inside where `library` is None."""
     trials = ", ".join(one["name"] for one in figures["trials"])
     emg = emg_figures(curves)
+    absent = {"emg": not emg, "profile": reference is None}
+    norm = {} if reference is None else reference.numbers
     return render(
         "gait.html",
         library=library or inside(),
         heading=f"{figures['subject'] or trials}: gait",
         below=f"{identity_text(figures.get('identity'))} · {trials} · Kinemark {figures['kinemark']}",
-        nav={k: v for k, v in NAV.items() if k != "emg" or emg},
+        nav={k: v for k, v in NAV.items() if not absent.get(k)},
         figures=figures,
-        time_table=time_distance_table(figures),
+        time_table=time_distance_table(figures, norm),
         ways=ways_table(figures),
-        key_angles=key_values_table(figures, angles=True),
-        key_loads=key_values_table(figures, angles=False),
+        key_angles=key_values_table(figures, norm, angles=True),
+        key_loads=key_values_table(figures, norm, angles=False),
         measures=measures_table(figures),
+        body=body_text(figures),
+        model=model_text(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
         kinetics=panels_figure(curves, KINETICS, reference),
         emg=emg,
@@ -89,8 +93,15 @@ def gait_page(
     )
 
 
-def time_distance_table(figures: dict[str, Any]) -> Table:
-    """A row a parameter: left and right, mean ± spread between strides, and the measurement's own deviation."""
+SIDES_HEAD = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
+"""Of the columns of numbers of both sides."""
+Norm = Mapping[str, tuple[float, float]]
+"""Mean and SD of numbers of the reference, by name."""
+
+
+def time_distance_table(figures: dict[str, Any], norm: Norm | None = None) -> Table:
+    """A row a parameter: left and right, mean ± spread between strides, the measurement's own deviation; the
+    reference's mean ± SD."""
     rows = []
     for name, title in NAMES.items():
         unit, by, digits = SHOWN[figures["units"][name]]
@@ -98,18 +109,26 @@ def time_distance_table(figures: dict[str, Any]) -> Table:
         for side in ("left", "right"):
             one = figures["time_distance"][side][name]
             row += [_mean_and_spread(one, by, digits), "–" if not one["sd"] else _small(one["sd"] / by, digits)]
-        rows.append([*row, "–" if name == "step_width" else number(_symmetry(figures, name), 1)])
-    head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
-    return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")
+        row += ["–" if name == "step_width" else number(_symmetry(figures, name), 1)]
+        rows.append(row + ([_normal(norm, name, by, digits)] if norm else []))
+    head = [*SIDES_HEAD, "left − right (% of mean)", *(["reference"] if norm else [])]
+    return Table(head, rows, kept_in="gait.json")
+
+
+def _normal(norm: Norm, name: str, by: float, digits: int) -> str:
+    """Mean ± SD of the reference; a dash where it has none."""
+    if name not in norm:
+        return "–"
+    return " ± ".join(number(value / by, digits) for value in norm[name])
 
 
 KEY_DIGITS = {"deg": 1, "N/kg": 1}
 """Decimals of a key value by its unit; two of the others."""
 
 
-def key_values_table(figures: dict[str, Any], *, angles: bool) -> Table:
+def key_values_table(figures: dict[str, Any], norm: Norm | None = None, *, angles: bool) -> Table:
     """A row a key value, of angles or of loads: left and right, mean ± spread between strides, the measurement's
-    deviation, the difference."""
+    deviation, the difference; the reference's mean ± SD."""
     rows = []
     for key in (one for one in figures["key_values"] if (one["unit"] == "deg") == angles):
         digits = KEY_DIGITS.get(key["unit"], 2)
@@ -118,9 +137,10 @@ def key_values_table(figures: dict[str, Any], *, angles: bool) -> Table:
             known = one is not None and one["sd"]
             row += ["–" if one is None else _mean_and_spread(one, 1.0, digits)]
             row += [number(one["sd"], digits) if known else "–"]
-        rows.append([*row, "–" if left is None or right is None else number(left["mean"] - right["mean"], digits)])
-    head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
-    return Table([*head, "left − right"], rows, absent="There are no whole strides.", kept_in="key_values.csv")
+        row += ["–" if left is None or right is None else number(left["mean"] - right["mean"], digits)]
+        rows.append(row + ([_normal(norm, key["name"], 1.0, digits)] if norm else []))
+    head = [*SIDES_HEAD, "left − right", *(["reference"] if norm else [])]
+    return Table(head, rows, absent="There are no whole strides.", kept_in="key_values.csv")
 
 
 def _mean_and_spread(one: dict[str, Any], by: float, digits: int) -> str:
@@ -159,11 +179,9 @@ def _symmetry(figures: dict[str, Any], name: str) -> float | None:
 
 
 def measures_table(figures: dict[str, Any]) -> Table:
-    """What is known of the subject."""
+    """What is known of the subject's legs."""
     own = figures["measures"]
     rows = [
-        ["body mass (kg)", number(own["mass_kg"], 1), ""],
-        ["height (mm)", number(own["height_mm"], 0), ""],
         ["leg length (mm)", *(number(own[side]["leg_mm"], 0) for side in ("left", "right"))],
         ["knee width (mm)", *(number(own[side]["knee_mm"], 0) for side in ("left", "right"))],
         ["ankle width (mm)", *(number(own[side]["ankle_mm"], 0) for side in ("left", "right"))],
@@ -173,7 +191,50 @@ def measures_table(figures: dict[str, Any]) -> Table:
     for name, title in turned.items():
         if any(own[side][name] for side in ("left", "right")):
             rows.append([title, *(number(own[side][name], 1) for side in ("left", "right"))])
-    return Table(["", "left, or whole", "right"], rows)
+    return Table(["", "left", "right"], rows)
+
+
+def body_text(figures: dict[str, Any]) -> str:
+    """Mass, height and marker diameter of the subject, as far as they are known."""
+    own = figures["measures"]
+    said = (("Body mass", "mass_kg", 1, "kg"), ("Height", "height_mm", 0, "mm"),
+            ("Marker diameter", "marker_diameter_mm", 0, "mm"))  # fmt: skip
+    return " · ".join(f"{name} {measure(own.get(key), digits, unit)}" for name, key, digits, unit in said)
+
+
+MODEL_WORDS: dict[str, str | dict[Any, str]] = {
+    "name": {"physical": "moments by Newton and Euler", "plug_in_gait": "as Plug-in Gait computes it"},
+    "hip_centre": "hip joint centre by {}", "inertia": "segments' inertia by {}", "smoothing": "markers smoothed by {}",
+    "axes": {True: "axes of knees and ankles as the standing trial shows them",
+             False: "axes of knees and ankles by wands and measures"},
+    "cutoff_hz": "cut-off {} Hz", "flat_foot": {True: "feet flat in the standing trial", False: "feet as they stood"},
+}  # fmt: skip
+"""How a parameter of the model is said; the others by their names."""
+VALUE_WORDS = {
+    "davis": "Davis et al. (1991)", "harrington": "Harrington et al. (2007)", "hara": "Hara et al. (2016)",
+    "winter": "Winter (2009)", "de_leva_male": "de Leva (1996), male", "de_leva_female": "de Leva (1996), female",
+    "plug_in_gait": "Plug-in Gait", "butterworth": "a Butterworth filter", "woltring": "Woltring's spline",
+}  # fmt: skip
+"""Names of methods, and their works."""
+
+
+def model_text(figures: dict[str, Any]) -> str:
+    """The method and its parameters, as a sentence."""
+    return "; ".join(_model_part(name, value) for name, value in figures["method"].items())
+
+
+def _model_part(name: str, value: Any) -> str:
+    """One parameter of the model in words."""
+    words = MODEL_WORDS.get(name, name.replace("_", " ") + " {}")
+    if isinstance(words, dict):
+        return words.get(value, f"{name.replace('_', ' ')} {value}")
+    if name == "smoothing" and value == "none":
+        return "markers not smoothed"
+    if value is None:
+        return words.removesuffix(" Hz").format("chosen from the data")
+    if isinstance(value, bool):
+        return words.format("yes" if value else "no")
+    return words.format(VALUE_WORDS.get(str(value), str(value).replace("_", " ")))
 
 
 def uncertainty_table(figures: dict[str, Any]) -> Table:
@@ -214,7 +275,9 @@ def consistency_table(figures: dict[str, Any]) -> Table:
         mean = sum(spread) / len(spread) if spread else None
         title, digits = _titled(one["name"])
         rows.append([title, number(one["strides"]), number(mean, digits), number(one["consistency"][0], 2)])
-    return Table(["first component", "strides", "mean spread", "consistency (CMC)"], rows)
+    few = all(one["strides"] < 2 for one in figures["curves"])
+    absent = "One stride of a side says nothing of how strides differ. Give several walks together."
+    return Table(["first component", "strides", "mean spread", "consistency (CMC)"], [] if few else rows, absent=absent)
 
 
 HARMONIC_ROWS = {"PelvisAngles": 1, "HipAngles": 0, "KneeAngles": 0, "AnkleAngles": 0}
@@ -229,7 +292,8 @@ def harmonics_table(figures: dict[str, Any]) -> Table:
             continue
         one = found[curve["name"], curve["axes"][axis]]
         share = [value for value in one["share"] if value is not None]
-        title = f"{curve['side']} {curve['name'][1:].removesuffix('Angles').lower()} {curve['axes'][axis]} (°)"
+        joint = curve["name"][1:].removesuffix("Angles").lower().replace("pelvis", "pelvic")
+        title = f"{curve['side']} {joint} {curve['axes'][axis]} (°)"
         held = 100 * sum(share[:3]) if share else None
         rows.append([title, *(number(value, 1) for value in one["amplitude"]), number(held, 0)])
     hz = figures["harmonics"]["stride_hz"]

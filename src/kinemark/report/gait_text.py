@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from .formatting import number
-from .gait_comparison_page import differing_table, other_subject, parameters_table, strides_compared
+from .formatting import count, number
+from .gait_comparison_page import (
+    JUDGED,
+    differing_table,
+    key_values_table,
+    not_judged,
+    other_subject,
+    parameters_table,
+    strides_compared,
+)
 from .gait_page import NAMES, SHOWN
 from .terminal_summary import finding_lines
 from .words import headline_of, sentences_of
@@ -30,9 +38,12 @@ def comparison_summary(figures: dict[str, Any]) -> str:
     one, two = figures["conditions"]
     rows = [*differing_table(figures).rows]
     lines = [*filter(None, [other_subject(figures)]), strides_compared(figures)]
-    lines += [f"{two['name']} less {one['name']}: {len(rows)} components differ by more than their own error."]
+    lines += [*filter(None, [not_judged(figures)])]
+    many = count(len(rows), "component of a curve differs", "components of curves differ")
+    lines += [f"{two['name']} minus {one['name']}: {many} by more than the error."]
     lines += [f"  {row[0]:34s} {row[2]:>22s}  {row[3]:>12s}   {row[1]}" for row in rows]
-    for row in parameters_table(figures).rows:
-        if row[-1] == "differs":
-            lines.append(f"  {row[0]:34s} {row[3]:>22s}  {row[4]:>12s}")
+    numbers = [*parameters_table(figures).rows, *key_values_table(figures).rows]
+    differing = [row for row in numbers if row[-1] == JUDGED[True]]
+    lines += [f"Of {count(len(numbers), 'number')} (time and distance, key values), {len(differing)} by more."]
+    lines += [f"  {row[0]:60s} {row[3]:>8s}  {row[4]:>8s}" for row in differing]
     return "\n".join(lines) + "\n"

@@ -16,9 +16,11 @@ from kinemark.engine.gait.reference import reference_of_files
 from kinemark.engine.gait.settings import GaitSettings
 from kinemark.engine.gait.trial_files import one_of_each, trial_names
 from kinemark.io.c3d import write_c3d
+from kinemark.io.gait_reference import read_reference
 from kinemark.io.notes import file_note_text
 from kinemark.io.trial import read_trial
 from kinemark.report.figures_gait import KINEMATICS, panels_figure
+from kinemark.report.gait_page import key_values_table, time_distance_table
 from kinemark.synth import WalkingBody, gait_laboratory, walking
 from support.drawings import check_page
 from support.plug_in_gait import ADULT
@@ -231,7 +233,16 @@ def test_controls_become_a_band_that_others_are_scored_against(walk):
     )
     assert 0 < found.figures["profile"]["left"]["score"] < 5  # deg; the simulated walkers differ by their noise alone
     page = (found.folder / "gait.html").read_text()
-    assert "gait profile score" in page and "two of ours" in page
+    assert "gait profile score" in page and "two of ours" in page and 'href="#profile"' in page
+    speeds = [json.loads(path.read_text())["time_distance"] for path in controls]
+    mean = np.mean([each[side]["speed"]["mean"] for each in speeds for side in ("left", "right")])
+    assert band.numbers["speed"][0] == pytest.approx(mean)  # mm/s, as in gait.json
+    assert time_distance_table(found.figures, band.numbers).rows[0][-1].startswith(f"{mean / 1000:.2f} ± ")
+    keys = key_values_table(found.figures, read_reference(walk / "band.json").numbers, angles=True)
+    swing = next(row for row in keys.rows if row[0].startswith("knee flexion, greatest in swing"))
+    own, norm = (float(swing[k].split(" ± ")[0]) for k in (1, -1))
+    assert keys.head[-1] == "reference" and norm == pytest.approx(own, abs=3)
+    assert "reference" not in time_distance_table(found.figures).head
     with pytest.raises(KinemarkError, match="two or more"):
         reference_of_files(controls[:1], output=walk / "band.json", source="")
     with pytest.raises(KinemarkError, match="never overwritten"):

@@ -124,7 +124,7 @@ def sensitivity(
         centroid_px: standard deviation of a centroid, px; as the trial's residuals show it where none is given.
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
         markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
-            model wants.
+            model wants; the trial's own names where none is given.
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
@@ -225,7 +225,7 @@ def gait_compare(
 
     Args:
         first: gait.json of the first condition, or its folder.
-        second: of the second.
+        second: gait.json of the second, or its folder.
         output: folder of the results.
         same_markers: they stayed on the subject in between, with one static trial.
         self_contained: put the drawing library into the page, for mailing.

@@ -14,10 +14,10 @@ from cyclopts import App, Parameter
 from ...data import KinemarkError
 from ...data.edits import Undo, counting
 from ...io.notes import file_note_figures, file_note_text
-from ..output import Json, print_result
+from ..output import NO_EMPTY, Json, print_result
 from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, retrack, review, smooth, trim
 
-edits = App(name="edits", help=__doc__)
+edits = App(name="edits", help=__doc__, default_parameter=NO_EMPTY)
 for said in (claim, exchange, erase, gap, put, image, review, smooth, trim, finish, event, retrack):
     edits.command(said)
 
@@ -122,7 +122,9 @@ def undo(trial: Path, entry: int | None = None, *, why: Why = "", by: By = "", j
     Args:
         trial: SESSION/NAME or a file.
         entry: its number; the last that counts where none is given.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import journal_at
     from ..edits_output import print_entry
@@ -136,7 +138,9 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
 
     Args:
         trial: SESSION/NAME or a file.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import journal_at
     from ..edits_output import print_entry
@@ -179,7 +183,9 @@ def accept(trial: Path, problem: str, alternative: int = 1, *, why: Why = "", by
         trial: SESSION/NAME or a file.
         problem: its id, from `kinemark edits problems`.
         alternative: its number, from 1.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ...engine.problems import filled_gaps, problems
@@ -197,7 +203,9 @@ def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
 
     Args:
         trial: SESSION/NAME or a file.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_entry

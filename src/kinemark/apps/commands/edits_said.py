@@ -42,7 +42,9 @@ def claim(
         no_marker: it is none: a ghost.
         frames: of the stretch that is meant.
         anyway: join two that do not seem to be one marker.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said, span_of
@@ -68,9 +70,12 @@ def exchange(
 
     Args:
         trial: SESSION/NAME or a file.
-        one: a marker. other: the marker that it was taken for.
+        one: a marker.
+        other: the marker that it was taken for.
         frames: in which they are exchanged: 751- from frame 751 on.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said, span_of
@@ -84,8 +89,11 @@ def erase(trial: Path, marker: str, *, frames: str, why: Why = "", by: By = "", 
 
     Args:
         trial: SESSION/NAME or a file.
-        marker: its name. frames: A-B, or one.
-        why: in your words. by: who says it. json: print it for a machine.
+        marker: its name.
+        frames: A-B, or one.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
@@ -98,9 +106,12 @@ def gap(trial: Path, marker: str, *, frames: str, method: str, why: Why = "", by
 
     Args:
         trial: SESSION/NAME or a file.
-        marker: its name. frames: A-B; every gap that reaches into them is meant.
+        marker: its name.
+        frames: A-B; every gap that reaches into them is meant.
         method: one of `kinemark methods fill`; best for the least expected error; open for not at all.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
@@ -124,11 +135,14 @@ def put(
 
     Args:
         trial: SESSION/NAME or a file.
-        marker: its name. frame: number in the recording.
+        marker: its name.
+        frame: number in the recording.
         at: X Y Z in mm.
         image: where it is in an image, as cam1:312.5,204; twice or more, instead of --at.
         sd: standard deviation of each axis, mm; of images it is computed.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import image_of, print_said
@@ -158,10 +172,14 @@ def image(
 
     Args:
         trial: SESSION/NAME.
-        camera: its name. frame: number in the recording. at: U V in px.
+        camera: its name.
+        frame: number in the recording.
+        at: U V in px.
         name: of the marker.
         no_marker: the image there is no marker's.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said
@@ -186,7 +204,9 @@ def review(
         trial: SESSION/NAME.
         decision: its number, from 1, in ambiguous_decisions.json.
         right: it was right, or --wrong.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said
@@ -209,9 +229,13 @@ def smooth(
 
     Args:
         trial: SESSION/NAME or a file.
-        marker: its name. frames: A-B. cutoff: in Hz.
+        marker: its name.
+        frames: A-B.
+        cutoff: in Hz.
         function: that smooths: a Butterworth filter of fourth order, Woltring's quintic spline or the moving average.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
@@ -226,7 +250,9 @@ def trim(trial: Path, *, frames: str, why: Why = "", by: By = "", json: Json = F
     Args:
         trial: SESSION/NAME or a file.
         frames: A-B.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import closed_span, print_said
@@ -240,7 +266,9 @@ def finish(trial: Path, *, frames: Span = None, why: Why = "", by: By = "", json
     Args:
         trial: SESSION/NAME or a file.
         frames: A-B instead of those.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said, span_of
@@ -257,7 +285,9 @@ def retrack(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> N
 
     Args:
         trial: SESSION/NAME.
-        why: in your words. by: who says it. json: print it for a machine.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said
@@ -274,8 +304,12 @@ def event(
 
     Args:
         trial: SESSION/NAME or a file.
-        label: what, such as 'Foot Strike'. time: s from frame 1 of the recording. side: Left, Right or General.
-        why: in your words. by: who says it. json: print it for a machine.
+        label: what, such as 'Foot Strike'.
+        time: s from frame 1 of the recording.
+        side: Left, Right or General.
+        why: in your words.
+        by: who says it.
+        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
     from ..edits_output import print_said

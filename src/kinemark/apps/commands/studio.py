@@ -10,7 +10,10 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ..output import errors
 
-ABSENT = 'The studio needs FastAPI and uvicorn, and {name} is not there. Install them: pip install "kinemark[studio]"'
+ABSENT = (
+    "The studio needs FastAPI and uvicorn, and {name} is not there. Install them: in a copy of the project "
+    'python3 dev.py studio, which also builds the page; else pip install "kinemark[studio]"'
+)
 
 
 def studio(

@@ -12,9 +12,11 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.array_types import Floats
 from ...data.strides import UNITS
-from ...data.subject_measures import SIDES
+from ...data.subject_measures import LETTER, SIDES, Side
 from ...findings.plain import plain
-from ...gait.comparison import Condition, Difference, difference, stretches
+from ...gait.comparison import LEAST_POINTS, Condition, Difference, difference, stretches
+from ...gait.key_values import KEYS, Key
+from ...io.csv_table import cell, write_table
 from ...io.files import write_text
 from ...io.gait_reference import read_json
 from ...report.drawing_library import assets_for
@@ -33,7 +35,7 @@ class GaitComparison(NamedTuple):
 def compare_gait(
     first: Path, second: Path, *, folder: Path, same_markers: bool = False, self_contained: bool = False
 ) -> GaitComparison:
-    """Read the figures of two conditions, and write what differs beyond its error: a page and JSON.
+    """Read the figures of two conditions, and write what differs beyond its error: a page, CSV and JSON.
 
     Args:
         first, second: `gait.json` of each condition, or its folder.
@@ -60,14 +62,28 @@ def compare_gait(
             "conditions": [_about(path, table) for path, table in zip(paths, tables, strict=True)],
             "same_markers": same_markers,
             "time_distance": [row for side in SIDES for row in _parameters(tables, side, same_markers)],
+            "key_values": _keys(tables, same_markers),
             "curves": [_row(one) for one in curves],
         }
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "comparison.json", json.dumps(figures, indent=1) + "\n")
+    _write_csv(folder / "comparison.csv", figures)
     assets = None if self_contained else assets_for(folder)
     write_comparison_page(folder / "comparison.html", figures=figures, curves=curves, assets=assets)
     return GaitComparison(figures, folder)
+
+
+def _write_csv(path: Path, figures: Mapping[str, Any]) -> None:
+    """A row a number of both conditions, for statistics; a cell is empty where it is not known."""
+    numbers = ("first", "second", "difference", "error")
+    rows = (
+        [*(one[key] for key in ("name", "side", "unit")),
+         *("" if one[key] is None else cell(one[key]) for key in numbers),
+         "" if one["error"] is None else int(one["exceeds"])]
+        for one in (*figures["time_distance"], *figures["key_values"])
+    )  # fmt: skip
+    write_table(path, ["name", "side", "unit", "first", "second", "difference", "error_95", "exceeds"], rows)
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -97,12 +113,40 @@ def _parameters(tables: tuple[dict[str, Any], ...], side: str, same: bool) -> li
             Condition(_array(one["mean"]), _array(one["spread"]), _array(s), one["strides"])
             for one, s in zip(both, sd, strict=True)
         )
-        found = difference(first, second)
-        rows.append(
-            {"name": name, "side": side, "unit": unit, "first": both[0]["mean"], "second": both[1]["mean"],
-             "difference": found.value, "error": found.error, "exceeds": bool(found.exceeds)}
-        )  # fmt: skip
+        rows.append({"name": name, "side": side, "unit": unit} | _number_row(first, second))
     return rows
+
+
+def _number_row(first: Condition, second: Condition) -> dict[str, Any]:
+    """What is told of one number in both conditions."""
+    found = difference(first, second)
+    return {"first": first.mean, "second": second.mean, "difference": found.value, "error": found.error,
+            "exceeds": bool(found.exceeds)}  # fmt: skip
+
+
+def _keys(tables: tuple[dict[str, Any], ...], same: bool) -> list[dict[str, Any]]:
+    """A row a key value of a side that both conditions have; those without a known measurement's error have none."""
+    each = [{one["name"]: one for one in table.get("key_values", [])} for table in tables]  # earlier versions: none
+    rows = []
+    for key in KEYS:
+        for side in SIDES:
+            both = [found.get(key.name, {}).get(side) for found in each]
+            if any(one is None for one in both):
+                continue
+            first, second = (_key(one, key, side, t, same) for one, t in zip(both, tables, strict=True))
+            rows.append(
+                {"name": key.name, "side": side, "unit": each[0][key.name]["unit"]} | _number_row(first, second)
+            )
+    return rows
+
+
+def _key(one: Mapping[str, Any], key: Key, side: Side, table: Mapping[str, Any], same: bool) -> Condition:
+    """A key value; of its measurement only the noise, over strides, where the markers stayed on; none if not asked."""
+    sd = _array(one["sd"]) if table["uncertainty"] else np.array(0.0)
+    if same:
+        share = _noise_share(table, LETTER[side] + key.curve)
+        sd = sd * (share[key.axis] if key.axis < len(share) else 0.0) / np.sqrt(max(one["strides"], 1))
+    return Condition(_array(one["mean"]), _array(one["spread"]), sd, one["strides"])
 
 
 def _mean_sd(one: Mapping[str, Any], same: bool) -> float:
@@ -146,13 +190,20 @@ def _measured(row: Mapping[str, Any], table: Mapping[str, Any], same: bool) -> F
     sd = np.nan_to_num(_array(row["sd"]))
     if not same:
         return sd
-    causes: dict[str, Any] = next((one["by_cause"] for one in table["uncertainty"] if one["name"] == row["name"]), {})
+    share = _noise_share(table, row["name"])
+    return np.asarray(sd * (share if len(share) else 0.0) / np.sqrt(max(row["strides"], 1)))
+
+
+def _noise_share(table: Mapping[str, Any], name: str) -> Floats:
+    """(A) of the measurement's standard uncertainty, how much is noise; empty where causes are not known."""
+    causes: dict[str, Any] = next((one["by_cause"] for one in table["uncertainty"] if one["name"] == name), {})
     squares = {cause: np.nan_to_num(_array(values)) ** 2 for cause, values in causes.items()}
-    total = sum(squares.values(), np.zeros(sd.shape[-1]))
-    noise = squares.get("noise", np.zeros(sd.shape[-1]))
+    if not squares:
+        return np.zeros(0)
+    total = np.sum(list(squares.values()), axis=0)
+    noise = squares.get("noise", np.zeros_like(total))
     with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.sqrt(np.where(total > 0, noise / total, 0.0))
-    return np.asarray(sd * share / np.sqrt(max(row["strides"], 1)))
+        return np.asarray(np.sqrt(np.where(total > 0, noise / total, 0.0)))
 
 
 def _row(one: ComparedCurve) -> dict[str, Any]:
@@ -168,6 +219,7 @@ def _row(one: ComparedCurve) -> dict[str, Any]:
         parts.append({
             "axis": axis, "stretches": where, "greatest": None if most is None else value[most], "at": most,
             "error_there": None if most is None else error[most],
+            "unknown": int((np.isfinite(value) & ~np.isfinite(error)).sum()) >= LEAST_POINTS,
         })  # fmt: skip
     return {"name": one.name, "side": one.side, "unit": one.unit, "components": parts}
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from ...data import KinemarkError
 from ...data.gait_curves import GaitReference
 from ...gait.gait_cycles import reference_of
-from ...io.gait_reference import control_curves, write_reference
+from ...io.gait_reference import control_curves, control_numbers, write_reference
 
 
 def reference_of_files(controls: Sequence[Path], *, output: Path, source: str) -> GaitReference:
@@ -21,6 +21,6 @@ def reference_of_files(controls: Sequence[Path], *, output: Path, source: str) -
         raise KinemarkError("A reference wants the gait.json of two or more controls, one a subject.")
     if output.resolve() in [path.resolve() for path in controls]:
         raise KinemarkError(f"{output} is one of the controls. Give another -o: what you gave is never overwritten.")
-    band = reference_of([control_curves(path) for path in controls], source)
+    band = reference_of([control_curves(p) for p in controls], source, [control_numbers(p) for p in controls])
     write_reference(output, band)
     return band

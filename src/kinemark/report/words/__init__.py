@@ -17,7 +17,7 @@ from .decisions import reason_text
 from .edits import EDIT_WORDS, edit_text, entry_text
 from .error_sources import SOURCE_ADVICE, evidence_text
 from .gait import GAIT_WORDS
-from .open_gaps import open_gap_text
+from .open_gaps import frames_text, open_gap_text
 from .plans import PLAN_WORDS
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
@@ -32,6 +32,7 @@ __all__ = [
     "edit_text",
     "entry_text",
     "evidence_text",
+    "frames_text",
     "headline_of",
     "open_gap_text",
     "reason_text",

@@ -280,7 +280,8 @@ GAIT_WORDS = {
     "gait_unusable": Words("Gait was computed from markers that are exchanged: do not use it before that is mended."),
     "gait_missing": Words("There is no gait result: the reasons stand below."),
     "gait_measured": Words(
-        "{left_strides} left and {right_strides} right strides, {speed:2} at {cadence:0} steps a minute."
+        "{left_strides} left and {right_strides} right {right_strides:stride|strides}, {speed:2} at {cadence:0} steps "
+        "a minute."
     ),
     "gait_deviations": Words(
         "Knee flexion is known to ±{knee_deg:1} (one standard deviation); {variance_share} of its variance is {cause}."

@@ -33,3 +33,9 @@ def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
             return str(gap["reason"])
         case _:
             return "–"
+
+
+def frames_text(gap: Mapping[str, Any]) -> str:
+    """The frames of a gap, as they are numbered in its recording: `1239`, `1216–1225`."""
+    first, last = gap["first_frame"], gap["last_frame"]
+    return f"{first}" if first == last else f"{first}–{last}"

@@ -15,7 +15,7 @@ from ...numerics.returned_memory import return_memory
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
-from .initiate import initiate
+from .initiate import InitiatedTracks, initiate
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .simultaneous_method import Simultaneous
 
@@ -163,21 +163,24 @@ class Run:
         return ActiveTracks(zero, zero, zero, KalmanStates(np.zeros((9, 0)), np.zeros((9, 9, 0))))
 
     def begin(self, lasts: list[int]) -> ActiveTracks:
-        """New tracks of the three frames that end with each of `lasts`."""
+        """New tracks of the three frames that end with each of `lasts`, those of images that stand still first."""
         active = self.no_tracks()
-        for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method):
-            ids = np.arange(self.n, self.n + len(initiated))
-            self.n += len(initiated)
-            for group in initiated.groups:
-                self.free[group.detection[group.detection >= 0]] = False
-                none, detection = np.zeros(group.detection.shape, bool), _short(group.detection)
-                wide = np.sqrt(np.trace(group.cov))
-                self.seen.append(
-                    Associations(group.frame, ids, detection, none, group.squared, wide, group.xyz, group.cov)
-                )
-            self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
-            active = active.plus(self.started(ids, initiated.groups))
+        for standing in (True, False):
+            for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method, standing=standing):
+                active = active.plus(self.taken_up(initiated))
         return active
+
+    def taken_up(self, initiated: InitiatedTracks) -> ActiveTracks:
+        """New tracks, which then have their images."""
+        ids = np.arange(self.n, self.n + len(initiated))
+        self.n += len(initiated)
+        for group in initiated.groups:
+            self.free[group.detection[group.detection >= 0]] = False
+            none, detection = np.zeros(group.detection.shape, bool), _short(group.detection)
+            wide = np.sqrt(np.trace(group.cov))
+            self.seen.append(Associations(group.frame, ids, detection, none, group.squared, wide, group.xyz, group.cov))
+        self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
+        return self.started(ids, initiated.groups)
 
     def started(self, ids: Ints, groups: tuple[CandidatePoints, ...]) -> ActiveTracks:
         """New tracks at the last of their three points, in the order given."""

@@ -25,7 +25,7 @@ from ...native import index_images
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import LEAST_SD, Images
 
-HALF, STEP = 24, 2
+HALF, STEP = 48, 2
 """Frames before an image and after it that it stands still in, and from one that is looked at to the next; chosen: 24
 images have a fifth of the noise of one, and in a quarter of a second at 100 Hz nobody stands still by chance."""
 
@@ -94,7 +94,8 @@ def _means(images: Images, standing: _Standing, frames: Ints) -> Images:
     """The means as images of their own, of frames by their number in `frames`."""
     row, uv, number, w = standing
     w, frame = w[images.camera[row]], np.searchsorted(frames, images.frame[row])
-    variance = np.maximum(images.variance[row] - w, LEAST_SD**2) + w / number  # (1)
+    variance = images.variance[row] - images.margin(row)  # images that a limb hides in part are taken up afterwards
+    variance = np.maximum(variance - w, LEAST_SD**2) + w / number  # (1)
     cell, n = frame * len(images.P) + images.camera[row], len(frames) * len(images.P)
     usable, widest = np.ones(len(row), bool), np.zeros(n)
     np.maximum.at(widest, cell, variance)

@@ -104,8 +104,8 @@ class PassFit(NamedTuple):
 class Run:
     """Both passes over a recording: its images, which of them are free, and the associations so far."""
 
-    def __init__(self, images: Images, rate: float, method: Simultaneous) -> None:
-        self.images, self.method, self.T = images, method, 1 / rate
+    def __init__(self, images: Images, rate: float, method: Simultaneous, lasting: Floats | None = None) -> None:
+        self.images, self.method, self.T, self.lasting = images, method, 1 / rate, lasting
         self.free = images.usable.copy()
         self.F = fundamentals(images.P)
         self.seen: list[Associations] = []
@@ -165,8 +165,8 @@ class Run:
     def begin(self, lasts: list[int]) -> ActiveTracks:
         """New tracks of the three frames that end with each of `lasts`, those of images that stand still first."""
         active = self.no_tracks()
-        for standing in (True, False):
-            for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method, standing=standing):
+        for lasting in (None,) if self.lasting is None else (self.lasting, None):
+            for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method, lasting):
                 active = active.plus(self.taken_up(initiated))
         return active
 
@@ -275,6 +275,7 @@ def _nothing(C: int) -> Associations:
     return Associations(zero, zero, detection, detection > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
 
 
-def run(images: Images, rate: float, method: Simultaneous) -> Associations:
-    """All tracks of a recording."""
-    return Run(images, rate, method).whole()
+def run(images: Images, rate: float, method: Simultaneous, lasting: Floats | None = None) -> Associations:
+    """All tracks of a recording; those of images that stand still are initiated first where their `lasting_variance`
+    (C) px² is given."""
+    return Run(images, rate, method, lasting).whole()

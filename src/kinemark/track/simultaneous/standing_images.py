@@ -1,17 +1,17 @@
 """Images that stand still, and points of them: what many frames together tell of where rays meet.
 
 Where a person stands still, images of two markers that lie on each other's lines in one frame lie there in all frames:
-no motion ever parts them. But the noise of an image is new in each frame, so that the mean of n images, of noise of
-variance w and of what the calibration leaves in all of them, has the variance
+no motion ever parts them. But the noise of an image is new in each frame, so that the mean of n images has the variance
 
-    max(s² − w, 0) + w / n,   w = median of (y_{t+1} − y_t)² / 2                           (1)
+    l + w / n,   w = median of (y_{t+1} − y_t)² / 2                                        (1)
 
-and far fewer chance meetings lie within the gate. A common sway does no harm: the images of all cameras are of the same
-frames, and the mean of a marker's images is the image of its mean place, as far as it moves little.
+with l what the calibration leaves in all of them, and far fewer chance meetings lie within the gate. l is learned
+from the means themselves (`standing_noise`). A common sway does no harm: the images of all
+cameras are of the same frames, and the mean of a marker's images is that of its mean place, as far as it moves little.
 
 An image at y stands still where each of the frames around it, in steps of STEP up to HALF frames away, has one image
-alone within the gate of y, or in some of them none. Points of the means are found as by `candidate_points`, and given as
-the images of their own frame have them.
+alone within the gate of y, or in some of them none. Points of the means are found as by `candidate_points`, and placed
+by the images of their own frame.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from ...native import index_images
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
-from .detection_index import LEAST_SD, Images
+from .detection_index import Images
 
 HALF, STEP = 48, 2
-"""Frames before an image and after it that it stands still in, and from one that is looked at to the next; chosen: 24
-images have a fifth of the noise of one, and in a quarter of a second at 100 Hz nobody stands still by chance."""
+"""Frames before an image and after it that it stands still in, and from one that is looked at to the next; chosen:
+the mean of such images has a seventh of the noise of one, and who walks does not stand so long at 100 Hz."""
 
 MOST_MISSING = 0.25
 """Of these frames, the share that may have no image; chosen: drop-outs are fewer."""
 
 
-class _Standing(NamedTuple):
+class Standing(NamedTuple):
     """N images that stand still: their rows; the means uv (N, 2) px of so many, number (N); w of (1), white (C) px²."""
 
     row: Ints
@@ -42,11 +42,12 @@ class _Standing(NamedTuple):
     white: Floats
 
 
-def find_standing_points(images: Images, free: Bools, F: Floats, frames: list[int], gate: float) -> CandidatePoints:
-    """As `find_candidate_points`, of those of the free images that stand still."""
-    rows = np.sort(np.concatenate([np.zeros(0, np.int64), *images.in_frames(frames)]))
-    standing = _standing(images, rows[free[rows]], gate)
-    means = _means(images, standing, np.array(frames))
+def find_standing_points(
+    images: Images, free: Bools, F: Floats, frames: list[int], gate: float, lasting: Floats
+) -> CandidatePoints:
+    """As `find_candidate_points`, of those of the free images that stand still; `lasting` (C) px² is l of (1)."""
+    standing = standing_still(images, free_rows(images, free, frames), gate)
+    means = means_of(images, standing, np.array(frames, np.int64), lasting)
     found = find_candidate_points(means, means.usable, F, [*range(len(frames))], gate)
     row = np.append(standing.row, -1)
     found = found._replace(frame=np.array(frames, np.int64)[found.frame], detection=row[found.detection])
@@ -56,7 +57,13 @@ def find_standing_points(images: Images, free: Bools, F: Floats, frames: list[in
     return found.take(np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1)))
 
 
-def _standing(images: Images, rows: Ints, gate: float) -> _Standing:
+def free_rows(images: Images, free: Bools, frames: list[int]) -> Ints:
+    """The free rows of some frames that are not merged, which rise."""
+    rows = np.sort(np.concatenate([np.zeros(0, np.int64), *images.in_frames(frames)]))
+    return np.asarray(rows[free[rows] & ~images.merged[rows]])
+
+
+def standing_still(images: Images, rows: Ints, gate: float) -> Standing:
     """Those of some rows that stand still."""
     steps = np.arange(-HALF, HALF + 1, STEP)
     around = np.full((len(steps), len(rows)), -1)
@@ -73,7 +80,7 @@ def _standing(images: Images, rows: Ints, gate: float) -> _Standing:
     squared = np.where(both, (np.diff(uv, axis=0) ** 2).sum(-1) / 4, 0.0).sum(0) / np.maximum(both.sum(0), 1)
     camera = images.camera[rows]
     white = [float(np.median(squared[camera == c])) if (camera == c).any() else 0.0 for c in range(len(images.P))]
-    return _Standing(rows, uv.sum(0) / number[:, None], number, np.array(white))
+    return Standing(rows, uv.sum(0) / number[:, None], number, np.array(white))
 
 
 def _only_one(images: Images, rows: Ints, step: int, gate: float) -> tuple[Ints, Bools]:
@@ -90,22 +97,21 @@ def _only_one(images: Images, rows: Ints, step: int, gate: float) -> tuple[Ints,
     return out, np.bincount(query[near], minlength=len(rows)) > 1
 
 
-def _means(images: Images, standing: _Standing, frames: Ints) -> Images:
+def means_of(images: Images, standing: Standing, frames: Ints, lasting: Floats) -> Images:
     """The means as images of their own, of frames by their number in `frames`."""
     row, uv, number, w = standing
-    w, frame = w[images.camera[row]], np.searchsorted(frames, images.frame[row])
-    variance = images.variance[row] - images.margin(row)  # images that a limb hides in part are taken up afterwards
-    variance = np.maximum(variance - w, LEAST_SD**2) + w / number  # (1)
-    cell, n = frame * len(images.P) + images.camera[row], len(frames) * len(images.P)
+    camera, frame = images.camera[row], np.searchsorted(frames, images.frame[row])
+    variance = lasting[camera] + w[camera] / number  # (1)
+    cell, n = frame * len(images.P) + camera, len(frames) * len(images.P)
     usable, widest = np.ones(len(row), bool), np.zeros(n)
     np.maximum.at(widest, cell, variance)
     return images._replace(
         uv=uv,
         variance=variance,
-        camera=images.camera[row],
+        camera=camera,
         frame=frame,
         usable=usable,
-        merged=images.merged[row],
+        merged=~usable,
         widest=widest,
         n_frames=len(frames),
         by_cell=index_images(uv, cell, usable, n_cells=n),

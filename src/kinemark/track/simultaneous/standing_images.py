@@ -5,13 +5,13 @@ no motion ever parts them. But the noise of an image is new in each frame, so th
 
     l + w / n,   w = median of (y_{t+1} − y_t)² / 2                                        (1)
 
-with l what the calibration leaves in all of them, and far fewer chance meetings lie within the gate. l is learned
-from the means themselves (`standing_noise`). A common sway does no harm: the images of all
-cameras are of the same frames, and the mean of a marker's images is that of its mean place, as far as it moves little.
+with l what the calibration leaves in all of them, and far fewer chance meetings lie within the gate. l is learned from
+the means themselves (`standing_noise`). A common sway does no harm: the images of all cameras are of the same frames,
+and the mean of a marker's images is that of its mean place, as far as it moves little.
 
 An image at y stands still where each of the frames around it, in steps of STEP up to HALF frames away, has one image
-alone within the gate of y, or in some of them none. Points of the means are found as by `candidate_points`, and placed
-by the images of their own frame.
+alone within the gate of y, or in some of them none, and FEWEST have one. Points of the means are found as by
+`candidate_points`, and placed by the images of their own frame.
 """
 
 from __future__ import annotations
@@ -31,6 +31,10 @@ the mean of such images has a seventh of the noise of one, and who walks does no
 
 MOST_MISSING = 0.25
 """Of these frames, the share that may have no image; chosen: drop-outs are fewer."""
+
+
+FEWEST = 12
+"""Images of a mean, a number; chosen: of fewer, w of (1) is not known to a third."""
 
 
 class Standing(NamedTuple):
@@ -74,6 +78,10 @@ def standing_still(images: Images, rows: Ints, gate: float) -> Standing:
         missing += around[k] == -1
         on = ~several & (missing <= MOST_MISSING * len(steps))
         rows, around, missing = rows[on], around[:, on], missing[on]
+        if not len(rows):
+            break
+    many = (around >= 0).sum(0) >= FEWEST
+    rows, around = rows[many], around[:, many]
     there = around >= 0
     uv = np.where(there[..., None], images.uv[around], 0.0)
     number, both = there.sum(0), there[1:] & there[:-1]

@@ -58,7 +58,7 @@ def find_standing_points(
     point = intersect(images, found.detection)
     squared = np.where(found.detection >= 0, point.squared, 0.0).sum(0)
     found = found._replace(xyz=point.xyz, cov=point.cov, squared=squared)
-    return found.take(np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1)))
+    return found.take(np.asarray(np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1))))
 
 
 def free_rows(images: Images, free: Bools, frames: list[int]) -> Ints:

@@ -19,6 +19,7 @@ from ...native import inverse
 from .candidate_points import CandidatePoints, find_candidate_points
 from .detection_index import Images
 from .simultaneous_method import Simultaneous
+from .standing_images import find_standing_points
 
 LEAST_FRAMES = 3
 """From which a track is initiated; by definition of (1)."""
@@ -34,11 +35,21 @@ class InitiatedTracks(NamedTuple):
 
 
 def initiate(
-    images: Images, free: Bools, F: Floats, lasts: list[int], T: float, method: Simultaneous
+    images: Images,
+    free: Bools,
+    F: Floats,
+    lasts: list[int],
+    T: float,
+    method: Simultaneous,
+    lasting: Floats | None = None,
 ) -> list[InitiatedTracks]:
-    """Tracks that are initiated in the three frames that end with each of `lasts`, among the free images."""
+    """Tracks that are initiated in the three frames that end with each of `lasts`, among the free images; among those
+    alone that stand still, where `lasting_variance` (C) px² is given."""
     frames = [last - back for last in lasts for back in (2, 1, 0)]
-    groups = find_candidate_points(images, free, F, frames, method.gate)
+    if lasting is None:
+        groups = find_candidate_points(images, free, F, frames, method.gate)
+    else:
+        groups = find_standing_points(images, free, F, frames, method.gate, lasting)
     initiated = []
     for last in lasts:
         each = [groups.frame == f for f in (last - 2, last - 1, last)]

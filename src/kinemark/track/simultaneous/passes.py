@@ -15,7 +15,7 @@ from ...numerics.returned_memory import return_memory
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
-from .initiate import initiate
+from .initiate import InitiatedTracks, initiate
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .simultaneous_method import Simultaneous
 
@@ -104,8 +104,8 @@ class PassFit(NamedTuple):
 class Run:
     """Both passes over a recording: its images, which of them are free, and the associations so far."""
 
-    def __init__(self, images: Images, rate: float, method: Simultaneous) -> None:
-        self.images, self.method, self.T = images, method, 1 / rate
+    def __init__(self, images: Images, rate: float, method: Simultaneous, lasting: Floats | None = None) -> None:
+        self.images, self.method, self.T, self.lasting = images, method, 1 / rate, lasting
         self.free = images.usable.copy()
         self.F = fundamentals(images.P)
         self.seen: list[Associations] = []
@@ -163,21 +163,24 @@ class Run:
         return ActiveTracks(zero, zero, zero, KalmanStates(np.zeros((9, 0)), np.zeros((9, 9, 0))))
 
     def begin(self, lasts: list[int]) -> ActiveTracks:
-        """New tracks of the three frames that end with each of `lasts`."""
+        """New tracks of the three frames that end with each of `lasts`, those of images that stand still first."""
         active = self.no_tracks()
-        for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method):
-            ids = np.arange(self.n, self.n + len(initiated))
-            self.n += len(initiated)
-            for group in initiated.groups:
-                self.free[group.detection[group.detection >= 0]] = False
-                none, detection = np.zeros(group.detection.shape, bool), _short(group.detection)
-                wide = np.sqrt(np.trace(group.cov))
-                self.seen.append(
-                    Associations(group.frame, ids, detection, none, group.squared, wide, group.xyz, group.cov)
-                )
-            self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
-            active = active.plus(self.started(ids, initiated.groups))
+        for lasting in (None,) if self.lasting is None else (self.lasting, None):
+            for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method, lasting):
+                active = active.plus(self.taken_up(initiated))
         return active
+
+    def taken_up(self, initiated: InitiatedTracks) -> ActiveTracks:
+        """New tracks, which then have their images."""
+        ids = np.arange(self.n, self.n + len(initiated))
+        self.n += len(initiated)
+        for group in initiated.groups:
+            self.free[group.detection[group.detection >= 0]] = False
+            none, detection = np.zeros(group.detection.shape, bool), _short(group.detection)
+            wide = np.sqrt(np.trace(group.cov))
+            self.seen.append(Associations(group.frame, ids, detection, none, group.squared, wide, group.xyz, group.cov))
+        self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
+        return self.started(ids, initiated.groups)
 
     def started(self, ids: Ints, groups: tuple[CandidatePoints, ...]) -> ActiveTracks:
         """New tracks at the last of their three points, in the order given."""
@@ -272,6 +275,7 @@ def _nothing(C: int) -> Associations:
     return Associations(zero, zero, detection, detection > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
 
 
-def run(images: Images, rate: float, method: Simultaneous) -> Associations:
-    """All tracks of a recording."""
-    return Run(images, rate, method).whole()
+def run(images: Images, rate: float, method: Simultaneous, lasting: Floats | None = None) -> Associations:
+    """All tracks of a recording; those of images that stand still are initiated first where their `lasting_variance`
+    (C) px² is given."""
+    return Run(images, rate, method, lasting).whole()

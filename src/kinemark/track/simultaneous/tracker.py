@@ -53,6 +53,7 @@ from .passes import Associations, run
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
+from .standing_noise import lasting_variance
 from .stitch import Stitch, Stitched, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unfitting_stretches import Stretch
@@ -277,7 +278,8 @@ def _followed(
     """
     T = 1 / rate
     least = min(max(method.min_duration / T, 4), images.n_frames)
-    every = run(working.images, rate, method)
+    F = fundamentals(working.images.P)
+    every = run(working.images, rate, method, lasting_variance(working.images, F, method.gate))
     evident, columns = ~_without_evidence(every, _unshared(every, images), least, method), list(every)
     del every
     every = Associations.of(columns, evident)
@@ -288,7 +290,7 @@ def _followed(
     return_memory()
     columns = list(every)
     del every
-    rivalled = without_rivalled(columns, working.images, fundamentals(working.images.P), T, method)
+    rivalled = without_rivalled(columns, working.images, F, T, method)
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)), squared=np.zeros(0))  # only those of `seen` count

@@ -1,0 +1,29 @@
+"""What a calibration leaves in images that stand still.
+
+The means of such images have hardly any other noise. What they leave between epipolar lines (`epipolar_noise`), less
+what noise a mean has, is told from chance meetings, of which there are as many, far better than that of single frames.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...data.array_types import Floats
+from .detection_index import LEAST_SD, Images
+from .epipolar_noise import camera_noise, mixture, pair_of, residuals
+from .measurement_noise import sampled_frames
+from .standing_images import free_rows, means_of, standing_still
+
+
+def lasting_variance(images: Images, F: Floats, gate: float) -> Floats | None:
+    """(C) px², l of (1) of `standing_images`; None where hardly any image stands still."""
+    frames, C = sampled_frames(images), len(images.P)
+    standing = standing_still(images, free_rows(images, images.usable, frames), gate)
+    means = means_of(images, standing, np.array(frames, np.int64), np.zeros(C))
+    some = residuals(means, F, [*range(len(frames))])
+    noise = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C).variance
+    known = np.isfinite(noise)
+    if not known.any():
+        return None
+    number = float(np.median(standing.number))
+    return np.asarray(np.maximum(np.fmax(noise, np.median(noise[known])) - standing.white / number, LEAST_SD**2))

@@ -13,7 +13,7 @@ One pixel at the depth Z of the point and focal length f spans
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,18 @@ def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
     return offsets
 
 
-def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Floats]) -> list[dict[str, Any]]:
+class AsGiven(NamedTuple):
+    """What a trial was reconstructed from: cameras as they were calibrated, detections when they were taken."""
+
+    rig: Rig
+    detections: Detections
+
+
+def camera_figures(
+    rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Floats], given: AsGiven | None = None
+) -> list[dict[str, Any]]:
     """The figures of every camera, in the order of `detections`."""
+    before = as_calibrated(rig, detections, cloud, given)
     counts = detections.counts
     rows = detections.camera
     return [
@@ -46,9 +56,29 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
         | _detected(counts[c], detections.validity[rows == c], cloud.detection[_seen(cloud, c), c])
         | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
         | _reprojected(offsets[c])
+        | {"residual_as_calibrated_px": before[c]}
         | {"pixel_at_subject_mm": _pixel(camera, cloud.xyz[_seen(cloud, c)])}
         for c, camera in enumerate(rig)
     ]
+
+
+def as_calibrated(rig: Rig, detections: Detections, cloud: Cloud, given: AsGiven | None) -> list[float | None]:
+    """(C) px, the median residual of each camera by what was given; None where that is what was reconstructed with."""
+    if given is None:
+        return [None] * len(rig)
+    offsets = residuals(given.rig, given.detections, cloud)
+    own = [[seen.uv[seen.camera == c] for seen in (detections, given.detections)] for c in range(len(rig))]
+    same = [
+        _alike(camera, before) and np.array_equal(uv[0], uv[1], equal_nan=True)
+        for camera, before, uv in zip(rig, given.rig, own, strict=True)
+    ]
+    medians = [quantile(np.linalg.norm(off, axis=1), 0.5) for off in offsets]
+    return [None if alike else median for alike, median in zip(same, medians, strict=True)]
+
+
+def _alike(camera: Camera, other: Camera) -> bool:
+    """Whether two cameras project alike."""
+    return all(np.array_equal(getattr(camera, name), getattr(other, name)) for name in ("K", "distortion", "R", "t"))
 
 
 def _seen(cloud: Cloud, c: int) -> NDArray[np.int64]:

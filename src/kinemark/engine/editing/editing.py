@@ -26,7 +26,7 @@ from ..keys import world_key
 from ..naming.claims import claims_of
 from ..naming.put_aside import computed_names
 from ..open_trial import OpenTrial
-from ..trial_inputs import TrialInputs, detections_of, last_tracked, measured_of
+from ..trial_inputs import TrialInputs, detections_of, last_tracked, measured_of, trial_rig
 from . import makers
 from .journal import Journal, hash_of_entry
 from .makers import PUT_SD
@@ -47,7 +47,9 @@ class Editing:
 
     Attributes:
         name: of the trial. journal: of what was said.
-        trajectories: before all edits; detections, rig: behind them, None for a file without.
+        trajectories: before all edits; detections, rig: behind them, the cameras as they were made with; None for a
+            file without. timed: the detections at the times of the frames; None where they are.
+        given: the cameras as they were calibrated, in whose world places are; `rig` where None.
         by: who edits; the user of the machine where empty.
         source: the file's trial; None of a session's. decisions: of the tracking that were close.
         facts: the claims by which the markers were named; pinned: the edits with which they were tracked again.
@@ -59,6 +61,8 @@ class Editing:
     trajectories: Trajectories
     detections: Detections | None = None
     rig: Rig | None = None
+    timed: Detections | None = None
+    given: Rig | None = None
     by: str = ""
     source: Trial | None = None
     decisions: tuple[AmbiguousDecision, ...] = ()
@@ -82,9 +86,10 @@ class Editing:
         journal = Journal.of(trial.workspace.root, trial.name)
         decisions = last_tracked(records).ambiguous_decisions
         facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
+        seen, cameras = detections_of(records), trial_rig(records)
         return cls(
-            trial.name, journal, measured_of(inputs, records), detections_of(records), inputs.rig, by,
-            decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
+            trial.name, journal, measured_of(inputs, records), seen, cameras.rig, cameras.timed(seen),
+            inputs.rig, by, decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
         )  # fmt: skip
 
     @property
@@ -114,7 +119,8 @@ class Editing:
     @property
     def world(self) -> str:
         """Key of the world that places are in."""
-        return "" if self.rig is None else world_key(self.rig)
+        given = self.given or self.rig
+        return "" if given is None else world_key(given)
 
     def edited(self) -> Edited:
         """The trial with all that stands in the journal."""
@@ -294,8 +300,8 @@ class Editing:
     def _replayed(self, entries: Sequence[Entry]) -> Edited:
         def replayed(entries: Sequence[Entry]) -> Edited:
             return replay(
-                self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world,
-                facts=bool(self.facts or self.pinned),
+                self.trajectories, entries, detections=self.detections, timed=self.timed, rig=self.rig,
+                world=self.world, facts=bool(self.facts or self.pinned),
             )  # fmt: skip
 
         return self.replays.of(entries, replayed)

@@ -42,7 +42,9 @@ def of_marker(trajectories, xyz):
 def test_residuals_are_those_of_the_images(wrong, trial):
     for camera in trial.quality["cameras"]:
         assert camera["used_share"] > 0.9
-        assert camera["residual_median_px"] < 2 * NOISE, "1.7 px by a file without lens terms, 1.6 of a camera that is late"
+        assert camera["residual_median_px"] < 2 * NOISE, (
+            "1.7 px by a file without lens terms, 1.6 of a camera that is late"
+        )
         assert camera["residual_median_px"] > NOISE / 2
         as_calibrated, others = camera["residual_as_calibrated_px"], wrong.folder.name != "lens"
         if others and camera["name"] != f"c{TOUCHED}":

@@ -43,6 +43,7 @@ class Footage:
         detections, rig: behind its samples; None for a file without.
         world: key of the cameras whose world it is in.
         timed: the detections at the times of the frames, the same rows; None where all cameras are in time.
+        left_out: camera's name, first and last frame, numbers in the recording, in which it fits the others no more.
         corrected: images by hand.
     """
 
@@ -52,6 +53,7 @@ class Footage:
     rig: Rig | None = None
     world: str = ""
     timed: Detections | None = None
+    left_out: tuple[tuple[str, int, int], ...] = ()
     corrected: ImagesByHand = field(default_factory=dict)
 
     def late(self, camera: str, frame: int, uv: Floats) -> Floats:
@@ -69,10 +71,14 @@ class Footage:
         nearest = int(np.nanargmin(apart))
         return np.asarray(timed.uv[own][nearest] - seen.uv[own][nearest])
 
+    def fits(self, camera: str, frame: int) -> bool:
+        """Whether a camera shows places in a frame, a number in the recording."""
+        return not any(name == camera and first <= frame <= last for name, first, last in self.left_out)
+
     def images_of(self, frame: int, xyz: Floats) -> Iterator[tuple[str, float, float]]:
         """Where the pictures of a frame, a number in the recording, show a place (3) mm, of cameras that look at it."""
         for camera in self.rig or ():
-            if (camera.R @ xyz + camera.t)[2] > 0:
+            if self.fits(camera.name, frame) and (camera.R @ xyz + camera.t)[2] > 0:
                 uv = project(camera, xyz[None])[0]
                 u, v = (uv - self.late(camera.name, frame - self.first_frame, uv)).tolist()
                 yield camera.name, u, v
@@ -171,6 +177,8 @@ def with_image(path: MarkerTrajectory, edit: ImagePoint, of: Footage) -> Changed
         return path, Result("moot", reason="the trial does not have this frame")
     if of.rig is None or edit.camera not in of.rig.names:
         return path, Result("orphan", reason=f"there is no camera {edit.camera}")
+    if not of.fits(edit.camera, edit.frame):
+        return path, Result("orphan", reason=f"{edit.camera} was moved, and fits the other cameras no more there")
     by_hand = of.corrected.setdefault((path.name, f), {})
     by_hand[edit.camera] = edit.u, edit.v
     return _again(path, f, of, by_hand)
@@ -215,8 +223,8 @@ def solve(
 
 
 def _in_time(of: Footage, camera: str, frame: int, image: tuple[float, float]) -> Floats:
-    """(2) px where what a picture shows was at the time of its frame."""
-    uv = np.array(image)
+    """(2) px where what a picture shows was at the time of its frame; NaN where its camera shows no place."""
+    uv = np.array(image) if of.fits(camera, frame) else np.full(2, np.nan)
     return uv + of.late(camera, frame - of.first_frame, uv)
 
 

@@ -66,6 +66,12 @@ class TrialRig(NamedTuple):
         """The same rows in time; those of cameras that fit no more are not valid."""
         return without_stretches(self.timed(detections), self.left_out)
 
+    def left_out_of(self, first_frame: int) -> tuple[tuple[str, int, int], ...]:
+        """`left_out` by cameras' names, first and last frame, numbers in a recording that begins with `first_frame`."""
+        return tuple(
+            (self.rig.names[one.camera], one.first + first_frame, one.stop - 1 + first_frame) for one in self.left_out
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """All but the rig, for a file."""
         left_out = [list(one) for one in self.left_out]

@@ -49,6 +49,7 @@ class Editing:
         name: of the trial. journal: of what was said.
         trajectories: before all edits; detections, rig: behind them, the cameras as they were made with; None for a
             file without. timed: the detections at the times of the frames; None where they are.
+        left_out: cameras and frames in which they fit the others no more, as `edit.values.Footage` has them.
         given: the cameras as they were calibrated, in whose world places are; `rig` where None.
         by: who edits; the user of the machine where empty.
         source: the file's trial; None of a session's. decisions: of the tracking that were close.
@@ -62,6 +63,7 @@ class Editing:
     detections: Detections | None = None
     rig: Rig | None = None
     timed: Detections | None = None
+    left_out: tuple[tuple[str, int, int], ...] = ()
     given: Rig | None = None
     by: str = ""
     source: Trial | None = None
@@ -86,10 +88,11 @@ class Editing:
         journal = Journal.of(trial.workspace.root, trial.name)
         decisions = last_tracked(records).ambiguous_decisions
         facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
-        seen, cameras = detections_of(records), trial_rig(records)
+        seen, cameras, first = detections_of(records), trial_rig(records), inputs.source.of.first_frame
         return cls(
             trial.name, journal, measured_of(inputs, records), seen, cameras.rig, cameras.timed(seen),
-            inputs.rig, by, decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
+            cameras.left_out_of(first), inputs.rig, by, decisions=decisions, facts=facts,
+            pinned=_pinned(journal) if "retrack" in records else (),
         )  # fmt: skip
 
     @property
@@ -301,7 +304,7 @@ class Editing:
         def replayed(entries: Sequence[Entry]) -> Edited:
             return replay(
                 self.trajectories, entries, detections=self.detections, timed=self.timed, rig=self.rig,
-                world=self.world, facts=bool(self.facts or self.pinned),
+                world=self.world, left_out=self.left_out, facts=bool(self.facts or self.pinned),
             )  # fmt: skip
 
         return self.replays.of(entries, replayed)

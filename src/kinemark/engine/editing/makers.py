@@ -148,7 +148,10 @@ def put_in_images(of: Editing, marker: str, frame: int, images: Mapping[str, tup
     Raises:
         KinemarkError: these are no place.
     """
-    found = solve(footage_of(of), frame, images)
+    footage = footage_of(of)
+    for name in images:
+        _check_fits(footage, name, frame)
+    found = solve(footage, frame, images)
     if found is None:
         raise KinemarkError(f"{', '.join(images) or 'No image'} is no place: click it in two of the cameras.")
     seen = tuple((name, u, v) for name, (u, v) in images.items())
@@ -182,7 +185,18 @@ def smooth(
 
 def image(of: Editing, camera: str, frame: int, u: float, v: float, marker: str | None) -> ImagePoint:
     """Where a marker is in an image; or that the image there is no marker's."""
+    if marker:
+        _check_fits(footage_of(of), camera, frame)
     return made(ImagePoint, camera, frame, u, v, marker and known(of, marker))
+
+
+def _check_fits(of: Footage, camera: str, frame: int) -> None:
+    """Refuse an image of a camera that shows no place in a frame."""
+    if not of.fits(camera, frame):
+        raise KinemarkError(
+            f"{camera} was moved, and fits the other cameras no more in frame {frame}: its images show no place. "
+            "Click the marker in other cameras."
+        )
 
 
 def finish(of: Editing, *, first: int | None = None, last: int | None = None) -> tuple[DropUnnamed, Trim]:
@@ -302,4 +316,4 @@ def known(of: Editing, marker: str) -> str:
 def footage_of(of: Editing) -> Footage:
     """What is behind a trial's samples."""
     trajectories = of.trajectories
-    return Footage(trajectories.first_frame, trajectories.rate, of.detections, of.rig, of.world, of.timed)
+    return Footage(trajectories.first_frame, trajectories.rate, of.detections, of.rig, of.world, of.timed, of.left_out)

@@ -55,7 +55,7 @@ def _compute(entries: tuple[Entry, ...], inputs: Any, records: Records) -> Track
     first = inputs.source.of.first_frame
     facts = facts_of_tracks(
         tracked.tracks, entries, detections, cameras.rig, first_frame=first, world=world_key(inputs.rig),
-        timed=cameras.timed(detections),
+        timed=cameras.timed(detections), left_out=cameras.left_out_of(first),
     )  # fmt: skip
     margin = place.volume_margin if place.within_volume else None
     mended = mended_tracks(
@@ -83,12 +83,13 @@ def facts_of_tracks(
     first_frame: int = 1,
     world: str | None = None,
     timed: Detections | None = None,
+    left_out: tuple[tuple[str, int, int], ...] = (),
 ) -> Facts:
     """What entries say of the points of some tracks and of the images behind them.
 
     Args:
-        tracks: of a trial. entries: of its journal. detections, timed: as recorded, and at the times of the frames,
-            as `replay` has them. rig: the cameras of the tracks.
+        tracks: of a trial. entries: of its journal. rig: the cameras of the tracks.
+        detections, timed: as recorded, and at the times of the frames, as `replay` has them, and `left_out`.
         first_frame: its number. world: key of the world that these are in; that of the rig where None.
     """
     world = world_key(rig) if world is None else world
@@ -103,7 +104,13 @@ def facts_of_tracks(
     each = np.array([*(NO_MARKER if one.name is None else numbers[one.name] for one in claims), UNSAID])
     marker = each[claim]
     values = [edit for edit in said if isinstance(edit, Erase | Put | ImagePoint)]
-    behind: dict[str, Any] = {"detections": detections, "timed": timed, "rig": rig, "world": world}
+    behind: dict[str, Any] = {
+        "detections": detections,
+        "timed": timed,
+        "rig": rig,
+        "world": world,
+        "left_out": left_out,
+    }
     edited, standing = _with_standing(trajectories, claims, values, behind)
     return Facts(
         marker,

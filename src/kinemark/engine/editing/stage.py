@@ -159,7 +159,8 @@ def _compute(
     cameras, detections = trial_rig(records), detections_of(records)
     edited = replay(
         named(inputs, records), entries, detections=detections, timed=cameras.timed(detections), rig=cameras.rig,
-        world=world_key(inputs.rig), facts=claims_are_facts(records),
+        world=world_key(inputs.rig), left_out=cameras.left_out_of(inputs.source.of.first_frame),
+        facts=claims_are_facts(records),
     )  # fmt: skip
     return EditRecord(edited, faults)
 

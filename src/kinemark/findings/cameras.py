@@ -29,11 +29,13 @@ QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
     """For each camera (n, 2) px: used detection minus reprojection of its point, NaN behind the camera."""
-    offsets = []
-    for c, camera in enumerate(rig):
-        seen = _seen(cloud, c)
-        offsets.append(detections.uv[cloud.detection[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
-    return offsets
+    return [_residual(camera, c, detections, cloud) for c, camera in enumerate(rig)]
+
+
+def _residual(camera: Camera, c: int, detections: Detections, cloud: Cloud) -> Floats:
+    """(n, 2) px of one camera, its number c."""
+    seen = _seen(cloud, c)
+    return np.asarray(detections.uv[cloud.detection[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
 
 
 class AsGiven(NamedTuple):
@@ -66,14 +68,16 @@ def as_calibrated(rig: Rig, detections: Detections, cloud: Cloud, given: AsGiven
     """(C) px, the median residual of each camera by what was given; None where that is what was reconstructed with."""
     if given is None:
         return [None] * len(rig)
-    offsets = residuals(given.rig, given.detections, cloud)
-    own = [[seen.uv[seen.camera == c] for seen in (detections, given.detections)] for c in range(len(rig))]
-    same = [
-        _alike(camera, before) and np.array_equal(uv[0], uv[1], equal_nan=True)
-        for camera, before, uv in zip(rig, given.rig, own, strict=True)
-    ]
-    medians = [quantile(np.linalg.norm(off, axis=1), 0.5) for off in offsets]
-    return [None if alike else median for alike, median in zip(same, medians, strict=True)]
+    return [_as_calibrated(camera, c, detections, cloud, given) for c, camera in enumerate(rig)]
+
+
+def _as_calibrated(camera: Camera, c: int, detections: Detections, cloud: Cloud, given: AsGiven) -> float | None:
+    """`as_calibrated` of one camera, its number c."""
+    before, own = given.rig[c], detections.camera == c
+    uv, uv_before = detections.uv[own], given.detections.uv[own]
+    if _alike(camera, before) and np.array_equal(uv, uv_before, equal_nan=True):
+        return None
+    return quantile(np.linalg.norm(_residual(before, c, given.detections, cloud), axis=1), 0.5)
 
 
 def _alike(camera: Camera, other: Camera) -> bool:

@@ -35,7 +35,7 @@ by a millimetre. With 0.01 positions are as good, and cameras of files 1 px off 
 STEPS = 3
 """Of Gauss–Newton in a round; chosen: the next round goes on."""
 
-LEAST_PAIRS, LEAST_SHARE = 200, 0.15
+LEAST_PAIRS, LEAST_SHARE = 100, 0.15
 """Of (3), and the share of points in view, chosen: by chance few have one image within 3 px, and a camera behind a
 subject sees a third of what the others see (164033)."""
 

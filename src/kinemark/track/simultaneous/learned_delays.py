@@ -95,17 +95,18 @@ def _with_put_right(
     errors: ImageErrors,
     volume_margin: float | None,
 ) -> TrackingResult:
-    """Tracks again with the cameras that were left out of the whole recording and can be put right; the same where
-    there are none, or they do not fit then."""
+    """Tracks again with the cameras that were left out of the whole recording, or fit nothing, and can be put right.
+
+    The same where there are none, or where they do not fit then.
+    """
     turned = list[ImageOffset]()
-    for one in result.unfitting:
-        if not one.whole(detections.n_frames):
-            continue
-        offset = image_offset(one.camera, result.tracks, read_images(detections, rig))
+    whole = {one.camera for one in result.unfitting if one.whole(detections.n_frames)}
+    for c in sorted(whole | {*result.noise.inconsistent.tolist()}):
+        offset = image_offset(c, result.tracks, read_images(detections, rig))
         if offset is None or np.isnan(offset).any():
             continue
-        if (camera := put_right(one.camera, offset, result.tracks, detections, rig)) is not None:
-            rig, turned = with_camera(rig, one.camera, camera), [*turned, ImageOffset(one.camera, *offset.tolist())]
+        if (camera := put_right(c, offset, result.tracks, detections, rig)) is not None:
+            rig, turned = with_camera(rig, c, camera), [*turned, ImageOffset(c, *offset.tolist())]
     if not turned:
         return result
     own = [one.camera for one in turned]

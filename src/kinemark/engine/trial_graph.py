@@ -129,17 +129,18 @@ def _to_tracks(name: str, s: Settings, source: TrialSource, calibrated: Calibrat
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
     stages = [replace(detecting, cameras=s.detect_cameras)]
     tracks = Tracking((TRACKS, DECISIONS, RIG))
+    kept = rig, calibrated.rig.method, [camera.residual for camera in calibrated.rig]  # all that the trial's rig says
     if identifies(source):
-        return [*stages, tracks.stage(as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct))]
+        return [*stages, tracks.stage(as_operated, ("detect",), None, (kept, s.digitise, s.reconstruct))]
     if matches_itself(s.track):
-        stages.append(tracks.stage(from_detections, ("detect",), s.track, (rig, s.reconstruct)))
+        stages.append(tracks.stage(from_detections, ("detect",), s.track, (kept, s.reconstruct)))
     else:
         matched, cloud = reader(Matches), reader(Cloud)
         stages.append(Stage("match", ("detect",), ("matches.h5",), _match, save, matched, s.match, (rig,)))
         places = ("detect", "match")
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         method = with_angle_model(s.track, source.of.root)
-        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, ()))
+        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, (kept,)))
     return [*stages, *retrack_stage(source, name, calibrated.rig, s.track, s.reconstruct)]
 
 

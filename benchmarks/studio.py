@@ -70,7 +70,7 @@ def trial(folder: Path, markers: int, frames: int, cameras: int) -> OpenDocument
         uv = np.concatenate([project(camera, points) for camera in rig])
         detections = Detections.build(rig.names, RATE, np.full((cameras, frames), markers), uv)
     trajectories = Trajectories(tuple(paths), RATE)
-    editing = Editing("trial", Journal.of(folder, "trial"), trajectories, detections, rig, "bench")
+    editing = Editing("trial", Journal.of(folder, "trial"), trajectories, detections, rig, by="bench")
     return OpenDocument(Place(folder / "trial.c3d"), editing, editing.journal.read(), editing.edited())
 
 

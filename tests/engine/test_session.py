@@ -102,6 +102,17 @@ def test_a_second_run_does_only_what_changed(folder):
     assert recomputed(run(folder, "track")) == ("detect", "track")
 
 
+@pytest.mark.parametrize("staged", [False, True])
+def test_what_a_calibration_says_of_itself_is_what_the_trial_says(folder, staged):
+    changed(folder, "[calibration]", STAGED if staged else "[calibration]")
+    run(folder)
+    rig = read_rig_toml(folder / "rig.toml")
+    other = tuple(replace(camera, residual=0.25) for camera in rig)
+    write_rig_toml(folder / "rig.toml", replace(rig, cameras=other, method="by hand"))
+    quality = run(folder).quality
+    assert quality["calibration"]["method"] == "by hand" and quality["cameras"][0]["calibration_residual_px"] == 0.25
+
+
 def test_a_tracker_of_points_runs_the_stages_before_it(folder):
     changed(folder, "[calibration]", STAGED)
     assert recomputed(run(folder, "track")) == ("detect", "match", "reconstruct", "track")
@@ -126,7 +137,7 @@ def test_stages_that_would_do_nothing_are_refused(folder):
 def test_what_the_tracker_doubts_outlives_the_run(folder):
     first = run(folder, "quality")
     said = json.loads((folder / "results/one/ambiguous_decisions.json").read_text())
-    assert set(said) == {"ambiguous_decisions", "diagnostics"}
+    assert set(said) == {"ambiguous_decisions", "cameras", "diagnostics"}
     again = run(folder, "quality")
     assert recomputed(again) == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
     (folder / "results/one/ambiguous_decisions.json").write_text("{")

@@ -80,6 +80,9 @@ TRIAL_KINDS = (
     Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
          "where that began within the recording; left_out where it lies so far beside that none of them was used.",
          {"offset_u_px": "px", "offset_v_px": "px", "left_out": "flag"}),
+    Kind("camera_put_right", "track", "amber", "A camera's images lay beside where the others expect them in the "
+         "whole recording; it was turned, and moved a little, until they did not, and used. The trial's rig.toml "
+         "has it as it was found.", {"offset_u_px": "px", "offset_v_px": "px"}),
     Kind("calibration_off", "track", "amber", "The images of most cameras lie beside where the others expect them, by "
          "offset_px in the median camera.", {"offset_px": "px"}),
     Kind("lens_terms_unstated", "track", "amber", "The calibration states no lens term, and the images do not fit "

@@ -72,7 +72,7 @@ def _of_all(edit: Edit, results: Sequence[Result], of: Footage, trajectories: Tr
 
 def _folded(path: MarkerTrajectory, edits: tuple[Edit, ...], of: Footage) -> Folded:
     """A marker with all of its edits."""
-    behind = of.first_frame, of.rate, of.detections, of.rig, of.world
+    behind = of.first_frame, of.rate, of.detections, of.rig, of.world, of.timed, of.left_out
     found = _KNOWN.get((path, edits, *behind))
     if found is None:
         start = _KNOWN.get((path, edits[:-1], *behind)) or Folded(path, path, (), {})

@@ -107,8 +107,10 @@ def replay(
     entries: Sequence[Entry],
     *,
     detections: Detections | None = None,
+    timed: Detections | None = None,
     rig: Rig | None = None,
     world: str = "",
+    left_out: tuple[tuple[str, int, int], ...] = (),
     facts: bool = False,
 ) -> Edited:
     """The trial with all entries that count.
@@ -116,13 +118,15 @@ def replay(
     Args:
         trajectories: as they come from tracking and naming, or from a file.
         entries: of the journal, undone ones among them.
-        detections, rig: behind the samples; None for a file without.
+        detections, rig: behind the samples; None for a file without. timed: the detections at the times of the frames,
+            the same rows; None where all cameras are in time.
         world: key of the cameras in whose world the trial is; claims made in another one are found by images alone.
+        left_out: cameras and frames in which they fit the others no more, as `Footage` has them.
         facts: the claims were facts by which the markers were named, so that they hold where they change nothing.
     """
     tracked_by, counting = facts_of(entries) if facts else (), live(entries)
     stated = [edit for entry in counting for edit in entry.edits]
-    of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
+    of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world, timed, left_out)
     numbers = [entry.id for entry in counting for _ in entry.edits]
     said = list(zip(numbers, carried_over(stated, trajectories, of), strict=True))
     claims = [edit for edit in _as_tracked(said, tracked_by) if isinstance(edit, Claim)]

@@ -6,7 +6,7 @@ of edits are numbers in the recording; frames within are from 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -42,6 +42,8 @@ class Footage:
         first_frame: number of its first frame. rate: Hz.
         detections, rig: behind its samples; None for a file without.
         world: key of the cameras whose world it is in.
+        timed: the detections at the times of the frames, the same rows; None where all cameras are in time.
+        left_out: camera's name, first and last frame, numbers in the recording, in which it fits the others no more.
         corrected: images by hand.
     """
 
@@ -50,7 +52,36 @@ class Footage:
     detections: Detections | None = None
     rig: Rig | None = None
     world: str = ""
+    timed: Detections | None = None
+    left_out: tuple[tuple[str, int, int], ...] = ()
     corrected: ImagesByHand = field(default_factory=dict)
+
+    def late(self, camera: str, frame: int, uv: Floats) -> Floats:
+        """(2) px by which what a picture shows at uv (2) in a frame, from 0, was elsewhere at the time of the frame.
+
+        As the nearest detection was, as what is beside moves alike.
+        """
+        seen, timed = self.detections, self.timed
+        if seen is None or timed is None or camera not in seen.cameras or not 0 <= frame < seen.n_frames:
+            return np.zeros(2)
+        own = seen.rows(seen.cameras.index(camera), frame)
+        apart = np.linalg.norm(seen.uv[own] - uv, axis=1)
+        if not np.isfinite(apart).any():
+            return np.zeros(2)
+        nearest = int(np.nanargmin(apart))
+        return np.asarray(timed.uv[own][nearest] - seen.uv[own][nearest])
+
+    def fits(self, camera: str, frame: int) -> bool:
+        """Whether a camera shows places in a frame, a number in the recording."""
+        return not any(name == camera and first <= frame <= last for name, first, last in self.left_out)
+
+    def images_of(self, frame: int, xyz: Floats) -> Iterator[tuple[str, float, float]]:
+        """Where the pictures of a frame, a number in the recording, show a place (3) mm, of cameras that look at it."""
+        for camera in self.rig or ():
+            if self.fits(camera.name, frame) and (camera.R @ xyz + camera.t)[2] > 0:
+                uv = project(camera, xyz[None])[0]
+                u, v = (uv - self.late(camera.name, frame - self.first_frame, uv)).tolist()
+                yield camera.name, u, v
 
 
 class Result(NamedTuple):
@@ -85,7 +116,7 @@ def put(path: MarkerTrajectory, edit: Put, of: Footage) -> Changed:
     xyz, result = np.array(edit.xyz), Result("held", 1)
     if edit.world != of.world:
         images = dict(_named_images(edit.images))
-        solved = solve(of, images)
+        solved = solve(of, edit.frame, images)
         if solved is None:
             return path, Result("orphan", reason="it was said in the world of other cameras, without images of these")
         xyz = solved.xyz
@@ -146,6 +177,8 @@ def with_image(path: MarkerTrajectory, edit: ImagePoint, of: Footage) -> Changed
         return path, Result("moot", reason="the trial does not have this frame")
     if of.rig is None or edit.camera not in of.rig.names:
         return path, Result("orphan", reason=f"there is no camera {edit.camera}")
+    if not of.fits(edit.camera, edit.frame):
+        return path, Result("orphan", reason=f"{edit.camera} was moved, and fits the other cameras no more there")
     by_hand = of.corrected.setdefault((path.name, f), {})
     by_hand[edit.camera] = edit.u, edit.v
     return _again(path, f, of, by_hand)
@@ -169,16 +202,17 @@ class Solved(NamedTuple):
 
 
 def solve(
-    of: Footage, images: Mapping[str, tuple[float, float]], cov: Mapping[str, Floats] | None = None
+    of: Footage, frame: int, images: Mapping[str, tuple[float, float]], cov: Mapping[str, Floats] | None = None
 ) -> Solved | None:
-    """The place that images show, u, v px by camera; None where fewer than two cameras of the rig have one.
+    """The place that pictures show, u, v px by camera; None where fewer than two cameras of the rig have one.
 
     Args:
-        of: has the rig. images: by camera, NaN for none. cov: of each, px²; a usual one where not given.
+        of: has the rig. frame: number in the recording. images: by camera, NaN for none.
+        cov: of each, px²; a usual one where not given.
     """
     if of.rig is None:
         return None
-    uv = np.array([images.get(name, (np.nan, np.nan)) for name in of.rig.names])
+    uv = np.array([_in_time(of, name, frame, images.get(name, (np.nan, np.nan))) for name in of.rig.names])
     noise = np.array([(cov or {}).get(name, np.full((2, 2), np.nan)) for name in of.rig.names])
     noise = np.where(np.isfinite(noise).all((1, 2))[:, None, None], noise, np.eye(2) * USUAL_SD**2)
     if np.isfinite(uv[:, 0]).sum() < FEWEST:
@@ -186,6 +220,12 @@ def solve(
     ideal = np.stack([undistort(camera, place[None])[0] for camera, place in zip(of.rig, uv, strict=True)])
     point = refine(of.rig, triangulate(ideal[None], of.rig.P), uv[None], noise[None])
     return Solved(point.xyz[0], point.cov[0]) if np.isfinite(point.xyz).all() else None
+
+
+def _in_time(of: Footage, camera: str, frame: int, image: tuple[float, float]) -> Floats:
+    """(2) px where what a picture shows was at the time of its frame; NaN where its camera shows no place."""
+    uv = np.array(image) if of.fits(camera, frame) else np.full(2, np.nan)
+    return uv + of.late(camera, frame - of.first_frame, uv)
 
 
 def without(path: MarkerTrajectory, gone: np.ndarray) -> MarkerTrajectory:
@@ -220,7 +260,7 @@ def _again(path: MarkerTrajectory, f: int, of: Footage, by_hand: Mapping[str, tu
             if row >= 0:
                 images[name], cov[name] = tuple(of.detections.uv[row].tolist()), of.detections.cov[row]
     images |= by_hand
-    solved = solve(of, images, {name: c for name, c in cov.items() if name not in by_hand})
+    solved = solve(of, f + of.first_frame, images, {name: c for name, c in cov.items() if name not in by_hand})
     if solved is None:
         return path, ALONE
     edited = with_sample(path, f, solved.xyz, solved.cov)

@@ -87,8 +87,8 @@ def _names_of(results: OpenTrial) -> Trajectories | None:
 def _there(results: OpenTrial, named: Trajectories | None, frames: int) -> SampledFrames:
     """Markers and their images."""
     if named is None:
-        return gather(results.tracks, results.detections, frames=frames)
-    return gather_named(named, results.tracks, results.detections, frames=frames)
+        return gather(results.tracks, results.detections_in_time, frames=frames)
+    return gather_named(named, results.tracks, results.detections_in_time, frames=frames)
 
 
 def _named(path: Path, rate_hz: float | None, length_unit: str | None, partial: bool) -> Trajectories:

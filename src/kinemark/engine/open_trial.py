@@ -25,7 +25,7 @@ from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, identifies, source_of
 from .store import Store
 from .trial_graph import REPORT, trial_graph
-from .trial_inputs import TrialInputs, edits_of, filled_of, tracks_of
+from .trial_inputs import TrialInputs, detections_of, edits_of, filled_of, tracks_of, trial_rig
 from .workspace import Workspace
 
 PREVIEW = "preview"
@@ -172,13 +172,20 @@ class OpenTrial:
 
     @property
     def rig(self) -> Rig:
-        """The calibrated cameras."""
-        return self.workspace.calibrate().rig
+        """The cameras that the trial was reconstructed with; as they were calibrated before it is tracked."""
+        return trial_rig(self._records("track")).rig if self.done("track") else self.workspace.calibrate().rig
 
     @property
     def detections(self) -> Detections:
         """What the cameras saw."""
         return self.record("detect")
+
+    @property
+    def detections_in_time(self) -> Detections:
+        """What the cameras saw, where it was at the times of the frames: the same rows, which `tracks` count in."""
+        last = "retrack" if self.done("retrack") else "track"
+        records = self._records(last)
+        return trial_rig(records).timed(detections_of(records))
 
     @property
     def tracks(self) -> Tracks:

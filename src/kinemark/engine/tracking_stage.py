@@ -35,17 +35,20 @@ from .fill_files import angle_model
 from .graph import Records, Stage
 from .sources import OperatorIdentities
 from .trial_inputs import TrialInputs
+from .trial_rig import TrialRig
 
 Record = TypeVar("Record")
 TRACKS, DECISIONS = "tracks.h5", "ambiguous_decisions.json"
 
 
 class Tracked(NamedTuple):
-    """Tracks, the decisions of the tracker that were close, and what it found of its input."""
+    """Tracks, the decisions of the tracker that were close, what it found of its input, and the cameras by which the
+    points were solved; None where these are those of the stage `track`."""
 
     tracks: Tracks
     ambiguous_decisions: tuple[AmbiguousDecision, ...] = ()
     diagnostics: tuple[Finding, ...] = ()
+    cameras: TrialRig | None = None
 
 
 class Tracking(NamedTuple):
@@ -72,7 +75,8 @@ def as_operated(inputs: TrialInputs, records: Records) -> Tracked:
     matches = identified_matches(detections, operated.marker)
     cloud = reconstruct(matches, detections, inputs.rig, method=inputs.settings.reconstruct)
     tracks = identified_tracks(cloud, operated.marker)
-    return Tracked(tracks, diagnostics=tuple(_left_outside(inputs, matches, detections, operated, tracks)))
+    outside = tuple(_left_outside(inputs, matches, detections, operated, tracks))
+    return Tracked(tracks, diagnostics=outside, cameras=TrialRig.given(inputs.rig))
 
 
 def _left_outside(
@@ -98,9 +102,10 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     check_cameras(detections, rig)
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
-        return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
+        return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
     tracked = _simultaneously(detections, rig, method, place)
-    found = with_start_times(tracked.diagnostics, detections, rig)
+    cameras = rig if tracked.cameras is None else tracked.cameras.rig
+    found = with_start_times(tracked.diagnostics, detections, cameras)
     apart = tuple(one for one in found if one.kind == "camera_started_apart")
     if not apart:
         return tracked
@@ -120,7 +125,7 @@ def _simultaneously(detections: Detections, rig: Rig, method: Simultaneous, plac
     result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
     volume = None if np.isnan(rig.volume).any() else rig.volume
     found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin, volume)
-    return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found)
+    return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found, TrialRig.of_result(result))
 
 
 def from_points(inputs: TrialInputs, records: Records) -> Tracked:
@@ -132,7 +137,8 @@ def from_points(inputs: TrialInputs, records: Records) -> Tracked:
         tracks, found = followed.tracks, [*diagnose_model(followed.model)]
     else:
         tracks = track(records["reconstruct"], method=method)
-    return Tracked(tracks, diagnostics=(*found, *diagnose_tracks(records["detect"], inputs.rig, tracks)))
+    found += diagnose_tracks(records["detect"], inputs.rig, tracks)
+    return Tracked(tracks, (), tuple(found), TrialRig.given(inputs.rig))
 
 
 def with_angle_model(method: Any, root: Path) -> Any:
@@ -147,9 +153,13 @@ def with_angle_model(method: Any, root: Path) -> Any:
 
 
 def save_tracked(path: Path, record: Tracked) -> None:
-    """The tracks, and beside them what was ambiguous."""
+    """The tracks, and beside them what was ambiguous, and the cameras."""
     decisions = [decision.as_dict() for decision in record.ambiguous_decisions]
-    said = {"ambiguous_decisions": decisions, "diagnostics": [found.as_dict() for found in record.diagnostics]}
+    found = [one.as_dict() for one in record.diagnostics]
+    said: dict[str, Any] = {"ambiguous_decisions": decisions, "diagnostics": found}
+    if record.cameras is not None:
+        said["cameras"] = record.cameras.as_dict()
+        record.cameras.save(path.parent)
     write_text(_beside(path), json.dumps(said, indent=1, ensure_ascii=False) + "\n")
     save(path, record.tracks)
 
@@ -159,13 +169,14 @@ def load_tracked(path: Path) -> Tracked:
     try:
         said = json.loads(_beside(path).read_text("utf-8"))
         unsure = tuple(map(AmbiguousDecision.of, said["ambiguous_decisions"]))
-        return Tracked(reader(Tracks)(path), unsure, tuple(map(Finding.of, said["diagnostics"])))
+        cameras = TrialRig.load(path.parent, said["cameras"]) if path.name == TRACKS else None
+        return Tracked(reader(Tracks)(path), unsure, tuple(map(Finding.of, said["diagnostics"])), cameras)
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise KinemarkError(f"{_beside(path)} is damaged: {error}. Delete it.") from error
 
 
 def _beside(path: Path) -> Path:
-    """The file of what was ambiguous, beside that of tracks."""
+    """The file of what was ambiguous, and of the cameras' times, beside that of tracks."""
     return path.with_name(DECISIONS) if path.name == TRACKS else path.with_suffix(".json")
 
 

@@ -23,6 +23,7 @@ from ..data import (
     Fills,
     Finding,
     Matches,
+    Rig,
     Step,
     Trajectories,
     Trial,
@@ -32,6 +33,7 @@ from ..data.edits import Claim
 from ..data.trial import UP
 from ..edit import cropped
 from ..fill import Filled, Rays, fill_recording
+from ..findings.cameras import AsGiven
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
 from ..io.c3d import on_frames, write_c3d
@@ -79,9 +81,12 @@ from .trial_inputs import (
     filled_of,
     last_tracked,
     measured_of,
+    seen_of,
     tracks_of,
+    trial_rig,
     with_placed,
 )
+from .trial_rig import RIG
 
 GAPS, REPORT, QUALITY = "gaps.html", "report.html", "quality.json"
 IN_TRACKS = ("match", "reconstruct")
@@ -123,18 +128,19 @@ def _to_tracks(name: str, s: Settings, source: TrialSource, calibrated: Calibrat
     detecting = Stage("detect", (), ("detections.h5",), _detect, save, reader(Detections), s.detect)
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
     stages = [replace(detecting, cameras=s.detect_cameras)]
-    tracks = Tracking((TRACKS, DECISIONS))
+    tracks = Tracking((TRACKS, DECISIONS, RIG))
+    kept = rig, calibrated.rig.method, [camera.residual for camera in calibrated.rig]  # all that the trial's rig says
     if identifies(source):
-        return [*stages, tracks.stage(as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct))]
+        return [*stages, tracks.stage(as_operated, ("detect",), None, (kept, s.digitise, s.reconstruct))]
     if matches_itself(s.track):
-        stages.append(tracks.stage(from_detections, ("detect",), s.track, (rig, s.reconstruct)))
+        stages.append(tracks.stage(from_detections, ("detect",), s.track, (kept, s.reconstruct)))
     else:
         matched, cloud = reader(Matches), reader(Cloud)
         stages.append(Stage("match", ("detect",), ("matches.h5",), _match, save, matched, s.match, (rig,)))
         places = ("detect", "match")
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         method = with_angle_model(s.track, source.of.root)
-        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, ()))
+        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, (kept,)))
     return [*stages, *retrack_stage(source, name, calibrated.rig, s.track, s.reconstruct)]
 
 
@@ -157,16 +163,15 @@ def _label(claims: tuple[Claim, ...], inputs: TrialInputs, records: Records) -> 
         named = None
     else:  # what an operator said are facts
         named = measured_of(inputs, {key: record for key, record in records.items() if key != "label"})
-    return name_trial(
-        inputs.source.of, last_tracked(records).tracks, inputs.earlier, named, claims, detections_of(records)
-    )
+    tracks, cameras = last_tracked(records).tracks, trial_rig(records)
+    return name_trial(inputs.source.of, tracks, inputs.earlier, named, claims, detections_of(records), cameras)
 
 
 def _fill(inputs: TrialInputs, records: Records) -> Fills:
     """What filling adds, by `[fill]`."""
     method, edited = inputs.settings.fill, edits_of(inputs, records)
     assert method is not None  # else there is no such stage
-    rays = Rays.left_by(tracks_of(records), detections_of(records), inputs.rig)
+    rays = Rays.left_by(tracks_of(records), seen_of(records), trial_rig(records).rig)
     measured = edited.trajectories
     static = static_of(inputs.earlier, inputs.settings.subjects_of(inputs.source.of.entry))
     filled = fill_recording(measured, rays, method=method, static=static, choices=edited.choices)
@@ -189,13 +194,15 @@ def _trial(inputs: TrialInputs, records: Records) -> Trial:
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, detections_of(records), last_tracked(records), inputs.source.of
+    cameras = trial_rig(records)
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
     figures = quality(
         session=s.name,
         trial=inputs.name,
-        rig=inputs.rig,
-        detections=detections,
+        rig=cameras.rig,
+        detections=cameras.timed(detections),
+        given=AsGiven(inputs.rig, detections),
         tracks=tracks_of(records),
         trajectories=filled.trajectories,
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
@@ -203,7 +210,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *inputs.source.contradictions(),
             *subtracted(detections),
             *_channels(beside, filled.trajectories),
-            *_cameras(inputs, detections, tracked.tracks.cloud),
+            *_cameras(inputs, detections, cameras.rig, tracked.tracks.cloud),
             *_of_stages(inputs, records, detections, tracked),
         ),
         ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
@@ -223,17 +230,17 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     return figures
 
 
-def _cameras(inputs: TrialInputs, detections: Detections, cloud: Cloud) -> Iterator[Finding]:
+def _cameras(inputs: TrialInputs, detections: Detections, rig: Rig, cloud: Cloud) -> Iterator[Finding]:
     """What is wrong with whole cameras."""
     how: dict[str, Any] = {"matching": inputs.settings.match, "placing": inputs.settings.reconstruct}
-    yield from swapped_cameras(detections, inputs.rig, cloud, **how)  # a mirrored ring is one with cameras swapped
-    yield from pixel_axes(detections, inputs.rig, cloud, **how)
-    yield from length_unit(detections, inputs.rig, cloud)
+    yield from swapped_cameras(detections, rig, cloud, **how)  # a mirrored ring is one with cameras swapped
+    yield from pixel_axes(detections, rig, cloud, **how)
+    yield from length_unit(detections, rig, cloud)
 
 
 def _of_stages(inputs: TrialInputs, records: Records, detections: Detections, tracked: Tracked) -> Iterator[Finding]:
     """What tracking, naming, editing and joint angles found."""
-    found = [*with_start_times(_diagnostics(tracked, records), detections, inputs.rig)]
+    found = [*with_start_times(_diagnostics(tracked, records), detections, trial_rig(records).rig)]
     found += records["label"].findings if "label" in records else ()
     yield from (one.numbered(inputs.source.of.first_frame) for one in found)
     yield from records["edit"].findings if "edit" in records else ()
@@ -286,7 +293,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     write_report(
         folder / REPORT,
         quality=figures,
-        rig=inputs.rig,
+        rig=trial_rig(records).rig,
         detections=records["detect"],
         tracks=tracks_of(records),
         trajectories=trajectories,

@@ -23,6 +23,7 @@ from .naming import Earlier
 from .settings import Settings
 from .sources import TrialSource
 from .store import Store
+from .trial_rig import TrialRig
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,7 @@ class TrialInputs:
 
     @property
     def rig(self) -> Rig:
-        """The calibrated cameras."""
+        """The cameras as they were calibrated, for stages up to tracking; those after it take `trial_rig`."""
         return self.calibrated.rig
 
 
@@ -62,8 +63,20 @@ def last_tracked(records: Records) -> Any:
 
 
 def detections_of(records: Records) -> Detections:
-    """What the cameras saw, in the frames by which it was tracked: those of cameras that were started apart moved."""
+    """What the cameras saw, where their pictures show it, in the frames by which it was tracked: those of cameras that
+    were started apart moved."""
     return in_time(last_tracked(records).diagnostics, records["detect"])
+
+
+def trial_rig(records: Records) -> TrialRig:
+    """The cameras that the trial was reconstructed with."""
+    cameras: TrialRig = records["track"].cameras
+    return cameras
+
+
+def seen_of(records: Records) -> Detections:
+    """What the cameras saw, as the tracker had it in the end: at the times of the frames, where they fit."""
+    return trial_rig(records).seen(detections_of(records))
 
 
 def tracks_of(records: Records) -> Tracks:
@@ -74,7 +87,8 @@ def tracks_of(records: Records) -> Tracks:
 
 def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:
     """The trajectories as they were measured, named where an operator said how, or the labelling."""
-    measured = replace(to_trajectories(tracks_of(records), inputs.rig), first_frame=inputs.source.of.first_frame)
+    measured = to_trajectories(tracks_of(records), trial_rig(records).rig)
+    measured = replace(measured, first_frame=inputs.source.of.first_frame)
     operated = inputs.source.operated()
     if operated is not None:
         return called(measured, operated.names, records["detect"].n_frames)

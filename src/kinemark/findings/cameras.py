@@ -13,7 +13,7 @@ One pixel at the depth Z of the point and focal length f spans
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,15 +29,27 @@ QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
     """For each camera (n, 2) px: used detection minus reprojection of its point, NaN behind the camera."""
-    offsets = []
-    for c, camera in enumerate(rig):
-        seen = _seen(cloud, c)
-        offsets.append(detections.uv[cloud.detection[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
-    return offsets
+    return [_residual(camera, c, detections, cloud) for c, camera in enumerate(rig)]
 
 
-def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Floats]) -> list[dict[str, Any]]:
+def _residual(camera: Camera, c: int, detections: Detections, cloud: Cloud) -> Floats:
+    """(n, 2) px of one camera, its number c."""
+    seen = _seen(cloud, c)
+    return np.asarray(detections.uv[cloud.detection[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
+
+
+class AsGiven(NamedTuple):
+    """What a trial was reconstructed from: cameras as they were calibrated, detections when they were taken."""
+
+    rig: Rig
+    detections: Detections
+
+
+def camera_figures(
+    rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Floats], given: AsGiven | None = None
+) -> list[dict[str, Any]]:
     """The figures of every camera, in the order of `detections`."""
+    before = as_calibrated(rig, detections, cloud, given)
     counts = detections.counts
     rows = detections.camera
     return [
@@ -46,9 +58,31 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
         | _detected(counts[c], detections.validity[rows == c], cloud.detection[_seen(cloud, c), c])
         | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
         | _reprojected(offsets[c])
+        | {"residual_as_calibrated_px": before[c]}
         | {"pixel_at_subject_mm": _pixel(camera, cloud.xyz[_seen(cloud, c)])}
         for c, camera in enumerate(rig)
     ]
+
+
+def as_calibrated(rig: Rig, detections: Detections, cloud: Cloud, given: AsGiven | None) -> list[float | None]:
+    """(C) px, the median residual of each camera by what was given; None where that is what was reconstructed with."""
+    if given is None:
+        return [None] * len(rig)
+    return [_as_calibrated(camera, c, detections, cloud, given) for c, camera in enumerate(rig)]
+
+
+def _as_calibrated(camera: Camera, c: int, detections: Detections, cloud: Cloud, given: AsGiven) -> float | None:
+    """`as_calibrated` of one camera, its number c."""
+    before, own = given.rig[c], detections.camera == c
+    uv, uv_before = detections.uv[own], given.detections.uv[own]
+    if _alike(camera, before) and np.array_equal(uv, uv_before, equal_nan=True):
+        return None
+    return quantile(np.linalg.norm(_residual(before, c, given.detections, cloud), axis=1), 0.5)
+
+
+def _alike(camera: Camera, other: Camera) -> bool:
+    """Whether two cameras project alike."""
+    return all(np.array_equal(getattr(camera, name), getattr(other, name)) for name in ("K", "distortion", "R", "t"))
 
 
 def _seen(cloud: Cloud, c: int) -> NDArray[np.int64]:

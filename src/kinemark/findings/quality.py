@@ -15,7 +15,7 @@ from ..data.array_types import Floats
 from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
 from ..version import __version__
-from .cameras import camera_figures, residuals
+from .cameras import AsGiven, camera_figures, residuals
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 from .room import room_at
@@ -38,13 +38,14 @@ def quality(
     identity: Mapping[str, str] | None = None,
     track_names: Sequence[str] | None = None,
     first_frame: int | None = None,
+    given: AsGiven | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
     Args:
         session: its name; trial: its name.
-        rig: the calibrated cameras; it must know those of `detections`.
-        detections: what the cameras saw; rows of `tracks.cloud.detection` count in it.
+        rig: the cameras that the trial was reconstructed with; it must know those of `detections`.
+        detections: what the cameras saw, at the times of the frames; rows of `tracks.cloud.detection` count in it.
         tracks: all reconstructed points.
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
@@ -55,6 +56,7 @@ def quality(
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
         track_names: what the tracks of `ambiguous_decisions` became, empty for no marker; `*1`, `*2`, … where None.
         first_frame: number in the recording of the first frame of `detections`; that of the trajectories where None.
+        given: the cameras as they were calibrated and the detections as they were taken; None where `rig` is that.
         identity: the plain data of an `Identity`; None where nobody says whose recording it is.
 
     Raises:
@@ -63,7 +65,8 @@ def quality(
     cloud, rig_used = tracks.cloud, rig.select(detections.cameras)
     _check(cloud, detections)
     offsets = residuals(rig_used, detections, cloud)
-    cameras = camera_figures(rig_used, detections, cloud, offsets)
+    before = given and given._replace(rig=given.rig.select(detections.cameras))
+    cameras = camera_figures(rig_used, detections, cloud, offsets, before)
     figures: dict[str, Any] = plain(
         {
             "kinemark": __version__,

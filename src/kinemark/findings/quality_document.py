@@ -153,6 +153,9 @@ class CameraData(TypedDict):
     """5, 25, 50, 75 and 95 %."""
     offset_px: Pair
     """Median of detection less reprojection."""
+    residual_as_calibrated_px: Number
+    """Median of what the same images have by the camera as it was calibrated, and as they were taken; null where the
+    trial was reconstructed with that."""
     pixel_at_subject_mm: Number
     """What one pixel spans at the median depth of the camera's points."""
 

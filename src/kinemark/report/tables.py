@@ -76,8 +76,12 @@ def camera_table(cameras: list[dict[str, Any]], inconsistent: Iterable[str]) -> 
     """A row a camera: what it saw and how well it agrees; the inconsistent ones are marked."""
     head = ["camera", "detections", "a frame: mean (least–most)", "frames without", "invalid", "used"]
     head += ["residual: median (px)", "RMS (px)", "95 % (px)", "offset u, v (px)"]
-    inconsistent = set(inconsistent)
-    return Table(head, [_saw(c) for c in cameras], marked=[c["name"] in inconsistent for c in cameras])
+    inconsistent, before = set(inconsistent), [c["residual_as_calibrated_px"] for c in cameras]
+    rows = [_saw(c) for c in cameras]
+    if any(one is not None for one in before):
+        head.append("median as calibrated (px)")
+        rows = [[*row, "the same" if one is None else number(one, 2)] for row, one in zip(rows, before, strict=True)]
+    return Table(head, rows, marked=[c["name"] in inconsistent for c in cameras])
 
 
 def spots_table(cameras: list[dict[str, Any]]) -> Table:

@@ -54,7 +54,7 @@ def test_a_camera_that_lost_images_was_not_touched(seen):
 
 def test_a_camera_that_stands_otherwise_was_not_started_apart(seen):
     touched = replace(seen, uv=seen.uv + (seen.camera == 1)[:, None] * [9.0, 4.0])
-    assert {one.kind for one in told(touched)} == {"camera_shifted"}
+    assert {one.kind for one in told(touched)} == {"camera_put_right"}
     turned = make_finding("camera_fits_nothing", cameras=["c1"], left_out=True)
     mirrored = replace(seen, uv=np.where((seen.camera == 1)[:, None], [1280.0, 1024.0] - seen.uv, seen.uv))
     assert with_start_times([turned], mirrored, RIG) == (turned,)

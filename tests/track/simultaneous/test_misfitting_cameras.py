@@ -46,19 +46,45 @@ def masked(detections, c):
     return replace(detections, validity=np.where(detections.camera == c, Validity.MASKED, detections.validity))
 
 
-@pytest.mark.parametrize(("seed", "by"), [(160030, (12.0, 0.0)), (160035, (9.0, -8.0)), (164019, (9.7, 7.1))])
-def test_a_camera_bumped_in_the_whole_trial_is_named_and_left_out(seed, by):
+CASES = [(160030, (12.0, 0.0)), (160035, (9.0, -8.0)), (164019, (9.7, 7.1))]
+
+
+def told_of(one, detections, result, kind):
+    (told,) = [f for f in diagnose(detections, one.rig, result) if f.kind == kind]
+    assert told.frames == ()
+    return told.cameras, (told.values["offset_u_px"], told.values["offset_v_px"])
+
+
+@pytest.mark.parametrize(("seed", "by"), CASES)
+def test_a_camera_bumped_in_the_whole_trial_is_named_and_put_right(seed, by):
     one, c = made(seed), BUMPED[seed]
     detections = bumped(one, c, by)
     result = track_simultaneously(detections, one.rig, DEFAULT)
-    best = track_simultaneously(masked(one.detections, c), one.rig, DEFAULT)
+    best = track_simultaneously(one.detections, one.rig, DEFAULT)
     found, wanted = (tally(one, r.tracks) for r in (result, best))
+    assert result.unfitting == () and [camera for camera, *_ in result.put_right] == [c]
     assert found.ghosts <= wanted.ghosts + 5  # 2299, 209 and 3872 with its images, in all frames
     assert found.two_found + found.more_found >= 0.995 * (wanted.two_found + wanted.more_found)
-    (told,) = [f for f in diagnose(detections, one.rig, result) if f.kind == "camera_shifted"]
-    assert told.cameras == (one.rig.names[c],) and told.frames == () and told.values["left_out"]
-    offset = told.values["offset_u_px"], told.values["offset_v_px"]
+    cameras, offset = told_of(one, detections, result, "camera_put_right")
+    assert cameras == (one.rig.names[c],)
     np.testing.assert_allclose(offset, by, atol=3.0)  # looked for in boxes of 6 px
+    others = [k for k in range(len(one.rig)) if k != c]
+    assert all(result.rig[k] is one.rig[k] for k in others), "the world stays as it is"
+
+
+@pytest.mark.parametrize(("seed", "by"), CASES[:2])
+def test_a_camera_whose_images_agree_nowhere_is_left_out(seed, by):
+    one, c = made(seed), BUMPED[seed]
+    shaken = np.random.default_rng(seed).normal(0, 2.5, one.detections.uv.shape)
+    own = (one.detections.camera == c)[:, None]
+    detections = replace(one.detections, uv=one.detections.uv + own * (by + shaken))
+    result = track_simultaneously(detections, one.rig, DEFAULT)
+    best = track_simultaneously(masked(one.detections, c), one.rig, DEFAULT)
+    found, wanted = (tally(one, r.tracks) for r in (result, best))
+    assert result.put_right == () and result.rig is one.rig
+    assert [stretch.camera for stretch in result.unfitting] == [c]
+    assert found.ghosts <= wanted.ghosts + 5
+    assert found.two_found + found.more_found >= 0.995 * (wanted.two_found + wanted.more_found)
 
 
 def test_good_cameras_are_not_suspected():

@@ -6,15 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from kinemark.data import Matches
 from kinemark.geometry import undistort
 from kinemark.geometry.camera import distort
-from kinemark.geometry.weighted_points import DEFAULT_ERRORS, weighted_points
+from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import diagnose, track_simultaneously
 from kinemark.track.simultaneous.adjusted_rig import with_radial
 from kinemark.track.simultaneous.facts import tracked_images
-from kinemark.track.simultaneous.missing_lens import missing_lenses, rig_of_points
+from kinemark.track.simultaneous.missing_lens import missing_lenses
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from kinemark.track.simultaneous.solved_points import solved, solver_for
 from support.scenes import make, scene, tally
@@ -53,23 +52,13 @@ def test_what_is_found_later_is_solved_with_the_learned_lenses():
     """By names, by edits: points solved again lie where they were."""
     one = made(147022)
     rig = bare(one.rig)
-    tracks = track_simultaneously(one.detections, rig, DEFAULT).tracks
-    timed, working, _ = tracked_images(one.detections, rig, tracks, DEFAULT)
+    result = track_simultaneously(one.detections, rig, DEFAULT)
+    tracks = result.tracks
+    timed, working, _ = tracked_images(one.detections, result.rig, tracks, DEFAULT)
     solver, cloud = solver_for(timed, np.zeros(len(timed), bool), working, DEFAULT_ERRORS), tracks.cloud
     again = solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
     off = np.linalg.norm(again.xyz - cloud.xyz, axis=1)
     assert np.nanmedian(off) < 0.05 and np.nanpercentile(off, 90) < 0.5  # 0.34, and 3.6 mm of one in twenty, else
-
-
-def test_points_that_were_solved_without_lenses_are_found_without():
-    """By other methods, which learn no lens."""
-    one = made(147022)
-    rig = bare(one.rig)
-    cloud = track_simultaneously(one.detections, rig, DEFAULT).tracks.cloud
-    assert rig_of_points(one.detections, rig, cloud) is not rig
-    matches = Matches(cloud.frame, cloud.detection, np.zeros(len(cloud)), cloud.n_frames)
-    plain = weighted_points(matches, one.detections, rig)
-    assert rig_of_points(one.detections, rig, replace(cloud, xyz=plain.xyz)) is rig
 
 
 def test_a_rig_that_states_lens_terms_keeps_them():

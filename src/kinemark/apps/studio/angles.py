@@ -92,7 +92,7 @@ def spike(document: OpenDocument, body: a.SpikeBody) -> a.Spike:
 def worst_image(document: OpenDocument, marker: str, index: int) -> tuple[str | None, float | None, str]:
     """The camera whose image of a marker is farthest from where it should be, by how many px, and it in words."""
     path = next(path for path in chosen_fills(document)[0] if path.name == marker)
-    detections, rig = document.editing.detections, document.editing.rig
+    detections, rig = document.editing.timed or document.editing.detections, document.editing.rig
     if path.origin[index] != Origin.MEASURED:
         return None, None, f"It was {Origin(path.origin[index]).name.lower()} there, by no image."
     if detections is None or rig is None or path.detection.shape[1] != len(rig):

@@ -26,7 +26,7 @@ from ..keys import world_key
 from ..naming.claims import claims_of
 from ..naming.put_aside import computed_names
 from ..open_trial import OpenTrial
-from ..trial_inputs import TrialInputs, detections_of, last_tracked, measured_of
+from ..trial_inputs import TrialInputs, detections_of, last_tracked, measured_of, trial_rig
 from . import makers
 from .journal import Journal, hash_of_entry
 from .makers import PUT_SD
@@ -47,7 +47,10 @@ class Editing:
 
     Attributes:
         name: of the trial. journal: of what was said.
-        trajectories: before all edits; detections, rig: behind them, None for a file without.
+        trajectories: before all edits; detections, rig: behind them, the cameras as they were made with; None for a
+            file without. timed: the detections at the times of the frames; None where they are.
+        left_out: cameras and frames in which they fit the others no more, as `edit.values.Footage` has them.
+        given: the cameras as they were calibrated, in whose world places are; `rig` where None.
         by: who edits; the user of the machine where empty.
         source: the file's trial; None of a session's. decisions: of the tracking that were close.
         facts: the claims by which the markers were named; pinned: the edits with which they were tracked again.
@@ -60,6 +63,9 @@ class Editing:
     trajectories: Trajectories
     detections: Detections | None = None
     rig: Rig | None = None
+    timed: Detections | None = None
+    left_out: tuple[tuple[str, int, int], ...] = ()
+    given: Rig | None = None
     by: str = ""
     source: Trial | None = None
     decisions: tuple[AmbiguousDecision, ...] = ()
@@ -85,10 +91,11 @@ class Editing:
         decisions = last_tracked(records).ambiguous_decisions
         named = claims_are_facts(records)
         facts = claims_of(trial.workspace.root, trial.name) if named else ()
+        seen, cameras, first = detections_of(records), trial_rig(records), inputs.source.of.first_frame
         return cls(
-            trial.name, journal, measured_of(inputs, records), detections_of(records), inputs.rig, by,
-            decisions=decisions, facts=facts, pinned=_pinned(journal) if "retrack" in records else (),
-            named=named,
+            trial.name, journal, measured_of(inputs, records), seen, cameras.rig, cameras.timed(seen),
+            cameras.left_out_of(first), inputs.rig, by, decisions=decisions, facts=facts,
+            pinned=_pinned(journal) if "retrack" in records else (), named=named,
         )  # fmt: skip
 
     @property
@@ -118,7 +125,8 @@ class Editing:
     @property
     def world(self) -> str:
         """Key of the world that places are in."""
-        return "" if self.rig is None else world_key(self.rig)
+        given = self.given or self.rig
+        return "" if given is None else world_key(given)
 
     def edited(self) -> Edited:
         """The trial with all that stands in the journal."""
@@ -298,8 +306,8 @@ class Editing:
     def _replayed(self, entries: Sequence[Entry]) -> Edited:
         def replayed(entries: Sequence[Entry]) -> Edited:
             return replay(
-                self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world,
-                facts=self.named,
+                self.trajectories, entries, detections=self.detections, timed=self.timed, rig=self.rig,
+                world=self.world, left_out=self.left_out, facts=self.named,
             )  # fmt: skip
 
         return self.replays.of(entries, replayed)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from ...data import KinemarkError, MarkerTrajectory, Origin, Rig, Trajectories
-from ...data.array_types import Bools, Floats
+from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
+from ...data.array_types import Bools
 from ...data.edits import (
     Claim,
     DropUnnamed,
@@ -28,7 +28,6 @@ from ...data.edits import (
 from ...data.nearest_word import guess, some_names
 from ...edit import stretch_of
 from ...edit.values import Footage, solve
-from ...geometry import project
 
 if TYPE_CHECKING:
     from .editing import Editing
@@ -138,7 +137,7 @@ def erase(of: Editing, marker: str, first: int, last: int) -> Erase:
 def put(of: Editing, marker: str, frame: int, xyz: Sequence[float], *, sd_mm: float = PUT_SD) -> Put:
     """A marker is at this place, mm, in a frame."""
     place = np.asarray(xyz, np.float64)
-    images = () if of.rig is None else tuple(_seen(of.rig, place))
+    images = tuple(footage_of(of).images_of(frame, place))
     spot = (float(place[0]), float(place[1]), float(place[2]))
     return made(Put, known(of, marker), frame, spot, sd_mm, images, of.world)
 
@@ -149,8 +148,10 @@ def put_in_images(of: Editing, marker: str, frame: int, images: Mapping[str, tup
     Raises:
         KinemarkError: these are no place.
     """
-    footage = Footage(of.trajectories.first_frame, of.trajectories.rate, of.detections, of.rig, of.world)
-    found = solve(footage, images)
+    footage = footage_of(of)
+    for name in images:
+        _check_fits(footage, name, frame)
+    found = solve(footage, frame, images)
     if found is None:
         raise KinemarkError(f"{', '.join(images) or 'No image'} is no place: click it in two of the cameras.")
     seen = tuple((name, u, v) for name, (u, v) in images.items())
@@ -184,7 +185,18 @@ def smooth(
 
 def image(of: Editing, camera: str, frame: int, u: float, v: float, marker: str | None) -> ImagePoint:
     """Where a marker is in an image; or that the image there is no marker's."""
+    if marker:
+        _check_fits(footage_of(of), camera, frame)
     return made(ImagePoint, camera, frame, u, v, marker and known(of, marker))
+
+
+def _check_fits(of: Footage, camera: str, frame: int) -> None:
+    """Refuse an image of a camera that shows no place in a frame."""
+    if not of.fits(camera, frame):
+        raise KinemarkError(
+            f"{camera} was moved, and fits the other cameras no more in frame {frame}: its images show no place. "
+            "Click the marker in other cameras."
+        )
 
 
 def finish(of: Editing, *, first: int | None = None, last: int | None = None) -> tuple[DropUnnamed, Trim]:
@@ -301,9 +313,7 @@ def known(of: Editing, marker: str) -> str:
     return marker
 
 
-def _seen(rig: Rig, xyz: Floats) -> Iterator[tuple[str, float, float]]:
-    """Where a place is in the images of all cameras that look at it."""
-    for camera in rig:
-        if (camera.R @ xyz + camera.t)[2] > 0:
-            u, v = project(camera, xyz[None])[0].tolist()
-            yield camera.name, u, v
+def footage_of(of: Editing) -> Footage:
+    """What is behind a trial's samples."""
+    trajectories = of.trajectories
+    return Footage(trajectories.first_frame, trajectories.rate, of.detections, of.rig, of.world, of.timed, of.left_out)

@@ -30,7 +30,7 @@ from ..graph import Records, Stage
 from ..keys import world_key
 from ..sources import TrialSource
 from ..tracking_stage import Tracked, load_tracked, save_tracked
-from ..trial_inputs import detections_of
+from ..trial_inputs import detections_of, trial_rig
 from .journal import Journal
 
 FILES = ("retracked.h5", "retracked.json")
@@ -48,16 +48,20 @@ def retrack_stage(source: TrialSource, trial: str, rig: Rig, track: Any, reconst
 
 def _compute(entries: tuple[Entry, ...], inputs: Any, records: Records) -> Tracked:
     """The stage."""
-    detections, tracked, rig = detections_of(records), records["track"], inputs.rig
+    detections, tracked, cameras = detections_of(records), records["track"], trial_rig(records)
     method, place = inputs.settings.track, inputs.settings.reconstruct
     method = method if isinstance(method, Simultaneous) else Simultaneous()
     place = place if isinstance(place, LeastSquares) else LeastSquares()
     first = inputs.source.of.first_frame
-    facts = facts_of_tracks(tracked.tracks, entries, detections, rig, first_frame=first)
+    facts = facts_of_tracks(
+        tracked.tracks, entries, detections, cameras.rig, first_frame=first, world=world_key(inputs.rig),
+        timed=cameras.timed(detections), left_out=cameras.left_out_of(first),
+    )  # fmt: skip
     margin = place.volume_margin if place.within_volume else None
     mended = mended_tracks(
-        detections, rig, tracked.tracks, facts, method=method, errors=image_errors(place), volume_margin=margin
-    )
+        cameras.seen(detections), cameras.rig, tracked.tracks, facts, method=method, errors=image_errors(place),
+        volume_margin=margin,
+    )  # fmt: skip
     return Tracked(mended.tracks, _decisions(tracked.ambiguous_decisions, mended), tracked.diagnostics)
 
 
@@ -71,21 +75,43 @@ def _decisions(decisions: Sequence[AmbiguousDecision], mended: Mended) -> tuple[
 
 
 def facts_of_tracks(
-    tracks: Tracks, entries: Sequence[Entry], detections: Detections, rig: Rig, *, first_frame: int = 1
+    tracks: Tracks,
+    entries: Sequence[Entry],
+    detections: Detections,
+    rig: Rig,
+    *,
+    first_frame: int = 1,
+    world: str | None = None,
+    timed: Detections | None = None,
+    left_out: tuple[tuple[str, int, int], ...] = (),
 ) -> Facts:
-    """What entries say of the points of some tracks and of the images behind them."""
+    """What entries say of the points of some tracks and of the images behind them.
+
+    Args:
+        tracks: of a trial. entries: of its journal. rig: the cameras of the tracks.
+        detections, timed: as recorded, and at the times of the frames, as `replay` has them, and `left_out`.
+        first_frame: its number. world: key of the world that these are in; that of the rig where None.
+    """
+    world = world_key(rig) if world is None else world
     said = [edit for entry in entries for edit in entry.edits]
     asked = [edit for edit in said if isinstance(edit, TrackAgain)]
     claims = [*(asked[-1].names if asked else ()), *(edit for edit in said if isinstance(edit, Claim))]
     trajectories = replace(to_trajectories(tracks, rig), first_frame=first_frame)
-    world, frame = world_key(rig), tracks.cloud.frame
+    frame = tracks.cloud.frame
     of = claims_that_hold(trajectories, claims, detections, world=world)
     numbers = {name: n for n, name in enumerate(dict.fromkeys(one.name for one in claims if one.name is not None))}
     claim = of[tracks.id, frame] if len(of) else np.full(len(frame), -1)
     each = np.array([*(NO_MARKER if one.name is None else numbers[one.name] for one in claims), UNSAID])
     marker = each[claim]
     values = [edit for edit in said if isinstance(edit, Erase | Put | ImagePoint)]
-    edited, standing = _with_standing(trajectories, claims, values, detections, rig)
+    behind: dict[str, Any] = {
+        "detections": detections,
+        "timed": timed,
+        "rig": rig,
+        "world": world,
+        "left_out": left_out,
+    }
+    edited, standing = _with_standing(trajectories, claims, values, behind)
     return Facts(
         marker,
         claim,
@@ -96,14 +122,14 @@ def facts_of_tracks(
 
 
 def _with_standing(
-    trajectories: Trajectories, claims: Sequence[Edit], values: Sequence[Edit], detections: Detections, rig: Rig
+    trajectories: Trajectories, claims: Sequence[Edit], values: Sequence[Edit], behind: dict[str, Any]
 ) -> tuple[Trajectories, list[Edit]]:
     """The trial with claims and edits of values, and those of the latter that find their place, of their markers.
 
     An image alone is no place, and is its marker's all the same: tracking may have others, or the next one was given.
     """
     entries = [Entry(k + 1, "", "", "", "", "", (edit,)) for k, edit in enumerate((*claims, *values))]
-    edited = replay(trajectories, entries, detections=detections, rig=rig, world=world_key(rig))
+    edited = replay(trajectories, entries, **behind)
     done = edited.applied[len(claims) :]
     kept = (one for one in done if one.outcome in ("held", "thin", "moot") or one.reason == ALONE.reason)
     return edited.trajectories, [one.edit for one in kept]

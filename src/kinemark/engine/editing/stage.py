@@ -25,7 +25,7 @@ from ...io.records import load, save
 from ...track.simultaneous import AmbiguousDecision
 from ..graph import Records, Stage
 from ..keys import world_key
-from ..trial_inputs import detections_of
+from ..trial_inputs import detections_of, trial_rig
 from .journal import Journal
 
 OUTCOMES = "edits.json"
@@ -156,9 +156,10 @@ def _compute(
 ) -> EditRecord:
     """The stage: replay."""
     check_methods([edit for entry in entries for edit in entry.edits])
-    rig = inputs.rig
+    cameras, detections = trial_rig(records), detections_of(records)
     edited = replay(
-        named(inputs, records), entries, detections=detections_of(records), rig=rig, world=world_key(rig),
+        named(inputs, records), entries, detections=detections, timed=cameras.timed(detections), rig=cameras.rig,
+        world=world_key(inputs.rig), left_out=cameras.left_out_of(inputs.source.of.first_frame),
         facts=claims_are_facts(records),
     )  # fmt: skip
     return EditRecord(edited, faults)

@@ -16,6 +16,7 @@ from ...reconstruct import LeastSquares, image_errors
 from ...track.simultaneous import Simultaneous
 from ..keys import world_key
 from ..sources import Recording
+from ..trial_rig import TrialRig
 from .claims import ClaimedTracks, claimed_tracks
 from .earlier import ABSENT, Earlier, template_files_key
 from .named_tracks import NamedTracks, load_learnt
@@ -45,13 +46,15 @@ def name_trial(
     named: Trajectories | None,
     claims: Sequence[Claim],
     detections: Detections,
+    cameras: TrialRig,
 ) -> NamedTracks:
     """The tracks of a trial joined to markers.
 
     Args:
         of: what is recorded. tracks: of it. earlier: the trials before it.
         named: its markers where the recording itself says which is which.
-        claims: of people, which are facts. detections: behind the tracks.
+        claims: of people, which are facts. detections: behind the tracks, as recorded.
+        cameras: that the tracks were made with.
 
     Raises:
         KinemarkError: a file that the session names is absent or unusable.
@@ -68,15 +71,15 @@ def name_trial(
     tracker = of.settings.track
     if label.second_pass and isinstance(tracker, Simultaneous):
         fixed = _spoken(claimed, stated, len(tracks.cloud))
-        found = second_pass(found, tracks, templates, _search(of, detections, tracker), fixed=fixed)
+        found = second_pass(found, tracks, templates, _search(of, detections, cameras, tracker), fixed=fixed)
     return found._replace(figures={**found.figures, "claimed": len(claimed.stated)})
 
 
-def _search(of: Recording, detections: Detections, tracker: Simultaneous) -> Search:
+def _search(of: Recording, detections: Detections, cameras: TrialRig, tracker: Simultaneous) -> Search:
     """As the tracker had it."""
     place = of.settings.reconstruct if isinstance(of.settings.reconstruct, LeastSquares) else LeastSquares()
     margin = place.volume_margin if place.within_volume else None
-    return Search(detections, of.rig, tracker, image_errors(place), margin)
+    return Search(cameras.seen(detections), cameras.rig, tracker, image_errors(place), margin)
 
 
 def _spoken(claimed: ClaimedTracks, stated: Sequence[StatedName], n_points: int) -> Bools:

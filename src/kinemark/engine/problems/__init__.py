@@ -67,7 +67,7 @@ def filled_gaps(editing: Editing) -> tuple[FilledGap, ...]:
 def _settled(context: Context) -> list[Reviewed]:
     """Verdicts by the paths and frames of now."""
     e = context.editing
-    of = Footage(context.start, context.now.rate, e.detections, e.rig, e.world)
+    of = Footage(context.start, context.now.rate, e.detections, e.rig, e.world, e.timed, e.left_out)
     return [reviewed(edit, context.now, of) for edit in context.edited.standing if isinstance(edit, Verdict)]
 
 

@@ -116,6 +116,15 @@ def _shifted(found: Finding) -> str:
     ) + _left_out(found)
 
 
+def _put_right(found: Finding) -> str:
+    offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.0f") for axis in "uv")
+    return fill(
+        f"The images of {{cameras}} lay ({offset})\u00a0px beside where the other cameras expect them: it was turned "
+        "after the calibration. It was put right by the points of the others, and used.",
+        found,
+    )
+
+
 def _other(found: Finding) -> str:
     first, second = (*found.cameras, "–", "–")[:2]
     return f"Camera {first} sees what camera {second} should see.{_left_out(found)}"
@@ -194,6 +203,10 @@ CAMERA_WORDS = {
         _shifted,
         "The camera was probably touched after the calibration. Look at it in a second trial: calibrate again, or "
         "leave it out.",
+    ),
+    "camera_put_right": Words(
+        _put_right,
+        "Look at the camera's mount, and calibrate again before the next session.",
     ),
     "calibration_off": Words(
         "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "

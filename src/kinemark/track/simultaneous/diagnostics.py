@@ -38,7 +38,7 @@ from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
 from .misfitting_cameras import image_offset
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
-from .tracker import CameraTimes, TrackingResult
+from .tracker import CameraTimes, ImageOffset, TrackingResult
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
@@ -68,16 +68,18 @@ FEW = 30
 
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
-    """What is odd about the input; nothing where nothing is."""
-    rig = rig if result.lenses is None else result.lenses.on(rig)
+    """What is odd about the input, cameras by the rig as given; nothing where nothing is."""
+    rig = result.rig
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
+    turned = {one.camera: [_put_right(one, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
         most = max(LEAST_SHIFT, STANDS_OUT * _median(np.delete(usual, c)))  # (9)
         found += (
             lost.get(c)
+            or turned.get(c)
             or _without_images(detections, result, c)
             or late.get(c)
             or _shifted(result, c, name, parts[c], most)
@@ -108,6 +110,11 @@ def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) 
         return [_inconsistent_camera(result._replace(images=images), rig, c)]
     u, v = offset
     return [make_finding("camera_shifted", cameras=[name], offset_u_px=u, offset_v_px=v, left_out=True)]
+
+
+def _put_right(one: ImageOffset, rig: Rig) -> Finding:
+    """About a camera that was turned until it fitted the others."""
+    return make_finding("camera_put_right", cameras=[rig.names[one.camera]], offset_u_px=one.u, offset_v_px=one.v)
 
 
 def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:

@@ -38,6 +38,7 @@ def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Fi
         noise,
         np.zeros((0, 3)),
         CameraTimes(*np.zeros((5, len(rig)))),
+        rig,
     )
     return [_nobody_left_out(found) for found in diagnose(detections, rig, result)]
 

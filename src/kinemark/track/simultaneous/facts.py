@@ -29,7 +29,6 @@ from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .learned_delays import VOLUME_MARGIN, SeenTracks, late_images
 from .measurement_noise import Noise, learn_noise
-from .missing_lens import rig_of_points
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints
 from .second_pass import points_between
@@ -101,7 +100,8 @@ def mended_tracks(
     """The tracks with all facts held, and what follows from them.
 
     Args:
-        detections, rig: behind the tracks. tracks: by whichever method, with the images of their points.
+        detections, rig: behind the tracks, the cameras as they were solved with (`TrackingResult.rig`).
+        tracks: by whichever method, with the images of their points.
         facts: about their points. method, errors, volume_margin: as `track_simultaneously` has them.
     """
     if not len(tracks):
@@ -129,7 +129,6 @@ def tracked_images(
     detections: Detections, rig: Rig, tracks: Tracks, method: Simultaneous
 ) -> tuple[Detections, Working, Simultaneous]:
     """What tracks were made of, as the tracker sees it: detections in time, images with their noise, and motion."""
-    rig = rig_of_points(detections, rig, tracks.cloud)
     images, noise, method = _prepared(detections, rig, method)
     timed = _in_time(detections, images, tracks, method)
     if timed is not detections:

@@ -20,12 +20,13 @@ from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
-from .detection_index import Images
-from .misfitting_cameras import beside_tracks
+from .detection_index import Images, read_images
+from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
-from .tracker import CameraTimes, TrackingResult, track_once
+from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once
+from .turned_camera import put_right, with_camera
 from .unfitting_stretches import Stretch, is_lost, unfitting_stretches, without_stretches
 
 VOLUME_MARGIN = 100.0
@@ -63,8 +64,8 @@ def track_simultaneously(
 
     Lens terms that were lost from the rig's file are learned (`missing_lens`). A camera is left out of the frames in
     which it fits the others no more (`unfitting_stretches`), or of all where it fits them nowhere
-    (`misfitting_cameras`). Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left
-    out and listed; None keeps all.
+    (`misfitting_cameras`) and the others do not show how it was turned since (`turned_camera`). Points farther than
+    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all.
     """
     lenses = missing_lenses(detections, rig)
     rig = rig if lenses is None else lenses.on(rig)
@@ -76,13 +77,46 @@ def track_simultaneously(
         beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
         untried = [one for one in beside if one not in tried]
         if sure == suspected and not untried:
-            return result._replace(unfitting=suspected, lenses=lenses)
+            result = result._replace(unfitting=suspected, lenses=lenses)
+            return _with_put_right(result, detections, rig, method, errors, volume_margin)
         suspected = sure if sure != suspected else _with(sure, untried[0])
 
 
 def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]:
     """The same and a whole recording, which holds other stretches of its camera."""
     return tuple(sorted((whole, *(one for one in stretches if one.camera != whole.camera))))
+
+
+def _with_put_right(
+    result: TrackingResult,
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    errors: ImageErrors,
+    volume_margin: float | None,
+) -> TrackingResult:
+    """Tracks again with the cameras that were left out of the whole recording, or fit nothing, and can be put right.
+
+    The same where there are none, or where they do not fit then.
+    """
+    turned = list[ImageOffset]()
+    whole = {one.camera for one in result.unfitting if one.whole(detections.n_frames)}
+    for c in sorted(whole | {*result.noise.inconsistent.tolist()}):
+        offset = image_offset(c, result.tracks, read_images(detections, rig))
+        if offset is None or np.isnan(offset).any():
+            continue
+        if (camera := put_right(c, offset, result.tracks, detections, rig)) is not None:
+            rig, turned = with_camera(rig, c, camera), [*turned, ImageOffset(c, *offset.tolist())]
+    if not turned:
+        return result
+    own = [one.camera for one in turned]
+    left = tuple(one for one in result.unfitting if one.camera not in own)
+    again = _with_delays(without_stretches(detections, left), rig, method, errors, volume_margin)
+    others = np.delete(np.arange(len(rig)), own)
+    seen, before = ((one.tracks.cloud.detection[:, others] >= 0).sum() for one in (again, result))
+    if seen < SAME * before or {*beside_tracks(again.tracks, again.images)} & {*own}:
+        return result
+    return again._replace(unfitting=left, lenses=result.lenses, put_right=tuple(turned))
 
 
 def _with_delays(

@@ -21,9 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Cloud, Detections, Matches, Rig
-from ...data.array_types import Floats, Ints
-from ...geometry.weighted_points import weighted_points
+from ...data import Detections, Rig
+from ...data.array_types import Floats
 from .adjusted_rig import USUAL_ERROR, fitted_rig, with_radial
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
@@ -50,10 +49,6 @@ generator, 0 to 3 px off: lost lenses that are known to .15 gain 2.2 and more, c
 
 ROUNDS = 12
 """Of the fit, chosen: a camera whose images make a peak late is as it should be after ten."""
-
-
-ASKED = 1000
-"""Points that tell by which rig they were solved, about; chosen: more say the same."""
 
 
 class MissingLenses(NamedTuple):
@@ -88,27 +83,6 @@ def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
     lost = _better(detections, images, with_radial(rig, k), rig, frames)  # (3)
     before = _variance(images, rig, frames)
     return MissingLenses(k, lost, float(np.sqrt(before)))
-
-
-def rig_of_points(detections: Detections, rig: Rig, cloud: Cloud) -> Rig:
-    """The rig by which points of some detections were solved: with the lenses that its file lost, where they lie nearer
-    to what their images say by these; methods other than `Simultaneous` know of none.
-    """
-    lenses = missing_lenses(detections, rig)
-    if lenses is None or not lenses.lost:
-        return rig
-    some = np.flatnonzero((cloud.detection >= 0).sum(1) >= 2)
-    some = some[:: max(len(some) // ASKED, 1)]
-    return min(rig, lenses.on(rig), key=lambda one: _off(detections, one, cloud, some))
-
-
-def _off(detections: Detections, rig: Rig, cloud: Cloud, rows: Ints) -> float:
-    """mm, by which the median of some points lies beside what its images say by a rig."""
-    matches = Matches(cloud.frame[rows], cloud.detection[rows], np.zeros(len(rows)), cloud.n_frames)
-    there = weighted_points(matches, detections, rig, guess=cloud.xyz[rows]).xyz
-    off = np.linalg.norm(there - cloud.xyz[rows], axis=1)
-    off = off[np.isfinite(off)]
-    return float(np.median(off)) if len(off) else 0.0
 
 
 def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> Rig:

@@ -78,28 +78,28 @@ def rig_of_tracks(detection: Ints, images: Images, rig: Rig) -> Rig:
     xyz = intersect(images, detection).xyz.T
     known = np.isfinite(xyz).all(1)
     xyz, seen, uv = xyz[known], detection[:, known] >= 0, images.uv[detection[:, known]]
-    depth, theta = _depths(rig, xyz, seen), np.zeros((len(rig), 7))
-    weighted, _ = _weighted(_derivatives(rig, xyz, uv, depth), seen)
+    depth, theta = depths_of_points(rig, xyz, seen), np.zeros((len(rig), 7))
+    weighted, _ = _weighted(image_derivatives(rig, xyz, uv, depth), seen)
     equations = _equations(weighted, theta)
     xyz = xyz + (block_inverses(equations.V[0]) @ equations.h[0][..., None])[..., 0]  # the points alone
-    weighted, before = _weighted(_derivatives(rig, xyz, uv, depth), seen)
+    weighted, before = _weighted(image_derivatives(rig, xyz, uv, depth), seen)
     for _ in range(STEPS):
         delta, (epsilon,), _ = block_step(_equations(weighted, theta), 0.0)
         theta, xyz = theta + delta.reshape(theta.shape), xyz + epsilon
-        weighted, after = _weighted(_derivatives(_moved(rig, theta, depth), xyz, uv, depth), seen)
+        weighted, after = _weighted(image_derivatives(_moved(rig, theta, depth), xyz, uv, depth), seen)
     adjusted = _moved(rig, theta, depth)
-    squared = (_derivatives(adjusted, xyz, uv, depth).r[seen] ** 2).sum(-1)
+    squared = (image_derivatives(adjusted, xyz, uv, depth).r[seen] ** 2).sum(-1)
     tail = np.quantile(squared, 0.9) / (-2 * np.log(0.1) * after**2)
     return adjusted if after < LEAST_GAIN * before and tail < MOST_TAIL else rig
 
 
-def _depths(rig: Rig, xyz: Floats, seen: Bools) -> Floats:
+def depths_of_points(rig: Rig, xyz: Floats, seen: Bools) -> Floats:
     """(C) mm, the median depth of the points (S, 3) that each camera sees."""
     z = np.array([xyz @ camera.R[2] + camera.t[2] for camera in rig])
     return np.array([np.median(own[there]) if there.any() else 1.0 for own, there in zip(z, seen, strict=True)])
 
 
-def _derivatives(rig: Rig, xyz: Floats, uv: Floats, depth: Floats) -> Derivatives:
+def image_derivatives(rig: Rig, xyz: Floats, uv: Floats, depth: Floats) -> Derivatives:
     """Of images (C, S, 2) px of points (S, 3) mm, by (1)."""
     R, t, K = (np.array([getattr(camera, name) for camera in rig]) for name in ("R", "t", "K"))
     q = xyz @ R.swapaxes(1, 2) + t[:, None]
@@ -133,10 +133,10 @@ def _equations(by: Derivatives, theta: Floats) -> BlockEquations:
 
 def _moved(rig: Rig, theta: Floats, depth: Floats) -> Rig:
     """The rig with each camera changed by its θ (C, 7), at depths (C) mm."""
-    return replace(rig, cameras=tuple(_changed(*each) for each in zip(rig, theta, depth, strict=True)))
+    return replace(rig, cameras=tuple(changed_camera(*each) for each in zip(rig, theta, depth, strict=True)))
 
 
-def _changed(camera: Camera, theta: Floats, depth: float) -> Camera:
+def changed_camera(camera: Camera, theta: Floats, depth: float) -> Camera:
     """The camera turned and refocused, then moved."""
     new = turned(camera, theta[[0, 1, 2, 6]])
     return replace(new, t=new.t - depth * theta[3:6])

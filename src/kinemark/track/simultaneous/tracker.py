@@ -82,6 +82,14 @@ class CameraTimes(NamedTuple):
     unsteady: Floats
 
 
+class ImageOffset(NamedTuple):
+    """By how many px, about, the images of a camera, a number, lay beside where the others expect them."""
+
+    camera: int
+    u: float
+    v: float
+
+
 class TrackingResult(NamedTuple):
     """What the method gives.
 
@@ -98,6 +106,8 @@ class TrackingResult(NamedTuple):
         unfitting: stretches in which a camera fits the others no more, and was left out.
         lenses: what the images tell of lenses of which the rig states no term, by which all was tracked where they
             were lost; None where none is missing.
+        rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
+            were put right. put_right: these cameras, and how far their images lay beside.
     """
 
     tracks: Tracks
@@ -109,8 +119,10 @@ class TrackingResult(NamedTuple):
     noise: Noise
     outside: Floats
     times: CameraTimes
+    rig: Rig
     unfitting: tuple[Stretch, ...] = ()
     lenses: MissingLenses | None = None
+    put_right: tuple[ImageOffset, ...] = ()
 
 
 def track_once(
@@ -158,7 +170,7 @@ def track_once(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
-    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times)
+    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times, rig)
 
 
 def _learned(

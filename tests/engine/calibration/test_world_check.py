@@ -5,7 +5,7 @@ import pytest
 
 from kinemark.data import Detections
 from kinemark.geometry import project_all
-from kinemark.io.detections_csv import write_detections_csv
+from kinemark.io.detections_csv import read_detections_csv, write_detections_csv
 from kinemark.report.words import text_of
 from support.calibrations import BY_WAND, L_FRAME, POINTS, SMALL, detected, lay_out_wand, off, points_csv, session
 from support.findings import found, kinds
@@ -37,7 +37,7 @@ def test_an_l_frame_that_two_cameras_see_needs_no_rows_of_the_others(folder):
     seen = detected(CORNER, noise=0.2)
     write_detections_csv(folder / "lframe.csv", seen.keep(seen.camera < 2))
     made = session(folder, f"{BY_WAND}\n{L_FRAME}").calibrate()
-    assert not {"world_seen_elsewhere", "world_points_disagree"} & set(kinds(made.figures))
+    assert not {"world_seen_elsewhere", "cameras_upside_down"} & set(kinds(made.figures))
     assert off(made.rig) < 0.5
 
 
@@ -53,7 +53,7 @@ def test_a_point_of_the_world_that_was_typed_wrongly_is_named_and_left_out(folde
     assert (said.severity, said.values["points_list"]) == ("amber", (name,))
     assert said.values["off_mm"] == pytest.approx(400, abs=3)
     assert off(made.rig) < 0.3
-    assert f"Point {name} of the world lies up to 400" in text_of(said)
+    assert f"Point {name} of the world lies up to 40" in text_of(said)
 
 
 def test_a_camera_whose_images_of_the_points_are_beside_is_named_and_left_out(folder):
@@ -64,3 +64,13 @@ def test_a_camera_whose_images_of_the_points_are_beside_is_named_and_left_out(fo
     assert [one.cameras for one in found(made.figures, "world_seen_elsewhere")] == [(SMALL.names[1],)]
     assert "world_points_disagree" not in kinds(made.figures)
     assert off(made.rig) < 0.3
+
+
+def test_pixels_counted_from_the_bottom_are_told_as_cameras_upside_down(folder):
+    for name in ("wand", "lframe"):
+        seen = read_detections_csv(folder / f"{name}.csv", rate=50.0, cameras=SMALL.names)
+        uv = np.stack([seen.uv[:, 0], 479 - seen.uv[:, 1]], 1)
+        write_detections_csv(folder / f"{name}.csv", Detections.build(seen.cameras, 50.0, seen.counts, uv))
+    made = session(folder, f"{BY_WAND}\n{L_FRAME}").calibrate()
+    check_findings(made.figures)
+    assert "cameras_upside_down" in kinds(made.figures)

@@ -11,7 +11,7 @@ from ...calibrate.l_frame import RestingLFrame, resting_l_frame
 from ...calibrate.quality import Check, WorldPose, world_pose
 from ...calibrate.quality.calibration_evidence import residual_deviation
 from ...calibrate.world_check import OFF_MM, OddCamera, images_of_resting, odd_camera, wrong_points
-from ...calibrate.world_frame import fit_moved_to, fit_scaled
+from ...calibrate.world_frame import fit_moved_to, fit_scaled, similarity
 from ...data import Detections, Finding, KinemarkError, Rig, make_finding
 from ...data.array_types import Floats
 from ...data.finding import red_if
@@ -25,6 +25,8 @@ from .task import Task
 TOLERANCE = 0.05
 """How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said.
 Chosen."""
+UPWARDS = 0.3
+"""Cosine between the images' v and the room's Z from which a camera is upside down; chosen."""
 
 
 class PlacedRig(NamedTuple):
@@ -95,7 +97,15 @@ def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Resting
     odd = odd_camera(rig, images_of_resting(rig, seen, frame.seen))
     if odd is not None and odd.camera is not None:
         frame = _resting(rig, seen.keep(seen.camera != odd.camera), way, unscaled)
-    return frame, (*_moved(frame), *_odd(rig, odd))
+    from_file = way.detections is not None
+    return frame, (*_moved(frame), *_odd(rig, odd), *(_upside_down(rig, frame) if from_file else ()))
+
+
+def _upside_down(rig: Rig, frame: RestingLFrame) -> tuple[Finding, ...]:
+    """Says that all cameras hang upside down above the L-frame: they do, or v is counted from the bottom."""
+    A, _, _ = similarity(frame.seen, frame.known, scale=True)
+    v_upwards = [float(camera.R[1] @ A[2]) for camera in rig]
+    return (make_finding("cameras_upside_down"),) if min(v_upwards) > UPWARDS else ()
 
 
 def _resting(rig: Rig, detections: Detections, way: LFrame, unscaled: bool) -> RestingLFrame:

@@ -85,6 +85,12 @@ def _world_points(found: Finding) -> str:
     )
 
 
+def _world_mirrored(found: Finding) -> str:
+    if found.severity == "info":
+        return "All cameras see the world mirrored: v is counted from the bottom, or z points down and is left-handed."
+    return "All cameras see the world mirrored: the coordinates are left-handed, or all images are mirrored."
+
+
 CALIBRATION_WORDS = {
     "cameras_miss_points": Words(
         "{Cameras} {cameras:misses|miss} the calibration points by up to {max_px:1} RMS.",
@@ -163,6 +169,21 @@ CALIBRATION_WORDS = {
         _world_points,
         "Measure these points again and look for exchanged names, a typed digit and other units: the origin and the "
         "axes rest on them.",
+    ),
+    "cameras_mirrored": Words(
+        "{Cameras} {cameras:sees|see} the world mirrored, and the others do not.",
+        "That is right only if {cameras:its|their} recordings are mirrored in the same way. Count pixels of all cameras "
+        "from the top left corner.",
+    ),
+    "coordinates_mirrored": Words(
+        _world_mirrored,
+        "Check the directions of x, y and z: from the end of z, x turns to y against the clock. Else left and right "
+        "are exchanged in all that follows.",
+    ),
+    "cameras_upside_down": Words(
+        "All cameras are upside down in this world. If they do not hang so, the file counts v from the bottom, and the "
+        "world is mirrored: left and right are exchanged.",
+        "Write v from the top, height − 1 − v, in the files of the wand, the L-frame and all trials.",
     ),
     "precision_low": Words(
         "The standard deviation of a position reaches {sd_mm} per axis within 95\u00a0% of the volume.",

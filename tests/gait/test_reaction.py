@@ -249,7 +249,7 @@ def on_two_plates(share, at):
     there = share * (t >= 0.5)
     found = []
     for k, (part, where, corners) in enumerate(
-        ((1 - there, (200.0, 300.0), CORNERS), (there, at, CORNERS + [400.0, 0, 0]))
+        ((1 - there, (200.0, 300.0), CORNERS), (there, at, CORNERS + np.array([400.0, 0, 0])))
     ):
         force = np.where(stands[:, None], part[:, None] * [0.0, 0, 700], 0.0)
         F, M, _ = six(force, np.tile([*where, 0.0], (100, 1)), np.zeros(100), corners)

@@ -1,4 +1,4 @@
-"""What shows the world is recorded apart from the wand: cameras and points that are wrong there are told and left out."""
+"""What shows the world is recorded apart from the wand: cameras and points that are wrong there are left out."""
 
 import numpy as np
 import pytest

@@ -172,8 +172,8 @@ CALIBRATION_WORDS = {
     ),
     "cameras_mirrored": Words(
         "{Cameras} {cameras:sees|see} the world mirrored, and the others do not.",
-        "That is right only if {cameras:its|their} recordings are mirrored in the same way. Count pixels of all cameras "
-        "from the top left corner.",
+        "That is right only if {cameras:its|their} recordings are mirrored in the same way. Count pixels of all "
+        "cameras from the top left corner.",
     ),
     "coordinates_mirrored": Words(
         _world_mirrored,

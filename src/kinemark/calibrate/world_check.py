@@ -106,7 +106,7 @@ def images_of_resting(rig: Rig, detections: Detections, xyz: Floats) -> Floats:
             continue
         expected = project(camera, xyz)
         for m, at in enumerate(expected):
-            if np.isfinite(at).all() and in_image(camera.size, *at):
+            if np.isfinite(at).all() and in_image(camera.size.tolist(), *at.tolist()):
                 near = [seen[np.linalg.norm(seen - at, axis=1).argmin()] for seen in full]
                 uv[c, m] = np.median(near, axis=0)
     return uv

@@ -8,7 +8,7 @@ Points are seen at (C, M) pixels and found from some cameras by triangulation. O
     d_c = median over points of |seen − projected|, px                  (1)
 
 and the worst of them says how well they agree. Where that is too much, the camera without which the others agree best
-is the odd one; where they then agree, it is known (2).
+is the odd one; where they then agree, and without no other, it is known (2).
 
 Of points that were seen and surveyed the residual of laying the ones on the others is r mm RMS. Where that is too much,
 the point without which it is least is left out, as long as that halves it (3).
@@ -70,8 +70,8 @@ def odd_camera(rig: Rig, uv: Floats) -> OddCamera | None:
     if not px > limit:
         return None
     without = {int(c): _worst(rig, uv, everyone & (np.arange(len(rig)) != c)) for c in np.flatnonzero(everyone)}
-    odd = min(without, key=lambda c: (not np.isfinite(without[c]), without[c]))
-    if not without[odd] <= limit:
+    odd, *others = sorted(without, key=without.__getitem__)
+    if without[odd] > limit or any(without[c] <= limit for c in others):  # of three, two may agree by chance
         return OddCamera(None, px)
     rest = everyone & (np.arange(len(rig)) != odd)
     return OddCamera(odd, float(_off(rig, uv, rest)[odd]))

@@ -55,6 +55,30 @@ def test_the_verdict_reveals_exchanged_and_repeated_images(good):
     assert (same.severity, same.cameras) == ("red", ("cam1", "cam2"))
 
 
+def mirrored(uv, which=range(4)):
+    """Images whose v is counted from the bottom in these cameras."""
+    uv = uv.copy()
+    for c in which:
+        uv[c, :, 1] = RIG[c].size[1] - 1 - uv[c, :, 1]
+    return uv
+
+
+def test_a_world_of_left_handed_coordinates_and_mirrored_images_are_told(good):
+    """Points that are surveyed with y the other way fit as well as before; so do pixels counted from the bottom."""
+    uv = seen(RIG, POINTS, 0.05, np.random.default_rng(1))
+    told = {"coordinates_mirrored", "cameras_mirrored"}
+    assert not told & set(kinds(calibration_figures(*good)))
+    (one,) = found(calibration_figures(*of_control_points(mirrored(uv, [2]))), "cameras_mirrored")
+    assert one.cameras == (RIG.names[2],)
+    (bottom,) = found(calibration_figures(*of_control_points(mirrored(uv))), "coordinates_mirrored")
+    sideways = uv.copy()
+    sideways[..., 0] = np.array([camera.size[0] for camera in RIG])[:, None] - 1 - uv[..., 0]
+    (left,) = found(calibration_figures(*of_control_points(sideways)), "coordinates_mirrored")
+    assert (bottom.severity, left.severity) == ("info", "amber")
+    assert "from the bottom" in text_of(bottom)
+    assert "left-handed, or all images are mirrored" in text_of(left)
+
+
 def grade(rig, evidence, **changes):
     figures = calibration_figures(rig, replace(evidence, **changes))
     return figures["verdict"]["grade"], kinds(figures), figures

@@ -238,6 +238,45 @@ def test_a_stick_that_loads_the_plate_while_the_foot_swings_is_noticed(loaded):
     assert (one.side, one.reason) == (None, "aid")
 
 
+def on_two_plates(share, at):
+    """A step on a plate of which this share of the force, from 0.5 s on, is on the next one, at `at` (2) mm."""
+    t = np.arange(100) / 100.0
+    stands = (t >= 0.3) & (t < 0.7)
+    points = {}
+    for letter, place in (("L", (200, 300)), ("R", (900, 300))):
+        middle = np.column_stack([np.full(100, place[0]), np.full(100, place[1]), np.full(100, 40.0)])
+        points[letter + "HEE"], points[letter + "TOE"] = middle - AHEAD, middle + AHEAD
+    there = share * (t >= 0.5)
+    found = []
+    for k, (part, where, corners) in enumerate(
+        ((1 - there, (200.0, 300.0), CORNERS), (there, at, CORNERS + np.array([400.0, 0, 0])))
+    ):
+        force = np.where(stands[:, None], part[:, None] * [0.0, 0, 700], 0.0)
+        F, M, _ = six(force, np.tile([*where, 0.0], (100, 1)), np.zeros(100), corners)
+        names = tuple(f"{letter}{k}" for letter in "abcdef")
+        analog = (Analog(names, ("",) * 6, 100.0, np.column_stack([F, M]).T),)
+        found.append(reaction(ForcePlate(2, corners, ORIGIN, names), analog, n_frames=100, rate=100.0))
+    return [(one.side, one.reason) for one in contacts(found, points, rate=100.0)]
+
+
+@pytest.mark.parametrize(
+    ("share", "at", "reason"),
+    [(0.8, (405.0, 300.0), "two_plates"), (0.02, (405.0, 300.0), ""), (0.8, (750.0, 300.0), "")],
+)
+def test_a_foot_that_rolls_on_to_the_next_plate_does_not_count(share, at, reason):
+    """Crosstalk and the other foot's load are no such thing."""
+    assert on_two_plates(share, at)[0] == (None if reason else "left", reason)
+
+
+@pytest.mark.parametrize(("unit", "mm"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
+def test_a_measured_centre_has_a_unit(unit, mm):
+    plate, analog, _, centre, _ = made(1)
+    units = ("N", "N", "N", unit, unit, "Nmm")
+    scale = np.array([1, 1, 1, mm, mm, 1])[:, None]
+    other = Analog(plate.channels, units, RATE, analog[0].values / scale)
+    np.testing.assert_allclose(reaction(plate, (other,), n_frames=N, rate=RATE).centre, centre, atol=1e-6)
+
+
 def test_a_load_between_the_feet_belongs_to_neither():
     (one,) = stepping((200, 220), (200, 380), other_stands=True, at=(200, 295))
     assert (one.side, one.reason) == (None, "unclear")

@@ -7,7 +7,7 @@ import numpy as np
 
 import kinemark
 from kinemark import calibrate, geometry, sensitivity, synth
-from kinemark.calibrate import bundle, control_frame, control_points, l_frame, quality, world_frame
+from kinemark.calibrate import bundle, control_frame, control_points, l_frame, quality, world_check, world_frame
 from kinemark.data import MarkerTrajectory, Rig, Trajectories
 from kinemark.sensitivity import joints
 from support.shift_law import OPEN, Answer, law, moved, on_grid
@@ -276,6 +276,22 @@ def _(by):
     places = np.concatenate([in_the_world(there, by)[0][0], resting.seen])
     rest = (known, resting.known, in_the_world(here, 0.0), in_the_world(there, by)[1])
     return Answer(places, rest)
+
+
+@law(world_check.odd_camera, world_check.images_of_resting, world_check.wrong_points, world_frame.laid_on)
+def _(by):
+    """What is seen and the rig that sees it are 10 km away."""
+    corner = np.array([[0, 0, 12.5], [800, 0, 12.5], [0, 600, 12.5], [1200, 900, 1000], [300, 1200, 700]])
+    far = moved(rig(), by)
+    uv = geometry.project_all(rig(), corner)
+    uv[1] += [9.0, 4.0]
+    seen = corner + by
+    wrong = corner + np.eye(5, 3) * 40.0
+    checked = world_check.wrong_points(seen, wrong + by)
+    A, b, s = world_frame.laid_on(seen, corner)
+    resting = world_check.images_of_resting(far, observed().detections, corner + by)
+    rest = (world_check.odd_camera(far, uv), checked, resting, A, seen @ A.T + b - corner, s)
+    return Answer(rest=rest)
 
 
 # ---- Sensitivity ----

@@ -10,6 +10,7 @@ reference_marker  shifts of the images since the calibration
 resection         least squares of one camera
 l_frame           an L-frame on the floor, recognised and read over all frames
 world_frame       turning and scaling a rig into the laboratory
+world_check       cameras and surveyed points that do not fit the rig when the world is recorded
 assign            which dot is which point of a known body, from a few that were picked by hand
 """
 

@@ -74,6 +74,28 @@ def fit_moved_to(fit: BundleFit, seen: Floats, known: Floats, *, scale: bool = F
 
 def similarity(seen: Floats, known: Floats, *, scale: bool = False) -> tuple[Floats, Floats, float]:
     """A (3, 3), b (3) and s of (4) with known ≈ s A seen + b; s is 1 unless `scale`. Errors as in `moved_to`."""
+    A, b, s = laid_on(seen, known, scale=scale)
+    both = np.isfinite(seen).all(1) & np.isfinite(known).all(1)
+    x, y = (points[both] - points[both].mean(0) for points in (seen, known))
+    residual = np.sqrt(((s * x @ A.T - y) ** 2).sum(1).mean())
+    size = np.sqrt((y**2).sum(1).mean())
+    if residual > MISFIT * size:
+        grown = float(((x @ A.T) * y).sum() / (x**2).sum())
+        raise KinemarkError(
+            f"Known points differ from those seen by {residual:.0f} mm RMS, and are only {size:.0f} mm from their "
+            f"middle. Their sizes are as {grown:.3g} to 1. Check which point is which, the units, and whether scale "
+            "is free."
+        )
+    return A, b, s
+
+
+def laid_on(seen: Floats, known: Floats, *, scale: bool = False) -> tuple[Floats, Floats, float]:
+    """`similarity` of points that may fit badly.
+
+    Raises:
+        ValueError: the shapes differ.
+        KinemarkError: fewer than three points, or points on a line.
+    """
     if seen.shape != known.shape or seen.ndim != 2 or seen.shape[1] != 3:
         raise ValueError(f"seen has shape {seen.shape} and known {known.shape}, wanted (points, 3) of both")
     both = np.isfinite(seen).all(1) & np.isfinite(known).all(1)
@@ -89,15 +111,7 @@ def similarity(seen: Floats, known: Floats, *, scale: bool = False) -> tuple[Flo
     U, D, Vt = np.linalg.svd(y.T @ x)
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))])
     A = (U * signs) @ Vt  # (4)
-    grown = float((D * signs).sum() / (x**2).sum())
-    s = grown if scale else 1.0
-    residual, size = np.sqrt(((s * x @ A.T - y) ** 2).sum(1).mean()), np.sqrt((y**2).sum(1).mean())
-    if residual > MISFIT * size:
-        raise KinemarkError(
-            f"Known points differ from those seen by {residual:.0f} mm RMS, and are only {size:.0f} mm from their "
-            f"middle. Their sizes are as {grown:.3g} to 1. Check which point is which, the units, and whether scale "
-            "is free."
-        )
+    s = float((D * signs).sum() / (x**2).sum()) if scale else 1.0
     return A, b.mean(0) - s * A @ a.mean(0), s
 
 

@@ -79,6 +79,17 @@ CALIBRATION_KINDS = (
          "camera where several would explain it. Red above 1 px.", {"offset_px": "px", "from_s": "s"}),
     Kind("l_frame_moved", "calibrate", "amber", "The L-frame, or something taken for it, stood elsewhere in some "
          "frames, which were left out.", {"frame_count": "count", "read_frames": "count", "off_mm": "mm"}),
+    Kind("world_seen_elsewhere", "calibrate", "amber", "What shows the world, an L-frame or surveyed points, is seen "
+         "offset_px beside where the other cameras have it, by a camera that was left out there; red where nobody "
+         "knows which.", {"offset_px": "px"}),
+    Kind("world_points_disagree", "calibrate", "amber", "Surveyed points that show the world do not lie where they are "
+         "seen, by up to off_mm; the named ones were left out, and rms_mm is left. Red where these do not agree.",
+         {"points_list": "text", "off_mm": "mm", "rms_mm": "mm"}),
+    Kind("cameras_mirrored", "calibrate", "amber", "These cameras see the world mirrored, and the others do not."),
+    Kind("coordinates_mirrored", "calibrate", "amber", "All cameras see the world mirrored: its coordinates are "
+         "left-handed. An info where v grows upwards, as it does in files that count it from the bottom."),
+    Kind("cameras_upside_down", "calibrate", "amber", "All cameras of a rig that comes from detections and an L-frame "
+         "are upside down: where v is counted from the bottom, the world is mirrored."),
     Kind("precision_low", "calibrate", "amber", "Standard deviation of a position per axis in 95 % of the volume; red "
          "above 10 mm.", {"sd_mm": "mm"}),
     Kind("room_uncertain", "calibrate", "info", "All positions together may lie elsewhere in the room by more than "

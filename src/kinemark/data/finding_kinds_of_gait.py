@@ -50,7 +50,7 @@ GAIT_KINDS = (
     Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
          "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
-         "two_feet, aid, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
+         "two_feet, aid, beside, cut, two_plates or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",
          {"why": "text"}),
     Kind("events_without_plates", "gait", "info", "Foot events of a trial come from markers alone; median of their "

@@ -50,8 +50,9 @@ TRIAL_KINDS = (
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),
     Kind("pixel_axes_differ", "match", "red", "The images count their pixels otherwise than the calibration: v from "
-         "the bottom (v_up), u from the right (u_left), both (turned), the row before the column (exchanged), or in "
-         "images of half_size or double_size. Shares of the detections confirmed by two more cameras, counted so and "
+         "the bottom (v_up), u from the right (u_left), both (turned), the row before the column (exchanged), in "
+         "images of half_size or double_size, from the centre (centre, centre_v_up) or as shares of the size (share, "
+         "share_v_up). Shares of the detections confirmed by two more cameras, counted so and "
          "as it is, in the median camera.",
          {"way": "text", "other_share": "share", "as_is_share": "share"}),
     # What tracks show of their input

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..data import Detections, KinemarkError
 from ..data.array_types import Ints
+from ..data.detections import NOT_ROWS
 from ..data.masks import Masks as StaticMasks
 from ..data.progress import tell
 from ..detect import combined_masks, detect, learn_masks
@@ -53,6 +55,24 @@ def _opened(root: Path, first_field: Any, pattern: str, names: Sequence[str], ev
     return images
 
 
+def of_cameras(found: Detections, names: Sequence[str], file: Path) -> Detections | None:
+    """Detections of cameras of these names, in their order; a table names no camera that saw nothing.
+
+    None where another file lacks a camera, or a table names others, or fewer than two.
+    """
+    own = set(found.cameras)
+    if set(names) <= own:
+        return found.select(names)
+    if file.suffix.lower() != ".csv" or not own <= set(names) or len(own) < 2:
+        return None
+    there = [name for name in names if name in own]
+    part = found.select(there)
+    counts = np.zeros((len(names), found.n_frames), np.int64)
+    counts[[list(names).index(name) for name in there]] = part.counts
+    columns = {f.name: getattr(part, f.name) for f in fields(part) if f.name not in NOT_ROWS}
+    return Detections.build(tuple(names), found.rate, counts, **columns)
+
+
 def recorded(
     root: Path,
     settings: Settings,
@@ -69,12 +89,13 @@ def recorded(
     """
     if seen.images is None:
         found = _read(root / str(seen.detections))
-        if missing := sorted(set(names) - set(found.cameras)):
-            have, lack = ", ".join(found.cameras), ", ".join(missing)
+        whole = of_cameras(found, names, root / str(seen.detections))
+        if whole is None:
+            have, lack = ", ".join(found.cameras), ", ".join(sorted(set(names) - set(found.cameras)))
             raise KinemarkError(
                 f"{root / str(seen.detections)} has cameras {have}, not {lack}. Give them the same names."
             )
-        return Recorded(found.select(names), size_of_cameras(root, settings, names))
+        return Recorded(whole, size_of_cameras(root, settings, names))
     images = open_cameras(root, settings, seen.images, names)
     total = sum(source.n_frames for source in images.values())
     method: Any = settings.detect

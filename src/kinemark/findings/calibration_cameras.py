@@ -36,6 +36,8 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
         "aim_corner_px": np.max(cover.aim[[0, 0, -1, -1], [0, -1, 0, -1]]),
         "aim_volume_max_px": quantile(cover.aim_volume, 1.0),
         "bend": _bend(camera),
+        "mirrored": bool(camera.K[0, 0] * camera.K[1, 1] < 0),
+        "v_upwards": float(np.sign(camera.K[1, 1]) * camera.R[1, 2]),
         "without": _without(grid, c),
         "lens_trend": _trend(camera, c, evidence),
     }

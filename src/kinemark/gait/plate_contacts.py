@@ -7,7 +7,9 @@ centre of pressure p, on the floor, weighted by the force:
 
 The near foot has stepped there. A contact does not count where both feet are as near, the other foot stands on the
 plate too, a heel or toe of the standing foot is beside the plate, what the plate recorded begins or ends within it, or
-the plate is loaded while the toe swings: then something else stands there, as a stick or a walker (2).
+the plate is loaded while the toe swings: then something else stands there, as a stick or a walker (2). Nor does it
+where the foot rolls from one plate to another: another plate is loaded meanwhile or at once after, by a share of the
+impulse, and the pressure there is nearer to the standing foot than to the other (3).
 """
 
 from __future__ import annotations
@@ -44,6 +46,12 @@ SWINGING_S = 0.16
 """By which a plate may be loaded while the toe swings, s; chosen: in whole contacts it was up to 0.03,
 of simulated ones 0.13."""
 
+SHARED_IMPULSE = 0.05
+"""Of a contact's impulse, that a second plate below the same foot carries; chosen: crosstalk between plates is 1 %."""
+REACHING_FEET = 1.5
+"""Distance (1) as a share of the foot's length at which a second plate is still below it; chosen: a toe's tip is about
+one such length from the middle between heel and toe."""
+
 
 class Contact(NamedTuple):
     """A load on one plate.
@@ -51,7 +59,8 @@ class Contact(NamedTuple):
     Attributes:
         plate: its index. first, stop: frames, counted from 0, stop excluded.
         side: of the foot; None where it is not known or the contact does not count.
-        reason: why it does not count: "", "unclear", "two_feet", "aid", "beside", "cut", "no_foot".
+        reason: why it does not count: "", "unclear", "two_feet", "aid", "beside", "cut", "two_plates",
+            "no_foot".
         distance: (1) of the near foot, mm.
     """
 
@@ -74,10 +83,16 @@ def contacts(
         rate: frames a second. up: of the laboratory.
     """
     feet = {side: _Foot.of(points, side, rate, up) for side in SIDES}
-    found = [
+    judged = [
         _judged(plate, reaction, first, stop, feet, rate, up)
         for plate, reaction in enumerate(reactions)
         for first, stop in _loads(reaction.loaded, rate)
+    ]
+    found = [
+        one._replace(side=None, reason="two_plates")
+        if one.side and any(_shares(one, other, reactions, feet, rate, up) for other in judged)
+        else one
+        for one in judged
     ]
     return tuple(sorted(found, key=lambda one: (one.first, one.plate)))
 
@@ -133,6 +148,20 @@ def _judged(
         reason = "cut"
     side = None if reason in ("no_foot", "unclear", "two_feet", "aid") else near
     return Contact(plate, first, stop, side, reason, float(d))
+
+
+def _shares(
+    one: Contact, other: Contact, reactions: Sequence[Reaction], feet: Mapping[Side, _Foot], rate: float, up: Floats
+) -> bool:
+    """Whether another plate, meanwhile or without a break, carries part of the step of contact `one` (3)."""
+    apart = max(one.first, other.first) - min(one.stop, other.stop)
+    if one.plate == other.plate or apart > BRIDGED_S * rate or one.side is None:
+        return False
+    away = {s: _distance(reactions[other.plate], foot, other.first, other.stop, up) for s, foot in feet.items()}
+    near, far = away.pop(one.side), next(iter(away.values()))
+    whole, part = (np.abs(reactions[c.plate].force[c.first : c.stop] @ up).sum() for c in (one, other))
+    below = near <= REACHING_FEET * feet[one.side].length and not far < CLEARER * near
+    return bool(below and part > SHARED_IMPULSE * whole)
 
 
 def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> float:

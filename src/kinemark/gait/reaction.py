@@ -45,6 +45,8 @@ IN_NEWTON = {"N": 1.0, "KN": 1000.0}
 """Force units; by definition."""
 IN_NEWTON_MM = {"NMM": 1.0, "NM": 1000.0, "NCM": 10.0, "NMETERS": 1000.0}
 """Moment units; by definition."""
+IN_MM = {"MM": 1.0, "CM": 10.0, "M": 1000.0}
+"""Units of a centre of pressure (type 1); by definition."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,7 +168,7 @@ def _eight(c: Floats, a: float, b: float) -> tuple[Floats, Floats]:
 def plate_channels(
     plate: ForcePlate, analog: Sequence[Analog], *, n_frames: int, rate: float, averaged: bool
 ) -> Floats:
-    """(F, K) the channels of a plate at each frame, N and N·mm.
+    """(F, K) the channels of a plate at each frame, N, N·mm and, of a measured centre, mm.
 
     Raises:
         KinemarkError: the plate is of an unknown type, or a channel is missing.
@@ -199,10 +201,10 @@ def _baseline(values: Floats, record: Analog, plate: ForcePlate, rate: float) ->
 
 
 def _to_house(record: Analog, name: str) -> float:
-    """Factor to N or N·mm; 1 where the unit is unknown, as a calibration matrix may follow."""
+    """Factor to N, N·mm or mm; 1 where the unit is unknown, as a calibration matrix may follow."""
     stated = record.units[record.names.index(name)].upper()
     plain = "".join(letter for letter in stated if letter.isalpha())
-    return (IN_NEWTON | IN_NEWTON_MM).get(plain, 1.0)
+    return (IN_NEWTON | IN_NEWTON_MM | IN_MM).get(plain, 1.0)
 
 
 def at_frames(values: Floats, record: Analog, *, n_frames: int, rate: float, averaged: bool) -> Floats:

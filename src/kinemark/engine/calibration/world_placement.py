@@ -10,9 +10,11 @@ from ...calibrate.bundle import BundleFit
 from ...calibrate.l_frame import RestingLFrame, resting_l_frame
 from ...calibrate.quality import Check, WorldPose, world_pose
 from ...calibrate.quality.calibration_evidence import residual_deviation
-from ...calibrate.world_frame import fit_moved_to, fit_scaled
+from ...calibrate.world_check import OFF_MM, OddCamera, images_of_resting, odd_camera, wrong_points
+from ...calibrate.world_frame import fit_moved_to, fit_scaled, similarity
 from ...data import Detections, Finding, KinemarkError, Rig, make_finding
 from ...data.array_types import Floats
+from ...data.finding import red_if
 from ...geometry import triangulate, undistort
 from ...match import EpipolarTriplets, match
 from ...reconstruct import LeastSquares, reconstruct
@@ -23,6 +25,8 @@ from .task import Task
 TOLERANCE = 0.05
 """How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said.
 Chosen."""
+UPWARDS = 0.3
+"""Cosine between the images' v and the room's Z from which a camera is upside down; chosen."""
 
 
 class PlacedRig(NamedTuple):
@@ -47,11 +51,11 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
         fit, unscaled = fit_scaled(fit, distance.mm / _apart(task, fit.rig, distance)), False
     frames = 1
     if calibration.l_frame:
-        frame = _l_frame(task, fit.rig, calibration.l_frame, unscaled)
+        frame, findings = _l_frame(task, fit.rig, calibration.l_frame, unscaled)
         what, seen, known = "The long arm of the L-frame", frame.seen, frame.known
-        findings, frames = _moved(frame), frame.frames - frame.moved
+        frames = frame.frames - frame.moved
     elif calibration.world_points:
-        what, seen, known = _world_points(task, fit.rig)
+        what, seen, known, findings = _world_points(task, fit.rig, unscaled)
     elif task.settings.volume_mm is not None:
         raise KinemarkError(
             "volume_mm is in the laboratory's frame, and a wand or marker knows none. Give l_frame or world_points in "
@@ -86,31 +90,73 @@ def _apart(task: Task, rig: Rig, way: Distance) -> float:
     return float(np.median(apart))
 
 
-def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> RestingLFrame:
-    """The L-frame's markers as found and as known."""
-    frames = _markers(task.recorded(way, "world").detections, rig)
+def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[RestingLFrame, tuple[Finding, ...]]:
+    """The L-frame's markers as found and as known, by the cameras that agree where it is."""
+    seen = task.recorded(way, "world").detections
+    frame = _resting(rig, seen, way, unscaled)
+    odd = odd_camera(rig, images_of_resting(rig, seen, frame.seen))
+    if odd is not None and odd.camera is not None:
+        frame = _resting(rig, seen.keep(seen.camera != odd.camera), way, unscaled)
+    from_file = way.detections is not None
+    return frame, (*_moved(frame), *_odd(rig, odd), *(_upside_down(rig, frame) if from_file else ()))
+
+
+def _upside_down(rig: Rig, frame: RestingLFrame) -> tuple[Finding, ...]:
+    """Says that all cameras hang upside down above the L-frame: they do, or v is counted from the bottom."""
+    A, _, _ = similarity(frame.seen, frame.known, scale=True)
+    v_upwards = [float(camera.R[1] @ A[2]) for camera in rig]
+    return (make_finding("cameras_upside_down"),) if min(v_upwards) > UPWARDS else ()
+
+
+def _resting(rig: Rig, detections: Detections, way: LFrame, unscaled: bool) -> RestingLFrame:
+    """The L-frame in a recording."""
     try:
         return resting_l_frame(
-            rig, frames, long=max(way.arms_mm), short=min(way.arms_mm), height=way.height_mm, scale=unscaled,
-            tolerance=TOLERANCE,
+            rig, _markers(detections, rig), long=max(way.arms_mm), short=min(way.arms_mm), height=way.height_mm,
+            scale=unscaled, tolerance=TOLERANCE,
         )  # fmt: skip
     except KinemarkError as error:
         raise KinemarkError(f"The L-frame of [calibration] is not recognised. {error}") from error
 
 
-def _world_points(task: Task, rig: Rig) -> tuple[str, Floats, Floats]:
-    """Control points in words, where the rig sees them and where they are, (M, 3) mm."""
+def _odd(rig: Rig, odd: OddCamera | None) -> tuple[Finding, ...]:
+    """Says that cameras do not see what shows the world where the wand has put them."""
+    if odd is None:
+        return ()
+    cameras = [] if odd.camera is None else [rig.names[odd.camera]]
+    return (make_finding("world_seen_elsewhere", severity=red_if(not cameras), cameras=cameras, offset_px=odd.px),)
+
+
+def _world_points(task: Task, rig: Rig, unscaled: bool) -> tuple[str, Floats, Floats, tuple[Finding, ...]]:
+    """Control points in words, where the rig sees them and where they are, (M, 3) mm, without those that are wrong."""
     way = task.settings.calibration.world_points
     assert way is not None
     points = digitised(task, way)
-    ideal = np.stack([undistort(camera, points.uv[c]) for c, camera in enumerate(rig)], 1)
-    seen = triangulate(ideal, rig.P)
-    good = np.asarray(np.isfinite(seen).all(1))
-    if good.sum() < 3:
-        raise KinemarkError(f"{good.sum()} of the world's points are seen by two cameras, and three are needed.")
-    apart = np.linalg.norm(points.xyz - points.xyz[good][0], axis=1)
-    first, last = int(good.argmax()), int(np.where(good, apart, -1.0).argmax())
-    return f"From {points.names[first]} to {points.names[last]}", seen[good], points.xyz[good]
+    uv = points.uv.copy()
+    odd = odd_camera(rig, uv)
+    if odd is not None and odd.camera is not None:
+        uv[odd.camera] = np.nan
+    seen = triangulate(np.stack([undistort(camera, at) for camera, at in zip(rig, uv, strict=True)], 1), rig.P)
+    good = np.flatnonzero(np.isfinite(seen).all(1))
+    if len(good) < 3:
+        raise KinemarkError(f"{len(good)} of the world's points are seen by two cameras, and three are needed.")
+    checked = wrong_points(seen[good], points.xyz[good], scale=unscaled)
+    findings = _odd(rig, odd)
+    if checked.rms_mm > OFF_MM or not checked.kept.all():
+        wrong = [points.names[i] for i in good[~checked.kept]]
+        findings += (
+            make_finding(
+                "world_points_disagree",
+                severity=red_if(checked.rms_mm > OFF_MM),
+                points_list=wrong,
+                off_mm=float(checked.off_mm.max()),
+                rms_mm=checked.rms_mm,
+            ),
+        )
+    good = good[checked.kept]
+    last = int(np.linalg.norm(points.xyz[good] - points.xyz[good[0]], axis=1).argmax())
+    what = f"From {points.names[good[0]]} to {points.names[good[last]]}"
+    return what, seen[good], points.xyz[good], findings
 
 
 def _checks(what: str, seen: Floats, known: Floats) -> tuple[Check, ...]:

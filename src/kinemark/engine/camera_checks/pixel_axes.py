@@ -1,7 +1,8 @@
 """Whether the images of a trial count their pixels otherwise than the calibration does.
 
-Some programs count v from the bottom of an image, others name the row before the column, and images may be recorded,
-or saved, at half or twice the size that was calibrated. Nothing then agrees: rays pass each other, and what meets,
+Some programs count v from the bottom of an image or both from its middle, others name the row before the column or
+give shares of the width and the height, and images may be recorded, or saved, at half or twice the size that was
+calibrated. Nothing then agrees: rays pass each other, and what meets,
 meets by chance. Where little of what the cameras saw became part of a point on three of them, the other ways to count
 are tried on some frames, and the way is named by which most then does.
 """
@@ -28,6 +29,9 @@ pixels counted otherwise 0 to 0.1 are there by chance; chosen."""
 BETTER = 3.0
 """Times as many that must be there by another way, and more than LITTLE; chosen."""
 
+WHOLE = 1.0
+"""Of a width or height: images of which no coordinate is greater are counted in shares; by definition."""
+
 WAYS: dict[str, Callable[[Floats, Floats], Floats]] = {
     "v_up": lambda uv, size: np.stack([uv[:, 0], size[1] - 1 - uv[:, 1]], -1),
     "u_left": lambda uv, size: np.stack([size[0] - 1 - uv[:, 0], uv[:, 1]], -1),
@@ -35,6 +39,10 @@ WAYS: dict[str, Callable[[Floats, Floats], Floats]] = {
     "exchanged": lambda uv, size: uv[:, ::-1],
     "half_size": lambda uv, size: 2 * uv + 0.5,
     "double_size": lambda uv, size: uv / 2 - 0.25,
+    "centre": lambda uv, size: uv + (size - 1) / 2,
+    "centre_v_up": lambda uv, size: uv * [1, -1] + (size - 1) / 2,
+    "share": lambda uv, size: uv * size - 0.5,
+    "share_v_up": lambda uv, size: np.stack([uv[:, 0], 1 - uv[:, 1]], -1) * size - 0.5,
 }
 """Pixels (n, 2) as the calibration counts them, in an image of size (2) px, by how they are counted; by definition."""
 
@@ -51,7 +59,8 @@ def pixel_axes(
         return ()
     few = some_frames(detections)
     shares = {}
-    for way in WAYS:
+    in_shares = float(np.abs(detections.uv[detections.valid]).max()) <= WHOLE  # whose middle would fit by any other way
+    for way in (way for way in WAYS if way.startswith("share") == in_shares):
         other = counted(few, rig, way)
         points = reconstruct(match(other, rig, method=matching), other, rig, method=placing)
         shares[way] = float(np.median(confirmed_shares(other, points)))

@@ -13,7 +13,7 @@ from ...io.detections_csv import read_detections_csv
 from ...io.records import load
 from ...io.tdf import read_tdf
 from ..keys import digest, file_key
-from ..recordings import masks_key, masks_of
+from ..recordings import masks_key, masks_of, of_cameras
 from .excerpt import cut, within
 from .recording import Recording
 from .trial_source import OperatorIdentities
@@ -64,11 +64,10 @@ class DetectionFile:
         Raises:
             KinemarkError: the file lacks a camera.
         """
-        names, own = self.of.rig.names, set(found.cameras)
-        if not (missing := sorted(set(names) - own)):
-            return found.select(names)
-        if self.path.suffix.lower() == ".csv" and own <= set(names) and len(own) > 1:
-            return read_detections_csv(self.path, rate=found.rate, cameras=names)
+        names = self.of.rig.names
+        if (whole := of_cameras(found, names, self.path)) is not None:
+            return whole
+        missing = sorted(set(names) - set(found.cameras))
         raise KinemarkError(
             f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
             "Give them the same names in both, and name in [cameras] those to be used."

@@ -59,6 +59,38 @@ def _moved_meanwhile(found: Finding) -> str:
     )
 
 
+def _world_elsewhere(found: Finding) -> str:
+    if found.cameras:
+        return fill(
+            "{Cameras} sees the L-frame or the points of the world {offset_px:1} beside where the other cameras see "
+            "them; it was left out of placing the world.",
+            found,
+        )
+    return fill(
+        "The cameras do not agree where the L-frame or the points of the world are: by {offset_px:1}, and nobody "
+        "knows which camera is wrong. So may the world be.",
+        found,
+    )
+
+
+def _world_points(found: Finding) -> str:
+    if not found.values["points_list"]:
+        return fill(
+            "The points of the world do not lie as they are surveyed: {rms_mm} RMS off, the worst by {off_mm}.", found
+        )
+    return fill(
+        "{points_list:Point|Points} {points_list} of the world {points_list:lies|lie} up to {off_mm} from where "
+        "{points_list:it is|they are} surveyed, and {points_list:was|were} left out; the others fit to {rms_mm} RMS.",
+        found,
+    )
+
+
+def _world_mirrored(found: Finding) -> str:
+    if found.severity == "info":
+        return "All cameras see the world mirrored: v is counted from the bottom, or z points down and is left-handed."
+    return "All cameras see the world mirrored: the coordinates are left-handed, or all images are mirrored."
+
+
 CALIBRATION_WORDS = {
     "cameras_miss_points": Words(
         "{Cameras} {cameras:misses|miss} the calibration points by up to {max_px:1} RMS.",
@@ -127,6 +159,31 @@ CALIBRATION_WORDS = {
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "
         "They were left out.",
         "Record it once more, lying still on the floor, if these are many.",
+    ),
+    "world_seen_elsewhere": Words(
+        _world_elsewhere,
+        "Was a camera moved or turned after the wand was waved, or are two recordings exchanged? Wave the wand again "
+        "if so: whatever that camera sees since is off by as much.",
+    ),
+    "world_points_disagree": Words(
+        _world_points,
+        "Measure these points again and look for exchanged names, a typed digit and other units: the origin and the "
+        "axes rest on them.",
+    ),
+    "cameras_mirrored": Words(
+        "{Cameras} {cameras:sees|see} the world mirrored, and the others do not.",
+        "That is right only if {cameras:its|their} recordings are mirrored in the same way. Count pixels of all "
+        "cameras from the top left corner.",
+    ),
+    "coordinates_mirrored": Words(
+        _world_mirrored,
+        "Check the directions of x, y and z: from the end of z, x turns to y against the clock. Else left and right "
+        "are exchanged in all that follows.",
+    ),
+    "cameras_upside_down": Words(
+        "All cameras are upside down in this world. If they do not hang so, the file counts v from the bottom, and the "
+        "world is mirrored: left and right are exchanged.",
+        "Write v from the top, height − 1 − v, in the files of the wand, the L-frame and all trials.",
     ),
     "precision_low": Words(
         "The standard deviation of a position reaches {sd_mm} per axis within 95\u00a0% of the volume.",

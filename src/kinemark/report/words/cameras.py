@@ -15,6 +15,10 @@ COUNTED = {
     "u_left": "u is counted from the right of the images",
     "turned": "pixels are counted from the bottom right corner of the images",
     "exchanged": "u and v are exchanged",
+    "centre": "u and v are counted from the middle of the images",
+    "centre_v_up": "u and v are counted from the middle of the images, v upwards",
+    "share": "u and v are shares of the images' width and height, not pixels",
+    "share_v_up": "u and v are shares of the images' width and height, not pixels, and v goes upwards",
     "half_size": "the images have half the size of those that were calibrated",
     "double_size": "the images have twice the size of those that were calibrated",
 }

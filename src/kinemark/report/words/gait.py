@@ -12,6 +12,7 @@ REASONS = {
     "two_feet": "both feet stood on it",
     "aid": "it was loaded while the foot swung, as by a stick or a walker",
     "beside": "the foot was partly beside it",
+    "two_plates": "the foot stood on another plate as well",
     "cut": "the recording begins or ends there",
     "no_foot": "no foot was near",
 }

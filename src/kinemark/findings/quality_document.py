@@ -13,6 +13,7 @@ from typing_extensions import TypedDict
 
 from ..data.finding import FindingStage, Grade, Severity
 from ..track.simultaneous.ambiguous import DecisionKind, DecisionReason
+from .quality_gaps import GapData
 from .quality_names_and_edits import EditData, LabelsData
 from .quality_types import Box, Count, Number, Pair, Point, Share, documented
 
@@ -273,43 +274,6 @@ class StepData(TypedDict):
     version: str
     input: str
     time_s: float
-
-
-@documented
-class GapData(TypedDict):
-    """One gap, and what became of it; frames are numbers in the recording."""
-
-    marker: str
-    first_frame: int
-    last_frame: int
-    first_s: float
-    length_s: float
-    frames: Count
-    method: str
-    """Empty where it stayed open."""
-    expected_mm: Number
-    sd_max_mm: Number
-    """Greatest standard deviation of an axis within it, also of a fill that was not kept."""
-    jump_mm: float
-    """By how much the fill jumps more than the marker and its reference markers do."""
-    motion_ratio: Number
-    """How many times as much the body part moves in it as in any hold-out gap that tells its error."""
-    candidates_mm: dict[str, Number]
-    """Expected error of each method."""
-    tests: Count
-    reference_markers: list[str]
-    """Markers that it was filled from."""
-    trimmed: list[int]
-    """Measured frames that were replaced."""
-    suspicious: list[int]
-    """Measured frames beside it that stand out from the marker's own motion and were kept."""
-    state: Literal[
-        "filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts", "left_open"
-    ]
-    """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
-    `limit_mm`, or `sd_max_mm` or `jump_mm` contradicts the error expected."""
-    reason: str
-    """What the method lacked where it has no prediction; else empty."""
 
 
 @documented

@@ -218,20 +218,11 @@ def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple
         "keep", tracks, frame, 1 - wrong, wrong * n * mm, [context.verdict(kind, (p, q), f, g, right=True)],
         mm=change.keep_mm if told else float("nan"),
     )  # fmt: skip
-    if q >= 0:
-        other = context.alternative(
-            "exchange", tracks, frame, wrong, (1 - wrong) * n * mm, [*_exchanged(context, paths, change, g), no],
-            mm=change.exchange_mm if told else float("nan"),
-        )  # fmt: skip
-    else:
-        other = context.alternative(
-            "cut",
-            tracks,
-            frame,
-            wrong,
-            (1 - wrong) * n * mm,
-            [*context.claim(p, context.marker(p, parts[p, g]), g), no],
-        )
+    edits = _exchanged(context, paths, change, g) if q >= 0 else context.claim(p, context.marker(p, parts[p, g]), g)
+    other = context.alternative(
+        "exchange" if q >= 0 else "cut", tracks, frame, wrong, (1 - wrong) * n * mm, [*edits, no],
+        mm=change.exchange_mm if told and q >= 0 else float("nan"),
+    )  # fmt: skip
     words = problem_text(kind, tracks, first, last, change.keep_mm) if told else untold_text(kind, tracks, first, last)
     values = {name: float(value) for name, value in zip(change.evidence._fields, change.evidence, strict=True)}
     values |= {} if told else {"assumed_mm": off}

@@ -6,10 +6,12 @@ from kinemark.data import Rig
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.candidate_points import find_candidate_points, fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.standing_images import HALF, find_standing_points
+from kinemark.track.simultaneous.standing_images import HALF_S, find_standing_points
 from support.laboratory import observe, ring
 from support.motions import dance
 
+T = 0.01
+HALF = round(HALF_S / T)
 NOISE, FRAMES, GATE = 0.3, 2 * HALF + 1, 5.0
 LASTING = np.full(4, 0.05**2)
 SWAY = 2.0 * np.sin(np.arange(FRAMES) / 15)[:, None] * np.array([1.0, 0.5, 0.0])
@@ -27,12 +29,12 @@ def on_each_others_lines(rig, pairs=12, off_px=1.0):
     return np.concatenate([first, second])[:, None] + SWAY
 
 
-def wrong_and_right(find, frames, *lasting):
+def wrong_and_right(find, frames, *more):
     """How many points of two cameras are of two markers, and how many of one."""
     rig = Rig(ring(4).cameras[:2])
     detections, marker = observe(rig, on_each_others_lines(rig), noise=NOISE, seed=1)
     images = read_images(detections, rig)
-    found = find(images, images.usable, fundamentals(images.P), frames, GATE, *lasting)
+    found = find(images, images.usable, fundamentals(images.P), frames, *more)
     of = marker[found.detection]
     assert (found.detection >= 0).all()
     assert (images.frame[found.detection] == found.frame).all()
@@ -41,15 +43,15 @@ def wrong_and_right(find, frames, *lasting):
 
 def test_the_means_of_many_frames_tell_markers_on_each_others_lines_apart():
     frames = [HALF - 20, HALF, HALF + 20]
-    assert wrong_and_right(find_standing_points, frames, LASTING[:2]) == (0, 72)
-    assert wrong_and_right(find_candidate_points, frames)[0] >= 5  # what the images of one frame make of them
+    assert wrong_and_right(find_standing_points, frames, T, GATE, LASTING[:2]) == (0, 72)
+    assert wrong_and_right(find_candidate_points, frames, GATE)[0] >= 5  # what the images of one frame make of them
 
 
 def test_places_are_those_of_the_images_of_their_own_frame():
     rig = ring(4)
     xyz = on_each_others_lines(rig, pairs=4)
     images = read_images(observe(rig, xyz, noise=0.1)[0], rig)
-    found = find_standing_points(images, images.usable, fundamentals(images.P), [24, 72], GATE, LASTING)
+    found = find_standing_points(images, images.usable, fundamentals(images.P), [24, 72], T, GATE, LASTING)
     apart = np.linalg.norm(found.xyz.T[:, None] - xyz[:, found.frame].swapaxes(0, 1), axis=-1).min(1)
     assert len(apart) == 16
     assert np.median(apart) < 0.6  # the mean place is 1.6 mm away
@@ -59,13 +61,23 @@ def test_images_that_move_or_are_not_free_or_are_two_do_not_stand():
     rig = ring(4)
     images = read_images(observe(rig, dance(n=6, frames=FRAMES), noise=NOISE)[0], rig)
     F = fundamentals(images.P)
-    assert not find_standing_points(images, images.usable, F, [HALF], GATE, LASTING).frame.size
+    assert not find_standing_points(images, images.usable, F, [HALF], T, GATE, LASTING).frame.size
     still = on_each_others_lines(rig, pairs=1)[:1]
     images = read_images(observe(rig, still, noise=NOISE)[0], rig)
-    assert find_standing_points(images, images.usable, F, [HALF], GATE, LASTING).frame.size == 1
-    assert not find_standing_points(images, ~images.usable, F, [HALF], GATE, LASTING).frame.size
+    assert find_standing_points(images, images.usable, F, [HALF], T, GATE, LASTING).frame.size == 1
+    assert not find_standing_points(images, ~images.usable, F, [HALF], T, GATE, LASTING).frame.size
     images = read_images(observe(rig, np.concatenate([still, still + 1.0]), noise=NOISE)[0], rig)
-    assert not find_standing_points(images, images.usable, F, [HALF], GATE, LASTING).frame.size
+    assert not find_standing_points(images, images.usable, F, [HALF], T, GATE, LASTING).frame.size
+
+
+def test_a_foot_that_stands_for_less_than_a_second_is_no_standing_subject_at_any_rate():
+    rig, frame = ring(4), np.arange(400)
+    foot = np.array([100.0, 50.0, 80.0]) + np.maximum(frame - 120, 0)[:, None] * np.array([15.0, 0.0, 1.0])
+    images = read_images(observe(rig, foot[None], noise=NOISE)[0], rig)
+    F = fundamentals(images.P)
+    for rate, stands in ((100, True), (500, False)):  # 1.2 s, and .24 s
+        found = find_standing_points(images, images.usable, F, [60], 1 / rate, GATE, LASTING)
+        assert bool(found.frame.size) == stands
 
 
 def seen_by_two(seed, markers=60, frames=60):

@@ -49,7 +49,7 @@ def initiate(
     if lasting is None:
         groups = find_candidate_points(images, free, F, frames, method.gate)
     else:
-        groups = find_standing_points(images, free, F, frames, method.gate, lasting)
+        groups = find_standing_points(images, free, F, frames, T, method.gate, lasting)
     initiated = []
     for last in lasts:
         each = [groups.frame == f for f in (last - 2, last - 1, last)]

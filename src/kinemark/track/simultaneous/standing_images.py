@@ -9,9 +9,9 @@ with l what the calibration leaves in all of them, and far fewer chance meetings
 the means themselves (`standing_noise`). A common sway does no harm: the images of all cameras are of the same frames,
 and the mean of a marker's images is that of its mean place, as far as it moves little.
 
-An image at y stands still where each of the frames around it, in steps of STEP up to HALF frames away, has one image
-alone within the gate of y, or in some of them none, and FEWEST have one. Points of the means are found as by
-`candidate_points`, and placed by the images of their own frame.
+An image at y stands still where each of the frames up to HALF_S before it and after it, of which STEPS are looked at on
+either side, has one image alone within the gate of y, or some of them none, and FEWEST have one. Points of the means
+are found as by `candidate_points`, and placed by the images of their own frame.
 """
 
 from __future__ import annotations
@@ -22,16 +22,17 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
 from ...native import index_images
+from ...numerics.evenly import evenly
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import Images
 
-HALF, STEP = 48, 2
-"""Frames before an image and after it that it stands still in, and from one that is looked at to the next; chosen:
-the mean of such images has a seventh of the noise of one, and who walks does not stand so long at 100 Hz."""
+HALF_S, STEPS = 0.48, 24
+"""Time before an image and after it that it stands still in, s, and how many frames of either side are looked at at the
+most; chosen: the mean of such images has a seventh of the noise of one, and a foot of somebody who walks does not stand
+so long."""
 
 MOST_MISSING = 0.25
 """Of these frames, the share that may have no image; chosen: drop-outs are fewer."""
-
 
 FEWEST = 12
 """Images of a mean, a number; chosen: of fewer, w of (1) is not known to a third."""
@@ -47,10 +48,10 @@ class Standing(NamedTuple):
 
 
 def find_standing_points(
-    images: Images, free: Bools, F: Floats, frames: list[int], gate: float, lasting: Floats
+    images: Images, free: Bools, F: Floats, frames: list[int], T: float, gate: float, lasting: Floats
 ) -> CandidatePoints:
     """As `find_candidate_points`, of those of the free images that stand still; `lasting` (C) px² is l of (1)."""
-    standing = standing_still(images, free_rows(images, free, frames), gate)
+    standing = standing_still(images, free_rows(images, free, frames), T, gate)
     means = means_of(images, standing, np.array(frames, np.int64), lasting)
     found = find_candidate_points(means, means.usable, F, [*range(len(frames))], gate)
     row = np.append(standing.row, -1)
@@ -67,11 +68,13 @@ def free_rows(images: Images, free: Bools, frames: list[int]) -> Ints:
     return np.asarray(rows[free[rows] & ~images.merged[rows]])
 
 
-def standing_still(images: Images, rows: Ints, gate: float) -> Standing:
+def standing_still(images: Images, rows: Ints, T: float, gate: float) -> Standing:
     """Those of some rows that stand still."""
-    steps = np.arange(-HALF, HALF + 1, STEP)
+    half = max(round(HALF_S / T), 1)
+    after = 1 + evenly(half, STEPS)
+    steps = np.concatenate([-after[::-1], [0], after])
     around = np.full((len(steps), len(rows)), -1)
-    around[HALF // STEP] = rows
+    around[len(after)] = rows
     missing = np.zeros(len(rows), np.int64)
     for k in np.argsort(-np.abs(steps), kind="stable")[:-1].tolist():  # most images that move fail at the first
         around[k], several = _only_one(images, rows, int(steps[k]), gate)

@@ -15,10 +15,10 @@ from .measurement_noise import sampled_frames
 from .standing_images import free_rows, means_of, standing_still
 
 
-def lasting_variance(images: Images, F: Floats, gate: float) -> Floats | None:
+def lasting_variance(images: Images, F: Floats, T: float, gate: float) -> Floats | None:
     """(C) px², l of (1) of `standing_images`; None where hardly any image stands still."""
     frames, C = sampled_frames(images), len(images.P)
-    standing = standing_still(images, free_rows(images, images.usable, frames), gate)
+    standing = standing_still(images, free_rows(images, images.usable, frames), T, gate)
     means = means_of(images, standing, np.array(frames, np.int64), np.zeros(C))
     some = residuals(means, F, [*range(len(frames))])
     noise = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C).variance

@@ -291,7 +291,7 @@ def _followed(
     T = 1 / rate
     least = min(max(method.min_duration / T, 4), images.n_frames)
     F = fundamentals(working.images.P)
-    every = run(working.images, rate, method, lasting_variance(working.images, F, method.gate))
+    every = run(working.images, rate, method, lasting_variance(working.images, F, T, method.gate))
     evident, columns = ~_without_evidence(every, _unshared(every, images), least, method), list(every)
     del every
     every = Associations.of(columns, evident)

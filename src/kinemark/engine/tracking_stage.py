@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..data import Detections, Finding, KinemarkError, Matches, Rig, Tracks
 from ..digitise import identified_matches, identified_tracks
+from ..findings.cameras import residuals
 from ..geometry.ideal_pixels import check_cameras
 from ..geometry.weighted_points import inside_volume
 from ..io.files import write_text
@@ -104,14 +105,36 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
     tracked = _simultaneously(detections, rig, method, place)
-    cameras = rig if tracked.cameras is None else tracked.cameras.rig
-    found = with_start_times(tracked.diagnostics, detections, cameras)
+    cameras = TrialRig.given(rig) if tracked.cameras is None else tracked.cameras
+    turned = {name for one in tracked.diagnostics if one.kind == "camera_put_right" for name in one.cameras}
+    found = with_start_times(tracked.diagnostics, detections, _untouched(cameras.rig, rig, turned))
     apart = tuple(one for one in found if one.kind == "camera_started_apart")
     if not apart:
         return tracked
-    again = _simultaneously(in_time(apart, detections), rig, method, place)
-    better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
+    moved = in_time(apart, detections)
+    again = _simultaneously(moved, rig, method, place)
+    either = turned & {name for one in apart for name in one.cameras}
+    if either:  # who goes straight on is beside by the same offset, whether the camera was turned or is late
+        better = _residual(again, moved, either) < _residual(tracked, detections, either)
+    else:
+        better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
     return again._replace(diagnostics=(*again.diagnostics, *apart)) if better else tracked
+
+
+def _untouched(rig: Rig, given: Rig, turned: Set[str]) -> Rig:
+    """The cameras of a trial, those of these names turned back to where they were calibrated."""
+    both = zip(rig, given, strict=True)
+    cameras = (replace(was, distortion=one.distortion) if one.name in turned else one for one, was in both)
+    return replace(rig, cameras=tuple(cameras))
+
+
+def _residual(tracked: Tracked, detections: Detections, names: Set[str]) -> float:
+    """px, the median by which images of cameras of these names lie beside their points."""
+    cameras = tracked.cameras or TrialRig.given(Rig(()))
+    offsets = residuals(cameras.rig, cameras.timed(detections), tracked.tracks.cloud)
+    own = [one for one, camera in zip(offsets, cameras.rig, strict=True) if camera.name in names]
+    off = np.linalg.norm(np.concatenate(own), axis=1)
+    return float(np.nanmedian(off)) if np.isfinite(off).any() else np.inf
 
 
 def _confirmed(tracks: Tracks) -> int:

@@ -96,3 +96,26 @@ def test_cameras_that_were_started_apart_are_put_in_time_and_make_no_points_of_t
     assert told == late
     images = (tracked.tracks.cloud.detection >= 0).sum(1)
     assert len(images) == 12 * n and images.mean() > len(rig) - 0.4
+
+
+def straight_on(frames, sway=3.0, mm_per_frame=12.0):
+    """(20, F, 3) mm of markers on somebody who goes straight on, and sways hardly."""
+    rng, t = np.random.default_rng(4), np.arange(frames) / 100
+    place, phase = rng.uniform([-300, -200, 300], [300, 200, 1700], (20, 1, 3)), rng.uniform(0, 6, (20, 1))
+    own = sway * np.sin(2 * np.pi * t + phase)[..., None] * rng.normal(size=(20, 1, 3))
+    return place + own + mm_per_frame * (np.arange(frames) - 80)[:, None] * [1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("late", "by", "kind"), [(4, (0.0, 0.0), "camera_started_apart"), (0, (-14.0, 0.0), "camera_put_right")]
+)
+def test_a_camera_that_is_late_and_one_that_was_turned_are_told_apart_by_who_goes_straight_on(late, by, kind):
+    points = straight_on(160)
+    each = [observe(RIG.select([one.name]), points[:, 30 + n : 130 + n], noise=0.2, seed=c)[0]
+            for c, (one, n) in enumerate(zip(RIG, (0, late, 0, 0, 0, 0), strict=True))]  # fmt: skip
+    counts, uv, cov = (np.concatenate([getattr(one, name) for one in each]) for name in ("counts", "uv", "cov"))
+    seen = type(each[0]).build(RIG.names, 100.0, counts, uv, cov)
+    seen = replace(seen, uv=seen.uv + (seen.camera == 1)[:, None] * np.array(by))
+    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares())
+    tracked = from_detections(SimpleNamespace(rig=RIG, settings=settings), {"detect": seen})
+    assert [(one.kind, one.cameras) for one in tracked.diagnostics] == [(kind, ("c1",))]

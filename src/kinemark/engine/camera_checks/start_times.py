@@ -20,7 +20,7 @@ from ...data.detections import Validity
 from ...geometry.ideal_pixels import ideal_pixels
 from ...match.start_offsets import agreement, start_offsets
 
-SUSPICIOUS = ("camera_out_of_sync", "camera_fits_nothing", "camera_shifted", "camera_moved")
+SUSPICIOUS = ("camera_out_of_sync", "camera_fits_nothing", "camera_shifted", "camera_moved", "camera_put_right")
 """Findings of cameras whose images may belong to other frames, and that say so less well."""
 MOST_S, MOST = 1.0, 100
 """Seconds, and frames at most, that cameras are looked for apart; chosen: `kinemark starts` looks farther."""

@@ -61,7 +61,7 @@ def test_probabilities_that_lie_are_seen(move):
 
 
 def test_of_the_sure_labels_of_a_shred_some_are_kept_and_count_for_as_many_as_there_are():
-    """One of 20 counted for 20 also where there were five: of 7 131 sure labels in all 6 000 were."""
+    """One of 20 counted for 20 also where there were five."""
     shred = benchmark()
     names = tuple(f"M{k:02}" for k in range(27))
     paths = tuple(MarkerTrajectory.measured(f"*{k}", np.zeros((3, 3))) for k in range(27))

@@ -4,9 +4,10 @@
     python benchmarks/labelling_reliability.py --keep parts:400000-400040 …   label these shreds, and add their labels
 
 Kinds of shreds are those of `labelling_shreds.py`. Each label counts once, by its longest track, as its tracks are
-right or wrong together. All labels that were below `SURELY` or are wrong are kept, and of the others one in `OF_MANY`,
-which counts for all. What is kept is what the probability is made of (`label.margin`), so that other coefficients are
-judged without labelling anew; a change of what names tracks, or of what is measured of them, wants new shreds.
+right or wrong together. All labels that were below `SURELY` or are wrong are kept, and of the others of a shred one in
+`OF_MANY`, which counts for those of them that there are. What is kept is what the probability is made of
+(`label.margin`), so that other coefficients are judged without labelling anew; a change of what names tracks, or of
+what is measured of them, wants new shreds.
 `tests/label/test_reliability.py` holds the file against the coefficients. Needs KINEMARK_DATA, as `labelling.py`.
 """
 
@@ -101,24 +102,28 @@ def lines_of(
     shred: str, row: str, template: Sequence[str], found: Labels, parts: Shredded, known: Sequence[Known]
 ) -> Iterator[list[str]]:
     """A line of the file for each label that is kept."""
-    n, counted = np.isfinite(parts.tracks.xyz[..., 0]).sum(1), 0
+    n, plain = np.isfinite(parts.tracks.xyz[..., 0]).sum(1), list[list[str]]()
     for name in sorted({str(one) for one in found.names if one is not None}):
         own = [t for t, one in enumerate(found.names) if one == name]
         t = max(own, key=lambda t: n[t])
         right, p = parts.truth[t] == name and name in template, float(found.probability[t])
-        plainly = right and p >= SURELY
-        counted += plainly
-        if plainly and counted % OF_MANY != 1:
-            continue
         at = [(one, one.tracks.index(parts.tracks.names[t])) for one in known if parts.tracks.names[t] in one.tracks]
         at = [(one, k) for one, k in at if one.names[k] == name and one.p[k] >= p - 1e-9]
         if at:
             one, k = min(at, key=lambda pair: float(pair[0].p[pair[1]]))
-            yield [
-                shred, row, name, f"{right:d}", f"{OF_MANY if plainly else 1}", f"{one.another:d}",
+            line = [
+                shred, row, name, f"{right:d}", "1", f"{one.another:d}",
                 "1" if one.p[k] < p + 1e-9 else f"{p:.4g}", f"{one.weight[k]:.4g}", f"{one.shift:.4g}",
                 *(f"{part[k]:.4g}" for part in one.about),
             ]  # fmt: skip
+            if right and p >= SURELY:
+                plain.append(line)
+            else:
+                yield line
+    for first in range(0, len(plain), OF_MANY):
+        of = plain[first : first + OF_MANY]
+        of[0][FIRST.index("counts")] = f"{len(of)}"
+        yield of[0]
 
 
 def keep(shreds: Sequence[tuple[str, int]], file: Path = KEPT) -> None:

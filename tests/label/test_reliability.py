@@ -7,6 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.label import Labels, Shredded
+from kinemark.label.margin import Margins
+
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ERRORS = 2.0
 """Standard errors by which a bin may differ besides `OFF`."""
@@ -54,6 +58,22 @@ def test_probabilities_that_lie_are_seen(move):
     labels = stated(move)
     wrong, sure = benchmark().sure_wrong(labels)
     assert untrue(labels) or wrong > MOST_WRONG * sure
+
+
+def test_of_the_sure_labels_of_a_shred_some_are_kept_and_count_for_as_many_as_there_are():
+    """One of 20 counted for 20 also where there were five."""
+    shred = benchmark()
+    names = tuple(f"M{k:02}" for k in range(27))
+    paths = tuple(MarkerTrajectory.measured(f"*{k}", np.zeros((3, 3))) for k in range(27))
+    p = np.where(np.arange(27) < 25, 0.999, 0.9)
+    found = Labels(names, p, ("sure",) * 27, (None,) * 27, np.ones(27), 1.0, 1.0)
+    tracks = tuple(path.name for path in paths)
+    about = Margins(*(np.ones(27) for _ in Margins._fields))
+    known = shred.Known(tracks, names, p, about, np.ones(27), 0.0, False)
+    parts = Shredded(Trajectories(paths, 100.0), names)
+    lines = list(shred.lines_of("own:1", "row", names, found, parts, [known]))
+    counts = [int(line[shred.FIRST.index("counts")]) for line in lines]
+    assert sorted(counts) == [1, 1, 5, 20] and all(len(line) == len(shred.FIRST) + len(about) for line in lines)
 
 
 def test_each_bin_has_labels_of_many_shreds():

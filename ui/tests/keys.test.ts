@@ -56,6 +56,11 @@ describe("presses", () => {
     expect(press("]", { altKey: true })).toBe("]");
   });
 
+  it("are the browser's where Alt goes to one of its tabs", () => {
+    expect(press("1", { altKey: true, code: "Digit1" })).toBe("Alt+1");
+    expect(press("2", { altKey: true, ctrlKey: true, code: "Digit2" })).toBe("Ctrl+Alt+2");
+  });
+
   it("are single letters or not", () => {
     expect(["N", "Shift+N", "[", "-"].every(single)).toBe(true);
     expect(["Ctrl+Z", "Enter", "ArrowLeft"].some(single)).toBe(false);

@@ -4,7 +4,8 @@ import type { Angles } from "../src/api/sessions";
 import { connect } from "../src/api/live";
 import { act } from "../src/state/acts";
 import { arrive, askNames, fetchHome, fresh, refetch, wantDetections } from "../src/state/load";
-import { answer as answerBall, fetchAngles, now, put } from "../src/state/sessions";
+import { byId, possible } from "../src/keys/commands";
+import { answer as answerBall, back, fetchAngles, now, put, stepSpot } from "../src/state/sessions";
 import { get, playhead, set, useStore } from "../src/state/store";
 import { HEADER, path, PROBLEMS, set as paths } from "./support";
 
@@ -154,4 +155,20 @@ it("takes a second click for no answer to the same question", async () => {
   const said = { ...control, cameras: [{ ...control.cameras[0]!, balls: [{ point: "1", seen: true }, { point: "2", seen: null }] }] };
   await give("ball", said);
   expect([now().given.length, now().point]).toEqual([1, "2"]);
+});
+
+it("points at a spot once, however long the key is held, until another is chosen or the answer is taken back", async () => {
+  const balls = (...seen: (true | null)[]): unknown => ({ cameras: [{ name: "c", balls: seen.map((own, k) => ({ point: `${k + 1}`, seen: own })), reference: { point: "r" } }], reference: "r" });
+  put({ session: "s", camera: "c", point: "1", pointing: true, control: balls(null, null) as never, given: [], white: { centroids: [[5, 5], [9, 9]] } as never, spot: -1 });
+  const key = byId("ball-spot"), press = (): Promise<unknown> => (possible(key, get()) && key.run(), soon());
+  set({ screen: "cameras" }), stepSpot(1);
+  await press(), await give("ball", balls(true, null));
+  expect([now().given.length, now().point]).toEqual([1, "2"]);
+  await press();
+  expect(open["ball"]).toHaveLength(0);
+  stepSpot(1), await press(), await give("ball", balls(true, true));
+  expect(now().given).toHaveLength(2);
+  void back(), await give("ball", balls(true, null));
+  await press();
+  expect(open["ball"]).toHaveLength(1);
 });

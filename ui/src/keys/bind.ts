@@ -9,7 +9,7 @@ export function chord(e: Press): string {
   const digit = e.shiftKey && e.code?.startsWith("Digit") ? e.code.slice(5) : null; // Shift+1 is ! on one keyboard, + on another
   const key = digit ?? (e.key === " " ? "Space" : e.key.length === 1 ? e.key.toUpperCase() : e.key);
   const sign = key.length === 1 && key.toLowerCase() === key.toUpperCase() && !digit;
-  const third = sign && e.altKey; // signs such as [ stand on a key's third level on many keyboards: AltGr, which some send as Ctrl+Alt
+  const third = sign && e.altKey && !/\d/.test(key); // signs such as [ stand on a key's third level on many keyboards: AltGr, which some send as Ctrl+Alt; Alt with a digit is the browser's
   const parts = [!third && (e.ctrlKey || e.metaKey) ? "Ctrl" : "", !third && e.altKey ? "Alt" : "", e.shiftKey && !sign ? "Shift" : "", key];
   return parts.filter(Boolean).join("+");
 }

@@ -28,6 +28,8 @@ interface Sessions {
   white: White | null;
   /** The centroid that the keys have chosen, by its place in the list; −1: none. */
   spot: number;
+  /** Whether it was pointed at: a key that is held, or pressed twice, would make it the next ball too. */
+  spent: boolean;
   given: readonly { camera: string; point: string }[];
 
   angles: Angles | null;
@@ -37,7 +39,7 @@ interface Sessions {
 
 export const useSessions = create<Sessions>()(() => ({
   folders: null, folder: null, said: {}, proposed: null, session: null, cameras: null, lost: null, control: null, pointing: null, camera: "", point: "", level: null,
-  inverted: false, white: null, spot: -1, given: [], angles: null, choice: {}, spike: null,
+  inverted: false, white: null, spot: -1, spent: false, given: [], angles: null, choice: {}, spike: null,
 }));
 export const now = useSessions.getState;
 
@@ -145,16 +147,18 @@ export async function fetchWhite(): Promise<void> {
 /** Choose the next white spot of the image, or the one before: from left to right, as they are looked for. */
 export function stepSpot(by: 1 | -1): void {
   const n = now().white?.centroids.length ?? 0, at = now().spot;
-  if (n) put({ spot: at < 0 ? (by > 0 ? 0 : n - 1) : (at + by + n) % n });
+  if (n) put({ spot: at < 0 ? (by > 0 ? 0 : n - 1) : (at + by + n) % n, spent: false });
 }
 
 /** Where the spots of the image are, from left to right. */
 export const spotsOf = (white: White | null): readonly (readonly [number, number])[] => [...(white?.centroids ?? [])].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
 
-/** Point at the spot that the keys have chosen. */
+/** Point at the spot that the keys have chosen, once. */
 export function pointAtSpot(): void {
-  const at = spotsOf(now().white)[now().spot];
-  if (at) void answer({ u: at[0], v: at[1] });
+  const { white, spot, spent, given } = now(), at = spotsOf(white)[spot];
+  if (!at || spent || answering) return;
+  put({ spent: true });
+  void answer({ u: at[0], v: at[1] }).then(() => now().given === given && put({ spent: false })); // refused: it may be pointed at again
 }
 
 let answering = false;
@@ -192,7 +196,7 @@ export async function back(): Promise<void> {
   if (!session || !last || answering) return;
   const got = await onlyOne(() => api.ball(session, last.camera, { point: last.point, forget: true }));
   if (!got || now().session !== session) return;
-  put({ control: got, given: given.slice(0, -1) });
+  put({ control: got, given: given.slice(0, -1), spent: false });
   choose(last);
   say("done", `${last.point} in ${last.camera} is taken back. Where is it?`);
 }

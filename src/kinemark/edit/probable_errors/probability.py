@@ -17,8 +17,8 @@ z_j those of the trial's other problems, w_j their probabilities, and f its rate
 w_j² lets what is likely wrong speak of errors, and 1 − w_j what is not of motion. Of motion each counts as what it
 tells, at most as what this one does, and less the farther this one is beyond it: so what stands alone stays likely, and
 what tells no more than much else in its trial is motion, the more so the shorter the time from frame to frame. This is
-empirical Bayes with the trial's own distribution of what is no error. A problem without others stays at (1), and with
-0 ≤ c₁ and 0 ≤ c₂ < TAIL more evidence of its own never makes one less likely.
+empirical Bayes with the trial's own distribution of what is no error. A problem without others stays at (1) here, and
+with 0 ≤ c₁ and 0 ≤ c₂ < TAIL more evidence of its own never makes one less likely.
 
 A logistic function falls as slowly far below its middle as its middle says. Errors do not: what is hardly off its way
 is none, whatever else is told of it. So what is unlikely is less likely than (3) says,

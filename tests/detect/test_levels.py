@@ -123,6 +123,24 @@ def test_the_level_is_measured_once_where_something_is_seen():
     assert levelled(Centroids(relative_threshold=0.5), images[:16]) is None
 
 
+class Large(Recording):
+    """A recording whose images are so large that few come at a time."""
+
+    def batches(self, n):
+        return super().batches(min(n, 3))
+
+
+def test_the_level_is_the_same_however_many_images_come_at_a_time():
+    """A dim reflection that is alone in the first frames is no level of markers that come in the ninth."""
+    light, _ = shares(np.random.default_rng(6), 20)
+    images = photo(light, np.random.default_rng(7), peak=200.0)
+    images[:8] = photo(light[:8], np.random.default_rng(8), peak=60.0)
+    method = Centroids(relative_threshold=0.5)
+    few, many = (detect([kind(images)], cameras=["a"], rate=50.0, method=method) for kind in (Large, Recording))
+    assert same(few.uv, many.uv)
+    assert few.counts.tolist() == many.counts.tolist()
+
+
 def test_without_it_the_method_stays_as_it_is():
     method = Centroids(threshold=70)
     assert levelled(method, np.zeros((2, 4, 4), np.uint8)) is method

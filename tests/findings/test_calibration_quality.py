@@ -79,6 +79,17 @@ def test_a_world_of_left_handed_coordinates_and_mirrored_images_are_told(good):
     assert "left-handed, or all images are mirrored" in text_of(left)
 
 
+def test_pixels_from_the_bottom_are_no_fault_in_a_world_whose_y_goes_up():
+    """Nothing tells there which axis goes up; the coordinates are right-handed."""
+    uv = mirrored(seen(RIG, POINTS, 0.05, np.random.default_rng(1)))
+    rig, evidence = of_control_points(uv)
+    y_up = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+    turned = Rig(tuple(replace(camera, R=camera.R @ y_up.T) for camera in rig), rig.method)
+    (one,) = found(calibration_figures(turned, replace(evidence, xyz=evidence.xyz @ y_up.T)), "coordinates_mirrored")
+    assert one.severity == "info"
+    assert "v is counted from the bottom, or" in text_of(one)
+
+
 def grade(rig, evidence, **changes):
     figures = calibration_figures(rig, replace(evidence, **changes))
     return figures["verdict"]["grade"], kinds(figures), figures

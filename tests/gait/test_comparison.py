@@ -149,6 +149,21 @@ def test_what_nobody_can_judge_is_told(conditions, capsys):
     assert words in (conditions / "alone/comparison.html").read_text()
 
 
+def test_a_measurement_whose_error_was_not_computed_is_told_and_its_ranges_are_not_judged(conditions, capsys):
+    """Where markers sat may be all that differs, and the page must not say that it counts."""
+    app(["gait-compare", str(conditions / "slow"), str(conditions / "fast"), "-o", str(conditions / "bare")],
+        result_action="return_value")  # fmt: skip
+    words = "The measurement's own error was not computed for slow and fast (--no-uncertainty)"
+    said, page = " ".join(capsys.readouterr().out.split()), (conditions / "bare/comparison.html").read_text()
+    assert words in said and words in page.replace("&#39;", "'")
+    assert "where they sit counts in both" not in page
+    with (conditions / "bare/comparison.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    ranges = [row["exceeds"] for row in rows if row["name"].endswith("range")]
+    assert ranges and not any(ranges)
+    assert f"{sum(not row['exceeds'] for row in rows)} are not judged." in said
+
+
 def test_a_drawing_of_a_comparison_fits_a_page_of_paper_and_says_what_is_up(conditions):
     """270 mm of A4 are 1020 px, and drawings are printed at 0.8 of their size."""
     compare_gait(conditions / "slow", conditions / "fast", folder=conditions / "paper")

@@ -268,6 +268,28 @@ def test_a_foot_that_rolls_on_to_the_next_plate_does_not_count(share, at, reason
     assert on_two_plates(share, at)[0] == (None if reason else "left", reason)
 
 
+@pytest.mark.parametrize("step", [250.0, 350.0, 600.0])
+def test_a_step_counts_where_the_next_plate_has_the_other_foot_whose_markers_are_missing(step):
+    """A child's short step: the left foot swings by the right one, which nobody sees on the next plate."""
+    t = np.arange(200) / 100.0
+    middle = np.column_stack(
+        [np.interp(t, [0.9, 1.35], [200, 200 + 2 * step]), np.full(200, 300.0), np.full(200, 40.0)]
+    )
+    points = {"LHEE": middle - AHEAD, "LTOE": middle + AHEAD} | dict.fromkeys(
+        ("RHEE", "RTOE"), np.full((200, 3), np.nan)
+    )
+    found = []
+    for k, (begin, end, x) in enumerate(((0.3, 0.9, 200.0), (0.8, 1.4, 200.0 + step))):
+        corners = CORNERS + k * np.array([max(step - 100.0, 400.0), 0, 0])
+        force = np.where(((t >= begin) & (t < end))[:, None], [0.0, 0, 700], 0.0)
+        F, M, _ = six(force, np.tile([x, 300.0 - 100.0 * k, 0.0], (200, 1)), np.zeros(200), corners)
+        names = tuple(f"{letter}{k}" for letter in "abcdef")
+        analog = (Analog(names, ("",) * 6, 100.0, np.column_stack([F, M]).T),)
+        found.append(reaction(ForcePlate(2, corners, ORIGIN, names), analog, n_frames=200, rate=100.0))
+    first = contacts(found, points, rate=100.0)[0]
+    assert (first.plate, first.side, first.reason) == (0, "left", "")
+
+
 @pytest.mark.parametrize(("unit", "mm"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
 def test_a_measured_centre_has_a_unit(unit, mm):
     plate, analog, _, centre, _ = made(1)

@@ -278,7 +278,10 @@ def _(by):
     return Answer(places, rest)
 
 
-@law(world_check.odd_camera, world_check.images_of_resting, world_check.wrong_points, world_frame.laid_on)
+@law(
+    world_check.odd_camera, world_check.images_of_resting, world_check.seen_within, world_check.wrong_points,
+    world_frame.laid_on,
+)  # fmt: skip
 def _(by):
     """What is seen and the rig that sees it are 10 km away."""
     corner = np.array([[0, 0, 12.5], [800, 0, 12.5], [0, 600, 12.5], [1200, 900, 1000], [300, 1200, 700]])
@@ -290,7 +293,8 @@ def _(by):
     checked = world_check.wrong_points(seen, wrong + by)
     A, b, s = world_frame.laid_on(seen, corner)
     resting = world_check.images_of_resting(far, observed().detections, corner + by)
-    rest = (world_check.odd_camera(far, uv), checked, resting, A, seen @ A.T + b - corner, s)
+    within = world_check.seen_within(far, seen, uv)
+    rest = (world_check.odd_camera(far, uv), checked, resting, within, A, seen @ A.T + b - corner, s)
     return Answer(rest=rest)
 
 

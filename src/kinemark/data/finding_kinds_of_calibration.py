@@ -87,7 +87,7 @@ CALIBRATION_KINDS = (
          {"points_list": "text", "off_mm": "mm", "rms_mm": "mm"}),
     Kind("cameras_mirrored", "calibrate", "amber", "These cameras see the world mirrored, and the others do not."),
     Kind("coordinates_mirrored", "calibrate", "amber", "All cameras see the world mirrored: its coordinates are "
-         "left-handed. An info where v grows upwards, as it does in files that count it from the bottom."),
+         "left-handed. An info save where v grows against z: counted from the bottom, it grows upwards."),
     Kind("cameras_upside_down", "calibrate", "amber", "All cameras of a rig that comes from detections and an L-frame "
          "are upside down: where v is counted from the bottom, the world is mirrored."),
     Kind("precision_low", "calibrate", "amber", "Standard deviation of a position per axis in 95 % of the volume; red "

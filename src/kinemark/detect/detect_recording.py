@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import replace
 from threading import Event, Lock
@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.array_types import GreyLevels
 from ..data.masks import Masks
 from ..data.method import Method
 from ..numerics.blas_threads import one_blas_thread
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames, find_suspects
-from .frame_source import FrameSource, prefetched
+from .frame_source import BATCH, FrameSource, prefetched
 from .ground import Ground
 from .learning import learned
-from .levels import levelled
+from .levels import levelled_by_first
 from .masks import check_masks, masked
 from .separate import Suspects, separated
 from .stage import DETECT
@@ -121,17 +122,16 @@ def _detect_camera(
     """
     method, ground = for_camera(method, source)
     camera = _Camera(source, name, mask, ground)
+    ready, shows = levels_of(method, source, ground)
     first, size = 0, None
-    ready = None
     for images in prefetched(source):
         if size is None:
             size = images.shape[1:]
             _check_mask(mask, size, name)
         _check_size(images, size, f"{name}: frame {first + 1} of {source.n_frames}")
         images = images if ground is None else ground.taken_from(images, first)
-        if ready is None:  # nothing has stood out from the background so far, so there was no marker either
-            ready = levelled(method, images)
-        camera.look(images, first, ready)
+        # where nothing has stood out from the background so far, there was no marker either
+        camera.look(images, first, ready if first + len(images) > shows else None)
         first += len(images)
         tell(len(images))
     if first != source.n_frames:
@@ -198,6 +198,24 @@ def for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | No
         fields = source.v_offset(0) != source.v_offset(1)
         method = replace(method, aspect=0.5 if fields else 1.0)
     return learned(method, source)
+
+
+def levels_of(method: Method, source: FrameSource, ground: Ground | None) -> tuple[Method | None, int]:
+    """The method with the threshold that a relative one means for a camera, None where nothing shows; from which frame.
+
+    A method without one is returned as it is, from frame 0 on.
+    """
+    if getattr(method, "relative_threshold", None) is None:
+        return method, 0
+    return levelled_by_first(method, _under(source, ground))
+
+
+def _under(source: FrameSource, ground: Ground | None) -> Iterator[GreyLevels]:
+    """The batches of a source without the ground."""
+    first = 0
+    for images in source.batches(BATCH):
+        yield images if ground is None else ground.taken_from(images, first)
+        first += len(images)
 
 
 def _none(frames: int) -> Blobs:

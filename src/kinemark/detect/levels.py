@@ -13,6 +13,7 @@ as long as they have fewer pixels than the markers. The threshold is b + r (p âˆ
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -36,19 +37,49 @@ def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMet
     None where nothing stands out from the background in them. A method without `relative_threshold` is
     returned as it is.
     """
-    share, inverted = getattr(method, "relative_threshold", None), getattr(method, "inverted", False)
-    if share is None:
+    if getattr(method, "relative_threshold", None) is None:
         return method
-    white = np.iinfo(images.dtype).max
-    counts = np.zeros(white + 1, np.int64)
     chosen = images[evenly(len(images), FRAMES)]
-    for image in chosen:
-        counts += np.bincount(image.reshape(-1), minlength=white + 1)
-    found = levels(counts[::-1] if inverted else counts, frames=len(chosen))
+    return _absolute(method, sum(map(_counts, chosen), _counts(images[:0])), len(chosen), images.dtype)
+
+
+def levelled_by_first(
+    method: AnyMethod, batches: Iterable[NDArray[np.uint8 | np.uint16]]
+) -> tuple[AnyMethod | None, int]:
+    """`levelled` by the first `FRAMES` frames in a row that show something, and the first of these.
+
+    They are counted from 0, `FRAMES` at a time, however many come in a batch (n, H, W): the size of images decides on
+    that. Where nothing ever shows, there is no method, and the number of all frames.
+    """
+    first = frames = 0
+    counts: NDArray[np.int64] | None = None
+    dtype: np.dtype[Any] = np.dtype(np.uint8)
+    for images in batches:
+        dtype = images.dtype
+        for image in images:
+            counts, frames = _counts(image) if counts is None else counts + _counts(image), frames + 1
+            if frames == FRAMES:
+                if found := _absolute(method, counts, frames, dtype):
+                    return found, first
+                first, frames, counts = first + frames, 0, None
+    found = None if counts is None else _absolute(method, counts, frames, dtype)
+    return (found, first) if found else (None, first + frames)
+
+
+def _counts(images: NDArray[np.uint8 | np.uint16]) -> NDArray[np.int64]:
+    """(L) pixels of each grey level."""
+    return np.bincount(images.reshape(-1), minlength=int(np.iinfo(images.dtype).max) + 1)
+
+
+def _absolute(method: AnyMethod, counts: NDArray[np.int64], frames: int, dtype: np.dtype[Any]) -> AnyMethod | None:
+    """The method with the threshold (3) for images with so many pixels (L) of each grey level."""
+    asked: Any = method
+    white = len(counts) - 1
+    found = levels(counts[::-1] if asked.inverted else counts, frames=frames)
     if found is None:
         return None
-    level = found[0] + share * (found[1] - found[0])  # (3)
-    threshold = (white - level if inverted else level) / grey_scale(images.dtype)
+    level = found[0] + asked.relative_threshold * (found[1] - found[0])  # (3)
+    threshold = (white - level if asked.inverted else level) / grey_scale(dtype)
     absolute: Any = {"threshold": float(np.clip(threshold, 0, 254.99)), "relative_threshold": None}
     return replace(method, **absolute)
 

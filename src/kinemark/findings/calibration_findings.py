@@ -46,8 +46,8 @@ MOVED_MM, MOVED_PX = 2.0, 1.0
 TREND_RATIO, TREND_PX = 0.1, 0.02
 """Residuals that go with the place in the image by so much of their noise, and by so many px, make errors of positions
 that are not in their deviation; chosen (see benchmarks/room.py): from .13 on, ellipsoids of means of 25 images fail."""
-UPWARDS = 0.3
-"""Cosine between an image's v and the world's Z from which v grows upwards; chosen: cameras look up or down by less
+DOWNWARDS = -0.3
+"""Cosine between an image's v and the world's Z below which v grows downwards; chosen: cameras look up or down by less
 than 70°."""
 FLAT_DEG = 20
 """Rays that meet at less leave the depth poorly known; chosen (see studies/calibration_quality.py)."""
@@ -206,14 +206,14 @@ def _moved(figures: Figures) -> Iterator[Finding]:
 
 
 def _mirrored(figures: Figures) -> Iterator[Finding]:
-    """Cameras whose calibration turns right into left; that of all is none where v grows upwards, as some count it."""
+    """Cameras whose calibration turns right into left; all may do, where v is counted upwards, and not against z."""
     cameras = figures["cameras"]
     names = [c["name"] for c in cameras if c["mirrored"]]
     if names and len(names) < len(cameras):
         yield make_finding("cameras_mirrored", cameras=names)
     elif names:
-        upwards = statistics.median(c["v_upwards"] for c in cameras) > UPWARDS
-        yield make_finding("coordinates_mirrored", severity="info" if upwards else "amber")
+        down = statistics.median(c["v_upwards"] for c in cameras) < DOWNWARDS
+        yield make_finding("coordinates_mirrored", severity="amber" if down else "info")
 
 
 CHECKS = (

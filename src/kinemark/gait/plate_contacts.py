@@ -9,7 +9,8 @@ The near foot has stepped there. A contact does not count where both feet are as
 plate too, a heel or toe of the standing foot is beside the plate, what the plate recorded begins or ends within it, or
 the plate is loaded while the toe swings: then something else stands there, as a stick or a walker (2). Nor does it
 where the foot rolls from one plate to another: another plate is loaded meanwhile or at once after, by a share of the
-impulse, and the pressure there is nearer to the standing foot than to the other (3).
+impulse, and the pressure there is nearer to the standing foot than to the other (3). Where the other is not seen, it
+may be what stands there, and the pressure must be as near as that of a foot's own plate.
 """
 
 from __future__ import annotations
@@ -160,7 +161,8 @@ def _shares(
     away = {s: _distance(reactions[other.plate], foot, other.first, other.stop, up) for s, foot in feet.items()}
     near, far = away.pop(one.side), next(iter(away.values()))
     whole, part = (np.abs(reactions[c.plate].force[c.first : c.stop] @ up).sum() for c in (one, other))
-    below = near <= REACHING_FEET * feet[one.side].length and not far < CLEARER * near
+    reach = REACHING_FEET if np.isfinite(far) else NEAR_FEET
+    below = near <= reach * feet[one.side].length and not far < CLEARER * near
     return bool(below and part > SHARED_IMPULSE * whole)
 
 

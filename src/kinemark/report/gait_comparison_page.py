@@ -66,6 +66,7 @@ def write_comparison_page(
         doubt=other_subject(figures),
         strides=strides_compared(figures),
         not_judged=not_judged(figures),
+        error_holds=error_holds(figures),
         time_table=parameters_table(figures),
         key_table=key_values_table(figures),
         drawings={side: side_figures([c for c in curves if c.side == side], side) for side in ("left", "right")},
@@ -87,6 +88,18 @@ def other_subject(figures: dict[str, Any]) -> str:
         f"{one['name']} is of {one['subject']} and {two['name']} of {two['subject']}: what differs may be that they "
         "are two people. Check which files were compared."
     )
+
+
+def error_holds(figures: dict[str, Any]) -> str:
+    """What the errors of the differences hold, and what they lack."""
+    if without := figures["without_uncertainty"]:
+        return (
+            f"The measurement's own error was not computed for {' and '.join(without)} (--no-uncertainty), and is "
+            "missing here: what differs may be where markers sat. Run kinemark gait without that option to know."
+        )
+    if figures["same_markers"]:
+        return "The markers stayed on in between: what is systematic is in both alike and does not count."
+    return "Markers were put on anew in between: where they sit counts in both."
 
 
 def strides_compared(figures: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ from .formatting import count, number
 from .gait_comparison_page import (
     JUDGED,
     differing_table,
+    error_holds,
     key_values_table,
     not_judged,
     other_subject,
@@ -39,11 +40,14 @@ def comparison_summary(figures: dict[str, Any]) -> str:
     rows = [*differing_table(figures).rows]
     lines = [*filter(None, [other_subject(figures)]), strides_compared(figures)]
     lines += [*filter(None, [not_judged(figures)])]
+    lines += [error_holds(figures)] if figures["without_uncertainty"] else []
     many = count(len(rows), "component of a curve differs", "components of curves differ")
     lines += [f"{two['name']} minus {one['name']}: {many} by more than the error."]
     lines += [f"  {row[0]:34s} {row[2]:>22s}  {row[3]:>12s}   {row[1]}" for row in rows]
     numbers = [*parameters_table(figures).rows, *key_values_table(figures).rows]
     differing = [row for row in numbers if row[-1] == JUDGED[True]]
-    lines += [f"Of {count(len(numbers), 'number')} (time and distance, key values), {len(differing)} by more."]
+    unknown = sum(row[-1] == JUDGED[None] for row in numbers)
+    of = f"Of {count(len(numbers), 'number')} (time and distance, key values), {len(differing)} by more"
+    lines += [f"{of}; {unknown} {'is' if unknown == 1 else 'are'} not judged." if unknown else f"{of}."]
     lines += [f"  {row[0]:60s} {row[3]:>8s}  {row[4]:>8s}" for row in differing]
     return "\n".join(lines) + "\n"

@@ -10,7 +10,7 @@ from ...calibrate.bundle import BundleFit
 from ...calibrate.l_frame import RestingLFrame, resting_l_frame
 from ...calibrate.quality import Check, WorldPose, world_pose
 from ...calibrate.quality.calibration_evidence import residual_deviation
-from ...calibrate.world_check import OFF_MM, OddCamera, images_of_resting, odd_camera, wrong_points
+from ...calibrate.world_check import OddCamera, images_of_resting, odd_camera, seen_within, wrong_points
 from ...calibrate.world_frame import fit_moved_to, fit_scaled, similarity
 from ...data import Detections, Finding, KinemarkError, Rig, make_finding
 from ...data.array_types import Floats
@@ -140,14 +140,15 @@ def _world_points(task: Task, rig: Rig, unscaled: bool) -> tuple[str, Floats, Fl
     good = np.flatnonzero(np.isfinite(seen).all(1))
     if len(good) < 3:
         raise KinemarkError(f"{len(good)} of the world's points are seen by two cameras, and three are needed.")
-    checked = wrong_points(seen[good], points.xyz[good], scale=unscaled)
+    within = seen_within(rig, seen[good], uv[:, good])
+    checked = wrong_points(seen[good], points.xyz[good], scale=unscaled, within=within)
     findings = _odd(rig, odd)
-    if checked.rms_mm > OFF_MM or not checked.kept.all():
+    if checked.rms_mm > checked.limit_mm or not checked.kept.all():
         wrong = [points.names[i] for i in good[~checked.kept]]
         findings += (
             make_finding(
                 "world_points_disagree",
-                severity=red_if(checked.rms_mm > OFF_MM),
+                severity=red_if(checked.rms_mm > checked.limit_mm),
                 points_list=wrong,
                 off_mm=float(checked.off_mm.max()),
                 rms_mm=checked.rms_mm,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,8 +22,7 @@ from ...data.masks import Masks
 from ...data.method import Method
 from ...detect import Blobs, Centroids, combined_masks, detect_frames
 from ...detect.centroids_method import grey_scale
-from ...detect.detect_recording import for_camera
-from ...detect.frame_source import BATCH, FrameSource
+from ...detect.detect_recording import for_camera, levels_of
 from ...detect.ground import Ground
 from ...detect.levels import levelled
 from ...detect.masks import masked
@@ -263,10 +262,7 @@ class OpenDetection:
         if key not in self._learned:
             source = self._recording(camera)
             found, ground = for_camera(method, source)
-            ready: Method | None = found
-            if getattr(found, "relative_threshold", None) is not None:
-                tries = (levelled(found, images) for images in _under(source, ground))
-                ready = next((one for one in tries if one is not None), None)
+            ready, _ = levels_of(found, source, ground)
             self._learned[key] = _Learned(ready, ground)
             while len(self._learned) > KEPT:
                 self._learned.pop(next(iter(self._learned)), None)
@@ -280,11 +276,3 @@ class OpenDetection:
             first = self.first - 1
             self._recordings[camera] = _Remembered(source if whole else Excerpt(source, first, first + self.n_frames))
         return self._recordings[camera]
-
-
-def _under(source: FrameSource, ground: Ground | None) -> Iterator[GreyLevels]:
-    """The batches of a source without the ground."""
-    first = 0
-    for images in source.batches(BATCH):
-        yield images if ground is None else ground.taken_from(images, first)
-        first += len(images)

@@ -61,6 +61,7 @@ def compare_gait(
             "kinemark": __version__,
             "conditions": [_about(path, table) for path, table in zip(paths, tables, strict=True)],
             "same_markers": same_markers,
+            "without_uncertainty": [p.parent.name for p, t in zip(paths, tables, strict=True) if not t["uncertainty"]],
             "time_distance": [row for side in SIDES for row in _parameters(tables, side, same_markers)],
             "key_values": _keys(tables, same_markers),
             "curves": [_row(one) for one in curves],
@@ -141,8 +142,11 @@ def _keys(tables: tuple[dict[str, Any], ...], same: bool) -> list[dict[str, Any]
 
 
 def _key(one: Mapping[str, Any], key: Key, side: Side, table: Mapping[str, Any], same: bool) -> Condition:
-    """A key value; of its measurement only the noise, over strides, where the markers stayed on; none if not asked."""
-    sd = _array(one["sd"]) if table["uncertainty"] else np.array(0.0)
+    """A key value; of its measurement only the noise, over strides, where the markers stayed on; none if not asked.
+
+    What is systematic in a range nobody knows, whatever was asked.
+    """
+    sd = _array(one["sd"]) if table["uncertainty"] or key.how == "range" else np.array(0.0)
     if same:
         share = _noise_share(table, LETTER[side] + key.curve)
         sd = sd * (share[key.axis] if key.axis < len(share) else 0.0) / np.sqrt(max(one["strides"], 1))

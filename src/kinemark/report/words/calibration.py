@@ -87,7 +87,7 @@ def _world_points(found: Finding) -> str:
 
 def _world_mirrored(found: Finding) -> str:
     if found.severity == "info":
-        return "All cameras see the world mirrored: v is counted from the bottom, or z points down and is left-handed."
+        return "All cameras see the world mirrored: v is counted from the bottom, or the coordinates are left-handed."
     return "All cameras see the world mirrored: the coordinates are left-handed, or all images are mirrored."
 
 

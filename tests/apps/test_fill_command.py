@@ -93,7 +93,7 @@ def test_the_command_prints_what_became_of_every_gap(file, tmp_path, capsys):
     words = ["fill", str(source), "-o", str(tmp_path / "b.c3d"), "--method", "linear", "--limit-mm", "2", "--report"]
     app(words, result_action="return_value")
     out = capsys.readouterr().out
-    assert "open: A, frames 45 to 64" in out and (tmp_path / "b.html").is_file()
+    assert "open: A, frames 45–64" in out and (tmp_path / "b.html").is_file()
 
 
 # A session

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
-from ..numerics.evenly import evenly
 from .evidence import INLIERS, OF_SIZE, REST
 from .stretches import SPEED_S, link_nats, speed_at
 
@@ -116,7 +115,7 @@ class Beside:
             n = round(WINDOW_S * self.parts.rate)
             a, b = self.parts.first[part], self.parts.last[part]
             a, b = (max(self.first[part], b - n), b) if before else (a, min(self.last[part], a + n))
-            frames = a + evenly(b - a + 1, SAMPLES)
+            frames = np.unique(np.linspace(a, b, min(SAMPLES, b - a + 1)).round().astype(int))
             own = self.parts.track[part]
             apart = np.linalg.norm(self.xyz[:, frames] - self.xyz[own, frames], axis=2)
             apart[np.isfinite(apart).sum(1) < FEWEST] = np.nan

@@ -24,7 +24,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
-from ..numerics.evenly import evenly
 from .template import Template
 
 NEIGHBOURS = 6
@@ -135,7 +134,7 @@ def _median(values: Floats, n: Ints) -> Floats:
 
 def _spread_frames(frames: Ints) -> Ints:
     """At most LEARNT_FRAMES of some frames."""
-    at = evenly(len(frames), LEARNT_FRAMES)
+    at = np.linspace(0, len(frames) - 1, min(len(frames), LEARNT_FRAMES)).round().astype(int)
     return frames[np.unique(at)] if len(frames) else frames
 
 

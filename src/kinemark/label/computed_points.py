@@ -27,7 +27,6 @@ import scipy
 
 from ..data import Trajectories
 from ..data.array_types import Bools, Floats
-from ..numerics.evenly import evenly
 
 FRAMES = 40
 """Frames of a trial that are looked at, evenly spread; chosen: markers keep (1) in none of them."""
@@ -65,7 +64,7 @@ def computed_points(trial: Trajectories, *, least_left: int = LEAST_LEFT) -> tup
     Args:
         trial: labelled. least_left: points that must be left, else none is said to be computed.
     """
-    rows = evenly(trial.n_frames, FRAMES)
+    rows = np.unique(np.linspace(0, trial.n_frames - 1, min(trial.n_frames, FRAMES)).round().astype(int))
     xyz = trial.xyz[:, rows]
     seen = np.isfinite(xyz).all(-1)
     at = np.flatnonzero(seen.sum(1) >= max(1, SEEN * len(rows)))
@@ -101,7 +100,7 @@ def _axes_at(p: Floats, o: int, exact: float) -> list[Axes]:
         return []
     u, slack = v[at] / length[at, :, None], exact / length[at]
     right = np.zeros((len(at), len(at)), bool)
-    some = evenly(p.shape[1], FIRST)
+    some = np.unique(np.linspace(0, p.shape[1] - 1, FIRST).astype(int))
     angle = np.abs(np.einsum("aki,bki->kab", u[:, some], u[:, some]))
     maybe = ~(angle > slack.T[some][:, :, None] + slack.T[some][:, None]).any(0)
     for i, j in np.argwhere(np.triu(maybe, 1)):

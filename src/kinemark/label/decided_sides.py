@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from ..data import make_finding
 from ..data.array_types import Floats, Ints
 from ..data.finding import Finding
-from ..numerics.evenly import evenly
 from .anatomy import Anatomy
 from .asymmetry import sides_are_turned
 from .evidence import WRONG_HAND, PairScore, Single, hands
@@ -120,7 +119,7 @@ def _mirrored_world(stretches: Stretches, label: Ints, template: Template, pairs
 def _some_places(stretches: Stretches, label: Ints, L: int) -> Single:
     """(K, L, 3) of labels, in the frames that are compared."""
     y = places(stretches, label, L)
-    return y[evenly(len(y), FRAMES)]
+    return y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
 
 
 def _gain(exchanger: Exchanger, y: Single, turn: Ints) -> float:

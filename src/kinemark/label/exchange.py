@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Ints
-from ..numerics.evenly import evenly
 from ..numerics.vectors import lengths
 from .evidence import WRONG_HAND, PairScore, Single
 from .template import Template
@@ -158,7 +157,7 @@ def _wrong(y: Single, quads: Ints, sign: Ints) -> NDArray[np.int64]:
 def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:
     """(L) what each label becomes after all moves that gain at least `least` nats, the best first."""
     L = y.shape[1]
-    some = evenly(len(y), FRAMES)
+    some = np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)
     y = y[some]
     new = np.arange(L)
     for _ in range(MOVES):

@@ -15,7 +15,6 @@ import scipy
 
 from ..data.array_types import Ints
 from ..data.marker_sides import sides_by_name
-from ..numerics.evenly import evenly
 from .anatomy import PROOF, Anatomy
 from .evidence import PairScore, Single, hands
 from .exchange import Exchanger, Move
@@ -92,4 +91,4 @@ def score_with_sides(stretches: Stretches, label: Ints, template: Template, pair
 
 def _some(y: Single) -> Single:
     """Of K frames those that are looked at."""
-    return y[evenly(len(y), FRAMES)]
+    return y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
-from ..numerics.evenly import evenly
 from .arrange import arranged
 from .evidence import PairScore
 from .exchange import Exchanger, best_moves
@@ -317,7 +316,7 @@ def _starts(stretches: Stretches, template: Template, pairs: PairScore, n: int, 
         return []
     stated = np.isfinite(stretches.xyz[stretches.fixed >= 0, :, 0]).sum(0)[usable]
     usable = usable[stated == stated.max()]  # all, where nothing was stated
-    some = usable[evenly(len(usable), n)]
+    some = np.unique(usable[np.linspace(0, len(usable) - 1, n).round().astype(int)])
     found = [_labelled(stretches, int(k), template, pairs, orders, beam) for k in some]
     return sorted(found, key=lambda one: -one.score)
 

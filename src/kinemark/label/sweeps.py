@@ -19,7 +19,6 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
-from ..numerics.evenly import evenly
 from .evidence import PairScore, Single, distances
 from .stretches import FREE, Stretches
 
@@ -154,7 +153,7 @@ def total_score(stretches: Stretches, label: Ints, pairs: PairScore) -> tuple[fl
     """Nats a frame of all pairs of labelled tracks, and what the template expects of as many."""
     L = len(pairs.distance)
     labelled, every = places(stretches, label, L), np.arange(L)
-    some = evenly(len(labelled), 40)
+    some = np.unique(np.linspace(0, len(labelled) - 1, min(len(labelled), 40)).round().astype(int))
     total = expected = 0.0
     for y in labelled[some]:
         seen = np.isfinite(y[:, 0])

@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
-from ..numerics.evenly import evenly
 from ..numerics.vectors import lengths
 from .computed_points import computed_points
 from .own_fit import own_fit
@@ -202,7 +201,7 @@ def names_in(trials: Sequence[Trajectories]) -> tuple[str, ...]:
 def _sampled(trial: Trajectories, names: tuple[str, ...]) -> tuple[Floats, float]:
     """(L, K, 3) places about one of them in some frames, and how many frames a second these are."""
     F = trial.n_frames
-    rows = evenly(F, FRAMES)
+    rows = np.unique(np.linspace(0, F - 1, min(F, FRAMES)).round().astype(int))
     xyz = np.full((len(names), len(rows), 3), np.nan)
     for path in trial:
         if path.name in names:

@@ -10,7 +10,6 @@ import numpy as np
 from ..data import Rig
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
-from ..numerics.evenly import evenly
 from .drawing import Figure
 from .formatting import number
 from .panels import axis_title, panel, panels, within
@@ -38,7 +37,7 @@ def slices_figure(figures: dict[str, Any], up: int) -> Figure:
     sd, axes = _volume(figures["map"], "sd_mm")
     if not np.isfinite(sd).any():
         return empty("No place of the volume is seen by two cameras.")
-    cuts = evenly(len(axes[up]), SLICES)
+    cuts = np.unique(np.linspace(0, len(axes[up]) - 1, SLICES).round().astype(int))
     a, b = (axis for axis in range(3) if axis != up)
     titles = [f"{NAMES[up]} = {number(axes[up][k], 0)} mm" for k in cuts]
     written = [

@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from kinemark.data import Rig
+from kinemark.data import Detections, Rig
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.candidate_points import find_candidate_points, fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.standing_images import HALF_S, find_standing_points
+from kinemark.track.simultaneous.standing_noise import lasting_variance
 from support.laboratory import observe, ring
 from support.motions import dance
+from support.scenes.bodies import walker
 
 T = 0.01
 HALF = round(HALF_S / T)
@@ -96,3 +98,22 @@ def test_a_subject_that_stands_still_is_tracked():
     apart = np.linalg.norm(cloud.xyz[:, None] - xyz[:, cloud.frame].swapaxes(0, 1), axis=-1)
     found = np.unique(np.column_stack([apart.argmin(1), cloud.frame])[apart.min(1) < 10.0], axis=0)
     assert len(found) >= 0.93 * xyz[..., 0].size
+
+
+def test_who_walks_before_a_camera_of_a_high_rate_does_not_stand_still():
+    rig, xyz = ring(6), walker("walk", 39, np.arange(200) / 1000, np.random.default_rng(1), True).xyz
+    tracks = track_detections(observe(rig, xyz, noise=NOISE, seed=1, rate=1000.0, cov=False)[0], rig)
+    assert len(tracks) == 39  # 52 where they stand for 48 frames, whatever the rate
+
+
+def test_reflections_that_meet_by_chance_do_not_tell_how_well_a_calibration_fits():
+    rig = ring(6)
+    rng = np.random.default_rng(1)
+    still = [rng.uniform([50, 50], camera.size - 50, (15, 2)) for camera in rig]
+    counts = np.full((6, FRAMES), 15)
+    uv = np.concatenate([one + NOISE * rng.normal(size=(FRAMES, 15, 2)) for one in still]).reshape(-1, 2)
+    reflected = Detections.build(rig.names, 100.0, counts, uv, np.broadcast_to(np.eye(2) * NOISE**2, (len(uv), 2, 2)))
+    markers = observe(rig, on_each_others_lines(rig), noise=NOISE)[0]
+    for detections, told in ((reflected, False), (markers, True)):
+        images = read_images(detections, rig)
+        assert (lasting_variance(images, fundamentals(images.P), T, GATE) is not None) == told

@@ -12,7 +12,7 @@ from kinemark.fill import MarkerArray, fit_model
 from kinemark.fill.methods.angles import LimbAngles
 from kinemark.io.angle_model_csv import write_angle_model
 from kinemark.report.words.trial import TRIAL_WORDS
-from kinemark.synth import elbow_flexion
+from kinemark.synth import elbow_flexion, ring
 from kinemark.track.swamidas import Constraint, Swamidas, diagnose_model, follow_points
 from support.clouds import cloud_and_markers
 
@@ -111,6 +111,6 @@ def test_the_stage_of_tracking_tells_of_a_model_that_was_not_used(monkeypatch):
     cloud, _ = hidden((0, 1, 2))
     monkeypatch.setattr(tracking_stage, "diagnose_tracks", lambda *_: [])
     settings = SimpleNamespace(track=Swamidas(model=model().turned(90.0)))
-    inputs = SimpleNamespace(settings=settings, source=SimpleNamespace(of=SimpleNamespace(root=None)), rig=None)
+    inputs = SimpleNamespace(settings=settings, source=SimpleNamespace(of=SimpleNamespace(root=None)), rig=ring(3))
     tracked = tracking_stage.from_points(inputs, {"reconstruct": cloud, "detect": None})
     assert [found.kind for found in tracked.diagnostics] == ["angle_model_unused"]

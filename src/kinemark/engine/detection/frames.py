@@ -11,7 +11,6 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.array_types import GreyLevels
 from ...detect import Blobs
-from ...numerics.evenly import evenly
 from ..session import Session
 from .open_detection import Draft, OpenDetection
 
@@ -55,7 +54,7 @@ def detected_frames(source: Path, trial: str | None = None, frames: Sequence[int
     last = opened.first + opened.n_frames - 1
     if wrong := [f for f in frames if not opened.first <= f <= last]:
         raise KinemarkError(f"{name} has frames {opened.first} to {last}, and {wrong[0]} was asked for.")
-    wanted = list(frames) or (opened.first + evenly(opened.n_frames, SPREAD)).tolist()
+    wanted = list(frames) or sorted(set(np.linspace(opened.first, last, SPREAD).round().astype(int).tolist()))
     found = [(f, [_image(opened, camera, f) for camera in opened.sources]) for f in wanted]
     return DetectedFrames(session.settings.name, name, found)
 

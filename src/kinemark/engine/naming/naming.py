@@ -18,7 +18,6 @@ from ...label.bystanders import among_bystanders
 from ...label.pooled import contradiction
 from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
-from ...numerics.evenly import evenly
 from .claims import ClaimedTracks
 from .named_tracks import NamedTracks
 from .statements import facts_of, labels_of_facts
@@ -214,7 +213,7 @@ def with_names(found: Finding, names: Sequence[str]) -> Finding | None:
 def learnt_of(trajectories: Trajectories, accepted: bool) -> Trajectories:
     """Some frames of the markers that have names; no markers where the names were not accepted."""
     F = trajectories.n_frames
-    rows = evenly(F, LEARNT_FRAMES) if F else np.zeros(0, int)
+    rows = np.unique(np.linspace(0, F - 1, min(F, LEARNT_FRAMES)).round().astype(int)) if F else np.zeros(0, int)
     columns = ("xyz", "cov", "origin", "residual", "cameras", "detection")
     paths = [
         replace(path, **{key: getattr(path, key)[rows] for key in columns})

@@ -2,6 +2,9 @@
 
 The means of such images have hardly any other noise. What they leave between epipolar lines (`epipolar_noise`), less
 what noise a mean has, is told from chance meetings, of which there are as many, far better than that of single frames.
+
+Where they leave more than single images do, what stands still are no markers but reflections, which meet by chance
+alone, or the calibration leaves so much that means tell no more than single images.
 """
 
 from __future__ import annotations
@@ -16,14 +19,15 @@ from .standing_images import free_rows, means_of, standing_still
 
 
 def lasting_variance(images: Images, F: Floats, T: float, gate: float) -> Floats | None:
-    """(C) px², l of (1) of `standing_images`; None where hardly any image stands still."""
+    """(C) px², l of (1) of `standing_images`; None where hardly any image stands still, or those that do agree worse
+    than single images."""
     frames, C = sampled_frames(images), len(images.P)
     standing = standing_still(images, free_rows(images, images.usable, frames), T, gate)
     means = means_of(images, standing, np.array(frames, np.int64), np.zeros(C))
     some = residuals(means, F, [*range(len(frames))])
     noise = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C).variance
     known = np.isfinite(noise)
-    if not known.any():
+    if not known.any() or np.median(noise[known]) > np.median(images.variance[standing.row]):
         return None
     number = float(np.median(standing.number))
     return np.asarray(np.maximum(np.fmax(noise, np.median(noise[known])) - standing.white / number, LEAST_SD**2))

@@ -20,6 +20,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
@@ -29,6 +30,7 @@ from labelling_shreds import drawn, seeds_of
 import kinemark.label.distances as of_distances
 from kinemark.data.array_types import Bools, Floats
 from kinemark.label import Distances, Labels, Shredded, Template, label, shredded
+from kinemark.label.calibration import calibrated_shift
 from kinemark.label.distances import probability_by
 from kinemark.label.margin import Margins
 from kinemark.label.score import BINS
@@ -79,10 +81,10 @@ class Bin(NamedTuple):
 def watched(parts: Shredded, template: Template) -> tuple[Labels, list[Known]]:
     """The labels of a shred, and what was known each time that probabilities were stated."""
     known, shifts = list[Known](), list[float]()
-    stated, shift_of = of_distances.probability_of_all, of_distances.calibrated_shift
+    stated = of_distances.probability_of_all
 
     def shift_seen(*args: Any, **more: Any) -> float:
-        shifts.append(shift_of(*args, **more))
+        shifts.append(calibrated_shift(*args, **more))
         return shifts[-1]
 
     def stated_seen(tracks: Any, template: Any, pairs: Any, label: Any, about: Any, weight: Any, method: Any) -> Floats:
@@ -91,11 +93,8 @@ def watched(parts: Shredded, template: Template) -> tuple[Labels, list[Known]]:
         known.append(Known(tracks.names, names, p, about, weight, shifts[-1], bool(np.any(template.doubt))))
         return p
 
-    of_distances.probability_of_all, of_distances.calibrated_shift = stated_seen, shift_seen
-    try:
+    with patch.multiple(of_distances, probability_of_all=stated_seen, calibrated_shift=shift_seen):
         return label(parts.tracks, template), known
-    finally:
-        of_distances.probability_of_all, of_distances.calibrated_shift = stated, shift_of
 
 
 def lines_of(

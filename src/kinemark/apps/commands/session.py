@@ -34,7 +34,7 @@ def run(
         to: stop after this stage, such as detect, track or fill.
         frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
         results: folder for everything computed; results in the session's folder where none is given.
-        threads: how many detection may use; as many as there are processors where none is given.
+        threads: how many cameras are looked at side by side; as many as there are processors where none is given.
         self_contained: put the drawing library into each page, for mailing.
         fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.

@@ -1,0 +1,163 @@
+"""One camera of a recording, batch by batch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError
+from ..data.array_types import GreyLevels
+from ..data.method import Method
+from .blobs import Blobs, joined
+from .centroids_method import Centroids
+from .detect_frames import detect_frames, find_suspects
+from .frame_source import BATCH, FrameSource, prefetched
+from .ground import Ground
+from .learning import learned
+from .levels import levelled_by_first
+from .masks import masked
+from .separate import Suspects, separated
+
+WAITING = 1 << 18
+"""Pixels of suspected groups that are kept until they are explained together; chosen for memory."""
+
+
+def detect_camera(
+    source: FrameSource, name: str, method: Method, mask: NDArray[np.bool_] | None, tell: Callable[[int], None]
+) -> tuple[Blobs, bool]:
+    """One camera's detections, batch by batch, and whether its ground was subtracted.
+
+    Args:
+        source: what it recorded; the next images are decoded while markers are looked for.
+        name: of the camera, for messages.
+        method: one of `DETECT`.
+        mask: (H, W) where nothing is a marker; None where nothing is masked.
+        tell: called with the number of frames of each batch.
+
+    Raises:
+        KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
+    """
+    method, ground = for_camera(method, source)
+    camera = _Camera(source, name, mask, ground)
+    ready, shows = levels_of(method, source, ground)
+    first, size = 0, None
+    for images in prefetched(source):
+        if size is None:
+            size = images.shape[1:]
+            _check_mask(mask, size, name)
+        _check_size(images, size, f"{name}: frame {first + 1} of {source.n_frames}")
+        images = images if ground is None else ground.taken_from(images, first)
+        # where nothing has stood out from the background so far, there was no marker either
+        camera.look(images, first, ready if first + len(images) > shows else None)
+        first += len(images)
+        tell(len(images))
+    if first != source.n_frames:
+        raise KinemarkError(
+            f"Camera {name}: {first} frames could be read of the {source.n_frames} that the recording announces. "
+            "Copy the recording again, or cut all cameras to the frames that are there."
+        )
+    return camera.blobs(), ground is not None
+
+
+class _Camera:
+    """What is found in the batches of a camera; suspected groups of several batches are explained together."""
+
+    def __init__(self, source: FrameSource, name: str, mask: NDArray[np.bool_] | None, ground: Ground | None) -> None:
+        """Take what holds for all batches."""
+        self.source, self.name, self.mask, self.ground = source, name, mask, ground
+        self.frames = 0
+        self.parts = [_none(0)]
+        self.waiting: list[Suspects] = []
+        self.method = Centroids()
+
+    def look(self, images: NDArray[np.uint8 | np.uint16], first: int, method: Method | None) -> None:
+        """Take a batch, of which the first frame has this number; without a method there is nothing in it."""
+        if not isinstance(method, Centroids):
+            self._add(detect_frames(images, method=method) if method else _none(len(images)))
+            return
+        self.method = method
+        try:
+            self.waiting += [*find_suspects(images, method=method)]
+        except KinemarkError as error:
+            raise KinemarkError(
+                f"Camera {self.name}, batch from frame {first + 1} of {self.source.n_frames} on: {error}"
+            ) from None
+        if sum(len(part.pixels.grey) for part in self.waiting if part.pixels) > WAITING:
+            self._explain()
+
+    def blobs(self) -> Blobs:
+        """All that was found."""
+        self._explain()
+        return joined(self.parts)
+
+    def _explain(self) -> None:
+        waiting, self.waiting = self.waiting, []
+        for blobs in separated(waiting, method=self.method):
+            self._add(blobs)
+
+    def _add(self, blobs: Blobs) -> None:
+        """Note what was found in the next frames: grey levels of the recording, masked, fields on one plane."""
+        frames = self.frames + np.arange(len(blobs.counts))
+        self.frames += len(frames)
+        if (ground := self.ground) is not None:
+            light = ground.at(blobs.uv, np.repeat(frames, blobs.counts))
+            blobs = blobs._replace(peak=blobs.peak - light if ground.white else blobs.peak + light)
+        blobs = blobs if self.mask is None else masked(blobs, self.mask)
+        offset = np.repeat([self.source.v_offset(f) for f in frames.tolist()], blobs.counts)
+        self.parts.append(blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(offset)), offset], -1)))
+
+
+def for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | None]:
+    """The method with what it leaves to the camera: threshold, sizes, form of markers in fields; and the ground."""
+    if not isinstance(method, Centroids):
+        return method, None
+    if method.aspect is None:
+        fields = source.v_offset(0) != source.v_offset(1)
+        method = replace(method, aspect=0.5 if fields else 1.0)
+    return learned(method, source)
+
+
+def levels_of(method: Method, source: FrameSource, ground: Ground | None) -> tuple[Method | None, int]:
+    """The method with the threshold that a relative one means for a camera, None where nothing shows; from which frame.
+
+    A method without one is returned as it is, from frame 0 on.
+    """
+    if getattr(method, "relative_threshold", None) is None:
+        return method, 0
+    return levelled_by_first(method, _under(source, ground))
+
+
+def _under(source: FrameSource, ground: Ground | None) -> Iterator[GreyLevels]:
+    """The batches of a source without the ground."""
+    first = 0
+    for images in source.batches(BATCH):
+        yield images if ground is None else ground.taken_from(images, first)
+        first += len(images)
+
+
+def _none(frames: int) -> Blobs:
+    """The detections of frames without any."""
+    return detect_frames(np.zeros((frames, 1, 1), np.uint8))
+
+
+def _check_mask(mask: NDArray[np.bool_] | None, size: tuple[int, ...], name: str) -> None:
+    if mask is not None and mask.shape != size:
+        raise KinemarkError(
+            f"Camera {name}: its mask is for images of {_by(mask.shape)}, and they have {_by(size)}. "
+            "Masks of interlaced video are in the lines of a field."
+        )
+
+
+def _check_size(images: NDArray[np.uint8 | np.uint16], size: tuple[int, ...], where: str) -> None:
+    if images.shape[1:] != size:
+        raise KinemarkError(
+            f"Camera {where} has {_by(images.shape[1:])}, and the first one {_by(size)}. "
+            "Export the recording again, all frames in one size."
+        )
+
+
+def _by(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]} × {shape[0]} px"

@@ -25,6 +25,7 @@ from typing import Any, Literal, TypeVar
 
 from ..data import KinemarkError
 from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
+from ..data.nearest_word import guess
 from .number_text import read_text
 from .toml_text import list_of, text_of, texts_of, toml_table
 
@@ -72,7 +73,8 @@ def load_model(name_or_path: str | Path, *, side: Literal["right", "left"] | Non
     if name in models():
         return model_from_toml(_folder().joinpath(f"{name}.toml").read_text(encoding="utf-8"), side=side)
     if not Path(name).is_file():
-        raise KinemarkError(f"{name} is neither a model nor a file. Models are {', '.join(models())}.")
+        meant = guess(name, models())
+        raise KinemarkError(f"{name} is neither a model nor a file{meant}. Models are {', '.join(models())}.")
     try:
         return model_from_toml(read_text(name), side=side)
     except KinemarkError as error:

@@ -27,7 +27,7 @@ from ..data import KinemarkError
 from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from ..data.nearest_word import guess
 from .number_text import read_text
-from .toml_text import list_of, text_of, texts_of, toml_table
+from .toml_text import check_keys, list_of, text_of, texts_of, toml_table
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
@@ -209,8 +209,7 @@ def _check(kind: str, row: Any) -> None:
     known, needed = KEYS[kind]
     if not isinstance(row, dict):
         raise ValueError(f"{kind} is {row!r}, wanted a table")
-    if strange := sorted(set(row) - set(known)):
-        raise ValueError(f"{kind} has {', '.join(strange)}; known are {', '.join(known)}")
+    check_keys(f"{kind} {row.get('name', '')}".strip() if kind != "the file" else kind, row, known)
     if absent := [key for key in needed if key not in row]:
         raise ValueError(f"{kind} {row.get('name', '')} has no {', '.join(absent)}".replace("  ", " "))
 

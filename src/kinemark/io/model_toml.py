@@ -27,7 +27,7 @@ from ..data import KinemarkError
 from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from ..data.nearest_word import guess
 from .number_text import read_text
-from .toml_text import check_keys, list_of, text_of, texts_of, toml_table
+from .toml_text import check_keys, list_of, names_in, text_of, texts_of, toml_table
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
@@ -52,7 +52,7 @@ KEYS = {
 
 def models() -> tuple[str, ...]:
     """Names of the models that come with Kinemark."""
-    return tuple(sorted(p.name.removesuffix(".toml") for p in _folder().iterdir() if p.name.endswith(".toml")))
+    return names_in(_folder())
 
 
 def _folder() -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable
+from importlib.resources.abc import Traversable
 from typing import Any
 
 from ..data import KinemarkError
@@ -28,6 +29,11 @@ def toml_table(text: str, what: str, *, advice: str = "Correct that line.") -> d
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"{what} is no TOML: {error}. {advice}") from None
+
+
+def names_in(folder: Traversable) -> tuple[str, ...]:
+    """Names of the TOML files in a folder, without their ending, sorted."""
+    return tuple(sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml")))
 
 
 def check_keys(where: str, table: Iterable[str], known: Iterable[str]) -> None:

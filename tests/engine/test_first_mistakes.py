@@ -2,11 +2,14 @@
 
 import pytest
 
-from kinemark.apps.cli import app
+from kinemark.apps.cli import app, error_text
 from kinemark.data import KinemarkError
 from kinemark.engine.formats import convert
 from kinemark.engine.session import Session
 from kinemark.engine.settings import read_settings
+from kinemark.engine.white_pixels import write_white_pixels
+from kinemark.io.model_toml import load_model
+from kinemark.io.rig_toml import read_rig_toml
 from support.named_sessions import session_of
 
 WHOLE = 'name = "n"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "a"\ndetections = "a.csv"\n'
@@ -60,6 +63,33 @@ def test_a_file_where_a_list_is_wanted_is_answered_with_the_list(tmp_path):
     assert """label.template: wants a list: ['earlier.c3d']""" in said and "tuple" not in said
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "wanted"),
+    [
+        ('name = "n"', 'name = "n"\nrate_hz = nan', "rate_hz: wants a finite number, found nan"),
+        ('name = "n"', 'name = "n"\nrate_hz = "fast"', "rate_hz: wants a number, found 'fast'"),
+        ('name = "n"', 'name = "n"\nvolume_mm = [[0, 0, 0], [1, 1]]', "volume_mm #2 #3: is missing"),
+        ("[calibration]", '[cameras]\ninterlaced = "up"\n[calibration]', "cameras.interlaced: wants true or false"),
+        ("[calibration]", '[cameras]\nnames = ["c", "c"]\n[calibration]', "names must differ, found ['c', 'c']\n"),
+        ("[[trials]]", "[trials]", "write [[trials]], with two brackets"),
+        ('name = "a"', 'name = "a"\nframes = [0, 5]', "trials #1.frames #1: should be greater than or equal to 1"),
+        ('name = "a"', 'name = "a"\nkind = "sttic"', "trials #1.kind: should be 'motion', 'static'"),
+    ],
+)
+def test_a_value_of_the_wrong_kind_is_told_in_words_of_the_file(tmp_path, old, new, wanted):
+    said = error_of(tmp_path, WHOLE.replace(old, new, 1))
+    assert wanted in said and "Input" not in said and "constrained" not in said
+
+
+@pytest.mark.parametrize(
+    ("table", "meant"),
+    [('[label]\ntemplat = ["a.c3d"]', "'template'"), ("[track]\nmethd = 'kiss_tracking'", "'method'")],
+)
+def test_a_mistyped_key_of_a_method_is_guessed_from_all_that_its_table_may_have(tmp_path, table, meant):
+    said = error_of(tmp_path, f"{WHOLE}{table}\n")
+    assert f"did you mean {meant}?" in said and "there are method, " in said
+
+
 def test_an_ending_that_holds_nothing_of_it_is_answered_with_those_that_do(tmp_path):
     session_of(tmp_path)
     with pytest.raises(KinemarkError, match=r"Choose another ending: \.c3d, .*\.trc"):
@@ -94,3 +124,28 @@ def test_results_that_were_deleted_are_not_said_to_be_of_other_settings(tmp_path
         app(["status", str(tmp_path)])
     said = capsys.readouterr().out
     assert "to do: detect" in said and "there are results" not in said
+
+
+def test_a_session_where_a_trial_is_wanted_is_told_so(tmp_path):
+    session_of(tmp_path, "walk01")
+    with pytest.raises(KinemarkError, match="is a session, not a file of cameras or a trial"):
+        read_rig_toml(tmp_path / "session.toml")
+
+
+def test_a_file_where_a_folder_is_wanted_is_told_so(tmp_path):
+    (tmp_path / "a.c3d").touch()
+    with pytest.raises(OSError) as said:
+        (tmp_path / "a.c3d").mkdir()
+    assert "a.c3d is a file, and a folder is wanted there" in error_text(said.value)
+
+
+def test_a_model_with_another_dash_is_guessed():
+    with pytest.raises(KinemarkError, match="did you mean 'isb_upper_limb'"):
+        load_model("isb-upper-limb")
+
+
+@pytest.mark.parametrize(("target", "wanted"), [("a.avi", "does not end in .mkv"), ("a.mkv", "a.mkv exists")])
+def test_a_target_of_white_pixels_that_cannot_be_is_told_why(tmp_path, target, wanted):
+    (tmp_path / "a.mkv").touch()
+    with pytest.raises(KinemarkError, match=wanted):
+        write_white_pixels(tmp_path / "in.mkv", tmp_path / target, threshold=60)

@@ -184,7 +184,7 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         ('file = "rig.toml"', 'file = "nowhere.toml"', r"nowhere.toml is not a file"),
         ('detections = "one.csv"', "", r"wants either images or detections"),
         ('detections = "one.csv"', 'detections = "two.csv"', r"two.csv is not a file"),
-        ('name = "one"', 'name = "a/b"', r"trials.0.name"),
+        ('name = "one"', 'name = "a/b"', r"trials #1\.name"),
         ("[calibration]", '[cameras]\nnames = ["c0", "c9"]\n[calibration]', r"not c9"),
         ("[calibration]", '[cameras]\nnames = ["c0"]\n[calibration]', r"1 camera, and a point in space needs two"),
         ("[calibration]", "[calibration", r"is no TOML"),
@@ -458,9 +458,9 @@ def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monke
     assert json.loads((folder / "results/one/quality.json").read_text())["session"] == "renamed"
 
 
-@pytest.mark.parametrize("name", ["..", ".", "a/b", "rig.toml", "a\\u0000b", "x" * 200])
+@pytest.mark.parametrize("name", ["..", ".", "a/b", "", " ", "rig.toml", "a\\u0000b", "x" * 200])
 def test_a_trial_cannot_write_outside_its_results(folder, name):
-    with pytest.raises(KinemarkError, match=r"trials.0.name"):
+    with pytest.raises(KinemarkError, match=r"trials #1\.name"):
         run(changed(folder, 'name = "one"', f'name = "{name}"'))
 
 

@@ -93,6 +93,8 @@ def error_text(error: Exception) -> str | None:
     """What an error of the user's or the machine's says, with its findings; None for a fault of the program."""
     from ..data import KinemarkError  # brings NumPy, which --help does without
 
+    if isinstance(error, (FileExistsError, NotADirectoryError)):
+        return f"kinemark: {error.filename} is a file, and a folder is wanted there. Name another folder."
     if isinstance(error, OSError):  # the disk is full, or not theirs to write
         return f"kinemark: {error}. Is there room, and may you read and write there?"
     if not isinstance(error, KinemarkError):

@@ -53,8 +53,9 @@ class BarAspect(NamedTuple):
 
 def bar_aspect_of_file(images: Path | str, *, method: Centroids) -> BarAspect:
     """The aspect ratio from a camera's video, or its images as 'bar/%04d.png'; raises as `bar_aspect` does."""
+    source = open_images(images)
     try:
-        return bar_aspect(open_images(images), method=method)
+        return bar_aspect(source, method=method)
     except KinemarkError as error:
         raise KinemarkError(f"{images}: {error}") from error
 

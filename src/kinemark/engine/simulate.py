@@ -77,8 +77,10 @@ class Scene:
         wanted = {"seconds": self.seconds, "rate_hz": self.rate_hz, "focal_px": self.focal_px}
         if wrong := [f"{name} is {value}" for name, value in wanted.items() if not value > 0]:
             raise KinemarkError(f"{', '.join(wrong)}, wanted more than 0.")
-        if min(self.size_px) < 16 or self.noise < 0:
-            raise KinemarkError(f"size_px is {self.size_px} and noise {self.noise}, wanted at least 16 and 0.")
+        if min(self.size_px) < 16:
+            raise KinemarkError(f"size_px is {self.size_px}, wanted at least 16 each.")
+        if not 0 <= self.noise < np.inf:
+            raise KinemarkError(f"noise is {self.noise}, wanted 0 or more grey levels.")
         if self.calibration == "wand" and (self.motion != "walk" or self.c3d is not None or self.interlaced):
             raise KinemarkError("calibration is 'wand', which goes with the walk and whole frames. Leave one out.")
         if self.cameras < 2:

@@ -48,8 +48,10 @@ def write_white_pixels(
         KinemarkError: the target exists or does not end in .mkv, the rate is not known, the threshold is out of range,
             or the recording is damaged.
     """
-    if target.suffix.lower() != ".mkv" or target.exists():
-        raise KinemarkError(f"{target} exists, or does not end in .mkv. Name a new file, as cam1-white.mkv.")
+    if target.suffix.lower() != ".mkv":
+        raise KinemarkError(f"{target} does not end in .mkv, the format that loses nothing. Name it so.")
+    if target.exists():
+        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
     if not 0 <= threshold < 255:
         raise KinemarkError(f"The threshold is {threshold:g} grey levels; wanted is 0 to below 255.")
     images = open_images(source)

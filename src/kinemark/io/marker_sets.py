@@ -24,7 +24,7 @@ from ..data.marker_set import FACES, known
 from ..data.nearest_word import guess
 from .files import write_text
 from .number_text import read_text
-from .toml_text import MOST, list_of, text_of, texts_of, toml_table
+from .toml_text import MOST, check_keys, list_of, names_in, text_of, texts_of, toml_table
 
 KEYS = {
     "the file": ("name", "description", "source", "pairs", "links", "markers", "segments", "joints"),
@@ -39,7 +39,7 @@ WORN = ("always", "optional", "static")
 
 def marker_sets() -> tuple[str, ...]:
     """Names of the marker sets that come with Kinemark."""
-    return tuple(sorted(p.name.removesuffix(".toml") for p in _folder().iterdir() if p.name.endswith(".toml")))
+    return names_in(_folder())
 
 
 def _folder() -> Any:
@@ -144,12 +144,7 @@ def _check(kind: str, name: str, row: Any) -> None:
     """A table has only known keys."""
     if not isinstance(row, dict):
         raise ValueError(f"{kind} {name} is {row!r}, wanted a table".replace("  ", " "))
-    if strange := sorted(set(row) - set(KEYS[kind])):
-        where = f"{kind} {name}".strip()
-        raise ValueError(
-            f"{where} has the unknown key {strange[0]!r}{guess(strange[0], KEYS[kind])}; known are "
-            f"{', '.join(KEYS[kind])}"
-        )
+    check_keys(f"{kind} {name}".strip(), row, KEYS[kind])
 
 
 def _two(key: str, value: Any) -> tuple[str, str]:

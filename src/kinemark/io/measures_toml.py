@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from ..data import KinemarkError
-from ..data.nearest_word import guess
 from ..data.subject_measures import ArmMeasures, LegMeasures, SubjectMeasures
 from .number_text import read_text
-from .toml_text import toml_table
+from .toml_text import check_keys, toml_table
 
 OF_SUBJECT = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm", "head_offset_deg")
 ARMS = ("left_arm", "right_arm")
@@ -48,7 +47,7 @@ def measures_of_table(table: Mapping[str, Any]) -> SubjectMeasures:
     Raises:
         KinemarkError: a key is unknown, missing or no number, or no person is so.
     """
-    _check("the measures", table, (*OF_SUBJECT, "left", "right", *ARMS), ("left", "right"))
+    _check("the file of measures", table, (*OF_SUBJECT, "left", "right", *ARMS), ("left", "right"))
     parts: dict[str, Any] = {side: _leg(side, table[side]) for side in ("left", "right")}
     parts |= {name: _arm(name, table[name]) for name in ARMS if name in table}
     parts |= {name: _number(name, table[name]) for name in OF_SUBJECT if name in table}
@@ -73,12 +72,12 @@ def _arm(name: str, table: Any) -> ArmMeasures:
 
 
 def _check(where: str, table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...]) -> None:
-    for key in table:
-        if key not in known:
-            there = ", ".join(known)
-            raise KinemarkError(f"{where} has the unknown key {key!r}{guess(key, known)}; known are {there}.")
+    try:
+        check_keys(where, table, known)
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from None
     if absent := [key for key in needed if key not in table]:
-        raise KinemarkError(f"{where} lacks {', '.join(absent)}. Measure it, in millimetres.")
+        raise KinemarkError(f"{where} lacks {', '.join(absent)}. Measure and add it, in millimetres.")
 
 
 def _place(name: str, value: Any) -> tuple[float, float, float]:

@@ -25,8 +25,9 @@ from typing import Any, Literal, TypeVar
 
 from ..data import KinemarkError
 from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
+from ..data.nearest_word import guess
 from .number_text import read_text
-from .toml_text import list_of, text_of, texts_of, toml_table
+from .toml_text import check_keys, list_of, names_in, text_of, texts_of, toml_table
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
@@ -51,7 +52,7 @@ KEYS = {
 
 def models() -> tuple[str, ...]:
     """Names of the models that come with Kinemark."""
-    return tuple(sorted(p.name.removesuffix(".toml") for p in _folder().iterdir() if p.name.endswith(".toml")))
+    return names_in(_folder())
 
 
 def _folder() -> Any:
@@ -72,7 +73,8 @@ def load_model(name_or_path: str | Path, *, side: Literal["right", "left"] | Non
     if name in models():
         return model_from_toml(_folder().joinpath(f"{name}.toml").read_text(encoding="utf-8"), side=side)
     if not Path(name).is_file():
-        raise KinemarkError(f"{name} is neither a model nor a file. Models are {', '.join(models())}.")
+        meant = guess(name, models())
+        raise KinemarkError(f"{name} is neither a model nor a file{meant}. Models are {', '.join(models())}.")
     try:
         return model_from_toml(read_text(name), side=side)
     except KinemarkError as error:
@@ -207,8 +209,7 @@ def _check(kind: str, row: Any) -> None:
     known, needed = KEYS[kind]
     if not isinstance(row, dict):
         raise ValueError(f"{kind} is {row!r}, wanted a table")
-    if strange := sorted(set(row) - set(known)):
-        raise ValueError(f"{kind} has {', '.join(strange)}; known are {', '.join(known)}")
+    check_keys(f"{kind} {row.get('name', '')}".strip() if kind != "the file" else kind, row, known)
     if absent := [key for key in needed if key not in row]:
         raise ValueError(f"{kind} {row.get('name', '')} has no {', '.join(absent)}".replace("  ", " "))
 

@@ -62,7 +62,10 @@ def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str
         try:
             table[k] = [float(cell) if cell.strip() else np.nan for cell in row[:width]]
         except ValueError as error:
-            raise bad_line(path, lines[k], f"{error}. Correct the cell; an empty one means missing.") from error
+            wrong = str(error).rpartition(": ")[2]
+            raise bad_line(
+                path, lines[k], f"{wrong} is no number. Correct the cell; an empty one means missing."
+            ) from error
     return table
 
 

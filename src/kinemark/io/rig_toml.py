@@ -46,6 +46,10 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
     metadata, ours = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
     own = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS}
     tables = {k: v for k, v in own.items() if any(key in v for key in OF_CAMERAS)}  # one that lacks some is told below
+    if "calibration" in document and "trials" in document:
+        raise KinemarkError(
+            f"{path} is a session, not a file of cameras or a trial. Give a file that it names or made."
+        )
     if not 0 < len(tables) <= MOST_CAMERAS:
         raise KinemarkError(
             f"{path} has {len(tables)} cameras, wanted tables with `matrix`, `rotation`, `translation`."

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import KinemarkError, Rods
 from ..data.array_types import Floats
 from .number_text import read_text
-from .toml_text import toml_table
+from .toml_text import check_keys, toml_table
 from .units import USUAL_UNITS, mm_per
 
 MOST_RODS = 16  # in a description; chosen for the speed of recognising them
@@ -39,6 +39,7 @@ def rods_from_toml(text: str) -> Rods:
         KinemarkError: no such description, or rods that are not straight.
     """
     table = toml_table(text, "The description of the rods")
+    _check("The description of the rods", table, ("units", "marker_diameter", "rod"))
     units = table.get("units", "mm")
     if (mm := mm_per(units)) is None:
         raise KinemarkError(f"The rods' units are {units!r}, wanted {USUAL_UNITS}.")
@@ -61,8 +62,17 @@ def rods_from_toml(text: str) -> Rods:
     return rods
 
 
+def _check(where: str, table: dict[str, Any], known: tuple[str, ...]) -> None:
+    try:
+        check_keys(where, table, known)
+    except ValueError as error:
+        raise KinemarkError(f"{error}. Correct it.") from None
+
+
 def _rod(k: int, entry: Any) -> tuple[str, Floats]:
     name = str(entry.get("name", k + 1)) if isinstance(entry, dict) else str(k + 1)
+    if isinstance(entry, dict):
+        _check(f"Rod {name}", entry, ("name", "markers"))
     try:
         xyz = np.array(entry["markers"], np.float64)
     except (KeyError, TypeError, ValueError, OverflowError):

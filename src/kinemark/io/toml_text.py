@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterable
+from importlib.resources.abc import Traversable
 from typing import Any
 
 from ..data import KinemarkError
+from ..data.nearest_word import guess
 
 MOST = 2000
 """Most entries of a list in a file; chosen, lest a broken file take memory."""
@@ -26,6 +29,28 @@ def toml_table(text: str, what: str, *, advice: str = "Correct that line.") -> d
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"{what} is no TOML: {error}. {advice}") from None
+
+
+def names_in(folder: Traversable) -> tuple[str, ...]:
+    """Names of the TOML files in a folder, without their ending, sorted."""
+    return tuple(sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml")))
+
+
+def check_keys(where: str, table: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse keys that a table does not have, lest a mistyped one be passed over.
+
+    Args:
+        where: the table, as an error begins with it.
+        table: its keys.
+        known: those that it may have.
+
+    Raises:
+        ValueError: there is another one.
+    """
+    there = list(known)
+    for key in table:
+        if key not in there:
+            raise ValueError(f"{where} has the unknown key {key!r}{guess(key, there)}; known are {', '.join(there)}")
 
 
 def list_of(key: str, value: Any) -> list[Any]:

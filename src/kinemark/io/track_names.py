@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from ..data import KinemarkError
 from .number_text import AGAIN, bad_line, read_text
-from .toml_text import toml_table
+from .toml_text import check_keys, toml_table
 
 COLUMNS = ("track", "name", "first", "last")
 MOST = 100_000
@@ -95,8 +95,7 @@ def _of_track(track: str, value: Any) -> list[TrackName]:
     found = []
     for row in value if isinstance(value, list) else [value]:
         one: Mapping[str, Any] = row if isinstance(row, dict) else {"name": row}
-        if strange := sorted(set(one) - {"name", "first", "last"}):
-            raise ValueError(f"{track} has the unknown key {strange[0]!r}; known are name, first, last")
+        check_keys(track, one, ("name", "first", "last"))
         name = one.get("name", "")
         if name is not False and not isinstance(name, str):
             raise ValueError(f"the name of {track} is {name!r}, wanted text, or false where it is no marker")

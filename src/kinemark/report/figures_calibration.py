@@ -14,7 +14,7 @@ from .drawing import Figure
 from .formatting import number
 from .panels import axis_title, panel, panels, within
 from .scene3d import HOVER, draw_box, draw_camera, draw_floor, extent_of, stand_upright
-from .theme import FAINT, HUES, empty, even_scale, figure, hue, labels
+from .theme import FAINT, HUES, camera_ticks, empty, even_scale, figure, hue, labels
 from .thin import short
 
 SLICES = 3  # heights of the volume that are drawn; chosen
@@ -106,7 +106,7 @@ def fit_figure(cameras: list[dict[str, Any]]) -> Figure:
             name=name,
             hovertemplate="%{y:.3f} px",
         )
-    fig.x_axes(**_ticks(cameras))
+    fig.x_axes(**camera_ticks(cameras))
     return fig.y_axes(title={"text": "px"}, rangemode="tozero")
 
 
@@ -126,7 +126,7 @@ def loss_figure(figures: dict[str, Any]) -> Figure:
         if level is not None:
             line = {"color": HUES[i], "dash": "dot", "width": 1.5}
             fig.shape(type="line", x0=0, x1=1, y0=level, y1=level, line=line, **within(0, "x"))
-    fig.x_axes(**_ticks(cameras), title={"text": "camera that is lost"})
+    fig.x_axes(**camera_ticks(cameras), title={"text": "camera that is lost"})
     return fig.y_axes(title={"text": "σ per axis (mm)"}, rangemode="tozero")
 
 
@@ -229,8 +229,3 @@ def _volume(grid: dict[str, Any], key: str) -> tuple[Floats, list[Floats]]:
 
 def _rounded(values: Floats) -> Floats:
     return values.astype(np.float32)
-
-
-def _ticks(cameras: list[dict[str, Any]]) -> dict[str, Any]:
-    names = labels(camera["name"] for camera in cameras)
-    return {"tickvals": list(range(len(names))), "ticktext": names, "range": [-0.6, len(names) - 0.4], "ticks": ""}

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Detections
 from .drawing import Figure
 from .formatting import number, percent
-from .theme import FAINT, HUES, INK, empty, figure, hue, labels
+from .theme import FAINT, HUES, INK, camera_ticks, empty, figure, hue, labels
 from .thin import blocks
 
 COLUMNS = 400
@@ -33,7 +33,7 @@ def residual_figure(cameras: list[dict[str, Any]]) -> Figure:
         "scatter", x=[c for c, _ in shown], y=[camera["residual_rms_px"] for _, camera in shown], mode="markers",
         marker={"symbol": "diamond", "size": 9, "color": INK}, hovertemplate="RMS %{y:.2f} px<extra></extra>",
     )  # fmt: skip
-    fig.x_axes(**_camera_ticks(cameras))
+    fig.x_axes(**camera_ticks(cameras))
     return fig.y_axes(title={"text": "residual (px)"}, rangemode="tozero")
 
 
@@ -53,7 +53,7 @@ def offset_figure(cameras: list[dict[str, Any]]) -> Figure:
             hovertemplate="%{y:.2f} px",
         )
     reach = 1.2 * max(0.4, *(abs(value) for camera in cameras for value in camera["offset_px"] if value is not None))
-    fig.x_axes(**_camera_ticks(cameras))
+    fig.x_axes(**camera_ticks(cameras))
     return fig.y_axes(title={"text": "offset (px)"}, range=[-reach, reach], zerolinecolor=FAINT)
 
 
@@ -110,9 +110,3 @@ def timing_figure(timing: dict[str, Any]) -> Figure:
 def _duration_text(stage: dict[str, Any]) -> str:
     pace = f", {number(stage['frames_per_s'], 0)} frames/s" if stage["frames_per_s"] is not None else ""
     return f"{number(stage['time_s'], 2)} s{pace}"
-
-
-def _camera_ticks(cameras: list[dict[str, Any]]) -> dict[str, Any]:
-    """Names under the places of all cameras, also of those without data."""
-    names = labels(camera["name"] for camera in cameras)
-    return {"tickvals": list(range(len(names))), "ticktext": names, "range": [-0.6, len(names) - 0.4], "ticks": ""}

@@ -42,6 +42,12 @@ def labels(names: Iterable[str]) -> list[str]:
     return [escape(name) or " " for name in shortened(list(names))]
 
 
+def camera_ticks(cameras: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """An axis with the names of all cameras under their places, also of those without data."""
+    names = labels(camera["name"] for camera in cameras)
+    return {"tickvals": list(range(len(names))), "ticktext": names, "range": [-0.6, len(names) - 0.4], "ticks": ""}
+
+
 def shortened(names: Sequence[str], most: int = LONGEST) -> list[str]:
     """Names of at most `most` letters, with … for what is left out, such that different names stay different.
 

@@ -206,7 +206,7 @@ def test_broken_model_files_are_named(tmp_path):
         ("kinemark angle model", "angles", "no angle model"),
         ("segment,percent", "percent,segment", "holds no angles"),
         ("\n1,99.0,", "\n2,99.0,", "same number of rows"),
-        ("\n1,99.0,", "\n1,99.0,x", "could not convert"),
+        ("\n1,99.0,", "\n1,99.0,x", "is no number"),
         ("period_s,", "period_s,-", "period"),
     ):
         path.write_text(text.replace(old, new))

@@ -48,7 +48,7 @@ def whole_of(stage: str, table: dict[str, Any]) -> Any:
         ValueError: as `method_of`.
     """
     common = {p.name: p for p in COMMON[stage]}
-    method = method_of(stage, {key: value for key, value in table.items() if key not in common})
+    method = method_of(stage, {key: value for key, value in table.items() if key not in common}, beside=common)
     settled = _validated(stage, common, {key: value for key, value in table.items() if key in common})
     return WHOLE[stage](**settled, method=method, name=method_name(stage, method))
 
@@ -105,8 +105,13 @@ def calibrate_method(way: str, table: Any) -> Any:
     return method_of("calibrate", {"method": name} | table)
 
 
-def method_of(stage: str, table: dict[str, Any]) -> Any:
+def method_of(stage: str, table: dict[str, Any], *, beside: Iterable[str] = ()) -> Any:
     """A stage's method from its table.
+
+    Args:
+        stage: its name.
+        table: the method's name and parameters; what is absent is the default.
+        beside: keys that the table may have besides, which an error lists too.
 
     Raises:
         ValueError: the method or one of its parameters is not known, or a value is of the wrong kind or out of range.
@@ -115,10 +120,10 @@ def method_of(stage: str, table: dict[str, Any]) -> Any:
     name = table.pop("method", known.default)
     if not isinstance(name, str) or name not in known:
         raise ValueError(f"method {name!r} is not known{guess(str(name), list(known))}; there {are(list(known))}")
-    return _made(known[name], table)
+    return _made(known[name], table, ("method", *beside))
 
 
-def _made(declared: Declaration, table: dict[str, Any]) -> Any:
+def _made(declared: Declaration, table: dict[str, Any], beside: Sequence[str]) -> Any:
     """A method with the parameters of a table."""
     parameters = {p.name: p for p in declared.stateable}
     renamed = {p.former: p.name for p in declared.stateable if p.former}
@@ -126,8 +131,8 @@ def _made(declared: Declaration, table: dict[str, Any]) -> Any:
         if key not in parameters and key in renamed:
             raise ValueError(f"{key!r} of {declared.name} is now called {renamed[key]!r}")
         if key not in parameters:
-            there = f"there {are(list(parameters))}" if parameters else "it has none"
-            raise ValueError(f"{key!r} is not a parameter of {declared.name}{guess(key, list(parameters))}; {there}")
+            there = [*beside, *parameters]
+            raise ValueError(f"{key!r} is not a parameter of {declared.name}{guess(key, there)}; there {are(there)}")
     if absent := [p.name for p in declared.parameters if p.required and p.name not in table]:
         raise ValueError(f"{declared.name} wants {' and '.join(absent)}")
     return declared.kind(**_validated(declared.name, parameters, table))

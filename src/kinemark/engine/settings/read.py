@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -23,6 +24,26 @@ MISSING = {
     "name": '; call the session as you like, as name = "normal gait"',
 }
 """What to write where a required key is missing."""
+
+A_LIST, A_NUMBER, A_WHOLE_NUMBER = "wants a list in [ ]", "wants a number", "wants a whole number"
+WANTED = {
+    "tuple_type": A_LIST,
+    "float_type": A_NUMBER,
+    "float_parsing": A_NUMBER,
+    "int_type": A_WHOLE_NUMBER,
+    "int_parsing": A_WHOLE_NUMBER,
+    "int_from_float": A_WHOLE_NUMBER,
+    "bool_type": "wants true or false",
+    "bool_parsing": "wants true or false",
+    "string_type": 'wants a text, as "…"',
+    "finite_number": "wants a finite number",
+    "too_short": "wants at least one in it",
+    "model_type": "wants a table",
+    "dict_type": "wants a table",
+}
+"""What a value of the wrong kind should be, by pydantic's name of the error."""
+KIND = re.compile(r"bool|(tuple|dict|literal)\[.*\]")
+"""What pydantic puts into the place of a value that may be of several kinds."""
 
 
 def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
@@ -50,6 +71,7 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
         places = {row["loc"][0] for row in error.errors() if row["loc"]}
         follows = {"trials"} | ({"calibrate"} if "calibration" in places else set())  # from errors of other places
         rows = [row for row in error.errors() if {*row["loc"]} - follows or len(error.errors()) == 1]
+        rows = [row for row in rows if row["type"] != "too_short" or row["input"] in ([], ())]  # an item is wrong: told
         lines = "\n".join(f"  {_said(row)}" for row in rows)
         beside = f" with {', '.join(overrides)}" if overrides else ""
         raise KinemarkError(
@@ -68,7 +90,7 @@ def _with(table: dict[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
 
 def _said(row: Any) -> str:
     """One line of a pydantic error, in the words of the file."""
-    where = ".".join(str(part) for part in row["loc"])
+    where = _place(row["loc"])
     if row["type"] == "extra_forbidden":
         keys = _keys(row["loc"][:-1])
         return f"{where}: there is no such key{guess(str(row['loc'][-1]), keys)}; there {are(keys)}"
@@ -78,8 +100,18 @@ def _said(row: Any) -> str:
         return f"{where}: is missing{MISSING.get(where, '')}"
     if row["type"] == "tuple_type" and isinstance(row["input"], str):
         return f"{where}: wants a list: [{row['input']!r}]"
-    found = "" if isinstance(row["input"], dict) else f", found {row['input']!r}"  # a table is in the file to be read
-    return f"{where}: {row['msg'].removeprefix('Value error, ')}{found}"[:400]
+    if where == "trials" and isinstance(row["input"], dict):
+        return "trials: wants a table for each recording: write [[trials]], with two brackets"
+    wanted = WANTED.get(row["type"], row["msg"].removeprefix("Value error, ").replace("Input should", "should"))
+    told = isinstance(row["input"], dict) or ", found " in wanted  # a table is in the file to be read
+    found = "" if told else f", found {row['input']!r}"
+    return f"{where}: {wanted}{found}"[:400]
+
+
+def _place(keys: Sequence[str | int]) -> str:
+    """Where a value stands, its place in a list counted from 1: `trials #1.name`."""
+    told = [key for key in keys if isinstance(key, int) or not KIND.fullmatch(key)]
+    return "".join(f" #{key + 1}" if isinstance(key, int) else f".{key}" for key in told).removeprefix(".")
 
 
 def _keys(table: tuple[Any, ...]) -> list[str]:

@@ -181,7 +181,7 @@ class TrialEntry(Strict):
     def folder(cls, name: str) -> str:
         """Results go into a folder of this name."""
         reserved = name in RESERVED or name.endswith(TEMPLATE_ENDING)
-        if not name.isprintable() or Path(name).name != name or len(name) > 100 or reserved:
+        if not (name.strip() and name.isprintable()) or Path(name).name != name or len(name) > 100 or reserved:
             raise ValueError(
                 f"the name must be one that a folder can have, and not {', '.join((*RESERVED, f'*{TEMPLATE_ENDING}'))}"
             )
@@ -246,6 +246,7 @@ class Settings(Strict):
         default=None,
         gt=0,
         le=1e6,
+        allow_inf_nan=False,
         description="frames a second, Hz (fields where interlaced); as the recordings say where absent",
     )
     volume_mm: tuple[tuple[float, float, float], tuple[float, float, float]] | None = Field(

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from ...data import Detections, Finding, KinemarkError, Trajectories, Trial
+from ...data import Detections, KinemarkError, Trajectories, Trial
 from ...detect.masks import masked_centroids
 from ...io.detections_csv import read_detections_csv
 from ...io.records import load
@@ -16,11 +15,11 @@ from ..keys import digest, file_key
 from ..recordings import masks_key, masks_of, of_cameras
 from .excerpt import cut, within
 from .recording import Recording
-from .trial_source import OperatorIdentities
+from .trial_source import PlainSource
 
 
 @dataclass(frozen=True, slots=True)
-class DetectionFile:
+class DetectionFile(PlainSource):
     """Detections that were made before, by Kinemark or by another system: TDF, CSV or HDF5."""
 
     of: Recording
@@ -85,10 +84,6 @@ class DetectionFile:
             raise KinemarkError(f"{path} holds {type(found).__name__}, wanted Detections. Name another file.")
         return found
 
-    def contradictions(self) -> tuple[Finding, ...]:
-        """None is known."""
-        return ()
-
     def beside(self) -> Trial | None:
         """What a TDF holds besides its 2D points, within the stretch."""
         if self.path.suffix.lower() != ".tdf":
@@ -107,11 +102,3 @@ class DetectionFile:
             notes=tdf.notes,
         )
         return whole if self.of.frames is None else cut(whole, self.of.frames, rate)
-
-    def pictures(self, frames: Sequence[int]) -> None:
-        """There are no images."""
-        return
-
-    def operated(self) -> OperatorIdentities | None:
-        """Nobody did."""
-        return None

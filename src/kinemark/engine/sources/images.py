@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...data import Detections, Finding, Trial, make_finding
+from ...data import Detections, Finding, make_finding
 from ...data.array_types import GreyLevels
 from ...data.progress import tell
 from ...detect import detect
@@ -16,11 +16,11 @@ from ..pictures.small_videos import watched
 from ..recordings import masks_key, masks_of, methods_of
 from .excerpt import excerpt_of, pictures_of
 from .recording import Recording
-from .trial_source import OperatorIdentities
+from .trial_source import PlainSource
 
 
 @dataclass(frozen=True, slots=True)
-class Images:
+class Images(PlainSource):
     """Images or videos of all cameras, in which markers are detected."""
 
     of: Recording
@@ -60,17 +60,9 @@ class Images:
         rate = self._rate(images)
         return other_rates({name: source for name, source in images.items() if name not in stated}, rate)
 
-    def beside(self) -> Trial | None:
-        """Nothing was recorded beside."""
-        return None
-
     def pictures(self, frames: Sequence[int]) -> list[GreyLevels]:
         """The frames, counted within the stretch."""
         return pictures_of(self.of, frames)
-
-    def operated(self) -> OperatorIdentities | None:
-        """Nobody did."""
-        return None
 
     def _rate(self, images: Mapping[str, ImageSource]) -> float:
         return self.of.rate(next(iter(images.values())).rate)

@@ -15,7 +15,7 @@ from ..keys import digest, file_key
 from .excerpt import within
 from .operated import marker_within
 from .recording import Recording
-from .trial_source import OperatorIdentities, PointsAlone
+from .trial_source import OperatorIdentities, PlainSource
 
 HOLE = "{camera}"
 
@@ -30,7 +30,7 @@ def names_markers(of: Recording) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class NamedDetectionFile(PointsAlone):
+class NamedDetectionFile(PlainSource):
     """A CSV file of 2D points with names, or one a camera."""
 
     of: Recording

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...data import Detections, Finding, KinemarkError, Trial
+from ...data import Detections, Finding, KinemarkError
 from ...data.array_types import Floats, GreyLevels, Ints
 from ...data.progress import tell
 from ...detect import Centroids
@@ -21,11 +21,11 @@ from ..recordings import masks_key, masks_of
 from .excerpt import pictures_of, within
 from .images import other_rates
 from .recording import Recording, places_of
-from .trial_source import OperatorIdentities, PointsAlone
+from .trial_source import OperatorIdentities, PlainSource
 
 
 @dataclass(frozen=True, slots=True)
-class DigitisedFiles(PointsAlone):
+class DigitisedFiles(PlainSource):
     """A set of UM²AS's files of digitised centroids, one a camera, of which the entry names one."""
 
     of: Recording
@@ -67,7 +67,7 @@ class DigitisedFiles(PointsAlone):
 
 
 @dataclass(frozen=True, slots=True)
-class OperatedImages:
+class OperatedImages(PlainSource):
     """Images in which an operator points at markers; the answers are read, and what they do not say is an error."""
 
     of: Recording
@@ -125,10 +125,6 @@ class OperatedImages:
         """Where the videos' own frame rates contradict the one that is used."""
         task = self.task()
         return other_rates(task.images, self._rate(task))
-
-    def beside(self) -> Trial | None:
-        """Nothing was recorded beside."""
-        return None
 
     def pictures(self, frames: Sequence[int]) -> list[GreyLevels]:
         """The frames."""

@@ -44,8 +44,8 @@ class TrialSource(Protocol):
         ...
 
 
-class PointsAlone:
-    """What sources of 2D points have in common that come without images and without anything recorded beside."""
+class PlainSource:
+    """What a source says that has no images, nothing recorded beside, no contradictions and no operator."""
 
     __slots__ = ()
 
@@ -57,9 +57,13 @@ class PointsAlone:
         """Nothing was recorded beside."""
         return None
 
-    def pictures(self, frames: Sequence[int]) -> None:
+    def pictures(self, frames: Sequence[int]) -> list[GreyLevels] | None:
         """There are no images."""
-        return
+        return None
+
+    def operated(self) -> OperatorIdentities | None:
+        """Nobody did."""
+        return None
 
 
 @dataclass(frozen=True, slots=True)

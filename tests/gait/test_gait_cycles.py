@@ -14,7 +14,7 @@ from kinemark.gait.gait_cycles import (
     gait_curves,
     most_typical,
     movement_analysis_profile,
-    muscle_side,
+    muscle_sides,
     reference_of,
     scaled_score,
 )
@@ -142,6 +142,20 @@ def test_a_hundred_per_cent_is_what_is_said():
 
 
 def test_the_side_of_a_muscle_is_in_its_name():
-    right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast")
-    assert {muscle_side(name) for name in right} == {"right"}
-    assert {muscle_side(name) for name in ("L Rect", "Rectus left", "EMG1")} == {"left"}
+    right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast", "RT SOL", "r_gast")
+    left = ("L Rect", "Rectus left", "LT SOL", "l_gast")
+    assert set(muscle_sides(right).values()) == {"right"}
+    assert set(muscle_sides(left).values()) == {"left"}
+
+
+def test_a_glued_letter_is_a_side_where_its_twin_is_there():
+    sides = muscle_sides(["RTA", "LTA", "EMG.RGastroc", "EMG.LGastroc"])
+    assert list(sides.values()) == ["right", "left", "right", "left"]
+    assert set(muscle_sides(["RF", "LatGast", "EMG1", "Soleus"]).values()) == {None}
+
+
+def test_a_channel_without_bursts_has_no_time_that_it_is_on():
+    noise = np.random.default_rng(0).normal(size=6000)
+    (one,) = emg_curves({"L VAS": emg(noise, rate=1000.0)}, STRIDES)
+    assert np.isnan(one.values[..., 1]).all()
+    assert np.isfinite(one.values[..., 0]).all()

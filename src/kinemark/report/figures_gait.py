@@ -123,8 +123,9 @@ def emg_figures(curves: Sequence[GaitCurves]) -> list[Figure]:
 
 
 def _emg_figure(muscles: Sequence[GaitCurves]) -> Figure:
-    """The mean envelope with its spread, and a bar where the muscle is on in most strides."""
-    titles = [label(one.name.rsplit(".", 1)[-1]) for one in muscles]
+    """The mean envelope with its spread, and a bar where the muscle is on in most strides; without bursts no bar."""
+    said = ["" if np.isfinite(one.mean[:, 1]).any() else " (no bursts)" for one in muscles]
+    titles = [label(one.name.rsplit(".", 1)[-1]) + more for one, more in zip(muscles, said, strict=True)]
     traces, shapes = [], []
     for i, one in enumerate(muscles):
         traces += _curves(one, Panel("", one.name, 0, "", ""), i)

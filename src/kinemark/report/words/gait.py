@@ -276,6 +276,16 @@ GAIT_WORDS = {
     "emg_hums": Words(
         "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}.", "Check electrodes and cables."
     ),
+    "emg_without_bursts": Words(
+        "{trial}: the EMG of {channels_list} shows no bursts. It is noise alone, or the muscle never rests: nothing "
+        "says when it is on.",
+        "Check electrodes and cables. Where nobody wore the channel, nothing is lost.",
+    ),
+    "emg_without_side": Words(
+        "{trial}: EMG channels do not say of which side their muscle is: {channels_list}. They are drawn over the "
+        "strides of the left foot, in red.",
+        "Name them L … or R …, as L Tib Ant. Of right muscles the curves are wrong.",
+    ),
     "gait_good": Words("Gait was measured and nothing stands out."),
     "gait_usable": Words("Gait was measured. Look at the points below first."),
     "gait_unusable": Words("Gait was computed from markers that are exchanged: do not use it before that is mended."),

@@ -141,6 +141,18 @@ def test_a_hundred_per_cent_is_what_is_said():
     np.testing.assert_array_equal(of_mvc.values[..., 1], own.values[..., 1])
 
 
+@pytest.mark.parametrize("off", [-0.9, -0.3, 0.3, 0.9])
+def test_an_event_between_the_last_frame_and_the_next_ends_a_stride(off):
+    """Plates have samples after the last frame, and before the first where analog begins earlier."""
+    t = np.arange(600) / RATE
+    knee = Signal.of("LKneeAngles", "angle", "deg", curve(t)[:, None] * np.ones(3), rate=RATE)
+    spans = (off / RATE, 1.0) if off < 0 else (4.99, 5.99 + off / RATE)
+    (one,) = gait_curves(Signals((knee,)), [Stride("left", *spans, {"foot_off": 60.0}, {})])
+    np.testing.assert_allclose(one.mean[:, 0], curve(np.linspace(*spans, 101)), atol=2.0)
+    (beyond,) = gait_curves(Signals((knee,)), [Stride("left", 4.99, 5.99 + 1.1 / RATE, {"foot_off": 60.0}, {})])
+    assert np.isnan(beyond.values).all()
+
+
 def test_the_side_of_a_muscle_is_in_its_name():
     right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast", "RT SOL", "r_gast")
     left = ("L Rect", "Rectus left", "LT SOL", "l_gast")

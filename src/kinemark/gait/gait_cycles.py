@@ -121,10 +121,15 @@ def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves
 
 
 def _on_stride(signal: Signal, values: Floats, stride: Stride) -> Floats:
-    """(101, A); NaN where the recording does not hold the stride."""
-    span = (stride.first - signal.start, stride.last - signal.start)
-    if not (span[0] >= 0 and span[1] <= (len(values) - 1) / signal.rate):
+    """(101, A); NaN where the recording does not hold the stride.
+
+    An event beyond the first or last frame by less than one frame, as plates know it, is at that frame.
+    """
+    frame, end = 1 / signal.rate, (len(values) - 1) / signal.rate
+    first, last = stride.first - signal.start, stride.last - signal.start
+    if not (first > -frame and last < end + frame):
         return np.full((POINTS, values.shape[1]), np.nan)
+    span = (max(first, 0.0), min(last, end))
     if signal.kind == "angle":
         values = np.degrees(np.unwrap(np.radians(values), axis=0)) if np.isfinite(values).all() else values
     return resampled(values, rate=signal.rate, span=span, points=POINTS)

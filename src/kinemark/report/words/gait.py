@@ -186,8 +186,8 @@ GAIT_WORDS = {
     "gait_angles_with_gaps": Words(
         "{cut} of {strides} {strides:stride|strides} of the {side} side {cut:has|have} angles with gaps, of "
         "{joints_list}: {unknown_share:1} of the points of these curves are not there, for markers are missing.",
-        "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d, with --ends where a marker comes late or goes early; "
-        "or in a session, [fill], with ends = true.",
+        "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d, with --ends where a marker comes late or goes "
+        "early; or in a session, [fill], with ends = true.",
     ),
     "gait_markers_leap": Words(
         "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: "

@@ -47,6 +47,17 @@ def test_noise_alone_is_no_muscle_that_is_on(low_hz, unit):
         assert not found.bursts and not found.on.any()
 
 
+@pytest.mark.parametrize("times", [4.0, 8.0, 20.0])
+@pytest.mark.parametrize("works", [0.2, 0.5])
+def test_rest_is_not_on_however_weak_the_bursts(times, works):
+    """Of the rest, which noise makes, hardly any is on; of the bursts nearly all."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        strong = np.mod(np.arange(6000) / 1000.0, 1.0) < works
+        on = emg(rng.normal(0, np.where(strong, times, 1.0)), rate=1000.0).on
+        assert on[strong].mean() > 0.95 and on[~strong].mean() < 0.1
+
+
 @pytest.mark.parametrize("works", [0.1, 0.5, 0.85])
 def test_a_muscle_that_works_has_bursts_however_long(works):
     rng = np.random.default_rng(1)

@@ -2,11 +2,16 @@
 
     raw → band-pass (Butterworth, forwards and backwards) → |·| → low-pass → envelope                          (1)
 
-A muscle is on where a faster envelope exceeds the mean of its quietest tenth by `on_sd` of that tenth's standard
-deviations, and a share of its peak (2), bridged and kept by a least duration (Hodges and Bui 1996; De Luca 1997 for the
-bands). Noise alone exceeds that too, most of the time: where the faster envelope hardly differs from its mean, and
-never falls far below it, the channel shows no bursts, and nothing says when its muscle is on (4). One that sits at its
-greatest or least value is saturated; one with more power at the mains' frequency than in the bands beside it hums (3).
+A muscle is on where a faster envelope exceeds its mean at rest m by `on_sd` standard deviations, and a share of its
+peak, bridged and kept by a least duration (Hodges and Bui 1996; De Luca 1997 for the bands). Rest is not known
+beforehand. At rest the envelope of noise has the standard deviation c m, and its quietest tenth is q on average:
+
+    q = m (1 − 1.755 c)     on above m (1 + on_sd c)                                                           (2)
+
+with 1.755 of the normal distribution. The deviation of that tenth itself is far below c m, as its values are chosen.
+Where the faster envelope hardly differs from its mean, and never falls far below it, the channel shows no bursts, and
+nothing says when its muscle is on (3). A channel that sits at its greatest or least value is saturated; one with more
+power at the mains' frequency than in the bands beside it hums (4).
 """
 
 from __future__ import annotations
@@ -33,6 +38,12 @@ SHARPER = 4.0
 """By which the envelope that says on and off is faster; chosen: at 6 Hz a burst seems 60 ms longer than it is."""
 QUIET_SHARE = 0.1
 """Of the envelope that counts as rest; chosen: muscles of walking rest longer."""
+REST_VARIES = 0.24
+"""c of (2); chosen: bursts of known time added to 20 real channels of noise, 4 times as strong as it, are found in 95 %
+of their time, and in 5 % of the rest; with the deviation of the quietest tenth it was 84 % of the rest. Of 15 other
+channels 87 % and 1 %. White noise has 0.15."""
+TENTH = 1.755
+"""Standard deviations by which the least tenth of normal values is below their mean; by definition."""
 LEAST_OF_PEAK = 0.1
 """Share of the peak that an active muscle exceeds; chosen."""
 NOISE_VARIES = 0.5
@@ -65,7 +76,7 @@ class Emg(NamedTuple):
     Attributes:
         filtered: (N) band-passed; envelope: (N), both in the unit of the channel.
         on: (N) whether the muscle is active; nowhere where there are no bursts.
-        bursts: whether it shows more than noise (4).
+        bursts: whether it shows more than noise (3).
         saturated: share of samples at the channel's limits.
         hum_hz: 50 or 60 where the mains are heard, else 0.
         rate: samples a second, Hz. start: of the first after the first frame, s.
@@ -116,7 +127,7 @@ def _quietest(known: Floats) -> Floats:
 
 
 def _bursts(known: Floats) -> bool:
-    """(4), of an envelope without gaps."""
+    """(3), of an envelope without gaps."""
     mean = known.mean()
     return bool(known.std() >= NOISE_VARIES * mean or _quietest(known).mean() <= NOISE_RESTS * mean)
 
@@ -124,8 +135,8 @@ def _bursts(known: Floats) -> bool:
 def _on(envelope: Floats, rate: float, how: EmgFilter) -> Bools:
     """(2)."""
     known = envelope[np.isfinite(envelope)]
-    quiet = _quietest(known)
-    level = max(quiet.mean() + how.on_sd * quiet.std(), LEAST_OF_PEAK * np.percentile(known, 99))
+    rest = _quietest(known).mean() / (1 - TENTH * REST_VARIES)
+    level = max(rest * (1 + how.on_sd * REST_VARIES), LEAST_OF_PEAK * np.percentile(known, 99))
     on = np.nan_to_num(envelope) > level
     least = how.shortest_s * rate
     for first, stop in true_runs(~on):
@@ -147,7 +158,7 @@ def _saturated(x: Floats) -> float:
 
 
 def _hum(x: Floats, rate: float) -> float:
-    """(3)."""
+    """(4)."""
     n = min(len(x), int(2 * rate))
     hz, power = scipy.signal.welch(x, fs=rate, nperseg=n)
     for mains in MAINS_HZ:

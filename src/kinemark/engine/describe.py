@@ -187,7 +187,7 @@ def _plain(value: Any) -> str:
 
 
 def _camera(c: Mapping[str, Any]) -> str:
-    place = ", ".join(f"{x:.0f}" for x in c["centre_mm"])
+    place = ", ".join(f"{x:z.0f}" for x in c["centre_mm"])
     size = " × ".join(map(str, c["size_px"]))
     return f"\n    {c['name']}: {size} px, focal length {c['focal_length_px']:.1f} px, at ({place}) mm"
 

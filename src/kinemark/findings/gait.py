@@ -309,7 +309,7 @@ def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
     if left_out:
         yield make_finding("gait_turns_left_out", trial=trial.name, left_out=len(left_out), strides=len(trial.strides))
     if len(each := ways(trial.counted)) > 1:
-        told = [f"{own[0].facing_deg:.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
+        told = [f"{own[0].facing_deg:z.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)
     if not trial.names.exchanged and (turned := _turned(trial)) > TURN_DEG:
         yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)

@@ -153,6 +153,18 @@ def test_an_event_between_the_last_frame_and_the_next_ends_a_stride(off):
     assert np.isnan(beyond.values).all()
 
 
+def test_a_control_with_a_gap_makes_no_step_in_the_band():
+    whole = [
+        {"LThoraxAngles": np.full((101, 3), float(k)), "RThoraxAngles": np.full((101, 3), float(k))} for k in (1, 2)
+    ]
+    half = np.full((101, 3), 30.0)
+    half[50:] = np.nan
+    one_side = {"LThoraxAngles": half, "RThoraxAngles": np.full((101, 3), 3.0)}
+    found = reference_of([*whole, {"LThoraxAngles": half, "RThoraxAngles": half}, one_side], "")
+    np.testing.assert_allclose(found.mean["ThoraxAngles"], 2.0)
+    np.testing.assert_allclose(found.sd["ThoraxAngles"], 1.0)
+
+
 def test_the_side_of_a_muscle_is_in_its_name():
     right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast", "RT SOL", "r_gast")
     left = ("L Rect", "Rectus left", "LT SOL", "l_gast")

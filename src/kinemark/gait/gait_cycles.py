@@ -200,7 +200,8 @@ def reference_of(
 ) -> GaitReference:
     """A band of controls, each by its (101, A) mean curves by name ("LKneeAngles").
 
-    A subject counts once, with the mean of both sides; a quantity counts where two subjects have it.
+    A subject counts once, with the mean of both sides; a quantity counts where two subjects have it. A curve with gaps
+    does not count: where it stops, the band would have a step.
 
     Args:
         controls: curves of each. source: where they are from.
@@ -210,7 +211,8 @@ def reference_of(
     for means in controls:
         sides: dict[str, list[Floats]] = {}
         for name, curve in means.items():
-            sides.setdefault(name[1:], []).append(curve)
+            if np.isfinite(curve).all():
+                sides.setdefault(name[1:], []).append(curve)
         for name, curves in sides.items():
             each.setdefault(name, []).append(known_mean(np.array(curves)))
     shared = {name: np.array(ys) for name, ys in each.items() if len(ys) > 1}

@@ -54,6 +54,12 @@ KINEMATICS = (
     Panel("Foot progression", "FootProgressAngles", 1, "internal", "external"),
 )
 """Rows of three planes, from the pelvis to the foot; ankle and foot have no angle of their own in the coronal plane."""
+TRUNK = (
+    Panel("Trunk tilt", "ThoraxAngles", 0, "forward", "back"),
+    Panel("Trunk obliquity", "ThoraxAngles", 1, "up", "down"),
+    Panel("Trunk rotation", "ThoraxAngles", 2, "forward", "back"),
+)
+"""The same of the trunk in the room, where its markers are worn; up and forward are those of the side's shoulder."""
 KINETICS = (
     Panel("Hip moment", "HipMoment", 0, "extensors", "flexors"),
     Panel("Knee moment", "KneeMoment", 0, "extensors", "flexors"),
@@ -99,6 +105,11 @@ def panels_figure(
         notes += _key(corner(blank[-1] - 1, len(panels)), with_sd=with_sd, with_reference=reference is not None)
     hidden = dict.fromkeys(blank, ({"visible": False}, {"visible": False}))
     return stride_figure(titles, traces, shapes, notes, heads=heads, axes=hidden)
+
+
+def trunk_figure(curves: Sequence[GaitCurves], reference: GaitReference | None = None) -> Figure | None:
+    """The trunk's angles; None where nobody wore its markers."""
+    return panels_figure(curves, TRUNK, reference) if any(_of(curves, panel) for panel in TRUNK) else None
 
 
 def _key(place: tuple[float, float], *, with_sd: bool, with_reference: bool) -> list[Part]:

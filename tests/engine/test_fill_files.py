@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import AngleModel, KinemarkError, Origin, Trajectories, same
+from kinemark.data import AngleModel, KinemarkError, Origin, Trajectories, Trial, same
 from kinemark.engine.fill_files import angle_model, fill_file, fill_files, fill_method, filled_figures, filled_text
 from kinemark.engine.settings.method_tables import whole_of
 from kinemark.fill import Auto, Body, Gap, KalmanAngles, LimbAngles, Linear, MarkerArray
@@ -21,6 +21,7 @@ from kinemark.io.c3d.writing import write_document
 from kinemark.io.trc import read_trc, write_trc
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.synth import walking
+from support.computed import computed, walker, with_computed
 from support.filling import GAP, segment, trial_of, with_gap
 from support.findings import found
 from support.shared import shared_data
@@ -55,6 +56,23 @@ def test_many_files_go_into_a_folder_and_a_bad_one_keeps_nobody_from_the_others(
     figures, text = filled_figures(done), filled_text(done)
     assert figures[str(a)]["filled"] == 1 and "bad.c3d" in figures[str(bad)]["error"]
     assert all(str(path) in text for path in (a, bad, b, tmp_path / "out/trial0.html"))
+
+
+def test_points_that_were_computed_of_markers_stay_as_they_are(tmp_path):
+    """Where the program lacked a marker it lacked what it computed of it: that is no gap of a marker."""
+    whole = with_computed(walker(1))
+    away = np.zeros(whole.n_frames, bool)
+    away[60:90] = True
+    lost = {"LKNE", *computed(walker(1))}
+    cut = replace(whole, paths=tuple(path.only(~away) if path.name in lost else path for path in whole))
+    write_trial(Trial("walk", cut), tmp_path / "walk.c3d")
+    done = fill_file(tmp_path / "walk.c3d", tmp_path / "filled.c3d", **QUICK)
+    after = read_trial(tmp_path / "filled.c3d").trajectories
+    assert after.names == whole.names and done.figures["filled"] == done.figures["gaps"] == 1
+    assert np.isfinite(after["LKNE"].xyz).all()
+    assert all(np.isnan(after[name].xyz[away]).all() for name in computed(walker(1)))
+    (said,) = found(done.figures, "computed_not_filled")
+    assert said.values["points"] == len(computed(walker(1)))
 
 
 def test_one_file_goes_into_a_file_or_a_folder(tmp_path):

@@ -294,12 +294,14 @@ def test_leaps_of_rough_tracks_of_another_system_lie_in_problems_worth_a_look(tm
     assert len(problems(editing).asked) < 55  # steps of one path within a second are one
 
 
-@pytest.mark.parametrize("markers", [0, 2])
-def test_a_file_without_samples_of_markers_is_no_clean_file(tmp_path, markers):
+@pytest.mark.parametrize(
+    ("markers", "says"), [(0, "has no trajectories"), (2, "2 markers, of which none is ever seen")]
+)
+def test_a_file_without_samples_of_markers_is_no_clean_file(tmp_path, markers, says):
     source, unseen = tmp_path / "empty.c3d", np.full((9, 3), np.nan)
     paths = tuple(MarkerTrajectory.measured(name, unseen) for name in ("A", "B")[:markers])
     write_c3d(source, Trial("empty", Trajectories(paths, 100.0)))
-    with pytest.raises(KinemarkError, match=r"has no trajectories\. Give a file of markers in space"):
+    with pytest.raises(KinemarkError, match=rf"{says}\. Give a file of markers in space"):
         audit_file(source)
 
 

@@ -113,6 +113,11 @@ def test_missing_samples_are_counted_once_each():
     assert figures["never_seen"] == ["C"] and figures["open"] == 1 and figures["filled"] == 0
     ends = said_of(xyz, limit_mm=np.inf, ends=True, method=RigidBody())
     assert ends["filled"] == 3 and ends["beyond"] == 0 and ends["missing_after"] == 120
+    before = trial_of(xyz).trajectories
+    nameless = replace(before, paths=(*before.paths[:2], replace(before.paths[0].only(np.arange(120) > 60), name="*1")))
+    filled = fill(nameless, method=RigidBody(), limit_mm=np.inf, ends=True)
+    figures = filling_figures(filled, nameless, source="s", method="rigid_body", limit_mm=np.inf)
+    assert figures["beyond"] == 0  # of a track that is no marker's nobody wants the ends
     closed = said_of(xyz, limit_mm=1e-6, ends=True, method=RigidBody())
     assert closed["open"] == 3 and closed["beyond"] == 0
 

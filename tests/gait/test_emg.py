@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy
 
 from kinemark.data import KinemarkError
 from kinemark.gait.emg import EmgFilter, emg, normalised, peak_of
@@ -32,6 +33,37 @@ def test_a_muscle_at_rest_beside_a_burst_is_off():
     t, _, x = recorded()
     on = emg(x, rate=1000.0).on
     assert not on[(t > 1.1) & (t < 1.4)].any()
+
+
+@pytest.mark.parametrize("low_hz", [0.0, 100.0, 200.0])
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_noise_alone_is_no_muscle_that_is_on(low_hz, unit):
+    """White, or narrow as of an electrode that hangs on nothing."""
+    for seed in range(5):
+        x = np.random.default_rng(seed).normal(size=4000)
+        if low_hz:
+            x = scipy.signal.sosfiltfilt(scipy.signal.butter(1, low_hz, fs=1000.0, output="sos"), x)
+        found = emg(unit * x + 3 * unit, rate=1000.0)
+        assert not found.bursts and not found.on.any()
+
+
+@pytest.mark.parametrize("times", [4.0, 8.0, 20.0])
+@pytest.mark.parametrize("works", [0.2, 0.5])
+def test_rest_is_not_on_however_weak_the_bursts(times, works):
+    """Of the rest, which noise makes, hardly any is on; of the bursts nearly all."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        strong = np.mod(np.arange(6000) / 1000.0, 1.0) < works
+        on = emg(rng.normal(0, np.where(strong, times, 1.0)), rate=1000.0).on
+        assert on[strong].mean() > 0.95 and on[~strong].mean() < 0.1
+
+
+@pytest.mark.parametrize("works", [0.1, 0.5, 0.85])
+def test_a_muscle_that_works_has_bursts_however_long(works):
+    rng = np.random.default_rng(1)
+    strong = np.mod(np.arange(6000) / 1000.0, 1.0) < works
+    found = emg(rng.normal(0, np.where(strong, 50.0, 6.0)), rate=1000.0)
+    assert found.bursts and found.on[strong].mean() > 0.9
 
 
 @pytest.mark.parametrize("mains", [50.0, 60.0])

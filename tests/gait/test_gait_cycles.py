@@ -14,7 +14,7 @@ from kinemark.gait.gait_cycles import (
     gait_curves,
     most_typical,
     movement_analysis_profile,
-    muscle_side,
+    muscle_sides,
     reference_of,
     scaled_score,
 )
@@ -141,7 +141,45 @@ def test_a_hundred_per_cent_is_what_is_said():
     np.testing.assert_array_equal(of_mvc.values[..., 1], own.values[..., 1])
 
 
+@pytest.mark.parametrize("off", [-0.9, -0.3, 0.3, 0.9])
+def test_an_event_between_the_last_frame_and_the_next_ends_a_stride(off):
+    """Plates have samples after the last frame, and before the first where analog begins earlier."""
+    t = np.arange(600) / RATE
+    knee = Signal.of("LKneeAngles", "angle", "deg", curve(t)[:, None] * np.ones(3), rate=RATE)
+    spans = (off / RATE, 1.0) if off < 0 else (4.99, 5.99 + off / RATE)
+    (one,) = gait_curves(Signals((knee,)), [Stride("left", *spans, {"foot_off": 60.0}, {})])
+    np.testing.assert_allclose(one.mean[:, 0], curve(np.linspace(*spans, 101)), atol=2.0)
+    (beyond,) = gait_curves(Signals((knee,)), [Stride("left", 4.99, 5.99 + 1.1 / RATE, {"foot_off": 60.0}, {})])
+    assert np.isnan(beyond.values).all()
+
+
+def test_a_control_with_a_gap_makes_no_step_in_the_band():
+    whole = [
+        {"LThoraxAngles": np.full((101, 3), float(k)), "RThoraxAngles": np.full((101, 3), float(k))} for k in (1, 2)
+    ]
+    half = np.full((101, 3), 30.0)
+    half[50:] = np.nan
+    one_side = {"LThoraxAngles": half, "RThoraxAngles": np.full((101, 3), 3.0)}
+    found = reference_of([*whole, {"LThoraxAngles": half, "RThoraxAngles": half}, one_side], "")
+    np.testing.assert_allclose(found.mean["ThoraxAngles"], 2.0)
+    np.testing.assert_allclose(found.sd["ThoraxAngles"], 1.0)
+
+
 def test_the_side_of_a_muscle_is_in_its_name():
-    right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast")
-    assert {muscle_side(name) for name in right} == {"right"}
-    assert {muscle_side(name) for name in ("L Rect", "Rectus left", "EMG1")} == {"left"}
+    right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast", "RT SOL", "r_gast")
+    left = ("L Rect", "Rectus left", "LT SOL", "l_gast")
+    assert set(muscle_sides(right).values()) == {"right"}
+    assert set(muscle_sides(left).values()) == {"left"}
+
+
+def test_a_glued_letter_is_a_side_where_its_twin_is_there():
+    sides = muscle_sides(["RTA", "LTA", "EMG.RGastroc", "EMG.LGastroc"])
+    assert list(sides.values()) == ["right", "left", "right", "left"]
+    assert set(muscle_sides(["RF", "LatGast", "EMG1", "Soleus"]).values()) == {None}
+
+
+def test_a_channel_without_bursts_has_no_time_that_it_is_on():
+    noise = np.random.default_rng(0).normal(size=6000)
+    (one,) = emg_curves({"L VAS": emg(noise, rate=1000.0)}, STRIDES)
+    assert np.isnan(one.values[..., 1]).all()
+    assert np.isfinite(one.values[..., 0]).all()

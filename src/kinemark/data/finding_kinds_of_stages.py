@@ -56,6 +56,8 @@ FILLING = (
          {"filled": "count", "gaps": "count"}),
     Kind("tracks_not_filled", "fill", "info", "Tracks without a name beside markers with one: their gaps are none of a "
          "marker's and stay as they are.", {"tracks": "count", "gaps": "count"}),
+    Kind("computed_not_filled", "fill", "info", "Points with missing samples that a program computed of markers: they "
+         "stay as they are.", {"points": "count"}),
     Kind("nothing_to_fill", "fill", "info", "The verdict: there are no gaps."),
     Kind("no_marker_seen", "fill", "info", "The verdict: no marker is seen."),
     Kind("expected_gap_error", "fill", "info", "Expected error of a filled sample, median and largest of the gaps, by "

@@ -48,7 +48,9 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
     """
     editing = open_editing(source, by=by)
     if not np.isfinite(editing.trajectories.xyz).any():
-        raise KinemarkError(f"{source} has no trajectories. Give a file of markers in space, as a C3D file.")
+        names = len(editing.trajectories)
+        lacks = f"has {names} markers, of which none is ever seen" if names else "has no trajectories"
+        raise KinemarkError(f"{source} {lacks}. Give a file of markers in space, as a C3D file.")
     mended = list[Problem]()
     for _ in range(ROUNDS if mend else 0):
         found = problems(editing, template=template, one_by_one=True)

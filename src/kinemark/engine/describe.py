@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..data import Analog, Detections, Rig, Signals, Trajectories, Trial
 from ..io.formats import UNKNOWN_RATE, ReadOptions, holds, read_file
 from ..io.tdf import Tdf
@@ -63,9 +65,13 @@ def open_session(path: Path) -> Session:
 
 def _trial(trial: Trial) -> dict[str, Any]:
     t = trial.trajectories
-    gaps = [stop - first for path in t for first, stop in path.gaps]
+    computed = _computed(trial)
+    markers = [path for path in t if path.name not in computed]
+    gaps = [stop - first for path in markers for first, stop in path.gaps]
     return {
-        "markers": list(t.names),
+        "markers": [path.name for path in markers],
+        "computed_points": [name for name in t.names if name in computed],
+        "never_seen": [path.name for path in markers if np.isnan(path.xyz).all()],
         "frames": t.n_frames,
         "first_frame": t.first_frame,
         "rate_hz": t.rate,
@@ -79,6 +85,13 @@ def _trial(trial: Trial) -> dict[str, Any]:
         "about": dict(trial.about),
         "notes": list(trial.notes),
     }
+
+
+def _computed(trial: Trial) -> tuple[str, ...]:
+    """Points that a program computed of markers."""
+    from .naming.put_aside import computed_names  # brings the stage that names markers, and cameras' files need none
+
+    return computed_names(trial) if len(trial.trajectories) else ()
 
 
 def _signals(signals: Signals) -> list[dict[str, Any]]:
@@ -174,7 +187,7 @@ def _plain(value: Any) -> str:
 
 
 def _camera(c: Mapping[str, Any]) -> str:
-    place = ", ".join(f"{x:.0f}" for x in c["centre_mm"])
+    place = ", ".join(f"{x:z.0f}" for x in c["centre_mm"])
     size = " × ".join(map(str, c["size_px"]))
     return f"\n    {c['name']}: {size} px, focal length {c['focal_length_px']:.1f} px, at ({place}) mm"
 
@@ -192,7 +205,14 @@ def _cameras(value: Any) -> str:
     return ", ".join(value) if isinstance(value, list) else str(value)
 
 
-LABELS = {"rate_hz": "rate", "duration_s": "duration", "size_px": "size", "force_plates": "force plates"}
+LABELS = {
+    "computed_points": "computed of markers",
+    "never_seen": "never seen",
+    "rate_hz": "rate",
+    "duration_s": "duration",
+    "size_px": "size",
+    "force_plates": "force plates",
+}
 IN_WORDS: dict[str, Callable[[Any], str]] = {
     "rate_hz": lambda rate: f"{rate:g} Hz",
     "duration_s": lambda seconds: f"{seconds:.2f} s",

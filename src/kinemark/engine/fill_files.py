@@ -8,9 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from pydantic import ValidationError
 
-from ..data import AngleModel, KinemarkError, Trial
+from ..data import AngleModel, KinemarkError, Trajectories, Trial
 from ..data.progress import listening
 from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures
@@ -25,6 +26,7 @@ from ..report.filling_text import filling_summary
 from ..report.words import with_words
 from .folders import FILLED, check_folder
 from .identities import identity_of_file
+from .naming.put_aside import put_aside
 from .progress import Progress, Watch, silent
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
@@ -62,6 +64,8 @@ def fill_file(
 ) -> FilledFile:
     """Fill the gaps of a trial's markers and write it; channels, events, angles and parameters stay as they were.
 
+    So do points that a program computed of markers: no skin moves them, and they follow from the filled markers.
+
     Args:
         source: any file of trajectories, as `io.trial` reads them.
         target: the file to write, as `io.trial` writes them; an existing one is not replaced.
@@ -87,18 +91,28 @@ def fill_file(
     if target.suffix.lower() not in endings("trajectories"):
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
     trial = reader(source)
-    positions = trial.trajectories
-    if not len(positions):
+    if not len(trial.trajectories):
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
-    still = reader(static).trajectories if static else None
+    positions, aside = put_aside(trial)
+    still = put_aside(reader(static)).rest if static else None
     filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, trim=trim, static=still)
-    figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
+    lacking = sum(bool(np.isnan(path.xyz).any()) for path in aside)
+    figures = with_words(
+        filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm, computed=lacking)
+    )
     figures["identity"] = identity_of_file(trial, source)
-    whole = replace(trial, trajectories=filled.trajectories)
+    whole = replace(trial, trajectories=_in_order(trial.trajectories, filled.trajectories))
     notes = (*read_notes(trial.notes), *write_trial(whole, target))
     if report:
         write_filling_page(report, figures=figures, trajectories=filled.trajectories, before=positions)
     return FilledFile(whole, filled, figures, (target, report) if report else (target,), notes)
+
+
+def _in_order(before: Trajectories, filled: Trajectories) -> Trajectories:
+    """The file's points in its own order, its markers filled; after them what was placed anew."""
+    done = {path.name: path for path in filled}
+    kept = [done.pop(path.name, path) for path in before]
+    return replace(before, paths=(*kept, *done.values()))
 
 
 def fill_files(

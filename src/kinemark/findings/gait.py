@@ -12,7 +12,7 @@ from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
-from ..gait.emg import MAINS_HZ, Emg
+from ..gait.emg import Emg
 from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical
 from ..gait.gait_trial import GaitTrial
@@ -26,6 +26,7 @@ from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..version import __version__
 from .gait_doubts import of_doubts
+from .gait_muscles import of_muscles
 from .gait_numbers import (
     averages_of,
     curve,
@@ -298,13 +299,7 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
                 "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
                 frames=[(contact.first + trial.first_frame, contact.stop - 1 + trial.first_frame)],
             )  # fmt: skip
-    cut = [name for name, channel in trial.emg.items() if channel.saturated]
-    if cut:
-        most = max(trial.emg[name].saturated for name in cut)
-        yield make_finding("emg_saturated", trial=trial.name, channels_list=cut, samples_share=most)
-    mains = max(MAINS_HZ, key=lambda hz: sum(channel.hum_hz == hz for channel in trial.emg.values()))  # a place has one
-    if loud := [name for name, channel in trial.emg.items() if channel.hum_hz == mains]:
-        yield make_finding("emg_hums", trial=trial.name, channels_list=loud, mains=mains)
+    yield from of_muscles(trial.name, trial.emg)
     yield from _of_ways(trial)
 
 
@@ -314,7 +309,7 @@ def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
     if left_out:
         yield make_finding("gait_turns_left_out", trial=trial.name, left_out=len(left_out), strides=len(trial.strides))
     if len(each := ways(trial.counted)) > 1:
-        told = [f"{own[0].facing_deg:.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
+        told = [f"{own[0].facing_deg:z.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)
     if not trial.names.exchanged and (turned := _turned(trial)) > TURN_DEG:
         yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)

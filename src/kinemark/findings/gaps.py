@@ -29,7 +29,13 @@ STATIC = "static"
 
 
 def filling_figures(
-    filled: Filled, before: Trajectories, *, source: str, method: str, limit_mm: float
+    filled: Filled,
+    before: Trajectories,
+    *,
+    source: str,
+    method: str,
+    limit_mm: float,
+    computed: int = 0,
 ) -> dict[str, Any]:
     """Everything that the page of a filled trial says, as plain data for JSON.
 
@@ -37,6 +43,7 @@ def filling_figures(
         filled: what `fill.fill` gave.
         before: the trial before it.
         source: name of the trial or file; method: of filling; limit_mm: as given to `fill`.
+        computed: points of the file with missing samples that are no markers, and were not looked at.
     """
     after = filled.trajectories
     gaps = [_gap(gap, after) for gap in filled.gaps]
@@ -52,11 +59,13 @@ def filling_figures(
         **_counts(gaps),
         "missing_samples": _missing(before),
         "missing_after": _missing(after),
-        "beyond": sum(_beyond(path) for path in after) - sum(_at_an_end(gap, before) for gap in filled.gaps),
+        "beyond": sum(_beyond(path) for path in _of_markers(after))
+        - sum(_at_an_end(gap, before) for gap in filled.gaps),
         "never_seen": [path.name for path in after if (path.origin == Origin.MISSING).all()],
         "much_filled": [path.name for path in after if (path.origin == Origin.FILLED).mean() > MUCH],
         "far_away": _far_away(before),
         **_nameless(before),
+        "computed_points": computed,
         "list": gaps,
     }
     figures = plain(figures)
@@ -86,6 +95,12 @@ def _counts(gaps: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _missing(trajectories: Trajectories) -> int:
     return sum(int((path.origin == Origin.MISSING).sum()) for path in trajectories)
+
+
+def _of_markers(trajectories: Trajectories) -> list[MarkerPath]:
+    """Without tracks that have no name beside such as have one: `fill` leaves them."""
+    named = [path for path in trajectories if not path.name.startswith("*")]
+    return named or list(trajectories)
 
 
 def _beyond(path: MarkerPath) -> int:
@@ -169,6 +184,8 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("gaps_beyond_tests", gaps=len(beyond), max_ratio=max(beyond))
     if n := figures["nameless_tracks"]:
         yield make_finding("tracks_not_filled", tracks=n, gaps=figures["nameless_gaps"])
+    if n := figures["computed_points"]:
+        yield make_finding("computed_not_filled", points=n)
     yield from _odd_samples(figures)
     if figures["much_filled"]:
         yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)

@@ -310,6 +310,8 @@ class FillingData(TypedDict):
     nameless_tracks: Count
     """Without a name beside markers with one: ghosts and left-over pieces, whose gaps are not filled."""
     nameless_gaps: Count
+    computed_points: Count
+    """With missing samples, that a program computed of markers; they stay as they are."""
     list: list[GapData]
     findings: list[FindingData]
     verdict: VerdictData

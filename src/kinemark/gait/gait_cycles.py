@@ -12,7 +12,7 @@ which systematic causes do not average out), and consistency is told by
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -43,21 +43,23 @@ def gait_curves(signals: Signals, strides: Sequence[Stride]) -> tuple[GaitCurves
 def emg_curves(
     channels: Mapping[str, Emg], strides: Sequence[Stride], *, whole: Mapping[str, float] | None = None
 ) -> tuple[GaitCurves, ...]:
-    """Envelope in %, and whether the muscle is on, in %, over the strides of its side.
+    """Envelope in %, and whether the muscle is on, in %, over the strides of its side (`muscle_sides`).
 
-    The channel's name says the side, by a letter or a word ("R Rect", "EMG_left_soleus"); without one it is the left.
+    Where a channel shows no bursts it is not known when the muscle is on (NaN).
 
     Args:
         channels: by name. strides: of both sides.
         whole: what counts as 100 %, in the channel's unit; its own greatest value where none is given.
     """
     found = []
+    sides = muscle_sides(channels)
     for name, one in channels.items():
-        side = muscle_side(name)
+        side = sides[name] or "left"
         own = [s for s in strides if s.side == side]
         if own:
             hundred = (whole or {}).get(name, peak_of(one.envelope))
-            both = np.stack([normalised(one.envelope, hundred), 100.0 * one.on], -1)
+            on = 100.0 * one.on if one.bursts else np.full(len(one.on), np.nan)
+            both = np.stack([normalised(one.envelope, hundred), on], -1)
             signal = Signal.of(name, "emg", "%", both, rate=one.rate, axes=("envelope", "on"))
             found.append(_curves(replace(signal, start=one.start), side, own))
     return tuple(found)
@@ -71,18 +73,42 @@ def dynamic_peaks(each: Sequence[tuple[Mapping[str, Emg], Sequence[Stride]]]) ->
     """
     found: dict[str, list[float]] = {}
     for channels, strides in each:
+        sides = muscle_sides(channels)
         for name, one in channels.items():
-            for stride in (s for s in strides if s.side == muscle_side(name)):
+            for stride in (s for s in strides if s.side == (sides[name] or "left")):
                 a, b = (round((t - one.start) * one.rate) for t in (stride.first, stride.last))
                 if 0 <= a < b <= len(one.envelope) and (peak := peak_of(one.envelope[a:b])) > 0:
                     found.setdefault(name, []).append(peak)
     return {name: float(np.mean(peaks)) for name, peaks in found.items()}
 
 
-def muscle_side(name: str) -> Side:
-    """Of an EMG channel, by its name."""
-    words = re.split(r"[^A-Za-z]+", name)
-    return "right" if any(word in ("R", "r", "RT") or word.lower() == "right" for word in words) else "left"
+def muscle_sides(names: Collection[str]) -> dict[str, Side | None]:
+    """Sides of EMG channels by their names; None of one that does not say it.
+
+    A letter or a word says it ("R Rect", "EMG_left_soleus"), or the letter that a word begins with, where another
+    channel is called alike but for the other letter ("RTA" beside "LTA"; "RF" alone is the rectus femoris).
+    """
+    known = set(names)
+    return {name: _said_side(name) or _glued_side(name, known) for name in names}
+
+
+def _said_side(name: str) -> Side | None:
+    """By a letter or word of its own."""
+    for word in re.split(r"[^A-Za-z]+", name):
+        for side in SIDES:
+            letter = LETTER[side]
+            if word in (letter, letter.lower(), f"{letter}T") or word.lower() == side:
+                return side
+    return None
+
+
+def _glued_side(name: str, known: Collection[str]) -> Side | None:
+    """By the letter that one of its words begins with, where its twin is there."""
+    for found in re.finditer(r"(?<![A-Za-z])[LR](?=[A-Za-z])", name):
+        i, left = found.start(), found.group() == "L"
+        if f"{name[:i]}{'R' if left else 'L'}{name[i + 1 :]}" in known:
+            return "left" if left else "right"
+    return None
 
 
 def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves:
@@ -95,10 +121,15 @@ def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves
 
 
 def _on_stride(signal: Signal, values: Floats, stride: Stride) -> Floats:
-    """(101, A); NaN where the recording does not hold the stride."""
-    span = (stride.first - signal.start, stride.last - signal.start)
-    if not (span[0] >= 0 and span[1] <= (len(values) - 1) / signal.rate):
+    """(101, A); NaN where the recording does not hold the stride.
+
+    An event beyond the first or last frame by less than one frame, as plates know it, is at that frame.
+    """
+    frame, end = 1 / signal.rate, (len(values) - 1) / signal.rate
+    first, last = stride.first - signal.start, stride.last - signal.start
+    if not (first > -frame and last < end + frame):
         return np.full((POINTS, values.shape[1]), np.nan)
+    span = (max(first, 0.0), min(last, end))
     if signal.kind == "angle":
         values = np.degrees(np.unwrap(np.radians(values), axis=0)) if np.isfinite(values).all() else values
     return resampled(values, rate=signal.rate, span=span, points=POINTS)
@@ -169,7 +200,8 @@ def reference_of(
 ) -> GaitReference:
     """A band of controls, each by its (101, A) mean curves by name ("LKneeAngles").
 
-    A subject counts once, with the mean of both sides; a quantity counts where two subjects have it.
+    A subject counts once, with the mean of both sides; a quantity counts where two subjects have it. A curve with gaps
+    does not count: where it stops, the band would have a step.
 
     Args:
         controls: curves of each. source: where they are from.
@@ -179,7 +211,8 @@ def reference_of(
     for means in controls:
         sides: dict[str, list[Floats]] = {}
         for name, curve in means.items():
-            sides.setdefault(name[1:], []).append(curve)
+            if np.isfinite(curve).all():
+                sides.setdefault(name[1:], []).append(curve)
         for name, curves in sides.items():
             each.setdefault(name, []).append(known_mean(np.array(curves)))
     shared = {name: np.array(ys) for name, ys in each.items() if len(ys) > 1}

@@ -116,5 +116,5 @@ def _few(xyz: Floats) -> Floats:
 
 def _volume(volume: dict[str, Any]) -> str:
     low, high = volume["corners_mm"]
-    spans = ", ".join(f"{axis} {a:.0f} to {b:.0f}" for axis, a, b in zip("xyz", low, high, strict=True))
+    spans = ", ".join(f"{axis} {a:z.0f} to {b:z.0f}" for axis, a, b in zip("xyz", low, high, strict=True))
     return f"{spans} mm" + ("" if volume["given"] else " (assumed about where the cameras' axes meet; set volume_mm)")

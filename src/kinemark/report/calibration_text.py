@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .formatting import number, percent
+from .formatting import number, percent, signed
 from .terminal_summary import finding_lines
 from .words import headline_of, sentences_of
 
@@ -35,7 +35,7 @@ def _change(change: dict[str, Any] | None) -> list[str]:
         return []
     rows = [
         f"  {c['name']}: moved {number(c['moved_mm'], 2)} mm, turned {number(c['turned_deg'], 3)}°, focal length "
-        f"{100 * c['focal_share']:+.2f} %, image shifted {number(c['image_px'], 2)} px"
+        f"{signed(100 * c['focal_share'], 2)} %, image shifted {number(c['image_px'], 2)} px"
         for c in change["cameras"]
     ]
     return ["", f"Since the calibration before, kept as {change['since']}:", *rows]

@@ -54,6 +54,12 @@ KINEMATICS = (
     Panel("Foot progression", "FootProgressAngles", 1, "internal", "external"),
 )
 """Rows of three planes, from the pelvis to the foot; ankle and foot have no angle of their own in the coronal plane."""
+TRUNK = (
+    Panel("Trunk tilt", "ThoraxAngles", 0, "forward", "back"),
+    Panel("Trunk obliquity", "ThoraxAngles", 1, "up", "down"),
+    Panel("Trunk rotation", "ThoraxAngles", 2, "forward", "back"),
+)
+"""The same of the trunk in the room, where its markers are worn; up and forward are those of the side's shoulder."""
 KINETICS = (
     Panel("Hip moment", "HipMoment", 0, "extensors", "flexors"),
     Panel("Knee moment", "KneeMoment", 0, "extensors", "flexors"),
@@ -101,6 +107,11 @@ def panels_figure(
     return stride_figure(titles, traces, shapes, notes, heads=heads, axes=hidden)
 
 
+def trunk_figure(curves: Sequence[GaitCurves], reference: GaitReference | None = None) -> Figure | None:
+    """The trunk's angles; None where nobody wore its markers."""
+    return panels_figure(curves, TRUNK, reference) if any(_of(curves, panel) for panel in TRUNK) else None
+
+
 def _key(place: tuple[float, float], *, with_sd: bool, with_reference: bool) -> list[Part]:
     """Which line is which, below this corner of an empty panel."""
     lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items()]
@@ -123,8 +134,9 @@ def emg_figures(curves: Sequence[GaitCurves]) -> list[Figure]:
 
 
 def _emg_figure(muscles: Sequence[GaitCurves]) -> Figure:
-    """The mean envelope with its spread, and a bar where the muscle is on in most strides."""
-    titles = [label(one.name.rsplit(".", 1)[-1]) for one in muscles]
+    """The mean envelope with its spread, and a bar where the muscle is on in most strides; without bursts no bar."""
+    said = ["" if np.isfinite(one.mean[:, 1]).any() else " (no bursts)" for one in muscles]
+    titles = [label(one.name.rsplit(".", 1)[-1]) + more for one, more in zip(muscles, said, strict=True)]
     traces, shapes = [], []
     for i, one in enumerate(muscles):
         traces += _curves(one, Panel("", one.name, 0, "", ""), i)

@@ -15,6 +15,11 @@ def number(value: float | None, decimals: int | None = None) -> str:
     return (text.removeprefix("-") if negative_zero else text).replace(",", "\u00a0")
 
 
+def signed(value: float, decimals: int) -> str:
+    """A difference with its sign; one that is rounded to nothing has no minus."""
+    return f"{value:+z.{decimals}f}"
+
+
 def percent(share: float | None) -> str:
     """A share in per cent with one decimal, never rounded to nothing or to all; a dash for what is unknown."""
     if share is None:

@@ -13,7 +13,7 @@ from ..gait.comparison import Condition, Difference, stretches
 from .drawing import Figure
 from .drawing_library import drawing_library
 from .figures_gait import BLANK, KINEMATICS, KINETICS, PLANES, REFERENCE_COLOUR, SIDE_COLOURS, UNITS, Panel
-from .formatting import number, some
+from .formatting import number, signed, some
 from .gait_page import KEY_DIGITS, NAMES, SHOWN
 from .stride_panels import Part, band, directions, line, stride_figure
 from .tables import Table
@@ -137,9 +137,9 @@ def differing_table(figures: dict[str, Any]) -> Table:
             where = ", ".join(f"{a} to {b} %" for a, b in part["stretches"])
             unit, digits = UNITS.get(one["unit"], f" {one['unit']}"), 1 if one["unit"] == "deg" else 2
             size = abs(part["greatest"]) / part["error_there"]
-            signed = f"{part['greatest']:+.{digits}f}{unit} at {part['at']} %"
+            most = f"{signed(part['greatest'], digits)}{unit} at {part['at']} %"
             rows.append(
-                (size, [f"{title}, {one['side']}", where, signed, f"± {number(part['error_there'], digits)}{unit}"])
+                (size, [f"{title}, {one['side']}", where, most, f"± {number(part['error_there'], digits)}{unit}"])
             )
     rows.sort(key=lambda row: -row[0])
     return Table(
@@ -173,7 +173,7 @@ def _compared(one: dict[str, Any], title: str, unit: str, by: float, digits: int
     values = [number(one[key] / by, digits) for key in ("first", "second")]
     error = "–" if one["error"] is None else f"± {number(one['error'] / by, digits + finer)}"
     judged = JUDGED[None if one["error"] is None else one["exceeds"]]
-    return [f"{title} ({unit})", *values, f"{one['difference'] / by:+.{digits + finer}f}", error, judged]
+    return [f"{title} ({unit})", *values, signed(one["difference"] / by, digits + finer), error, judged]
 
 
 def _numbers_table(figures: dict[str, Any], rows: Sequence[dict[str, Any]], cells: Sequence[list[str]]) -> Table:

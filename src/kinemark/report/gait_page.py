@@ -8,7 +8,7 @@ from typing import Any
 
 from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
-from .figures_gait import KINEMATICS, KINETICS, PLANES, UNITS, emg_figures, panels_figure
+from .figures_gait import KINEMATICS, KINETICS, PLANES, UNITS, emg_figures, panels_figure, trunk_figure
 from .formatting import measure, number
 from .identity_text import identity_text
 from .tables import Table
@@ -83,6 +83,7 @@ def gait_page(
         body=body_text(figures),
         model=model_text(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
+        trunk=trunk_figure(curves, reference),
         kinetics=panels_figure(curves, KINETICS, reference),
         emg=emg,
         emg_whole=WHOLE.get(whole := figures.get("emg_whole", "trial"), f"its greatest value in {whole}"),

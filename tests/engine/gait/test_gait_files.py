@@ -247,6 +247,12 @@ def test_controls_become_a_band_that_others_are_scored_against(walk):
         reference_of_files(controls[:1], output=walk / "band.json", source="")
     with pytest.raises(KinemarkError, match="never overwritten"):
         reference_of_files(controls, output=controls[0], source="")
+    before = (walk / "band.json").read_bytes()
+    with pytest.raises(KinemarkError, match="nothing is overwritten"):
+        reference_of_files(controls, output=walk / "band.json", source="")
+    assert (walk / "band.json").read_bytes() == before
+    with pytest.raises(KinemarkError, match=r"gait\.json is given twice"):
+        reference_of_files([*controls, controls[0]], output=walk / "other.json", source="")
 
 
 def test_exports_have_y_up_and_unknown_ones_are_refused(walk):

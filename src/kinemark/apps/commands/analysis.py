@@ -248,7 +248,7 @@ def gait_reference(
 
     Args:
         controls: the gait.json of each, one a subject.
-        output: file of the band, JSON.
+        output: file of the band, JSON; an existing one is not replaced.
         source: where the controls are from, as the report will say it.
         json: print for a machine what was written, and of what.
     """

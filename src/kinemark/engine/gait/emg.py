@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 
 import numpy as np
 
 from ...data import KinemarkError, Trial
 from ...gait.emg import Emg, emg, peak_of
+
+NO_MUSCLE = re.compile(r"(?i)(^|[^a-z])([fmc][xyz]\d*( ?\[\d+\])?$|pin ?\d+)|foot.?switch|sync|trigger|gonio")
+"""Names of channels in volts that are no EMG: a plate's before it is scaled, bare pins of a converter, switches."""
 
 
 def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, float]:
@@ -26,13 +30,14 @@ def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, floa
 
 
 def emg_of(trial: Trial) -> dict[str, Emg]:
-    """Of each channel in volts, or whose name says EMG, that is no plate's."""
+    """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), and no plate's."""
     plates = {name for plate in trial.plates for name in plate.channels}
     found: dict[str, Emg] = {}
     for record in trial.analog:
         for name, unit in zip(record.names, record.units, strict=True):
             letters = "".join(c for c in unit.upper() if c.isalpha())
-            is_emg = "EMG" in name.upper() or letters in ("V", "MV", "UV", "ΜV")
+            in_volts = letters in ("V", "MV", "UV", "ΜV")
+            is_emg = "EMG" in name.upper() or (in_volts and not NO_MUSCLE.search(name))
             if name not in plates and is_emg and np.ptp(record[name]) > 0:
                 found[name] = emg(record[name], rate=record.rate, start=record.start)
     return found

@@ -15,12 +15,18 @@ def reference_of_files(controls: Sequence[Path], *, output: Path, source: str) -
     """Read the `gait.json` of each control, one a subject, and write their band.
 
     Raises:
-        KinemarkError: there are fewer than two, a file cannot be read, or the band cannot be written.
+        KinemarkError: there are fewer than two, one is given twice, a file cannot be read, or the band exists or cannot
+            be written.
     """
     if len(controls) < 2:
         raise KinemarkError("A reference wants the gait.json of two or more controls, one a subject.")
-    if output.resolve() in [path.resolve() for path in controls]:
+    paths = [path.resolve() for path in controls]
+    if twice := [path.name for path in controls if paths.count(path.resolve()) > 1]:
+        raise KinemarkError(f"{twice[0]} is given twice, and would count as two subjects. Give each control once.")
+    if output.resolve() in paths:
         raise KinemarkError(f"{output} is one of the controls. Give another -o: what you gave is never overwritten.")
+    if output.exists():
+        raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
     band = reference_of([control_curves(p) for p in controls], source, [control_numbers(p) for p in controls])
     write_reference(output, band)
     return band

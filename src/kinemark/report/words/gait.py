@@ -186,7 +186,8 @@ GAIT_WORDS = {
     "gait_angles_with_gaps": Words(
         "{cut} of {strides} {strides:stride|strides} of the {side} side {cut:has|have} angles with gaps, of "
         "{joints_list}: {unknown_share:1} of the points of these curves are not there, for markers are missing.",
-        "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d; or in a session, [fill].",
+        "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d, with --ends where a marker comes late or goes "
+        "early; or in a session, [fill], with ends = true.",
     ),
     "gait_markers_leap": Words(
         "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: "
@@ -275,6 +276,16 @@ GAIT_WORDS = {
     ),
     "emg_hums": Words(
         "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}.", "Check electrodes and cables."
+    ),
+    "emg_without_bursts": Words(
+        "{trial}: the EMG of {channels_list} shows no bursts. It is noise alone, or the muscle never rests: nothing "
+        "says when it is on.",
+        "Check electrodes and cables. Where nobody wore the channel, nothing is lost.",
+    ),
+    "emg_without_side": Words(
+        "{trial}: EMG channels do not say of which side their muscle is: {channels_list}. They are drawn over the "
+        "strides of the left foot, in red.",
+        "Name them L … or R …, as L Tib Ant. Of right muscles the curves are wrong.",
     ),
     "gait_good": Words("Gait was measured and nothing stands out."),
     "gait_usable": Words("Gait was measured. Look at the points below first."),

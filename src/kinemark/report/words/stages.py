@@ -127,6 +127,11 @@ FILLING_WORDS = {
         "marker's, and {gaps:stays|stay} as {gaps:it is|they are}.",
         "Name those that are markers (kinemark label), and fill then.",
     ),
+    "computed_not_filled": Words(
+        "{points} {points:point that was|points that were} computed of markers {points:has|have} gaps, and "
+        "{points:stays|stay} as {points:it is|they are}.",
+        "The program that computed {points:it|them} does so anew from the filled markers.",
+    ),
     "markers_absent": Words(
         "{Markers} never seen in this trial.",
         "A static trial in which {markers:it is|they are} seen with three others of {markers:its|their} segment can "

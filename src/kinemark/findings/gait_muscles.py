@@ -1,0 +1,23 @@
+"""What is found of the EMG of a walk: cut off, hum, noise alone, and muscles whose side nobody says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ..data import Finding, make_finding
+from ..gait.emg import MAINS_HZ, Emg
+from ..gait.gait_cycles import muscle_sides
+
+
+def of_muscles(trial: str, channels: Mapping[str, Emg]) -> Iterator[Finding]:
+    """Of the channels of one trial, by name."""
+    if cut := [name for name, one in channels.items() if one.saturated]:
+        most = max(channels[name].saturated for name in cut)
+        yield make_finding("emg_saturated", trial=trial, channels_list=cut, samples_share=most)
+    mains = max(MAINS_HZ, key=lambda hz: sum(one.hum_hz == hz for one in channels.values()))  # a place has one
+    if loud := [name for name, one in channels.items() if one.hum_hz == mains]:
+        yield make_finding("emg_hums", trial=trial, channels_list=loud, mains=mains)
+    if flat := [name for name, one in channels.items() if not one.bursts]:
+        yield make_finding("emg_without_bursts", trial=trial, channels_list=flat)
+    if aside := [name for name, side in muscle_sides(channels).items() if side is None]:
+        yield make_finding("emg_without_side", trial=trial, channels_list=aside)

@@ -1,0 +1,26 @@
+"""Which channels of a trial are EMG."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import Analog, Trajectories, Trial
+from kinemark.engine.gait.emg import emg_of
+
+MUSCLES = ("Voltage.L Rect", "R_soleus", "Electric Potential.1", "EMG7", "L Pectoralis", "Voltage.MX left")
+OTHERS = (
+    "Electric Potential.Fx",
+    "Electric Potential.Fz [2]",
+    "Mx1",
+    "Raw.Pin 12",
+    "LeftFootSwitch",
+    "Sync",
+    "Trigger A",
+)
+
+
+@pytest.mark.parametrize("unit", ["V", "mV", "µV"])
+def test_a_plates_volts_pins_and_switches_are_no_muscles(unit):
+    names = MUSCLES + OTHERS
+    values = np.random.default_rng(0).normal(size=(len(names), 2000))
+    trial = Trial("walk", Trajectories((), 100.0), (Analog(names, (unit,) * len(names), 1000.0, values),))
+    assert tuple(emg_of(trial)) == MUSCLES

@@ -225,10 +225,12 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
 
 
 def _expected(fill: GapFill, final: GapFill | None) -> float:
-    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure."""
+    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure. No less
+    than samples beside the gap that are in doubt leave of it."""
     if final is None or fill is final:
         return fill.expected_mm
-    return final.gap.candidates.get(fill.method, fill.expected_mm)
+    known = final.gap.candidates.get(fill.method, fill.expected_mm)
+    return max(known, fill.expected_mm) if fill.gap.suspicious else known
 
 
 def _candidate(fill: GapFill, expected_mm: float) -> Candidate:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextvars import copy_context
 from dataclasses import replace
 from threading import Event, Lock
 from types import MappingProxyType
@@ -87,7 +88,8 @@ def detect(
 
     with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
         try:
-            found = list(pool.map(one, sources, cameras))
+            here = [copy_context() for _ in sources]  # else nobody hears what is told in these threads
+            found = list(pool.map(lambda context, *of: context.run(one, *of), here, sources, cameras))
         except BaseException:
             stopped.set()  # the other cameras go no further than their next batch
             raise

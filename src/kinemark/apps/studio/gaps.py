@@ -106,7 +106,10 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     if final is not None:
         found[final.method] = final
     expected = {name: _expected(one, final) for name, one in found.items()}
-    order = sorted(found.values(), key=lambda one: (not np.isfinite(expected[one.method]), expected[one.method]))
+    order = sorted(
+        found.values(),
+        key=lambda one: (not np.isfinite(expected[one.method]), expected[one.method], one is not final),
+    )
     return GapCandidates(
         marker=marker,
         first=first,
@@ -226,11 +229,11 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
 
 def _expected(fill: GapFill, final: GapFill | None) -> float:
     """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure. No less
-    than samples beside the gap that are in doubt leave of it."""
+    than the best has where samples beside the gap are in doubt, as these are whatever fills it."""
     if final is None or fill is final:
         return fill.expected_mm
     known = final.gap.candidates.get(fill.method, fill.expected_mm)
-    return max(known, fill.expected_mm) if fill.gap.suspicious else known
+    return max(known, final.expected_mm) if final.gap.suspicious else known
 
 
 def _candidate(fill: GapFill, expected_mm: float) -> Candidate:

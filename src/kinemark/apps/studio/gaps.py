@@ -192,7 +192,7 @@ def _choice(document: OpenDocument, gap: Gap) -> str | None:
 
 def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
     start, choice = document.now.trajectories.first_frame, _choice(document, gap)
-    others = {} if said is None else {m: mm for m, mm in said.candidates.items() if m != said.method}
+    others = {} if said is None else {m: mm for m, mm in said.expected_of.items() if m != said.method}
     return GapRow(
         marker=gap.path.name,
         first=gap.start + start,
@@ -228,12 +228,10 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
 
 
 def _expected(fill: GapFill, final: GapFill | None) -> float:
-    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure. No less
-    than the best has where samples beside the gap are in doubt, as these are whatever fills it."""
+    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure."""
     if final is None or fill is final:
         return fill.expected_mm
-    known = final.gap.candidates.get(fill.method, fill.expected_mm)
-    return max(known, final.expected_mm) if final.gap.suspicious else known
+    return final.gap.expected_of.get(fill.method, fill.expected_mm)
 
 
 def _candidate(fill: GapFill, expected_mm: float) -> Candidate:

@@ -10,7 +10,9 @@ import time
 import numpy as np
 import pytest
 
+from kinemark.data.progress import Cancelled, listening, tell
 from kinemark.detect import detect
+from kinemark.detect.frame_source import BATCH
 from kinemark.engine.simulate import Scene, simulate
 from kinemark.io.trial import write_trial
 from support.trials import made_trial
@@ -134,3 +136,37 @@ class Endless:
 def test_the_other_cameras_are_not_waited_for():
     with pytest.raises(KeyboardInterrupt):
         detect([Endless(True), Endless(False)], cameras=("a", "b"), rate=50.0, threads=2)
+
+
+class Dark:
+    """Black images of a camera."""
+
+    size, n_frames, rate = (16, 16), 4 * BATCH, 50.0
+
+    def v_offset(self, f):
+        return 0.0
+
+    def batches(self, n):
+        for _ in range(self.n_frames // n):
+            yield np.zeros((n, 16, 16), np.uint8)
+
+
+def test_whoever_listens_hears_how_far_all_cameras_are_and_stops_them():
+    """They are looked at in threads of their own, in which nobody listens by himself."""
+    heard, total = [], 2 * Dark.n_frames
+
+    def run(listener):
+        with listening(listener):
+            detect([Dark(), Dark()], cameras=("a", "b"), rate=50.0, threads=2, progress=lambda done: tell(done, total))
+
+    run(lambda *said: heard.append(said))
+    assert heard[-1] == (total, total) and len(heard) == 8 and [done for done, _ in heard] == sorted(dict(heard))
+
+    def stop(done, total):
+        heard.append(done)
+        raise Cancelled
+
+    heard.clear()
+    with pytest.raises(Cancelled):
+        run(stop)
+    assert len(heard) <= 2

@@ -79,6 +79,9 @@ def test_a_name_may_be_given_to_all_to_a_part_and_taken_away():
     assert part["*1"].max() < 30 and part["*6"].min() >= 60, (
         "what is before and after is two tracks, not one with a gap"
     )
+    spike = samples(replayed(entries(claim("*1", None, first=31, last=33))).trajectories)
+    kept = np.setdiff1d(whole["A"], [30, 31, 32])
+    assert len(spike) == len(tracks) and np.array_equal(spike["*1"], kept), "what is no marker parts no track"
     ghost = samples(replayed(entries(claim("*1", None))).trajectories)
     assert "*1" not in ghost and len(ghost) == len(tracks) - 1
 

@@ -34,12 +34,13 @@ def test_what_is_many_points_in_one_track_is_one_problem_that_cuts_it_into_them(
     editing = editing_of(slotted(), tmp_path)
     single = [one for one in problems(editing, one_by_one=True).asked if one.tracks == ("*7",)]
     (one,) = (one for one in problems(editing).asked if one.tracks == ("*7",))
-    assert len(single) == 2 and one.words == "*7 jumps at 2 places, frames 150–243" and one.values == {"places": 2}
+    assert len(single) == 2 and one.words == "*7 jumps at 2 places, frames 150–243" and one.values["places"] == 2
+    assert problems(editing).errors == pytest.approx(problems(editing, one_by_one=True).errors)
     assert one.wrong == max(each.wrong for each in single) and one.cost == sum(each.cost for each in single)
     best = one.alternatives[0]
     assert (best.action, best.words) == ("mend", "cut *7 at frames 153, 243")
     editing.say(*best.edits)
-    now, names = editing.edited().trajectories, ("*7", "track7b", "track7c")
+    now, names = editing.edited().trajectories, ("*7", "track7_153", "track7_243")
     for name, (marker, start, stop) in zip(names, SLOTS, strict=True):
         path = now[name].xyz
         assert np.isfinite(path[:, 0]).sum() == stop - start
@@ -84,9 +85,19 @@ def test_what_is_not_sure_is_not_mended_with_what_is(tmp_path):
     source = tmp_path / "walk.trc"
     write_trc(source, spiked(spiked(clean(), P, 100, 103), P, 140, 141, mm=15.0))
     unsure = [one for one in audit_file(source).found.asked if one.tracks == (clean().names[P],)]
-    assert len(unsure) == 1 and unsure[0].values == {"places": 2}
+    assert len(unsure) == 1 and unsure[0].values["places"] == 2
     done = audit_file(source, mend=True)
     assert [(one.first, one.last) for one in done.mended] == [(101, 103)]
+
+
+def test_what_is_rather_right_is_asked_for_itself_and_counts_among_the_errors(tmp_path):
+    """Who erases the spike says nothing of the step 0.4 s later, which is hardly one, and is asked about it."""
+    editing = editing_of(spiked(spiked(clean(), P, 100, 103), P, 140, 141, mm=9.0), tmp_path)
+    sure, unsure = (one for one in problems(editing).asked if one.tracks == (clean().names[P],))
+    assert (sure.kind, sure.first, sure.last) == ("spike", 101, 103) and sure.wrong > 0.9
+    assert unsure.first >= 140 and 0.05 < unsure.wrong < 0.5
+    editing.say(*sure.alternatives[0].edits)
+    assert [one.first for one in problems(editing).asked if one.tracks == (clean().names[P],)] == [unsure.first]
 
 
 @pytest.mark.parametrize("marker", [0, 3])

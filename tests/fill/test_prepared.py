@@ -5,7 +5,7 @@ import pytest
 
 from kinemark.fill import Auto, Linear, fill, prepare
 from support.filling import moving, trial
-from support.walked import clean, without
+from support.walked import clean, spiked, without
 
 
 def test_the_only_gap_of_a_trial_is_filled_as_fill_does():
@@ -17,6 +17,22 @@ def test_the_only_gap_of_a_trial_is_filled_as_fill_does():
     assert best.method == gap.method and best.expected_mm == gap.expected_mm
     assert np.array_equal(best.xyz, filled.trajectories[marker].xyz[150:171])
     assert np.array_equal(best.cov, filled.trajectories[marker].cov[150:171])
+
+
+def test_samples_in_doubt_beside_a_gap_count_one_by_one_as_for_the_trial():
+    """Else the page promises a tenth of the error that a run says of the same gap."""
+    whole = clean()
+    hidden = without(spiked(whole, 5, 149, 150, mm=35.0), 5, 150, 171)
+    marker, methods = hidden.names[5], Auto(candidates=("linear", "cubic", "rigid_body", "pca"))
+    prepared, gap = prepare(hidden, method=methods), fill(hidden, method=methods, limit_mm=np.inf).gaps[0]
+    best, (among,) = prepared.best(marker, 160), prepared.all_best()
+    off = np.linalg.norm(best.xyz - whole.paths[5].xyz[150:171], axis=1).mean()
+    assert gap.suspicious == (149,) and gap.expected_mm > max(0.5 * off, gap.candidates[gap.method])
+    for one in (best, among):
+        assert (one.gap.suspicious, one.expected_mm) == (gap.suspicious, gap.expected_mm)
+    for one in prepared.candidates(marker, 160):
+        off = np.linalg.norm(one.xyz - whole.paths[5].xyz[150:171], axis=1).mean()
+        assert one.gap.suspicious == (149,) and one.expected_mm > 0.3 * off
 
 
 def test_candidates_come_in_the_order_of_their_expected_errors_which_the_true_ones_follow():

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import nullcontext
+from contextvars import copy_context
 from dataclasses import replace
 from threading import Event, Lock
 from types import MappingProxyType
@@ -70,6 +71,7 @@ def detect(
     check_masks(masks, cameras)
     n_frames = _common_length(sources, cameras, equal_lengths)
     done, lock, stopped = [0], Lock(), Event()
+    here = copy_context()  # else nobody hears what is told in other threads
 
     def tell(frames: int) -> None:
         if stopped.is_set():
@@ -77,7 +79,7 @@ def detect(
         with lock:
             done[0] += frames
             if progress:
-                progress(done[0])
+                here.run(progress, done[0])
 
     number = max(1, min(threads or os.cpu_count() or 1, len(sources)))
     methods = [of_cameras.get(name) or method or DETECT.make() for name in cameras]

@@ -8,7 +8,8 @@ changes nothing.
 
 Where two samples of one frame have one name, the later claim's stays, then the one nearer to its witness; a sample that
 nobody claimed gives way to a claimed one. What gives way becomes unnamed (4). Of what is left of an unnamed track, the
-pieces before and after a claimed one are tracks of their own (5): what is between them is another marker.
+pieces before and after one that is claimed as a marker are tracks of their own (5): what is between them is another
+one. Samples that are no marker part nothing, as a spike that is taken away leaves the track one.
 
 A path that steps onto the place of another (`crossings`) goes on as another marker, or not: a claim speaks of those of
 its pieces that have a witness of it (7).
@@ -335,7 +336,8 @@ def _pieces(
     if is_named(path.name):
         yield path.name, left
     else:
-        for i, piece in enumerate(_uncut(left, present & ~left)):  # (5)
+        none = np.array([*(claim.name is None for claim in claims), False])[of]  # the last stands for no claim, −1
+        for i, piece in enumerate(_uncut(left, present & ~left & ~none)):  # (5)
             yield path.name if i == 0 else "", piece
     for piece in _uncut(present & ~kept, present & kept):  # (4)
         yield "", piece

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
-from ..data.array_types import Bools, Floats
 from ..data.edits import OPEN, GapChoice
 from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
 from ..numerics.evenly import evenly
 from .chosen_gaps import chosen_gaps, groups
-from .edges import GapEdges, trim_edges
+from .edges import GapEdges
 from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
 from .judge.choice import CandidateFill, best_candidate, choose_candidate, expected_errors
-from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump
-from .judge.doubtful_edges import TiedFill, doubted, method_again, without_suspicious
+from .judge.contradiction import contradicts_jump, contradicts_sd
 from .judge.expected_error import ErrorCalibration, MeasuredErrors
 from .judge.hold_out import MANY, draw_hold_out_gaps, run
 from .judge.motion import PartMotion
+from .judged_fill import ChosenFill, KnownEdges, judged
 from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
@@ -86,18 +85,18 @@ def fill(
     method = Auto() if method is None else method
     candidates = _candidates(method, limit_mm)
     edges = edges or GapEdges()
-    known = _KnownEdges.of(trajectories, replace(edges, most_trimmed=trim) if trim else edges, keep=not trim)
+    edges = replace(edges, most_trimmed=trim) if trim else edges
+    known = KnownEdges.of(without_outliers(MarkerArray.of(trajectories)), edges, keep=not trim)
     gaps = of_markers(find_gaps(known.motion, ends=ends), known.motion.names)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
     chosen = chosen_gaps(known.motion, trajectories, choices)
     fills = _fills(known.motion, gaps, candidates, chosen, seed)
-    apart = without_suspicious(known.trimmed, {one.gap: one.tied() for one in fills if known.is_doubtful(one)})
+    said = judged(fills, known)
     written = TrialCopy(trajectories)
     written.drop(~known.plausible)
     done = [_left_open(known.motion, gap) for gap, choice in chosen.items() if choice == OPEN]
-    for one in fills:
-        found, cov = _judged(one, known, apart.get(one.gap))
+    for one, (found, cov) in zip(fills, said, strict=True):
         found = replace(found, trimmed=written.measured(one.gap))
         found = found if one.gap in chosen else _within(found, limit_mm)
         done.append(found)
@@ -106,49 +105,6 @@ def fill(
     done.sort(key=lambda found: (known.motion.names.index(found.marker), found.start))
     filled = Filled(written.trajectories(), tuple(done))
     return filled if static is None else _with_static(filled, static, limit_mm)
-
-
-class _KnownEdges(NamedTuple):
-    """A trial whose samples beside gaps were judged.
-
-    Attributes:
-        motion: what fillers see: without outliers, and without suspicious samples where these are trimmed.
-        trimmed: the same without suspicious samples.
-        suspicious: frames of those that are kept, by their gap.
-        plausible: (M, F) samples that can be positions.
-    """
-
-    motion: MarkerArray
-    trimmed: MarkerArray
-    suspicious: Mapping[Gap, tuple[int, ...]]
-    plausible: Bools
-
-    @classmethod
-    def of(cls, trajectories: Trajectories, edges: GapEdges, *, keep: bool) -> _KnownEdges:
-        """Of a trial; `keep`: suspicious samples stay in it and are listed."""
-        motion = without_outliers(MarkerArray.of(trajectories))
-        judged = trim_edges(motion, find_gaps(motion), method=edges)
-        if keep:
-            return cls(motion, judged.motion, judged.suspicious(), motion.seen)
-        return cls(judged.motion, judged.motion, {}, motion.seen)
-
-    def is_doubtful(self, one: _Fill) -> bool:
-        """Whether a fill is tied to suspicious samples."""
-        return one.gap in self.suspicious and bool(one.found.method)
-
-
-class _Fill(NamedTuple):
-    """The method chosen for a gap, what is said of it, its prediction with the covariance, and all candidates."""
-
-    gap: Gap
-    found: FilledGap
-    prediction: Prediction
-    cov: Floats
-    candidates: Sequence[CandidateFill]
-
-    def tied(self) -> TiedFill:
-        """The fill, and the method that is asked again without suspicious samples."""
-        return TiedFill(self.prediction.xyz, method_again(self.found.method, self.candidates))
 
 
 def _candidates(method: Any, limit_mm: float) -> tuple[FillMethod, ...]:
@@ -173,7 +129,7 @@ def of_markers(gaps: list[Gap], names: Sequence[str]) -> list[Gap]:
 
 def _fills(
     motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], chosen: dict[Gap, str], seed: int
-) -> list[_Fill]:
+) -> list[ChosenFill]:
     """The best fill of each gap, and that of those for which somebody chose a method, by marker and frame."""
     answers = judged_together(motion, gaps, candidates, seed=seed)
     todo = [(gap, gaps, index, answers) for index, gap in enumerate(gaps) if gap not in chosen]
@@ -181,18 +137,9 @@ def _fills(
         own = evaluate_candidates(motion, some, methods, seed=seed)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
     return [
-        _Fill(gap, *choose_candidate(motion, among, index, by), by)
+        ChosenFill(gap, *choose_candidate(motion, among, index, by), by)
         for gap, among, index, by in sorted(todo, key=lambda one: one[0])
     ]
-
-
-def _judged(one: _Fill, known: _KnownEdges, apart: Floats | None) -> tuple[FilledGap, Floats]:
-    """What is said of a fill besides, and its covariance; `apart` (L, 3) mm from it without suspicious samples."""
-    beside = known.suspicious.get(one.gap, ())
-    xyz, references = one.prediction.xyz, one.prediction.references
-    jump = 0.0 if beside else largest_jump(known.motion, one.gap, xyz, references)  # none to a bad sample
-    found = replace(one.found, suspicious=beside, jump_mm=jump)
-    return (found, one.cov) if apart is None else doubted(found, one.cov, apart)
 
 
 def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:

@@ -57,6 +57,13 @@ class FilledGap:
     reason: str = ""
 
     @property
+    def expected_of(self) -> dict[str, float]:
+        """Mean error expected of each method, mm: by its hold-out gaps, and no less than is expected of the fill where
+        samples beside the gap are suspicious, which hold-out gaps do not have, and each method rests on them."""
+        least = self.expected_mm if self.suspicious and np.isfinite(self.expected_mm) else 0.0
+        return {name: max(mm, least) for name, mm in self.candidates.items()}
+
+    @property
     def length(self) -> int:
         """Frames."""
         return self.stop - self.start

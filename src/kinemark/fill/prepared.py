@@ -22,10 +22,12 @@ from ..data import Trajectories
 from ..data.array_types import Floats
 from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
+from .edges import GapEdges
 from .fill import affordable, evaluate_candidates, judged_together, of_markers, without_outliers
 from .filled_gap import FilledGap
 from .judge.auto import Auto
 from .judge.choice import CandidateFill, choose_candidate
+from .judged_fill import ChosenFill, KnownEdges, judged
 from .marker_array import Gap, MarkerArray, find_gaps
 from .methods.pca import PCA
 from .methods.polynomials import Cubic, Linear
@@ -104,7 +106,8 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        found = [self._chosen([gap], 0, [answer]) for answer in self._evaluated(gap, tuple(methods), EARLY)]
+        fills = [self._chosen([gap], 0, [answer]) for answer in self._evaluated(gap, tuple(methods), EARLY)]
+        found = [one for fill in fills for one in self._judged([fill])]  # each of this gap, which names it
         return tuple(sorted(found, key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm)))
 
     def best(self, marker: str, frame: int) -> GapFill:
@@ -114,7 +117,8 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        return self._chosen([gap], 0, self._evaluated(gap, self.method.methods, None))
+        (found,) = self._judged([self._chosen([gap], 0, self._evaluated(gap, self.method.methods, None))])
+        return found
 
     def all_best(self, away: Collection[str] = ()) -> tuple[GapFill, ...]:
         """Every gap as `best` fills it, all judged together: a tenth of the time and less of one by one.
@@ -131,7 +135,7 @@ class PreparedFill:
         for index in range(len(gaps)):
             tell(index, len(gaps))
             found.append(self._chosen(gaps, index, answers))
-        return tuple(found)
+        return self._judged(found)
 
     def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
         key = gap, methods, tests
@@ -142,11 +146,25 @@ class PreparedFill:
         answered: list[CandidateFill] = self._answered[key]
         return answered
 
-    def _chosen(self, gaps: list[Gap], index: int, answers: list[CandidateFill]) -> GapFill:
+    def _chosen(self, gaps: list[Gap], index: int, answers: list[CandidateFill]) -> ChosenFill:
         """That of one of the gaps that were judged together."""
-        found, prediction, cov = choose_candidate(self.motion, gaps, index, answers)
-        name = found.method or answers[0].name
-        return GapFill(found, name, found.start + self.trajectories.first_frame, prediction.xyz, cov)
+        return ChosenFill(gaps[index], *choose_candidate(self.motion, gaps, index, answers), answers)
+
+    def _judged(self, fills: Sequence[ChosenFill]) -> tuple[GapFill, ...]:
+        """These, with what samples beside their gaps say of them."""
+        start, some = self.trajectories.first_frame, judged(fills, self._edges)
+        return tuple(
+            GapFill(found, found.method or one.candidates[0].name, found.start + start, one.prediction.xyz, cov)
+            for one, (found, cov) in zip(fills, some, strict=True)
+        )
+
+    @property
+    def _edges(self) -> KnownEdges:
+        """Its samples beside gaps, judged once."""
+        if KnownEdges not in self._answered:
+            self._answered[KnownEdges] = KnownEdges.of(self.motion, GapEdges(), keep=True)
+        known: KnownEdges = self._answered[KnownEdges]
+        return known
 
 
 def prepare(

@@ -15,7 +15,7 @@ from kinemark.data.progress import listening, tell
 from kinemark.fill import Auto, prepare
 from kinemark.io.trial import write_trial
 from support.studio import Studio
-from support.walked import clean, without
+from support.walked import clean, spiked, without
 
 QUICK = Auto(candidates=("linear", "cubic", "rigid_body"))
 
@@ -59,6 +59,19 @@ def test_many_gaps_are_judged_together_and_a_way_is_chosen_by_the_errors_that_ar
         assert {name: shown[name] for name in others if name in shown} == {
             n: v for n, v in others.items() if n in shown
         }
+
+
+def test_no_way_to_fill_is_said_to_be_better_where_a_sample_beside_the_gap_is_in_doubt(tmp_path, monkeypatch):
+    """All rest on it: the table said 12 mm of the best, and the way beside it 1 mm."""
+    monkeypatch.setattr(module, "prepare", lambda now: prepare(now, method=QUICK))
+    trial = without(spiked(clean(markers=12).frames(0, 200), 5, 99, 100, mm=35.0), 5, 100, 106)
+    write_trial(Trial("walk", trial), tmp_path / "walk.c3d")
+    studio = Studio(tmp_path / "walk.c3d")
+    (row,) = judged(studio)
+    ways = studio.page.get(f"{studio.trial}/gaps/{row['marker']}/{row['first']}").json()
+    shown = [*ways["candidates"], *row["others"]]
+    assert row["expected_mm"] > 3.0 and all(one["expected_mm"] >= row["expected_mm"] for one in shown)
+    assert ways["candidates"][0]["method"] == ways["best"] == row["method"]
 
 
 def test_a_gap_is_listed_with_the_error_that_is_expected_of_filling_it(studio):

@@ -335,5 +335,6 @@ function cross(c: CanvasRenderingContext2D, f: Fit, [u, v]: readonly [number, nu
   if (!name) return;
   c.font = "11px sans-serif";
   c.fillStyle = colour;
-  c.fillText(name, x + r + 1, y + (dashed ? 12 : -3)); // one way above, the other below
+  const most = c.canvas.clientWidth - c.measureText(name).width - 2; // so that no name is cut off by the image's edge
+  c.fillText(name, Math.max(2, Math.min(x + r + 1, most)), y + (dashed ? 12 : -3)); // one way above, the other below
 }

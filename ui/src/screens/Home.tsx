@@ -20,8 +20,11 @@ async function dropped(files: FileList): Promise<void> {
     if (!got) continue;
     const home = await tried(api.home);
     if (home) set({ home });
-    say("done", [`${file.name} is there`, ...got.words].join(". "));
-    if (files.length === 1) goTo("tracks", got.id);
+    const tell = (): void => say("done", [`${file.name} is there`, ...got.words].join(". "));
+    tell();
+    if (files.length > 1) continue;
+    addEventListener("hashchange", tell, { once: true }); // what was said before is not said of what comes
+    goTo("tracks", got.id);
   }
 }
 

@@ -106,7 +106,10 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
     if final is not None:
         found[final.method] = final
     expected = {name: _expected(one, final) for name, one in found.items()}
-    order = sorted(found.values(), key=lambda one: (not np.isfinite(expected[one.method]), expected[one.method]))
+    order = sorted(
+        found.values(),
+        key=lambda one: (not np.isfinite(expected[one.method]), expected[one.method], one is not final),
+    )
     return GapCandidates(
         marker=marker,
         first=first,
@@ -189,7 +192,7 @@ def _choice(document: OpenDocument, gap: Gap) -> str | None:
 
 def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
     start, choice = document.now.trajectories.first_frame, _choice(document, gap)
-    others = {} if said is None else {m: mm for m, mm in said.candidates.items() if m != said.method}
+    others = {} if said is None else {m: mm for m, mm in said.expected_of.items() if m != said.method}
     return GapRow(
         marker=gap.path.name,
         first=gap.start + start,
@@ -228,7 +231,7 @@ def _expected(fill: GapFill, final: GapFill | None) -> float:
     """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure."""
     if final is None or fill is final:
         return fill.expected_mm
-    return final.gap.candidates.get(fill.method, fill.expected_mm)
+    return final.gap.expected_of.get(fill.method, fill.expected_mm)
 
 
 def _candidate(fill: GapFill, expected_mm: float) -> Candidate:

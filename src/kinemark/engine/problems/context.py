@@ -70,15 +70,13 @@ class Context:
         """Of a path."""
         return self.now.names[path]
 
-    def marker(self, path: int, part: str = "") -> str:
-        """The name of a marker that a path is; one of its own where it has none."""
-        name = self.name(path)
-        base = (
-            name
-            if is_named(name) and not part
-            else f"{'track' if name.startswith(UNNAMED) else ''}{name.strip('*')}{part}"
-        )
-        used, k, free = set(self.now.names), 2, base
+    def marker(self, path: int, after: int | None = None) -> str:
+        """The name of a marker that a path is, one of its own where it has none; or of the piece that begins in a frame
+        (from 0) where it is cut: all pieces of a path have names of their own, by which each is found again."""
+        name, used = self.name(path), set(self.now.names)
+        base = name if is_named(name) else f"track{name.removeprefix(UNNAMED)}"
+        base = base if after is None else f"{base}_{after + self.start}"
+        free, k = base, 2
         while free in used and free != name:
             free, k = f"{base}_{k}", k + 1
         return free

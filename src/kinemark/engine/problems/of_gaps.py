@@ -80,7 +80,7 @@ def _gap(context: Context, gap: FilledGap, first: int, last: int) -> Problem:
             "fill", tracks, first, float("nan"), n * mm, [GapChoice(gap.marker, first, last, name)], mm=mm, name=name
         )
 
-    single = {name: mm for name, mm in gap.candidates.items() if "+" not in name and np.isfinite(mm)}
+    single = {name: mm for name, mm in gap.expected_of.items() if "+" not in name and np.isfinite(mm)}
     ways = [way("best", expected)] if np.isfinite(expected) else []
     ways += [way(name, mm) for name, mm in sorted(single.items(), key=lambda one: one[1])[:OFFERED]]
     leave = [GapChoice(gap.marker, first, last, "open")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -50,11 +50,10 @@ def of_paths(context: Context) -> Iterator[Problem]:
     found = _found(context.markers, now.rate, now.first_frame, tuple(_told(context)))
     for spike in found.spikes:
         yield _spike(context, spike)
-    parts = _parts(found)
     for leap in found.leaps:
-        yield _leap(context, leap, parts)
+        yield _leap(context, leap)
     for change in found.changes:
-        yield _change(context, found.paths, change, parts)
+        yield _change(context, found.paths, change)
     for piece in found.pieces:
         yield _piece(context, piece)
     for ghost in found.ghosts:
@@ -62,21 +61,6 @@ def of_paths(context: Context) -> Iterator[Problem]:
     for filling in found.fillings:
         yield _filling(context, filling)
     yield from of_breaks(context, found.as_it_is, found.breaks)
-
-
-def _parts(found: Found) -> dict[tuple[int, int], str]:
-    """What the name of a path's marker ends with after each frame, from 0, at which it may be cut: in their order, so
-    that all cuts can be said at once."""
-    cuts = {(one.path, one.after) for one in found.leaps if not one.back}
-    for one in found.changes:
-        if one.partner.path < 0:
-            cuts.add((one.place.path, int(found.paths.frames[one.place.path][one.place.sample + 1])))
-    count: dict[int, int] = {}
-    parts = {}
-    for path, frame in sorted(cuts):
-        k = count[path] = count.get(path, 0) + 1
-        parts[path, frame] = chr(ord("a") + k) if k < 26 else f"z{k}"
-    return parts
 
 
 @lru_cache(maxsize=VERSIONS)
@@ -199,7 +183,7 @@ def _once(some: Sequence[Change], paths: Paths) -> list[Change]:
     return kept
 
 
-def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple[int, int], str]) -> Problem:
+def _change(context: Context, paths: Paths, change: Change) -> Problem:
     """A place at which a path may go on as another marker."""
     p, q, i = change.place.path, change.partner.path, change.place.sample
     f, g = int(paths.frames[p][i]), int(paths.frames[p][i + 1])
@@ -218,7 +202,7 @@ def _change(context: Context, paths: Paths, change: Change, parts: Mapping[tuple
         "keep", tracks, frame, 1 - wrong, wrong * n * mm, [context.verdict(kind, (p, q), f, g, right=True)],
         mm=change.keep_mm if told else float("nan"),
     )  # fmt: skip
-    edits = _exchanged(context, paths, change, g) if q >= 0 else context.claim(p, context.marker(p, parts[p, g]), g)
+    edits = _exchanged(context, paths, change, g) if q >= 0 else context.claim(p, context.marker(p, g), g)
     other = context.alternative(
         "exchange" if q >= 0 else "cut", tracks, frame, wrong, (1 - wrong) * n * mm, [*edits, no],
         mm=change.exchange_mm if told and q >= 0 else float("nan"),
@@ -263,7 +247,7 @@ def _spike(context: Context, spike: Spike) -> Problem:
     )  # fmt: skip
 
 
-def _leap(context: Context, leap: Leap, parts: Mapping[tuple[int, int], str]) -> Problem:
+def _leap(context: Context, leap: Leap) -> Problem:
     """A path that is elsewhere some frames later."""
     p, f, g, wrong = leap.path, leap.before, leap.after, leap.wrong
     tracks, own = (context.name(p),), context.samples(p)
@@ -275,7 +259,7 @@ def _leap(context: Context, leap: Leap, parts: Mapping[tuple[int, int], str]) ->
         mm=leap.mm,
     )  # fmt: skip
     between = context.erase(p, f + 1, g - 1) if g > f + 1 else ()
-    rest = () if leap.back else context.claim(p, context.marker(p, parts[p, g]), g)
+    rest = () if leap.back else context.claim(p, context.marker(p, g), g)
     gone = context.alternative(
         "erase" if leap.back else "cut", tracks, last, wrong, (1 - wrong) * n * leap.mm,
         [*between, *rest, context.verdict("join", (p,), f, g, right=False)],

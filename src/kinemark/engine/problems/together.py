@@ -21,7 +21,8 @@ BESIDE_S = 1.0
 """s between steps of a marker that are looked at together, at most; chosen: what the curves show beside a problem.
 Those of a track without a name are so however far apart they are."""
 LIKELY = 0.5
-"""Probability from which on a step is mended with the others of its path, by definition: below it is rather right."""
+"""Probability from which on a step is mended with the others of its path, by definition: below it is rather right, and
+is looked at with others that are."""
 CHAIN = 3
 """Joins of pieces one after another that are one problem, at least; chosen: two are soon looked at one by one."""
 
@@ -35,10 +36,15 @@ def together(context: Context, some: Sequence[Problem]) -> Iterator[Problem]:
     steps = [one for one in some if one.asked and _is_step(one)]
     mine = {id(one) for one in steps}
     yield from (one for one in some if id(one) not in mine)
-    for track, own in groupby(sorted(steps, key=lambda one: (one.tracks, one.first)), key=lambda one: one.tracks[0]):
+    for (track, _), own in groupby(sorted(steps, key=_order), key=lambda one: _order(one)[:2]):
         beside = BESIDE_S * context.now.rate if is_named(track) else float("inf")
         for stretch in _stretches(list(own), beside):
             yield stretch[0] if len(stretch) == 1 else _one(context, stretch)
+
+
+def _order(one: Problem) -> tuple[str, bool, int]:
+    """Steps of one path, those that are rather right for themselves: nobody says so of them who mends the others."""
+    return one.tracks[0], one.wrong < LIKELY, one.first
 
 
 def _is_step(one: Problem) -> bool:
@@ -82,7 +88,7 @@ def _chain(context: Context, some: Sequence[Problem]) -> Problem:
         worst, id=problem_id("join", *(one.id for one in some)), tracks=tracks, first=first, last=last, wrong=wrong,
         at_stake=sum(one.at_stake for one in some), cost=sum(one.cost for one in some),
         words=chain_text(len(tracks), first, last), alternatives=tuple(sorted(ways, key=lambda way: way.cost)),
-        values={"places": float(len(some)), "errors": sum(one.wrong for one in some)},
+        values=_values(some),
     )  # fmt: skip
 
 
@@ -99,25 +105,29 @@ def _stretches(some: Sequence[Problem], beside: float) -> Iterator[list[Problem]
 
 
 def _one(context: Context, some: Sequence[Problem]) -> Problem:
-    """Several in one: mended as each is likeliest, or right as they are."""
+    """Several in one: all of them mended, or right as they are."""
     worst, track = max(some, key=lambda one: one.cost), some[0].tracks[0]
     first, last, wrong = some[0].first, max(one.last for one in some), max(one.wrong for one in some)
-    least = LIKELY if wrong >= LIKELY else 0.0  # where none is likely, to mend is to mend all
-    mended, kept = [_way(one, keeps=one.wrong < least) for one in some], [_way(one, keeps=True) for one in some]
+    mended, kept = ([_way(one, keeps=keeps) for one in some] for keeps in (False, True))
     cuts = [one.frame for one, way in zip(some, mended, strict=True) if way.action == "cut"]
     erased = sum(one.at_stake for one, way in zip(some, mended, strict=True) if way.action == "erase")
     edits, verdicts = _mending(context, track, mended, cuts), tuple(edit for way in kept for edit in way.edits)
     right = action_text("keep", (track,), first, float("nan"))
     ways = (
-        Alternative("mend", mend_text(track, erased, cuts), wrong, _cost(mended), edits=edits),
+        Alternative("mend", mend_text(track, erased, cuts), min(one.wrong for one in some), _cost(mended), edits=edits),
         Alternative("keep", right, 1 - wrong, _cost(kept), edits=verdicts),
     )
     return replace(
         worst, id=problem_id("join", *(one.id for one in some)), kind="join", first=first, last=last, wrong=wrong,
         at_stake=sum(one.at_stake for one in some), cost=sum(one.cost for one in some),
         words=together_text(track, first, last, len(some)), alternatives=tuple(sorted(ways, key=lambda way: way.cost)),
-        values={"places": float(len(some))},
+        values=_values(some),
     )  # fmt: skip
+
+
+def _values(some: Sequence[Problem]) -> dict[str, float]:
+    """How many places there are, and errors that are expected in them."""
+    return {"places": float(len(some)), "errors": sum(one.wrong for one in some)}
 
 
 def _way(one: Problem, *, keeps: bool) -> Alternative:

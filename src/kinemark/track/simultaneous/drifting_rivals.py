@@ -14,7 +14,7 @@ markers to one,
 
 says how much likelier two markers are, each with its rival, than one and two chance meetings; where one image alone
 has a rival, without the other's. Hardly any stretch of a marker has a rival, but most that are two markers' do: so a
-stretch of more than LIKELIER is given up, from the first frame of its rivals to their last.
+stretch of more than `likelihood.SURE` is given up, from the first frame of its rivals to their last.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from ...numerics.runs import begins, equal_runs
 from .candidate_points import intersect
 from .detection_index import Images
 from .drifting_pairs import UsualResiduals, blocks, residual, scores, shared_shift
+from .likelihood import SURE
 from .rival_pairs import Rivals, near_rivals, stretches
 from .simultaneous_method import Simultaneous
 
@@ -43,11 +44,6 @@ MIN_COVERED = 0.5
 APART = 3.0
 """Standard deviations; chosen: with 2 a whole track of a marker is given up whose calibration keeps four of its images
 apart (141065), with 5 a chance meeting that lies 40 mm beside its rivals stays (141068)."""
-
-LIKELIER = 1.0
-"""Of (2), a logarithm, without unit; chosen: of stretches above it 406 points are ghosts and 93 a
-marker's (118 scenes of four cameras, seeds 147000 to 147400 of benchmarks/tracking_scenes.py; above ln 100, 56 and 0);
-of all 10 258 stretches of markers there 74 have a rival at all, and 26 of the 41 of two markers."""
 
 
 class _Pieces(NamedTuple):
@@ -89,7 +85,7 @@ def with_rivals(
     length, lost = np.bincount(stretch + 1)[1:], np.zeros(len(stretch), bool)
     for k in np.unique(pieces.stretch).tolist():
         more, seen = _more(own[k], _rivals_of(pieces, k, MIN_COVERED * length[k]))
-        if more > LIKELIER:
+        if more > SURE:
             at = images.frame[seen]
             lost |= (stretch == k) & (frame >= at.min()) & (frame <= at.max())
     return lost

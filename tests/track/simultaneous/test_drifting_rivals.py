@@ -85,20 +85,28 @@ def test_the_free_images_of_the_same_marker_are_no_rivals():
 
 
 @pytest.mark.parametrize("alone", [True, False])
-def test_one_rival_that_fits_better_tells_where_no_three_cameras_see_the_track(alone):
+def test_one_rival_that_fits_better_tells(alone):
+    """Also where three cameras see the track in other frames."""
     meeting = Meeting().without(ONE, 2)
     uv = meeting.images.uv.copy()
     uv[meeting.whole[0, ONE, PART], 1] += 0.2
     meeting.images = meeting.images._replace(uv=uv)
     assert not drifting(*meeting.known(), METHOD.gate).any()
-    found = (meeting.alone() if alone else meeting).given_up()
-    assert found == (PART.tolist() if alone else [])
+    assert (meeting.alone() if alone else meeting).given_up() == PART.tolist()
+
+
+def test_a_rival_that_is_a_little_likelier_tells():
+    meeting = Meeting().without(ONE, 2).alone()
+    uv = meeting.images.uv.copy()
+    uv[meeting.whole[0, ONE, PART], 1] += 0.1
+    meeting.images = meeting.images._replace(uv=uv)
+    assert meeting.given_up() == PART.tolist()
 
 
 def test_ghosts_of_images_that_have_rivals_are_not_given():
-    """Of sixty markers on three cameras: where rivals are not asked there are 48 ghosts, and 2 samples more of two."""
+    """Of sixty markers on three cameras: where rivals are not asked there are 48 ghosts, and 8 samples more of two."""
     made = make(scene(130122))
     found = tally(made, track_detections(made.detections, made.rig))
-    assert found.ghosts <= 12
-    assert found.two_found >= 4455
+    assert found.ghosts <= 7
+    assert found.two_found >= 4449
     assert found.more_found == found.more

@@ -12,8 +12,9 @@ markers to one,
 
     S = score(a, b) − score(a, r_a) − score(b, r_b)                                       (2)
 
-says how much likelier two markers are, each with its rival, than one and two chance meetings. A stretch of more than
-CERTAIN is given up; and so is one of which one image alone has a rival, if no point of its track has SOUND images.
+says how much likelier two markers are, each with its rival, than one and two chance meetings; where one image alone
+has a rival, without the other's. Hardly any stretch of a marker has a rival, but most that are two markers' do: so a
+stretch of more than `likelihood.SURE` is given up, from the first frame of its rivals to their last.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins, equal_runs
 from .candidate_points import intersect
 from .detection_index import Images
-from .drifting_pairs import SOUND, UsualResiduals, blocks, residual, scores, shared_shift
+from .drifting_pairs import UsualResiduals, blocks, residual, scores, shared_shift
+from .likelihood import SURE
 from .rival_pairs import Rivals, near_rivals, stretches
 from .simultaneous_method import Simultaneous
 
@@ -42,9 +44,6 @@ MIN_COVERED = 0.5
 APART = 3.0
 """Standard deviations; chosen: with 2 a whole track of a marker is given up whose calibration keeps four of its images
 apart (141065), with 5 a chance meeting that lies 40 mm beside its rivals stays (141068)."""
-
-CERTAIN = float(np.log(100.0))
-"""Two markers are then a hundred times likelier than one; chosen, as in `drift_beyond`."""
 
 
 class _Pieces(NamedTuple):
@@ -83,13 +82,13 @@ def with_rivals(
     return_memory()
     rivals = near_rivals(frame, detection, stretch, images, free, usual.F, method.gate)
     pieces = _scored(_pieces(rivals, detection, stretch, images, T, method), images, usual, method.gate)
-    never = np.bincount(id, (detection >= 0).sum(0) >= SOUND, minlength=1) == 0
-    length, lost = np.bincount(stretch + 1)[1:], np.zeros(len(own) + 1, bool)
-    alone = np.zeros(len(own), bool)
-    alone[stretch[stretch >= 0]] = never[id[stretch >= 0]]
+    length, lost = np.bincount(stretch + 1)[1:], np.zeros(len(stretch), bool)
     for k in np.unique(pieces.stretch).tolist():
-        lost[k] = _more(own[k], _rivals_of(pieces, k, MIN_COVERED * length[k]), alone=bool(alone[k])) > CERTAIN
-    return lost[stretch]
+        more, seen = _more(own[k], _rivals_of(pieces, k, MIN_COVERED * length[k]))
+        if more > SURE:
+            at = images.frame[seen]
+            lost |= (stretch == k) & (frame >= at.min()) & (frame <= at.max())
+    return lost
 
 
 def usual_of_two(id: Ints, detection: Ints, images: Images, usual: UsualResiduals) -> UsualResiduals:
@@ -233,11 +232,11 @@ def _rivals_of(pieces: _Pieces, k: int, least: float) -> list[_Rival]:
     return out
 
 
-def _more(own: float, rivals: list[_Rival], *, alone: bool) -> float:
-    """The greatest S of (2), by a rival of either image, or by one `alone`; −inf where there are none."""
-    best = [own - one.score for one in rivals if alone]
+def _more(own: float, rivals: list[_Rival]) -> tuple[float, Ints]:
+    """The greatest S of (2), by one rival or by one of either image, and their images; −inf where there are none."""
+    best = [(own - one.score, one.images) for one in rivals]
     for k, one in enumerate(rivals):
         for other in rivals[:k]:
             if one.kept != other.kept and not np.isin(one.images, other.images).any():
-                best.append(own - one.score - other.score)
-    return max(best, default=-np.inf)
+                best.append((own - one.score - other.score, np.append(one.images, other.images)))
+    return max(best, key=lambda each: each[0], default=(-np.inf, np.zeros(0, np.int64)))

@@ -23,8 +23,11 @@ from ...numerics.runs import begins
 from .candidate_points import intersect
 from .detection_index import Images
 from .drifting_pairs import UsualResiduals, residual
-from .drifting_rivals import CERTAIN, LEAST, scores_of_runs, usual_of_two
+from .drifting_rivals import LEAST, scores_of_runs, usual_of_two
 from .rival_pairs import stretches
+
+CERTAIN = float(np.log(100.0))
+"""The other pairs are then a hundred times likelier; chosen, as in `drift_beyond`."""
 
 
 class _Stretches(NamedTuple):

@@ -109,8 +109,8 @@ def _with_nameless(file: str, names: Sequence[str]) -> Trajectories:
     trial = read(file)
     marked = only(trial, names)
     rest = {path.name: _without_absent(path.xyz, marked.xyz) for path in trial if path.name.startswith("*")}
-    kept = [name for name, xyz in rest.items() if np.isfinite(xyz).any()]
-    return _with(marked, {name: rest[name] for name in kept})
+    whole = _with(marked, {name: xyz for name, xyz in rest.items() if np.isfinite(xyz).any()})
+    return whole.select([name for name in trial.names if name in whole.names])
 
 
 def _without_absent(xyz: Floats, marked: Floats) -> Floats:

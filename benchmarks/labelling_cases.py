@@ -2,8 +2,7 @@
 
 Real trials come from KINEMARK_DATA (default ../shared/data); those that are absent are left out.
 
-References mended: LWRA and LWRB are exchanged in all three files of HC030A (the left wrist has the handedness of the
-right one); RHLX and RNAV are exchanged in HC032A18 from about frame 150 on.
+Wrong names in them are mended, see `mended_references.py`.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from mended_references import mended
 
 from kinemark.data import MarkerSet, MarkerTrajectory, Trajectories
 from kinemark.engine.naming.put_aside import put_aside
@@ -118,22 +118,7 @@ VARIED = (
 @cache
 def read(file: str) -> Trajectories:
     """A trial of the data folder, with its names mended."""
-    trial = read_trial(ROOT / file).trajectories
-    if "HC030A" in file:
-        other = {"LWRA": "LWRB", "LWRB": "LWRA"}
-        return replace(trial, paths=tuple(replace(path, name=other.get(path.name, path.name)) for path in trial))
-    return _mended_foot(trial) if "HC032A18" in file else trial
-
-
-def _mended_foot(trial: Trajectories) -> Trajectories:
-    """RHLX and RNAV as they were at first: the navicular bone is the one nearer to the heel."""
-    a, b, heel = trial["RHLX"].xyz, trial["RNAV"].xyz, trial["RHEE"].xyz
-    turned = (np.linalg.norm(a - heel, axis=1) < np.linalg.norm(b - heel, axis=1))[:, None]
-    new = {"RHLX": np.where(turned, b, a), "RNAV": np.where(turned, a, b)}
-    return replace(
-        trial,
-        paths=tuple(MarkerTrajectory.measured(p.name, new[p.name]) if p.name in new else p for p in trial),
-    )
+    return mended(file, read_trial(ROOT / file).trajectories)
 
 
 def only(trial: Trajectories, names: Sequence[str]) -> Trajectories:

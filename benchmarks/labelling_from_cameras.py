@@ -6,7 +6,8 @@ Synthetic walkers with 15, 39 and 53 markers are tracked as `benchmarks/tracking
 some run together, some come from nowhere and limbs hide many, and named by a template of another walk, of another
 speed, of the same person. `gait9` (KINEMARK_DATA) is tracked from its 2D points and named by its own first second, and
 each half by the other; its 24 named reference tracks are the judge. Each tracked point belongs to the marker within
-10 mm, one point a marker. Of the reference's stretches only those count in which no marker leaps (`mended`). In % of
+10 mm, one point a marker. Of the reference's stretches only those count in which no marker leaps, and of these only
+what lies where its segment has the marker (`mended`). In % of
 the points that have a marker: named rightly, wrongly, not at all; named points that have none, in % of all named (for
 `gait9` also markers whose reference is left out); swaps, pieces a marker and tracked points without marker a frame,
 before → after naming.
@@ -51,6 +52,10 @@ SAME_MM = 120.0
 LEAP = 25.0
 """mm off its way that a marker of the reference never is from one sample to the next; chosen: markers accelerate by
 less than 20 mm in a gap of 0.04 s."""
+
+STEADY = 6.0
+"""mm by which a distance varies at most that tells where a marker is, as 1.48 times the median deviation; chosen: a
+quarter of `LEAP`."""
 
 LATER_S = 1.37
 """How much later the motion is that names a scene; chosen, no whole number of strides."""
@@ -171,7 +176,8 @@ def real() -> Iterator[Row]:
 def mended(reference: Trajectories) -> Trajectories:
     """Of each marker the longest stretch in which it never leaps to another's place: `LEAP` off the way that it goes.
 
-    The system that stored the tracks lets them do so, most of all where the subject enters and leaves the volume.
+    The system that stored the tracks lets them do so, most of all where the subject enters and leaves the volume. It
+    also lets them glide over, so that samples are left out which lie `elsewhere`.
     """
     paths = []
     for path in reference:
@@ -182,7 +188,27 @@ def mended(reference: Trajectories) -> Trajectories:
         xyz = np.full_like(path.xyz, np.nan)
         xyz[longest] = path.xyz[longest]
         paths.append(MarkerTrajectory.measured(path.name, xyz))
-    return replace(reference, paths=tuple(paths))
+    kept = [
+        MarkerTrajectory.measured(path.name, np.where(off[:, None], np.nan, path.xyz))
+        for path, off in zip(paths, elsewhere(np.stack([path.xyz for path in paths])), strict=True)
+    ]
+    return replace(reference, paths=tuple(kept))
+
+
+def elsewhere(xyz: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(M, F) whether a marker (M, F, 3) mm is `LEAP` off its median distance to the steadiest other that is seen.
+
+    No name is asked for that, nor a template: the recording itself shows how far its markers are from each other.
+    """
+    apart = np.linalg.norm(xyz[:, None] - xyz[None], axis=3)
+    apart[np.eye(len(xyz), dtype=bool)] = np.nan
+    some = np.isfinite(apart).any(2)
+    off, varies = np.full_like(apart, np.nan), np.full(some.shape, np.inf)
+    off[some] = np.abs(apart[some] - np.nanmedian(apart[some], axis=1, keepdims=True))
+    varies[some] = 1.48 * np.nanmedian(off[some], axis=1)
+    tells = np.isfinite(off) & (varies <= STEADY)[..., None]
+    steadiest = np.where(tells, varies[..., None], np.inf).argmin(1)
+    return np.asarray(tells.any(1) & (np.take_along_axis(off, steadiest[:, None], axis=1)[:, 0] > LEAP))
 
 
 def leaps(xyz: NDArray[np.float64], frame: NDArray[np.int64]) -> bool:

@@ -37,6 +37,9 @@ from kinemark.label.shredded import GHOSTS
 
 MARKERS_OF_LEGS = "LASI RASI SACR LPSI RPSI LTHI LKNE LTIB LANK LHEE LTOE RTHI RKNE RTIB RANK RHEE RTOE"
 """Of plug-in-gait-lower, and the sacrum."""
+STEADIEST, NEAR_MM = 3, 10.0
+"""Markers by whose mean distances a nameless sample is told to be an absent marker, and mm to which all hold; chosen:
+of markers 20 mm apart none is the other."""
 LEGS = tuple(MARKERS_OF_LEGS.split())
 
 
@@ -99,10 +102,33 @@ def part_of_body() -> Iterator[Row]:
 
 
 def _with_nameless(file: str, names: Sequence[str]) -> Trajectories:
-    """Those of the markers that the file has, and its tracks without names that have samples."""
+    """Those of the markers that the file has, and its tracks without names that have samples.
+
+    But for samples that are a marker's which is absent meanwhile: who named the file left single ones aside.
+    """
     trial = read(file)
-    own = {*names, *(path.name for path in trial if path.name.startswith("*") and np.isfinite(path.xyz).any())}
-    return trial.select([name for name in trial.names if name in own])
+    marked = only(trial, names)
+    rest = {path.name: _without_absent(path.xyz, marked.xyz) for path in trial if path.name.startswith("*")}
+    whole = _with(marked, {name: xyz for name, xyz in rest.items() if np.isfinite(xyz).any()})
+    return whole.select([name for name in trial.names if name in whole.names])
+
+
+def _without_absent(xyz: Floats, marked: Floats) -> Floats:
+    """The nameless samples (F, 3) mm that lie at the place of none of the markers (M, F, 3) that is absent then.
+
+    A place is told by the marker's mean distances to those that keep theirs to it best over the trial.
+    """
+    apart = np.linalg.norm(marked[:, None] - marked[None], axis=3)
+    apart[np.eye(len(marked), dtype=bool)] = np.nan
+    out = xyz.copy()
+    for f in np.flatnonzero(np.isfinite(xyz[:, 0])):
+        there = np.flatnonzero(np.isfinite(marked[:, f, 0]))
+        own = np.linalg.norm(marked[there, f] - xyz[f], axis=1)
+        for m in np.flatnonzero(~np.isfinite(marked[:, f, 0]) & np.isfinite(marked[..., 0]).any(1)):
+            near = np.argsort(np.nanstd(apart[m, there], axis=1))[:STEADIEST]
+            if (np.abs(np.nanmean(apart[m, there[near]], axis=1) - own[near]) < NEAR_MM).all():
+                out[f] = np.nan
+    return out
 
 
 def worn_in_both(seed: int) -> tuple[Trajectories, Shredded]:

@@ -53,6 +53,16 @@ def test_limbs_with_each_others_names_are_put_back_and_right_ones_stay(limb):
         assert (limbs_turned(found, stretches, template, pairs, 0.3).label == truth).all()
 
 
+def test_a_body_that_has_all_names_of_the_other_side_is_put_right_as_a_whole_before_it_is_learnt_from():
+    """By one posture, whose distances tell little: before, none of the names was right."""
+    template, trial = learn_template(walk(3).frames(0, 1), relative_spread=0.18), walk(13)
+    pairs, stretches = PairScore.of_template(template), stretches_of(trial, template.size)
+    truth = np.array([template.names.index(name) for name in trial.names])
+    for label in (truth, mirrored(template.names)[truth]):
+        found = search._whole(label, stretches, template, pairs, 10, 500, 0.3, {}).label
+        assert (found == truth).mean() > 0.9 and not ((found >= 0) & (found != truth)).any()
+
+
 def test_the_exchange_of_legs_that_are_exchanged_is_tried_and_right_ones_score_more():
     template, pairs = known(), PairScore.of_template(known())
     stretches, truth, exchanged = named(LEG)

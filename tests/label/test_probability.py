@@ -325,7 +325,8 @@ def test_the_probability_of_a_name_is_that_of_its_label_recalibrated_times_that_
     stretches, pairs = stretches_of(parts.tracks, by.size), PairScore.of_template(by)
     true = np.array([by.names.index(name) if name else -1 for name in parts.truth])
     about = margins(stretches, true, by, pairs)
-    about = about._replace(nameless=np.where(true >= 0, 12.0, np.nan))  # beside so many, pieces of one frame are not
+    own = true >= 0  # beside so many, pieces of one frame that go on from none are not sure
+    about = about._replace(nameless=np.where(own, 12.0, np.nan), link=np.where(own, 0.0, np.nan))
     beta = {"label": BETA_OTHER, "gained": GAINED_OTHER} if another else {}
     tracks = {"piece": BETA_TRACK} if another else {}
     of_label = recalibrated(label_probability(about, **beta), another=another)

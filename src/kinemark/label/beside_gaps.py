@@ -18,7 +18,7 @@ import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import INLIERS, OF_SIZE, REST
-from .stretches import SPEED_S, link_nats, speed_at
+from .stretches import SPEED_S, link_nats, speed_at, speed_between
 
 LEAST_S = 0.02
 """Shortest gap, s; chosen: over shorter ones motion tells, see `breaks`."""
@@ -38,7 +38,8 @@ class Parts:
     """P parts of tracks between gaps, in the order of tracks and frames.
 
     Attributes:
-        track: (P) of which. first, last: (P) frames. begin, end: (P, 3) mm. into, out: (P, 3) mm a frame at these.
+        track: (P) of which. first, last: (P) frames. begin, end: (P, 3) mm.
+        into, out: (P, 3) mm a frame at these; NaN of one sample.
         goes_on: (P) whether the next part is of the same track. rate: frames a second. size: of the body, mm.
     """
 
@@ -71,7 +72,7 @@ class Parts:
     def motion(self, a: int | Ints, b: int | Ints) -> Floats:
         """(n) nats that parts b go on where parts a end, over any place."""
         frames = np.asarray(self.first[b] - self.last[a])
-        step = self.begin[b] - self.end[a] - 0.5 * (self.out[a] + self.into[b]) * frames[..., None]
+        step = self.begin[b] - self.end[a] - speed_between(self.out[a], self.into[b]) * frames[..., None]
         return np.maximum(link_nats(step, frames, self.rate, self.size), NOT_ON)
 
 

@@ -131,6 +131,7 @@ def _whole(
     """
     label = _further(label, stretches, template, pairs, key_frames, beam)
     label = _settled(stretches, label, template, pairs, least_fit)
+    label = _right_way_about(stretches, label, template, pairs, least_fit)
     if label.tobytes() not in done:
         found = _from_settled(label, stretches, template, pairs, least_fit)
         doubtful = np.any(template.doubt) and found.score < TURNED * found.expected * template.own_fit
@@ -138,6 +139,21 @@ def _whole(
             found = _turned(found, mirrored(template.names), stretches, template, pairs, least_fit)
         done[label.tobytes()] = limbs_turned(found, stretches, template, pairs, least_fit)
     return done[label.tobytes()]
+
+
+def _right_way_about(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Ints:
+    """(T) settled labels, or what they settle to with all sides exchanged, where these have the greater score.
+
+    Distances hardly tell a body from its mirror image. What is learnt of the trial from names of the other side, and
+    limbs that are then put right one by one, would leave it turned in part.
+    """
+    other = mirrored(template.names)
+    turned = np.where(label >= 0, other[label], -1)
+    least = score_with_sides(stretches, label, template, pairs)
+    if (stretches.fixed != FREE).any() or score_with_sides(stretches, turned, template, pairs) <= least:
+        return label
+    turned = _settled(stretches, turned, template, pairs, least_fit)
+    return turned if score_with_sides(stretches, turned, template, pairs) > least else label
 
 
 def _further(

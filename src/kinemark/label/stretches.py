@@ -92,14 +92,12 @@ def _links(xyz: Floats, seen: Bools, start: Ints, stop: Ints, rate: float, size:
     column = np.concatenate([order[a:b] for a, b in zip(lo, hi, strict=True)])
     width = max(1, round(SPEED_S * rate))
     last, first = stop - 1, start
-    out = np.array(
-        [speed_at(xyz[t], seen[t], last[t], -width) if stop[t] > start[t] else np.zeros(3) for t in range(T)]
-    )
-    into = np.array(
-        [speed_at(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)]
-    )
+    out, into = np.full((2, T, 3), np.nan)
+    out[some] = [speed_at(xyz[t], seen[t], last[t], -width) for t in some]
+    into[some] = [speed_at(xyz[t], seen[t], first[t], width) for t in some]
     frames = (first[column] - last[row]).astype(float)
-    step = xyz[column, first[column]] - xyz[row, last[row]] - 0.5 * (out[row] + into[column]) * frames[:, None]
+    speed = speed_between(out[row], into[column])
+    step = xyz[column, first[column]] - xyz[row, last[row]] - speed * frames[:, None]
     nats = link_nats(step, frames, rate, size)
     return scipy.sparse.csr_array((np.maximum(nats, -4.0), (row, column)), shape=(T, T))
 
@@ -115,8 +113,17 @@ def link_nats(step: Floats, frames: Floats | Ints, rate: float, size: float) -> 
 
 
 def speed_at(xyz: Floats, seen: Bools, at: int, width: int) -> Floats:
-    """mm a frame at a track's end, of what is seen within `width` frames of it."""
+    """mm a frame at a track's end, of what is seen within `width` frames of it; NaN where that is one sample."""
     other = min(max(at + width, 0), len(xyz) - 1)
     frames = np.arange(min(at, other), max(at, other) + 1)
     own = frames[seen[frames]]
-    return (xyz[own[-1]] - xyz[own[0]]) / (own[-1] - own[0]) if len(own) > 1 else np.zeros(3)
+    return (xyz[own[-1]] - xyz[own[0]]) / (own[-1] - own[0]) if len(own) > 1 else np.full(3, np.nan)
+
+
+def speed_between(out: Floats, into: Floats) -> Floats:
+    """(n, 3) mm a frame from where tracks end to where others begin: the mean of both ends, or the one that is known.
+
+    A single sample has no speed, rather than none that moves; where neither end has one it is 0.
+    """
+    known = np.isfinite(out).astype(int) + np.isfinite(into)
+    return np.asarray((np.nan_to_num(out) + np.nan_to_num(into)) / np.maximum(known, 1))

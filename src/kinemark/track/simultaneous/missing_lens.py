@@ -1,4 +1,4 @@
-"""Lenses of a rig whose file states none: their radial terms, learned from the images.
+"""Lenses of a rig that are not those of its images: radial terms that its file does not state, or that are taken out.
 
 Calibrations without lens terms leave images at the edge several px off, and points there far off or missing. Where a
 rig states no term of any camera, the radial terms k of all (`adjusted_rig` (3)) are fitted to the epipolar residuals e
@@ -13,6 +13,10 @@ many rounds, and clearly more images meet by (1) (2): a few of a calibration tha
 Where the rig as the file has it, with k and no other change, is clearly better in both ways as well (3), the terms were
 lost on the way, and all is tracked and solved with them. Else the cameras were calibrated as if they had no lens: where
 they stand and how long their lenses are makes up for a part of it, and k alone would make positions worse.
+
+The other way round, images may be free of distortion when they come, as some programs and cameras take it out before.
+Where a rig states lens terms and is clearly better in both ways without them and with no other change (4), they are
+left out, and all is tracked and solved without them: they would bend straight images.
 """
 
 from __future__ import annotations
@@ -52,8 +56,9 @@ ROUNDS = 12
 
 
 class MissingLenses(NamedTuple):
-    """Radial terms (C) of lenses of which the file states none; whether they were lost on the way (3); the standard
-    deviation in px that images have by the rig as given."""
+    """Radial terms (C) of lenses of which the file states none, or 0 where the images are without those that it states
+    (4); whether the rig is better with these alone, (3) or (4); the standard deviation in px that images have by the
+    rig as given."""
 
     radial: Floats
     lost: bool
@@ -65,15 +70,17 @@ class MissingLenses(NamedTuple):
 
 
 def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
-    """What the images tell of lenses of which the file states no term; None where it states some, or none is missing.
+    """What the images tell of lenses that are not as the file states them; None where nothing is.
 
     Args:
         detections: of the whole recording. rig: as given.
     """
-    if any(camera.distortion.any() for camera in rig) or len(rig) < 2 or not len(detections):
+    if len(rig) < 2 or not len(detections):
         return None
     images = read_images(detections, rig)
     frames = sampled_frames(images)
+    if any(camera.distortion.any() for camera in rig):
+        return _taken_out(detections, images, rig, frames)
     bent = _fitted(detections, images, rig, frames)
     k = np.array([camera.distortion[0] for camera in bent])
     begun = rig, with_radial(bent, np.zeros(len(rig)))  # as one fit may end where the other does not come
@@ -83,6 +90,14 @@ def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
     lost = _better(detections, images, with_radial(rig, k), rig, frames)  # (3)
     before = _variance(images, rig, frames)
     return MissingLenses(k, lost, float(np.sqrt(before)))
+
+
+def _taken_out(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> MissingLenses | None:
+    """No lenses, where images agree clearly better without those that the file states; else None."""
+    none = np.zeros(len(rig))
+    if not _better(detections, images, with_radial(rig, none), rig, frames):  # (4)
+        return None
+    return MissingLenses(none, True, float(np.sqrt(_variance(images, rig, frames))))
 
 
 def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> Rig:
@@ -98,7 +113,7 @@ def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int])
 
 
 def _better(detections: Detections, images: Images, bent: Rig, flat: Rig, frames: list[int]) -> bool:
-    """Whether images agree clearly better by a rig with lenses than by one without, by variance and by (1)."""
+    """Whether images agree clearly better by a rig of other lenses, by variance and by (1)."""
     seen = images.seen_by(detections, bent, frames)
     less = _variance(seen, bent, frames) < LESS * _variance(images, flat, frames)
     return bool(less and _meeting(seen, bent, frames) > _meeting(images, flat, frames) + MORE * len(flat))

@@ -16,7 +16,8 @@ they stand and how long their lenses are makes up for a part of it, and k alone 
 
 The other way round, images may be free of distortion when they come, as some programs and cameras take it out before.
 Where a rig states lens terms and is clearly better in both ways without them and with no other change (4), they are
-left out, and all is tracked and solved without them: they would bend straight images.
+left out, and all is tracked and solved without them: they would bend straight images. A calibration that is off may
+be so by chance; with turns and focal lengths fitted to either, its own lenses are then the better ones (5).
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
     bent = _fitted(detections, images, rig, frames)
     k = np.array([camera.distortion[0] for camera in bent])
     begun = rig, with_radial(bent, np.zeros(len(rig)))  # as one fit may end where the other does not come
-    flat = (fitted_rig(lambda _: images, one, frames, np.zeros((len(rig), 4)), USUAL_ERROR, ROUNDS) for one in begun)
+    flat = (_turned(images, one, frames) for one in begun)
     if not all(_better(detections, images, bent, one, frames) for one in flat):  # (2)
         return None
     lost = _better(detections, images, with_radial(rig, k), rig, frames)  # (3)
@@ -95,7 +96,12 @@ def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
 def _taken_out(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> MissingLenses | None:
     """No lenses, where images agree clearly better without those that the file states; else None."""
     none = np.zeros(len(rig))
-    if not _better(detections, images, with_radial(rig, none), rig, frames):  # (4)
+    plain = with_radial(rig, none)
+    if not _better(detections, images, plain, rig, frames):  # (4)
+        return None
+    straight = images.seen_by(detections, plain, frames)
+    own, others = _turned(images, rig, frames), _turned(straight, plain, frames)
+    if not _better(detections, images, others, own, frames, 1.0, 0.0):  # (5)
         return None
     return MissingLenses(none, True, float(np.sqrt(_variance(images, rig, frames))))
 
@@ -112,11 +118,24 @@ def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int])
     return fitted_rig(lambda moved: images.seen_by(detections, moved, frames), rig, frames, begin, usual, ROUNDS)
 
 
-def _better(detections: Detections, images: Images, bent: Rig, flat: Rig, frames: list[int]) -> bool:
-    """Whether images agree clearly better by a rig of other lenses, by variance and by (1)."""
+def _turned(images: Images, rig: Rig, frames: list[int]) -> Rig:
+    """The rig, its turns and focal lengths fitted, its lenses as they are."""
+    return fitted_rig(lambda _: images, rig, frames, np.zeros((len(rig), 4)), USUAL_ERROR, ROUNDS)
+
+
+def _better(
+    detections: Detections,
+    images: Images,
+    bent: Rig,
+    flat: Rig,
+    frames: list[int],
+    less: float = LESS,
+    more: float = MORE,
+) -> bool:
+    """Whether images agree better by a rig of other lenses, by variance and by (1); clearly, where nothing is said."""
     seen = images.seen_by(detections, bent, frames)
-    less = _variance(seen, bent, frames) < LESS * _variance(images, flat, frames)
-    return bool(less and _meeting(seen, bent, frames) > _meeting(images, flat, frames) + MORE * len(flat))
+    fewer = _variance(seen, bent, frames) < less * _variance(images, flat, frames)
+    return bool(fewer and _meeting(seen, bent, frames) > _meeting(images, flat, frames) + more * len(flat))
 
 
 def _alike(rig: Rig, k: float) -> Rig:

@@ -68,6 +68,13 @@ def frames_of(n, *, noise=0.5, seed=6):
     return frames
 
 
+@pytest.mark.parametrize("times", [0.9, 1.1])
+def test_a_scale_that_is_wrong_is_told_from_a_frame_that_is_not_the_stated_one(rig, times):
+    seen = times * np.array([[0, 0, 0], [400, 0, 0], [0, 250, 0.0]])
+    with pytest.raises(KinemarkError, match=rf"All are {times:.3f} times as long: correct lengths_mm of the wand"):
+        l_frame(rig, seen, long=400.0, short=250.0)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_many_frames_place_the_world_better_than_one(rig, seed):
     arms = {"long": (200, 600), "short": 400, "height": 20}

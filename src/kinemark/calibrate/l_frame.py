@@ -152,9 +152,11 @@ def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> li
     difference = np.abs(found - wanted).max(-1) / wanted.max()
     best = np.argsort(difference)[:2]
     if not difference[best[0]] <= tolerance:
+        alone = len(there) == len(model)  # among more points some are like it by chance
+        advice = _advice(found, wanted, tolerance if alone else 0.0)
         raise KinemarkError(
             f"No {len(model)} of {len(there)} points have the L-frame's distances: the best are off by "
-            f"{difference[best[0]] * wanted.max():.1f} mm. Check its lengths, and that all its markers are seen."
+            f"{difference[best[0]] * wanted.max():.1f} mm. {advice}"
         )
     if len(best) > 1 and difference[best[1]] <= tolerance:
         raise KinemarkError(
@@ -162,6 +164,19 @@ def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> li
             "beside it. Use arms of unequal lengths, or a smaller tolerance."
         )
     return [int(i) for i in choices[best[0]]]
+
+
+def _advice(found: Floats, wanted: Floats, tolerance: float) -> str:
+    """What to do where no choice of points has the wanted distances (d): found are those of each (n, d)."""
+    times = (found * wanted).sum(-1) / (wanted**2).sum()
+    off = np.abs(found - times[:, None] * wanted).max(-1) / np.maximum(times * wanted.max(), 1e-300)
+    likest = np.argmin(off)
+    if off[likest] <= tolerance / 2:
+        return (
+            f"All are {times[likest]:.3f} times as long: correct lengths_mm of the wand, or the distance, that gives "
+            "the scale, or arms_mm."
+        )
+    return "Check its lengths, and that all its markers are seen."
 
 
 def _distances(points: Floats) -> Floats:

@@ -91,6 +91,10 @@ TRIAL_KINDS = (
          "calibration that had them, all was tracked and solved with these. Else nothing was changed, and it is red "
          "where the images lie sd_px, standard deviation, above 1 px beside each other's lines.",
          {"lost": "flag", "sd_px": "px", "k1_list": "ratio"}),
+    Kind("lens_terms_taken_out", "track", "amber", "The calibration states lens terms, and the images fit clearly "
+         "better without, as where distortion was taken out of them before: by the calibration as it is they lie "
+         "sd_px, standard deviation, beside each other's lines. All was tracked and solved without lens terms.",
+         {"sd_px": "px"}),
     Kind("noise_overstated", "track", "amber", "The centroids state a standard deviation of stated_px, far more than "
          "that by which the images of the median camera lie beside each other's lines, seen_px; the latter was "
          "believed.", {"stated_px": "px", "seen_px": "px"}),

@@ -21,6 +21,7 @@ from ..io.masks_toml import read_masks
 from ..io.named_points_csv import detections_of_csv
 from ..io.records import load
 from .keys import file_key
+from .lost_images import check_no_image_lost
 from .settings import Settings, TargetRecording, check_camera_names
 
 
@@ -97,6 +98,7 @@ def recorded(
             )
         return Recorded(whole, size_of_cameras(root, settings, names))
     images = open_cameras(root, settings, seen.images, names)
+    check_no_image_lost({name: i for name, i in images.items() if name not in settings.cameras.rates_hz})
     total = sum(source.n_frames for source in images.values())
     method: Any = settings.detect
     found = detect(

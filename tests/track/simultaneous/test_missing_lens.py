@@ -1,4 +1,4 @@
-"""Lens terms that a calibration does not state, and noise that centroids overstate."""
+"""Lens terms that a calibration does not state, or states of images without, and noise that centroids overstate."""
 
 from dataclasses import replace
 from functools import cache
@@ -65,6 +65,32 @@ def test_a_rig_that_states_lens_terms_keeps_them():
     one = made(147005)
     assert missing_lenses(one.detections, one.rig) is None
     assert "lens_terms_unstated" not in tracked(one, one.detections, one.rig)[2]
+
+
+def straight(one):
+    """Its detections, with the lenses taken out of them before."""
+    uv = np.concatenate([undistort(c, one.detections.uv[one.detections.camera == k]) for k, c in enumerate(one.rig)])
+    return replace(one.detections, uv=uv)
+
+
+@pytest.mark.parametrize("seed", [147005, 147022])
+def test_lenses_are_not_taken_out_twice(seed):
+    """A rig states its lenses, and the images come without distortion: as by the rig that states none."""
+    one = made(seed)
+    result, counts, found = tracked(one, straight(one), one.rig)
+    plain = track_simultaneously(straight(one), bare(one.rig), DEFAULT)
+    np.testing.assert_array_equal(result.tracks.cloud.xyz, plain.tracks.cloud.xyz)
+    assert counts.two_found + counts.more_found > 0.97 * (counts.two + counts.more)
+    assert "without lens terms" in text_of(found["lens_terms_taken_out"])
+    assert "lens_terms_unstated" not in found
+
+
+@pytest.mark.parametrize(("seed", "off"), [(201008, 1.0), (201015, 1.0), (201018, 3.0), (147005, 6.0)])
+def test_a_calibration_that_is_off_keeps_its_lenses(seed, off):
+    """Also where images are by chance nearer to each other's lines without them, as in the first three."""
+    whole = scene(seed)
+    one = make(whole._replace(calibration=off, seconds=40 / whole.rate))
+    assert missing_lenses(one.detections, one.rig) is None
 
 
 def test_images_without_distortion_lack_no_lens():

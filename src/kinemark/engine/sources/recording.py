@@ -13,6 +13,7 @@ from ...data import Camera, Detections, KinemarkError, Rig
 from ...data.array_types import Floats
 from ...io.images import ImageSource
 from ...signal.common_time import CommonTime, at_common_time
+from ..lost_images import check_no_image_lost
 from ..recordings import open_cameras
 from ..settings import Settings, TrialEntry
 
@@ -60,6 +61,7 @@ class Recording:
         """The frames of each camera that are taken, of the size that it was calibrated at."""
         entry = self.entry
         images = open_cameras(self.root, self.settings, str(entry.images), self.rig.names, every=entry.every)
+        check_no_image_lost({name: i for name, i in images.items() if name not in self.settings.cameras.rates_hz})
         for camera in self.rig:
             _check_size(camera, images[camera.name], self.settings.cameras.interlaced is not False)
         return images

@@ -221,6 +221,12 @@ CAMERA_WORDS = {
         _lenses,
         "Calibrate again with lens distortion, or state the lens terms in the calibration, where it had them.",
     ),
+    "lens_terms_taken_out": Words(
+        "The images are without the lens distortion that the calibration states: by it they lie {sd_px} beside each "
+        "other's lines. All was tracked and solved without lens terms.",
+        "Leave the lens terms out of the calibration, where the distortion was taken out of the images before; else "
+        "give the calibration of these lenses.",
+    ),
     "noise_overstated": Words(
         "The centroids state a standard deviation of {stated_px}, but the images lie only {seen_px} beside each "
         "other's lines: the latter was believed.",

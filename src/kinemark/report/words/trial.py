@@ -90,7 +90,9 @@ RATE = "Correct rate_hz, or the rate in the file: every speed and every limit of
 TRIAL_WORDS = {
     "no_frames": Words("The recording has no frames.", "Check that the trial names the right images or detections."),
     "no_detections": Words(
-        "No camera saw any marker.", "Lower the threshold in [detect], or check exposure and lights."
+        "No camera saw any marker.",
+        "Lower the threshold in [detect], set inverted = true there where markers are dark on bright ground, or check "
+        "exposure and lights.",
     ),
     "no_points": Words("The cameras saw markers, but no marker was reconstructed.", _no_points),
     "no_trajectories": Words(

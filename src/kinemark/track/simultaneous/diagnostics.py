@@ -118,10 +118,12 @@ def _put_right(one: ImageOffset, rig: Rig) -> Finding:
 
 
 def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:
-    """About lens terms that the rig does not state, though its images need them (12)."""
+    """About lens terms that the rig does not state, though its images need them, or states of images without (12)."""
     lenses = result.lenses
     if lenses is None:
         return []
+    if not lenses.radial.any():
+        return [make_finding("lens_terms_taken_out", cameras=rig.names, sd_px=lenses.sd)]
     k1 = tuple(round(float(k), 3) for k in lenses.radial)
     severity = red_if(not lenses.lost and lenses.sd > MISFIT_SD)
     return [

@@ -1,4 +1,4 @@
-"""Lenses of a rig whose file states none: their radial terms, learned from the images.
+"""Lenses of a rig that are not those of its images: radial terms that its file does not state, or that are taken out.
 
 Calibrations without lens terms leave images at the edge several px off, and points there far off or missing. Where a
 rig states no term of any camera, the radial terms k of all (`adjusted_rig` (3)) are fitted to the epipolar residuals e
@@ -13,6 +13,11 @@ many rounds, and clearly more images meet by (1) (2): a few of a calibration tha
 Where the rig as the file has it, with k and no other change, is clearly better in both ways as well (3), the terms were
 lost on the way, and all is tracked and solved with them. Else the cameras were calibrated as if they had no lens: where
 they stand and how long their lenses are makes up for a part of it, and k alone would make positions worse.
+
+The other way round, images may be free of distortion when they come, as some programs and cameras take it out before.
+Where a rig states lens terms and is clearly better in both ways without them and with no other change (4), they are
+left out, and all is tracked and solved without them: they would bend straight images. A calibration that is off may
+be so by chance; with turns and focal lengths fitted to either, its own lenses are then the better ones (5).
 """
 
 from __future__ import annotations
@@ -52,8 +57,9 @@ ROUNDS = 12
 
 
 class MissingLenses(NamedTuple):
-    """Radial terms (C) of lenses of which the file states none; whether they were lost on the way (3); the standard
-    deviation in px that images have by the rig as given."""
+    """Radial terms (C) of lenses of which the file states none, or 0 where the images are without those that it states
+    (4); whether the rig is better with these alone, (3) or (4); the standard deviation in px that images have by the
+    rig as given."""
 
     radial: Floats
     lost: bool
@@ -65,24 +71,39 @@ class MissingLenses(NamedTuple):
 
 
 def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
-    """What the images tell of lenses of which the file states no term; None where it states some, or none is missing.
+    """What the images tell of lenses that are not as the file states them; None where nothing is.
 
     Args:
         detections: of the whole recording. rig: as given.
     """
-    if any(camera.distortion.any() for camera in rig) or len(rig) < 2 or not len(detections):
+    if len(rig) < 2 or not len(detections):
         return None
     images = read_images(detections, rig)
     frames = sampled_frames(images)
+    if any(camera.distortion.any() for camera in rig):
+        return _taken_out(detections, images, rig, frames)
     bent = _fitted(detections, images, rig, frames)
     k = np.array([camera.distortion[0] for camera in bent])
     begun = rig, with_radial(bent, np.zeros(len(rig)))  # as one fit may end where the other does not come
-    flat = (fitted_rig(lambda _: images, one, frames, np.zeros((len(rig), 4)), USUAL_ERROR, ROUNDS) for one in begun)
+    flat = (_turned(images, one, frames) for one in begun)
     if not all(_better(detections, images, bent, one, frames) for one in flat):  # (2)
         return None
     lost = _better(detections, images, with_radial(rig, k), rig, frames)  # (3)
     before = _variance(images, rig, frames)
     return MissingLenses(k, lost, float(np.sqrt(before)))
+
+
+def _taken_out(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> MissingLenses | None:
+    """No lenses, where images agree clearly better without those that the file states; else None."""
+    none = np.zeros(len(rig))
+    plain = with_radial(rig, none)
+    if not _better(detections, images, plain, rig, frames):  # (4)
+        return None
+    straight = images.seen_by(detections, plain, frames)
+    own, others = _turned(images, rig, frames), _turned(straight, plain, frames)
+    if not _better(detections, images, others, own, frames, 1.0, 0.0):  # (5)
+        return None
+    return MissingLenses(none, True, float(np.sqrt(_variance(images, rig, frames))))
 
 
 def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> Rig:
@@ -97,11 +118,24 @@ def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int])
     return fitted_rig(lambda moved: images.seen_by(detections, moved, frames), rig, frames, begin, usual, ROUNDS)
 
 
-def _better(detections: Detections, images: Images, bent: Rig, flat: Rig, frames: list[int]) -> bool:
-    """Whether images agree clearly better by a rig with lenses than by one without, by variance and by (1)."""
+def _turned(images: Images, rig: Rig, frames: list[int]) -> Rig:
+    """The rig, its turns and focal lengths fitted, its lenses as they are."""
+    return fitted_rig(lambda _: images, rig, frames, np.zeros((len(rig), 4)), USUAL_ERROR, ROUNDS)
+
+
+def _better(
+    detections: Detections,
+    images: Images,
+    bent: Rig,
+    flat: Rig,
+    frames: list[int],
+    less: float = LESS,
+    more: float = MORE,
+) -> bool:
+    """Whether images agree better by a rig of other lenses, by variance and by (1); clearly, where nothing is said."""
     seen = images.seen_by(detections, bent, frames)
-    less = _variance(seen, bent, frames) < LESS * _variance(images, flat, frames)
-    return bool(less and _meeting(seen, bent, frames) > _meeting(images, flat, frames) + MORE * len(flat))
+    fewer = _variance(seen, bent, frames) < less * _variance(images, flat, frames)
+    return bool(fewer and _meeting(seen, bent, frames) > _meeting(images, flat, frames) + more * len(flat))
 
 
 def _alike(rig: Rig, k: float) -> Rig:

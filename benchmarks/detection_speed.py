@@ -5,15 +5,14 @@
 The videos are uncompressed, 1280 × 1024 px, of somebody with 39 markers who walks on the spot, drawn as soft discs of
 8 px: no frame comes twice, as what is repeated stays in the processor's cache, and the subject stays in view. Decoding
 alone is what no detection can save; what `detect` takes beyond it is learning (`detect.learning`) and the detections.
-The whole chain is detected, tracked, and written. Counted is the time of all threads and processes together, the median
-of three rounds in turns; of two also the time that goes by, which only a machine at rest shows. Long films, of 500
-frames and more, are detected by processes of their own.
+The whole chain is detected, tracked, and written. Counted is the time of all threads together, the median of three
+rounds in turns; of two threads also the time that goes by, which only a machine at rest shows.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
+import resource
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -51,11 +50,11 @@ def write_raw(path: Path, film: Iterable[NDArray[np.uint8]], size: Ints) -> None
 
 
 def processor_seconds(run: Callable[[], object]) -> float:
-    """Of all threads of this process, and of the processes that it starts, s."""
-    before = os.times()
+    """Of all threads of this process, s."""
+    before = resource.getrusage(resource.RUSAGE_SELF)
     run()
-    after = os.times()
-    return sum(after[:4]) - sum(before[:4])
+    after = resource.getrusage(resource.RUSAGE_SELF)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def decode(sources: list[ImageSource]) -> None:

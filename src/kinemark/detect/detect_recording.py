@@ -3,31 +3,34 @@
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import nullcontext
 from contextvars import copy_context
 from dataclasses import replace
 from threading import Event, Lock
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.array_types import GreyLevels
 from ..data.masks import Masks
 from ..data.method import Method
 from ..numerics.blas_threads import one_blas_thread
-from .blobs import joined
-from .camera_process import camera_processes
-from .detect_camera import detect_camera
-from .frame_source import FrameSource, InFiles
-from .masks import check_masks
+from .blobs import Blobs, joined
+from .centroids_method import Centroids
+from .detect_frames import detect_frames, find_suspects
+from .frame_source import BATCH, FrameSource, prefetched
+from .ground import Ground
+from .learning import learned
+from .levels import levelled_by_first
+from .masks import check_masks, masked
+from .separate import Suspects, separated
 from .stage import DETECT
 
-PROCESSES_FROM = 3000
-"""Images of all cameras together from which on processes of their own are worth their start; chosen by
-benchmarks/detection_speed.py."""
+WAITING = 1 << 18
+"""Pixels of suspected groups that are kept until they are explained together; chosen for memory."""
 
 
 @one_blas_thread()
@@ -54,8 +57,7 @@ def detect(
         of_cameras: methods of single cameras by their names, in its place.
         masks: where nothing is a marker, for some or all of the cameras.
         progress: called with the number of frames done so far, all cameras together, from the threads that do them.
-        threads: how many cameras are looked at side by side; as many as there are processors where None. Long
-            recordings in files are, in processes of their own.
+        threads: how many cameras are looked at side by side; as many as there are processors where None.
         equal_lengths: whether all cameras must have equal numbers of frames; cameras of other rates have not, and a
             shorter recording then has no detections after its end.
 
@@ -81,13 +83,13 @@ def detect(
             if progress:
                 here.run(progress, done[0])
 
-    number = max(1, min(threads or os.cpu_count() or 1, len(sources)))
-    methods = [of_cameras.get(name) or method or DETECT.make() for name in cameras]
-    pixels = [masks.pixels(name) if masks and name in masks.cameras else None for name in cameras]
-    alone = number == 1 or not _worth_processes(sources, methods)
-    with nullcontext(detect_camera) if alone else camera_processes(number) as one, ThreadPoolExecutor(number) as pool:
+    def one(source: FrameSource, name: str) -> tuple[Blobs, bool]:
+        mask = masks.pixels(name) if masks and name in masks.cameras else None
+        return _detect_camera(source, name, of_cameras.get(name) or method or DETECT.make(), mask, tell)
+
+    with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
         try:
-            found = list(pool.map(one, sources, cameras, methods, pixels, [tell] * len(sources)))
+            found = list(pool.map(one, sources, cameras))
         except BaseException:
             stopped.set()  # the other cameras go no further than their next batch
             raise
@@ -112,8 +114,132 @@ def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str], equal
     return max(lengths, default=0)
 
 
-def _worth_processes(sources: Sequence[FrameSource], methods: Sequence[Method]) -> bool:
-    """Whether there is much to do, and another interpreter can be told what."""
-    known = all(type(part).__module__ != "__main__" for part in (*sources, *methods))
-    in_files = all(isinstance(source, InFiles) for source in sources)
-    return bool(sys.executable) and known and in_files and sum(s.n_frames for s in sources) >= PROCESSES_FROM
+def _detect_camera(
+    source: FrameSource, name: str, method: Method, mask: NDArray[np.bool_] | None, tell: Callable[[int], None]
+) -> tuple[Blobs, bool]:
+    """One camera's detections, batch by batch, and whether its ground was subtracted.
+
+    Raises:
+        KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
+    """
+    method, ground = for_camera(method, source)
+    camera = _Camera(source, name, mask, ground)
+    ready, shows = levels_of(method, source, ground)
+    first, size = 0, None
+    for images in prefetched(source):
+        if size is None:
+            size = images.shape[1:]
+            _check_mask(mask, size, name)
+        _check_size(images, size, f"{name}: frame {first + 1} of {source.n_frames}")
+        images = images if ground is None else ground.taken_from(images, first)
+        # where nothing has stood out from the background so far, there was no marker either
+        camera.look(images, first, ready if first + len(images) > shows else None)
+        first += len(images)
+        tell(len(images))
+    if first != source.n_frames:
+        raise KinemarkError(
+            f"Camera {name}: {first} frames could be read of the {source.n_frames} that the recording announces. "
+            "Copy the recording again, or cut all cameras to the frames that are there."
+        )
+    return camera.blobs(), ground is not None
+
+
+class _Camera:
+    """What is found in the batches of a camera; suspected groups of several batches are explained together."""
+
+    def __init__(self, source: FrameSource, name: str, mask: NDArray[np.bool_] | None, ground: Ground | None) -> None:
+        """Take what holds for all batches."""
+        self.source, self.name, self.mask, self.ground = source, name, mask, ground
+        self.frames = 0
+        self.parts = [_none(0)]
+        self.waiting: list[Suspects] = []
+        self.method = Centroids()
+
+    def look(self, images: NDArray[np.uint8 | np.uint16], first: int, method: Method | None) -> None:
+        """Take a batch, of which the first frame has this number; without a method there is nothing in it."""
+        if not isinstance(method, Centroids):
+            self._add(detect_frames(images, method=method) if method else _none(len(images)))
+            return
+        self.method = method
+        try:
+            self.waiting += [*find_suspects(images, method=method)]
+        except KinemarkError as error:
+            raise KinemarkError(
+                f"Camera {self.name}, batch from frame {first + 1} of {self.source.n_frames} on: {error}"
+            ) from None
+        if sum(len(part.pixels.grey) for part in self.waiting if part.pixels) > WAITING:
+            self._explain()
+
+    def blobs(self) -> Blobs:
+        """All that was found."""
+        self._explain()
+        return joined(self.parts)
+
+    def _explain(self) -> None:
+        waiting, self.waiting = self.waiting, []
+        for blobs in separated(waiting, method=self.method):
+            self._add(blobs)
+
+    def _add(self, blobs: Blobs) -> None:
+        """Note what was found in the next frames: grey levels of the recording, masked, fields on one plane."""
+        frames = self.frames + np.arange(len(blobs.counts))
+        self.frames += len(frames)
+        if (ground := self.ground) is not None:
+            light = ground.at(blobs.uv, np.repeat(frames, blobs.counts))
+            blobs = blobs._replace(peak=blobs.peak - light if ground.white else blobs.peak + light)
+        blobs = blobs if self.mask is None else masked(blobs, self.mask)
+        offset = np.repeat([self.source.v_offset(f) for f in frames.tolist()], blobs.counts)
+        self.parts.append(blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(offset)), offset], -1)))
+
+
+def for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | None]:
+    """The method with what it leaves to the camera: threshold, sizes, form of markers in fields; and the ground."""
+    if not isinstance(method, Centroids):
+        return method, None
+    if method.aspect is None:
+        fields = source.v_offset(0) != source.v_offset(1)
+        method = replace(method, aspect=0.5 if fields else 1.0)
+    return learned(method, source)
+
+
+def levels_of(method: Method, source: FrameSource, ground: Ground | None) -> tuple[Method | None, int]:
+    """The method with the threshold that a relative one means for a camera, None where nothing shows; from which frame.
+
+    A method without one is returned as it is, from frame 0 on.
+    """
+    if getattr(method, "relative_threshold", None) is None:
+        return method, 0
+    return levelled_by_first(method, _under(source, ground))
+
+
+def _under(source: FrameSource, ground: Ground | None) -> Iterator[GreyLevels]:
+    """The batches of a source without the ground."""
+    first = 0
+    for images in source.batches(BATCH):
+        yield images if ground is None else ground.taken_from(images, first)
+        first += len(images)
+
+
+def _none(frames: int) -> Blobs:
+    """The detections of frames without any."""
+    return detect_frames(np.zeros((frames, 1, 1), np.uint8))
+
+
+def _check_mask(mask: NDArray[np.bool_] | None, size: tuple[int, ...], name: str) -> None:
+    if mask is not None and mask.shape != size:
+        raise KinemarkError(
+            f"Camera {name}: its mask is for images of {_by(mask.shape)}, and they have {_by(size)}. "
+            "Masks of interlaced video are in the lines of a field."
+        )
+
+
+def _check_size(images: NDArray[np.uint8 | np.uint16], size: tuple[int, ...], where: str) -> None:
+    if images.shape[1:] != size:
+        raise KinemarkError(
+            f"Camera {where} has {_by(images.shape[1:])}, and the first one {_by(size)}. "
+            "Export the recording again, all frames in one size."
+        )
+
+
+def _by(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]} × {shape[0]} px"

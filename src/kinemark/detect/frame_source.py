@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -42,16 +41,6 @@ class RandomAccess(Protocol):
 
     def frames_near(self, wanted: NDArray[np.int64], /) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:
         """Numbers (n) of frames near these rising ones, and the frames, at the least cost of decoding."""
-        ...
-
-
-@runtime_checkable
-class InFiles(Protocol):
-    """A source that keeps no images, but reads them: it is soon told to another process."""
-
-    @property
-    def paths(self) -> tuple[Path, ...]:
-        """Its files."""
         ...
 
 

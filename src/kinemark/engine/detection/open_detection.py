@@ -22,7 +22,7 @@ from ...data.masks import Masks
 from ...data.method import Method
 from ...detect import Blobs, Centroids, combined_masks, detect_frames
 from ...detect.centroids_method import grey_scale
-from ...detect.detect_camera import for_camera, levels_of
+from ...detect.detect_recording import for_camera, levels_of
 from ...detect.ground import Ground
 from ...detect.levels import levelled
 from ...detect.masks import masked

@@ -16,7 +16,7 @@ from typing import Protocol
 
 from ...data import KinemarkError
 from ...data.array_types import Ints
-from ...detect.frame_source import FrameSource, InFiles, RandomAccess
+from ...detect.frame_source import FrameSource, RandomAccess
 from ...io.exact_frames import ExactImages
 from ...io.images import ImageSource, open_images
 from ...io.pixels import Image
@@ -30,8 +30,8 @@ MOST = 500_000_000
 """Bytes of the small videos of a trial; chosen: 10 000 frames of eight cameras have half of it."""
 
 
-class CameraFrames(FrameSource, RandomAccess, InFiles, Protocol):
-    """Frames in order, and single ones, from files."""
+class CameraFrames(FrameSource, RandomAccess, Protocol):
+    """Frames in order, and single ones."""
 
 
 class Watched:
@@ -45,11 +45,6 @@ class Watched:
     def n_frames(self) -> int:
         """F."""
         return self.source.n_frames
-
-    @property
-    def paths(self) -> tuple[Path, ...]:
-        """Those of the source."""
-        return self.source.paths
 
     def batches(self, n: int) -> Iterator[Image]:
         """The frames in order, at most n at a time (n, H, W)."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 
@@ -27,11 +26,6 @@ class Excerpt:
     def n_frames(self) -> int:
         """How many there are."""
         return self.stop - self.first
-
-    @property
-    def paths(self) -> tuple[Path, ...]:
-        """Files of the whole recording."""
-        return self.source.paths
 
     def batches(self, n: int) -> Iterator[GreyLevels]:
         """The frames, at most n at a time (n, H, W); those before are decoded and passed over."""

@@ -3,7 +3,7 @@
 Each file of 16 laboratories is looked at as it is and with faults, at its own rate and at lower ones, as in
 `probable_errors`; with faults twice: up to two of each kind, and one or two in all. Of each change, leap and spike it
 is known what it is said to be by itself, and by the others of its trial (`edit/probable_errors/probability.py`, (3) and
-(5)). The three coefficients are fitted to all laboratories; what is told of each is by those fitted to the others.
+(5)). The four coefficients are fitted to all laboratories; what is told of each is by those fitted to the others.
 
 What files show as they are is no error, but for what somebody looked at and found to be one (NATURAL of
 `probable_errors`), which is left out.
@@ -27,9 +27,15 @@ from probable_errors_tables import Judged, classes, table
 
 from kinemark.data.array_types import Floats
 from kinemark.data.problems import Problem
-from kinemark.edit.probable_errors import Evidence
+from kinemark.edit.probable_errors import Evidence, Moment
 from kinemark.edit.probable_errors.leaps import LeapEvidence
-from kinemark.edit.probable_errors.probability import COEFFICIENTS, TAIL, evidence_of_trial, logit_in_trial
+from kinemark.edit.probable_errors.probability import (
+    COEFFICIENTS,
+    TAIL,
+    evidence_of_trial,
+    logit_in_trial,
+    told_by_trial,
+)
 from kinemark.edit.probable_errors.spikes import SpikeEvidence
 
 PROBLEMS: Any = sys.modules["kinemark.engine.problems"]
@@ -48,7 +54,7 @@ KINDS = {"change": Evidence._fields, "leap": LeapEvidence._fields, "spike": Spik
 
 class Told(NamedTuple):
     """A problem: its laboratory, kind, what is said of it by itself, evidence of its trial (3), whether it is one,
-    which trial it is of and its rate, and what tells of it."""
+    which trial it is of and its rate, what tells of it, and where it is."""
 
     laboratory: str
     kind: str
@@ -58,6 +64,7 @@ class Told(NamedTuple):
     trial: int
     rate: float
     values: Mapping[str, float]
+    moment: Moment
 
 
 def laboratory(file: str) -> str:
@@ -91,23 +98,27 @@ def told(patterns: Sequence[str] = (*FILES, *OTHERS)) -> list[Told]:
                 for one in listed(known).items
                 if (kind := kind_of(one)) is not None and (true := truth_of(known, one)) is not None
             ]
-            of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), known.trajectories.rate)
-            for (one, kind, true), its in zip(some, of, strict=True):
-                rate = known.trajectories.rate
-                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), true, k, rate, one.values))
+            rate, moments = known.trajectories.rate, [moment_of(known, one) for one, _, _ in some]
+            of = evidence_of_trial(np.array([one.wrong for one, _, _ in some]), rate, moments)
+            for (one, kind, true), its, at in zip(some, of, moments, strict=True):
+                rows.append(Told(laboratory(known.name), kind, one.wrong, tuple(its), true, k, rate, one.values, at))
     return rows
 
 
+def moment_of(known: Known, one: Problem) -> Moment:
+    return Moment((one.first + one.last) / 2, frozenset(map(known.trajectories.names.index, one.tracks)))
+
+
 def fit(rows: Sequence[Told]) -> Floats:
-    """c₁ and c₂ of (3) and c₃ of (5), as likely as they can be within what keeps them monotone."""
+    """c₁ and c₂ of (3), c₃ of (5) and c₄ of (3), as likely as they can be within what keeps them monotone."""
     x, y = np.array([row.of_trial for row in rows]), np.array([float(row.true) for row in rows])
 
     def cost(c: Floats) -> float:
         z = logit_in_trial(x, c)
         return float((np.logaddexp(0, z) - y * z).sum())
 
-    bounds = [(0, None), (0, 0.99 * TAIL), (0, None)]
-    return np.asarray(scipy.optimize.minimize(cost, np.ones(3), method="L-BFGS-B", bounds=bounds).x)
+    bounds = [(0, None), (0, 0.99 * TAIL), (0, None), (0, None)]
+    return np.asarray(scipy.optimize.minimize(cost, np.ones(4), method="L-BFGS-B", bounds=bounds).x)
 
 
 def fit_changes(rows: Sequence[Told]) -> Floats:
@@ -123,10 +134,11 @@ def fit_changes(rows: Sequence[Told]) -> Floats:
             rows[k] = rows[k]._replace(wrong=float(wrong))
         for trial in {row.trial for row in rows}:
             own = [k for k, row in enumerate(rows) if row.trial == trial]
-            its = evidence_of_trial(np.array([rows[k].wrong for k in own]), rows[own[0]].rate)
+            wrong, moments = np.array([rows[k].wrong for k in own]), [rows[k].moment for k in own]
+            its = evidence_of_trial(wrong, rows[own[0]].rate, moments)
             for k, one in zip(own, its, strict=True):
                 rows[k] = rows[k]._replace(of_trial=tuple(one))
-        beside = np.array([rows[k].of_trial[1:] for k in mine]) @ (fit(rows)[:2] * np.array([1.0, -1.0]))
+        beside = told_by_trial(np.array([rows[k].of_trial for k in mine]), fit(rows))
         b = _likeliest(x, y, beside, b)
     return b
 
@@ -193,7 +205,7 @@ def main(*what: str) -> None:
         alone = judged([row for row in rows if row.laboratory == place], None)
         print(f"  {place:20} said to be wrong with 5 to 50 %: {unsure(mine)}; by themselves {unsure(alone)}")
     say("By its trial, by the coefficients of all", judged(rows, c_all := fit(rows)))
-    fitted, without_one = ", ".join(f"{k:.2f}" for k in c_all), ", ".join(spread(c, k) for k in range(3))
+    fitted, without_one = ", ".join(f"{k:.2f}" for k in c_all), ", ".join(spread(c, k) for k in range(4))
     print(f"  in_trial: {fitted}; without one laboratory {without_one}")
 
 

@@ -369,8 +369,8 @@ def test_what_tells_more_is_never_less_likely():
 
 def test_the_coefficients_of_a_trial_keep_what_tells_more_likelier():
     """The bounds of (3) and (5), within which the study fits them."""
-    more, common, faster = COEFFICIENTS["in_trial"]
-    assert more > 0 and 0 < common < TAIL and faster > 0
+    more, common, faster, together = COEFFICIENTS["in_trial"]
+    assert more > 0 and 0 < common < TAIL and faster > 0 and together > 0
 
 
 def test_motion_is_counted_of_the_others_and_at_most_as_what_one_tells_itself():
@@ -385,5 +385,5 @@ def test_motion_is_counted_of_the_others_and_at_most_as_what_one_tells_itself():
 
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 0.5])
 def test_no_problem_is_evidence_of_itself(wrong):
-    (_, errors, common), one = evidence_of_trial(np.array([wrong]), 60.0)[0], said([wrong])[0]
-    assert errors == common == 0.0 and 0 <= one <= 1
+    (_, errors, common, together), one = evidence_of_trial(np.array([wrong]), 60.0)[0], said([wrong])[0]
+    assert errors == common == together == 0.0 and 0 <= one <= 1

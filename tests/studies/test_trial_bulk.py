@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from kinemark.edit.probable_errors import Moment
 from kinemark.edit.probable_errors.probability import TAIL, logit_in_trial
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.editing.journal import Journal
@@ -20,16 +21,20 @@ def test_a_change_in_a_gap_too_long_for_motion_is_a_change(tmp_path, monkeypatch
     assert "assumed_mm" in one.values and trial_bulk.kind_of(one) == "change"
 
 
-@pytest.mark.parametrize("c", [(1.3, 1.6, 0.0), (0.5, 1.0, 0.6), (1.0, 3.0, 0.3)])
+@pytest.mark.parametrize("c", [(1.3, 1.6, 0.0, 0.8), (0.5, 1.0, 0.6, 1.5), (1.0, 3.0, 0.3, 0.0)])
 def test_what_is_fitted_is_what_the_trials_tell_as_far_as_more_evidence_stays_likelier(monkeypatch, c):
     """Coefficients of (3), and of (5) for what is unlikely."""
     monkeypatch.syspath_prepend(str(STUDIES))
     import trial_bulk
 
     rng = np.random.default_rng(1)
-    x = np.column_stack([rng.normal(0, 2, 8000), rng.exponential(1.0, 8000), rng.exponential(1.0, 8000)])
+    bulk = rng.normal(0, 2, 8000), rng.exponential(1.0, 8000), rng.exponential(1.0, 8000), rng.random(8000)
+    x = np.column_stack(bulk)
     true = rng.random(8000) < 1 / (1 + np.exp(-logit_in_trial(x, c)))
-    rows = [trial_bulk.Told("", "leap", 0.5, tuple(one), bool(y), 0, 100.0, {}) for one, y in zip(x, true, strict=True)]
-    more, common, faster = trial_bulk.fit(rows)
-    assert more >= 0 and faster >= 0 and common < TAIL and abs(common - min(c[1], TAIL)) < 0.2
-    assert (abs(more - c[0]) < 0.2 and abs(faster - c[2]) < 0.2) or c[1] > TAIL
+    at = Moment(0.0, frozenset({0}))
+    rows = [
+        trial_bulk.Told("", "leap", 0.5, tuple(one), bool(y), 0, 100.0, {}, at) for one, y in zip(x, true, strict=True)
+    ]
+    more, common, faster, together = trial_bulk.fit(rows)
+    assert more >= 0 and faster >= 0 and together >= 0 and common < TAIL and abs(common - min(c[1], TAIL)) < 0.2
+    assert np.abs(np.array([more, faster, together]) - [c[0], *c[2:]]).max() < 0.25 or c[1] > TAIL

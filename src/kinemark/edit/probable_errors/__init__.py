@@ -1,6 +1,7 @@
 """Probable errors of a trial's paths, each with its probability: changes of identity, spikes, ghosts, loose pieces,
 samples that nobody measured, and what happened to all paths at once."""
 
+from .at_once import Moment
 from .breaks import Break, BreakKind, breaks
 from .changes import Change, Evidence, changes
 from .fillings import Filling, fillings
@@ -21,6 +22,7 @@ __all__ = [
     "Filling",
     "Ghost",
     "Leap",
+    "Moment",
     "Partner",
     "Paths",
     "Piece",

@@ -11,14 +11,15 @@ How many errors a file has nobody knows before, nor how its people move, but its
 is common in its own trial, an error stands alone there; and where much is wrong, more is. With z the log-odds of (1),
 z_j those of the trial's other problems, w_j their probabilities, and f its rate,
 
-    u = z + c₁ ln(1 + S) − c₂ ln(1 + n(z)),      S = Σ_j w_j²                                             (3)
+    u = z + c₁ ln(1 + S) − c₂ ln(1 + n(z)) + c₄ a,      S = Σ_j w_j²                                      (3)
     n(z) = √(f / USUAL_HZ) Σ_j (1 − w_j) exp(min(z, z_j) / TAIL − max(z − z_j, 0) / BEYOND)              (4)
 
 w_j² lets what is likely wrong speak of errors, and 1 − w_j what is not of motion. Of motion each counts as what it
 tells, at most as what this one does, and less the farther this one is beyond it: so what stands alone stays likely, and
 what tells no more than much else in its trial is motion, the more so the shorter the time from frame to frame. This is
-empirical Bayes with the trial's own distribution of what is no error. A problem without others stays at (1) here, and
-with 0 ≤ c₁ and 0 ≤ c₂ < TAIL more evidence of its own never makes one less likely.
+empirical Bayes with the trial's own distribution of what is no error. Errors come together too: two markers that are
+exchanged both leave their ways in one frame, and a is what other paths show there (`at_once`). A problem without others
+stays at (1) here, and with 0 ≤ c₁, 0 ≤ c₂ < TAIL and 0 ≤ c₄ more evidence of its own never makes one less likely.
 
 A logistic function falls as slowly far below its middle as its middle says. Errors do not: what is hardly off its way
 is none, whatever else is told of it. So what is unlikely is less likely than (3) says,
@@ -33,6 +34,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...data.array_types import Floats
+from .at_once import Moment, at_once
 
 USUAL_HZ = 60.0
 """Rate of (4); by definition."""
@@ -59,12 +61,12 @@ COEFFICIENTS: dict[str, tuple[float, ...]] = {
     "moved": (-12.15, 0.59, 1.31, 1.81, -3.37, 1.40),
     "repeated": (-4.0, 3.5, 0.0, 0.0, 0.0, 0.0),
     "ghost": (-7.58, -0.70, -0.11, 1.09, 1.00),
-    "in_trial": (1.53, 1.92, 0.33),
+    "in_trial": (1.39, 1.85, 0.34, 1.48),
     "name_swap": (-3.0, 1.5, 0.5),
     "name_sides": (-3.0, 1.5, 0.5),
     "name_label": (-3.0, 1.5, 0.5),
 }
-"""Constant, then as the evidence of each kind lists them; c₁ and c₂ of (3), c₃ of (5). Fitted by
+"""Constant, then as the evidence of each kind lists them; c₁ and c₂ of (3), c₃ of (5), c₄ of (3). Fitted by
 studies/probable_errors.py: those of leaps to files, those of errors that have a kind for files as well to scenes:
 changes of tracks with a partner (`change`) and without (`cut`) to what the list keeps of them. The others were
 fitted before rough tracks were among the faults, to files (spikes in them) or to both: fitted anew to files alone,
@@ -92,24 +94,31 @@ def probability(kind: str, evidence: Sequence[float]) -> float:
     return float(1 / (1 + np.exp(-np.clip(z, -50, 50))))
 
 
-def in_trial(wrong: Floats, rate: float) -> Floats:
-    """(5) of the problems (N) of a trial at so many Hz that are as likely by themselves."""
-    z = logit_in_trial(evidence_of_trial(wrong, rate), COEFFICIENTS["in_trial"])
+def in_trial(wrong: Floats, rate: float, moments: Sequence[Moment] = ()) -> Floats:
+    """(5) of the problems (N) of a trial at so many Hz that are as likely by themselves, by where they are; without
+    that nothing happens at once."""
+    z = logit_in_trial(evidence_of_trial(wrong, rate, moments), COEFFICIENTS["in_trial"])
     return np.asarray(1 / (1 + np.exp(-np.clip(z, -50, 50))))
 
 
 def logit_in_trial(evidence: Floats, c: Sequence[float] | Floats) -> Floats:
-    """(3) and (5) of problems by `evidence_of_trial` (N, 3), with c₁, c₂ and c₃."""
-    u = evidence[:, 0] + c[0] * evidence[:, 1] - c[1] * evidence[:, 2]
+    """(3) and (5) of problems by `evidence_of_trial` (N, 4), with c₁ to c₄."""
+    u = evidence[:, 0] + told_by_trial(evidence, c)
     return np.asarray(u - c[2] * np.maximum(-u - UNLIKELY, 0.0))
 
 
-def evidence_of_trial(wrong: Floats, rate: float) -> Floats:
-    """(N, 3) of the problems (N) of a trial at so many Hz: z, ln(1 + S) and ln(1 + n(z)) of (3)."""
+def told_by_trial(evidence: Floats, c: Sequence[float] | Floats) -> Floats:
+    """What (3) adds to z."""
+    return np.asarray(evidence[:, 1:] @ np.array([c[0], -c[1], c[3]]))
+
+
+def evidence_of_trial(wrong: Floats, rate: float, moments: Sequence[Moment] = ()) -> Floats:
+    """(N, 4) of the problems (N) of a trial at so many Hz: z, ln(1 + S), ln(1 + n(z)) and a of (3)."""
     wrong = np.clip(wrong, LEAST, 1 - LEAST)
     z, squared = np.log(wrong) - np.log1p(-wrong), wrong**2
     among, common = np.maximum(squared.sum() - squared, 0.0), np.sqrt(rate / USUAL_HZ) * as_common(z)
-    return np.column_stack([z, np.log1p(among), np.log1p(common)])
+    together = at_once(wrong, moments) if moments else np.zeros(len(wrong))
+    return np.column_stack([z, np.log1p(among), np.log1p(common), together])
 
 
 def as_common(z: Floats) -> Floats:

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ...data.array_types import Ints
 from ...data.problems import ASK_ABOVE
-from ...edit.probable_errors import Break, Change, Filling, Ghost, Leap, Paths, Piece, Spike, in_trial
+from ...edit.probable_errors import (
+    Break,
+    Change,
+    Filling,
+    Ghost,
+    Leap,
+    Moment,
+    Paths,
+    Piece,
+    Spike,
+    in_trial,
+)
 
 LIKELY = 0.5
 """Probability from which on a spike, a leap or an exchange stands for what is beside it; chosen."""
@@ -38,12 +49,23 @@ def by_trial(found: Found) -> Found:
     if found.paths.images.any():
         return found
     some = (found.changes, found.spikes, found.leaps)
-    wrong = iter(in_trial(np.array([one.wrong for kind in some for one in kind]), found.paths.rate).tolist())
+    alone = np.array([one.wrong for kind in some for one in kind])
+    wrong = iter(in_trial(alone, found.paths.rate, list(_moments(found))).tolist())
     return found._replace(
         changes=tuple(one._replace(wrong=next(wrong)) for one in found.changes),
         spikes=tuple(one._replace(wrong=next(wrong)) for one in found.spikes),
         leaps=tuple(one._replace(wrong=next(wrong)) for one in found.leaps),
     )
+
+
+def _moments(found: Found) -> Iterator[Moment]:
+    """Of changes, spikes and leaps."""
+    for change in found.changes:
+        yield Moment(change.place.middle, frozenset({change.place.path, change.partner.path} - {-1}))
+    for spike in found.spikes:
+        yield Moment((spike.first + spike.last) / 2, frozenset({spike.path}))
+    for leap in found.leaps:
+        yield Moment((leap.before + leap.after) / 2, frozenset({leap.path}))
 
 
 def likeliest(found: Found, near: float) -> Found:

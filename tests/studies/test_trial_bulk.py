@@ -28,13 +28,13 @@ def test_what_is_fitted_is_what_the_trials_tell_as_far_as_more_evidence_stays_li
     import trial_bulk
 
     rng = np.random.default_rng(1)
-    bulk = rng.normal(0, 2, 8000), rng.exponential(1.0, 8000), rng.exponential(1.0, 8000), rng.random(8000)
+    bulk = rng.normal(0, 2, 20_000), rng.exponential(1.0, 20_000), rng.exponential(1.0, 20_000), rng.random(20_000) ** 4
     x = np.column_stack(bulk)
-    true = rng.random(8000) < 1 / (1 + np.exp(-logit_in_trial(x, c)))
+    true = rng.random(20_000) < 1 / (1 + np.exp(-logit_in_trial(x, c)))
     at = Moment(0.0, frozenset({0}))
     rows = [
         trial_bulk.Told("", "leap", 0.5, tuple(one), bool(y), 0, 100.0, {}, at) for one, y in zip(x, true, strict=True)
     ]
     more, common, faster, together = trial_bulk.fit(rows)
     assert more >= 0 and faster >= 0 and together >= 0 and common < TAIL and abs(common - min(c[1], TAIL)) < 0.2
-    assert np.abs(np.array([more, faster, together]) - [c[0], *c[2:]]).max() < 0.25 or c[1] > TAIL
+    assert np.abs(np.array([more, faster, together]) - [c[0], *c[2:]]).max() < 0.2 or c[1] > TAIL

@@ -73,12 +73,12 @@ fitted before rough tracks were among the faults, to files (spikes in them) or t
 spikes would be told in clean files. Spikes of files then got a factor and a constant by which each recording counts
 the same (`levelled`). (3) and (5) are fitted by studies/trial_bulk.py, to all 16 laboratories there; changes of
 files without companions were, beside an earlier form of (3), to the same, and those with companions have these times
-a factor, a constant, and what companions tell, by those of FILES. Fillings are by studies/filled_samples.py, lost
-frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are chosen, as few files rest:
-where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59 and 140 to 141, and of 260
-to 339 the twelve that have most, and twelve others, which count for the 68 that are left. Changes and ghosts of
-tracks got a factor and a constant each (`rescaled`) by scenes 100 to 139 and 340 to 459 and the present tracker,
-loose pieces of files by those of the laboratories."""
+a factor, a constant, and what companions tell, by those of FILES, beside (3) without a. Fillings are by
+studies/filled_samples.py, lost frames and moved worlds by studies/whole_trial_faults.py. Those of repeated frames are
+chosen, as few files rest: where paths do so in one of three samples, it is as likely as not. Ghosts: scenes 0 to 59 and
+140 to 141, and of 260 to 339 the twelve that have most, and twelve others, which count for the 68 that are left.
+Changes and ghosts of tracks got a factor and a constant each (`rescaled`) by scenes 100 to 139 and 340 to 459 and the
+present tracker, loose pieces of files by those of the laboratories."""
 
 
 def of_source(kind: str, tracked: bool) -> str:

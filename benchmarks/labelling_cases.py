@@ -18,7 +18,7 @@ import numpy as np
 from mended_references import mended
 
 from kinemark.data import MarkerSet, MarkerTrajectory, Trajectories
-from kinemark.engine.naming.put_aside import put_aside
+from kinemark.engine.put_aside import put_aside
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.trial import read_trial
 from kinemark.label import Template, learn_template, static_template, template_of_subjects

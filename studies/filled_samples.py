@@ -26,7 +26,7 @@ from recordings import FOLDER as DATA
 from kinemark.data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from kinemark.data.array_types import Bools, Floats
 from kinemark.edit.probable_errors import Paths, fillings
-from kinemark.engine.naming.put_aside import put_aside
+from kinemark.engine.put_aside import put_aside
 from kinemark.io.trial import read_trial
 
 LEFT_OUT = ("malformed", "six_formats", "probing", "serve", "static.trc", "N18", "noFF")

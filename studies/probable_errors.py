@@ -51,8 +51,8 @@ from kinemark.edit.probable_errors import (
 )  # fmt: skip
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.editing.journal import Journal
-from kinemark.engine.naming.put_aside import put_aside
 from kinemark.engine.problems import problems
+from kinemark.engine.put_aside import put_aside
 from kinemark.io.trial import read_trial
 from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions

@@ -320,7 +320,7 @@ def test_an_audit_looks_for_computed_points_once(tmp_path, monkeypatch):
     source, calls = tmp_path / "walk.c3d", []
     write_c3d(source, Trial("walk", with_computed(walker(duration_s=4.0))))
     monkeypatch.setattr(
-        "kinemark.engine.naming.put_aside.computed_points",
+        "kinemark.engine.put_aside.computed_points",
         lambda tracks: calls.append(tracks) or computed_points(tracks),
     )
     assert audit_file(source, mend=True).aside and len(calls) == 1

@@ -72,6 +72,73 @@ def test_hum_is_named(mains):
     assert emg(x + 40 * np.sin(2 * np.pi * mains * t), rate=1000.0).hum_hz == mains
 
 
+@pytest.mark.parametrize("times", [1.0, 3.0])
+@pytest.mark.parametrize("rate", [500.0, 1000.0, 2000.0])
+def test_hum_hides_no_burst_and_makes_none(rate, times):
+    """However much stronger it is than the bursts, with multiples, and at a frequency that is off a little."""
+    for seed in range(3):
+        t, strong, x = recorded(rate, seed)
+        hum = 100 * times * np.sin(2 * np.pi * 50.15 * t) + 60 * times * np.sin(2 * np.pi * 150.45 * t + 1)
+        found = emg(x + hum, rate=rate)
+        assert found.hum_hz == 50 and (found.on == strong).mean() > 0.93
+        rest = np.random.default_rng(seed).normal(0, 8, len(t))
+        assert not emg(rest + hum, rate=rate).bursts
+
+
+SMOOTHED_HZ = (3.0, 6.0, 10.0, 20.0)
+
+
+def smoothed(hz, rate, seed):
+    """What is on, and the rectified EMG smoothed before it was recorded."""
+    _, strong, x = recorded(rate, seed)
+    x = scipy.signal.sosfiltfilt(scipy.signal.butter(4, 20, "high", fs=rate, output="sos"), x)
+    return strong, scipy.signal.sosfiltfilt(scipy.signal.butter(2, hz, fs=rate, output="sos"), np.abs(x))
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+@pytest.mark.parametrize("rate", [500.0, 1000.0, 4000.0])
+@pytest.mark.parametrize("hz", SMOOTHED_HZ)
+def test_a_channel_that_is_an_envelope_is_drawn_as_it_is(hz, rate, unit):
+    for seed in range(3):
+        strong, x = smoothed(hz, rate, seed)
+        found = emg(unit * x, rate=rate)
+        assert found.smoothed and found.on[strong].mean() > 0.95 and found.on[~strong].mean() < 0.25
+        np.testing.assert_allclose(found.envelope, np.maximum(unit * x, 0))
+
+
+@pytest.mark.parametrize("rate", [60.0, 100.0])
+def test_an_envelope_may_be_slow(rate):
+    strong, x = smoothed(6.0, 1000.0, 0)
+    step = int(1000 / rate)
+    found = emg(x[::step], rate=1000 / step)
+    assert found.smoothed and found.on[strong[::step]].mean() > 0.95
+
+
+@pytest.mark.parametrize("rate", [500.0, 1000.0, 4000.0])
+def test_raw_emg_is_no_envelope_where_it_is_rectified_or_drifts_above_zero(rate):
+    for seed in range(3):
+        t, strong, x = recorded(rate, seed)
+        for raw in (np.abs(x), x + 5000 + 2000 * np.sin(2 * np.pi * 0.2 * t), np.where(t < 0.3, 0.0, np.abs(x))):
+            found = emg(raw, rate=rate)
+            assert not found.smoothed and found.on[strong].mean() > 0.9 and found.on[~strong].mean() < 0.2
+
+
+@pytest.mark.parametrize("value", [0.0, -3000.0])
+def test_an_end_at_which_nothing_was_recorded_is_no_rest(value):
+    t, strong, x = recorded(offset=500.0)
+    for dead in (t < 0.3, t > 3.5):
+        on = emg(np.where(dead, value, x), rate=1000.0).on
+        assert on[strong].mean() > 0.9 and on[~strong].mean() < 0.1
+
+
+def test_a_loose_electrode_says_nothing_of_its_muscle():
+    rng = np.random.default_rng(0)
+    t = np.arange(4000) / 1000.0
+    x = 5 * np.sin(2 * np.pi * 50 * t) * (1 + 0.5 * np.sin(2 * np.pi * t)) + rng.normal(0, 0.1, 4000)
+    found = emg(np.clip(x, -1, 1), rate=1000.0)
+    assert found.saturated > 0.5 and not found.bursts
+
+
 def test_saturation_is_named():
     *_, x = recorded()
     assert emg(np.clip(x, -120, 120), rate=1000.0).saturated > 0.005

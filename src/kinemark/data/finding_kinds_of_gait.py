@@ -43,6 +43,9 @@ GAIT_KINDS = (
     Kind("gait_axes_doubtful", "gait", "amber", "The static trial contradicts itself or the measures. what: "
          "knee_width, ankle_width, device, axes or turn; by so many mm, share or deg.",
          {"trial": "text", "side": "text", "what": "text", "by_mm": "mm", "by_share": "share", "by_deg": "deg"}),
+    Kind("gait_feet_otherwise", "gait", "amber", "The static trial's file states offsets of the feet that its program "
+         "found the other way: flat, or as they stood; greatest difference of both.",
+         {"flat": "flag", "by_deg": "deg"}),
     Kind("gait_clusters", "gait", "info", "Clusters of markers, calibrated in the static trial, carry segments; RMS "
          "misfit of the worst.", {"trial": "text", "segments_list": "text", "misfit_mm": "mm"}),
     Kind("gait_clusters_by_names", "gait", "info", "Clusters that nobody stated, taken by what markers are called, as "
@@ -69,6 +72,8 @@ GAIT_KINDS = (
          "means and curves.", {"trial": "text", "left_out": "count", "strides": "count"}),
     Kind("gait_ways", "gait", "info", "The subject walks more ways than one: where the pelvis faces in each, from the "
          "x of the laboratory to the left, and how many strides.", {"trial": "text", "ways_list": "text"}),
+    Kind("emg_smoothed", "gait", "info", "EMG channels were recorded as envelopes; they are not filtered again.",
+         {"trial": "text", "channels_list": "text"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",

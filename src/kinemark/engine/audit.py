@@ -17,8 +17,8 @@ from ..data.problems import Alternative, Problem, Problems
 from ..label import Template
 from .editing.files import open_editing
 from .folders import check_folder
-from .naming.put_aside import computed_names
 from .problems import problems
+from .put_aside import computed_names
 
 SURE = 0.9
 """Probability from which on a problem is mended without a person; chosen: one act of ten may have to be undone."""

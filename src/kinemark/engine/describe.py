@@ -12,6 +12,7 @@ import numpy as np
 from ..data import Analog, Detections, Rig, Signals, Trajectories, Trial
 from ..io.formats import UNKNOWN_RATE, ReadOptions, holds, read_file
 from ..io.tdf import Tdf
+from .put_aside import computed_names
 from .session_name import FILE
 
 if TYPE_CHECKING:
@@ -89,8 +90,6 @@ def _trial(trial: Trial) -> dict[str, Any]:
 
 def _computed(trial: Trial) -> tuple[str, ...]:
     """Points that a program computed of markers."""
-    from .naming.put_aside import computed_names  # brings the stage that names markers, and cameras' files need none
-
     return computed_names(trial) if len(trial.trajectories) else ()
 
 

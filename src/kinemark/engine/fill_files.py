@@ -26,8 +26,8 @@ from ..report.filling_text import filling_summary
 from ..report.words import with_words
 from .folders import FILLED, check_folder
 from .identities import identity_of_file
-from .naming.put_aside import put_aside
 from .progress import Progress, Watch, silent
+from .put_aside import put_aside
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
 

@@ -20,7 +20,7 @@ from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
 from ..gait.plate_doubts import PlateDoubt
 from ..gait.static_axes import AxesShown
-from ..gait.static_checks import StaticDoubt
+from ..gait.static_checks import FeetTaken, StaticDoubt
 from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
@@ -143,6 +143,7 @@ def gait_figures(
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
     stated: Mapping[str, str] | None = None,
+    feet: FeetTaken | None = None,
     files: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
@@ -154,7 +155,8 @@ def gait_figures(
             them; "knees" and "ankles", where markers do not show their widths either.
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
-        stated: the subject that each file states, by its name. files: of the trials, by their names.
+        stated: the subject that each file states, by its name. files: of the trials, by their names. feet: how the
+            static trial's own program took them, where it is the other way.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
@@ -162,6 +164,7 @@ def gait_figures(
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *([] if axes is None else _of_axes(axes)),
+        *([] if feet is None else [make_finding("gait_feet_otherwise", **feet._asdict())]),
         *([] if clusters is None else _of_clusters(clusters)),
         *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
         *_findings(trials, measures, static),

@@ -1,4 +1,4 @@
-"""What is found of the EMG of a walk: cut off, hum, noise alone, and muscles whose side nobody says."""
+"""What is found of the EMG of a walk: envelopes, cut off, hum, noise alone, and muscles whose side nobody says."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from ..gait.gait_cycles import muscle_sides
 
 def of_muscles(trial: str, channels: Mapping[str, Emg]) -> Iterator[Finding]:
     """Of the channels of one trial, by name."""
+    if smooth := [name for name, one in channels.items() if one.smoothed]:
+        yield make_finding("emg_smoothed", trial=trial, channels_list=smooth)
     if cut := [name for name, one in channels.items() if one.saturated]:
         most = max(channels[name].saturated for name in cut)
         yield make_finding("emg_saturated", trial=trial, channels_list=cut, samples_share=most)

@@ -10,8 +10,10 @@ beforehand. At rest the envelope of noise has the standard deviation c m, and it
 
 with 1.755 of the normal distribution. The deviation of that tenth itself is far below c m, as its values are chosen.
 Where the faster envelope hardly differs from its mean, and never falls far below it, the channel shows no bursts, and
-nothing says when its muscle is on (3). A channel that sits at its greatest or least value is saturated; one with more
-power at the mains' frequency than in the bands beside it hums (4).
+nothing says when its muscle is on, nor where most samples are cut off (3). A channel that sits at its greatest or
+least value is saturated; one with more power at the mains' frequency than in the bands beside it hums, and what is
+heard there and at its multiples is taken out before (1), as the hum would count as rest (4). A channel that is never
+below zero and slow was rectified and smoothed before it was recorded: it is an envelope as it is, in place of (1) (5).
 """
 
 from __future__ import annotations
@@ -32,6 +34,20 @@ MAINS_HZ = (50.0, 60.0)
 HUM_TIMES = 10.0
 """Power at the mains' frequency over that beside it from which a channel hums; chosen: EMG's spectrum is smooth within
 a factor of three."""
+HUM_S = 1.0
+"""Over which the mains' wave changes as a parabola does; chosen: power lines keep their frequency to 0.2 Hz."""
+BELOW_ZERO = 0.05
+"""Of its peak, by which an envelope is below zero beside a burst, at the most; chosen: 0.02 of a smoothing at 3 Hz."""
+SLOW = 0.1
+"""Share of an envelope's variance above `low_hz`, at the most; chosen: 0.06 of noise smoothed at 20 Hz, 0.24 and more
+of what was rectified alone."""
+STEEP = 0.8
+"""Share of this that is above twice `low_hz`, at the most; chosen: 0.65 of envelopes, and 0.92 of EMG at 1000 Hz that
+drifts far above zero."""
+DEAD_S = 0.1
+"""Of one value at an end of a channel, above which nothing was recorded there, s; chosen: noise never keeps it."""
+CUT_OFF = 0.5
+"""Share of samples at the limits from which on the others tell nothing; chosen: an electrode is loose."""
 STUCK = 3
 """Samples one after the other at the greatest or least value that noise does not make; chosen."""
 SHARPER = 4.0
@@ -74,11 +90,11 @@ class Emg(NamedTuple):
     """One channel of N samples.
 
     Attributes:
-        filtered: (N) band-passed; envelope: (N), both in the unit of the channel.
+        filtered: (N) band-passed, or as it is (5); envelope: (N), both in the unit of the channel.
         on: (N) whether the muscle is active; nowhere where there are no bursts.
         bursts: whether it shows more than noise (3).
         saturated: share of samples at the channel's limits.
-        hum_hz: 50 or 60 where the mains are heard, else 0.
+        hum_hz: 50 or 60 where the mains are heard, else 0. smoothed: whether it was recorded as an envelope (5).
         rate: samples a second, Hz. start: of the first after the first frame, s.
     """
 
@@ -88,31 +104,68 @@ class Emg(NamedTuple):
     bursts: bool
     saturated: float
     hum_hz: float
+    smoothed: bool
     rate: float
     start: float
 
 
 def emg(values: Floats, *, rate: float, start: float = 0.0, how: EmgFilter | None = None) -> Emg:
-    """One channel by (1) to (4); (N) samples at `rate` Hz, the first `start` s after the first frame.
+    """One channel by (1) to (5); (N) samples at `rate` Hz, the first `start` s after the first frame.
 
     Raises:
         KinemarkError: the rate is too low for the band, the channel too short, or nothing of it is known.
     """
     how = EmgFilter() if how is None else how
-    if rate < 4 * how.low_hz:
-        raise KinemarkError(f"EMG at {rate:g} Hz holds nothing above {rate / 2:g} Hz. Record it at 1000 Hz or more.")
     known = np.isfinite(values)
-    if known.sum() < rate / how.envelope_hz:
-        raise KinemarkError(f"{known.sum()} samples are too few for an envelope. Give longer recordings.")
-    x = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
-    high = min(how.high_hz, 0.45 * rate)
-    band = scipy.signal.butter(4, (how.low_hz, high), "bandpass", fs=rate, output="sos")
-    filtered = np.asarray(scipy.signal.sosfiltfilt(band, x - x.mean()))
+    live = known & _between_dead_ends(values, rate)
+    if live.sum() < rate / how.envelope_hz:
+        raise KinemarkError(f"{live.sum()} samples are too few for an envelope. Give longer recordings.")
+    x = np.interp(np.arange(len(values)), np.flatnonzero(live), values[live])
+    smoothed = _is_envelope(x, rate, how)
+    if not smoothed and rate < 4 * how.low_hz:
+        raise KinemarkError(f"EMG at {rate:g} Hz holds nothing above {rate / 2:g} Hz. Record it at 1000 Hz or more.")
+    hum = 0.0 if smoothed else _hum(x, rate)
+    filtered, envelope, sharp = (x, *2 * [np.maximum(x, 0.0)]) if smoothed else _enveloped(x, rate, hum, how)
+    saturated = _saturated(values[known])
+    bursts = saturated < CUT_OFF and _bursts(sharp[live])
+    on = _on(np.where(live, sharp, np.nan), rate, how) if bursts else np.zeros(len(x), bool)
+    filtered, envelope = (np.where(known, y, np.nan) for y in (filtered, envelope))
+    return Emg(filtered, envelope, on, bursts, saturated, hum, smoothed, rate, start)
+
+
+def _between_dead_ends(values: Floats, rate: float) -> Bools:
+    """(N) without a beginning and an end at which nothing changes, as before a device sends: they are no rest."""
+    live, changes = np.ones(len(values), bool), np.flatnonzero(np.diff(values) != 0)
+    if len(changes):
+        first, stop = changes[0] + 1, changes[-1] + 1
+        live[: first if first > DEAD_S * rate else 0] = False
+        live[stop if len(live) - stop > DEAD_S * rate else len(live) :] = False
+    return live
+
+
+def _enveloped(x: Floats, rate: float, hum_hz: float, how: EmgFilter) -> tuple[Floats, Floats, Floats]:
+    """(1): filtered, its envelope, and the faster one, (N) each."""
+    clean = _without_hum(x - x.mean(), rate, hum_hz) if hum_hz else x - x.mean()
+    filtered = _band_passed(clean, how.low_hz, min(how.high_hz, 0.45 * rate), rate)
     envelope, sharp = (_low_passed(np.abs(filtered), hz, rate) for hz in (how.envelope_hz, SHARPER * how.envelope_hz))
-    bursts = _bursts(sharp[known])
-    on = _on(np.where(known, sharp, np.nan), rate, how) if bursts else np.zeros(len(x), bool)
-    filtered[~known], envelope[~known] = np.nan, np.nan
-    return Emg(filtered, envelope, on, bursts, _saturated(values[known]), _hum(x, rate), rate, start)
+    return filtered, envelope, sharp
+
+
+def _is_envelope(x: Floats, rate: float, how: EmgFilter) -> bool:
+    """(5)."""
+    low, high = np.percentile(x, [1, 99])
+    if high <= 0 or low < -BELOW_ZERO * high:
+        return False
+    if rate < 5 * how.low_hz:  # holds nothing above twice low_hz
+        return True
+    fast, faster = (np.var(_band_passed(x - x.mean(), hz, 0.45 * rate, rate)) for hz in (how.low_hz, 2 * how.low_hz))
+    return bool(fast <= SLOW * np.var(x) and faster <= STEEP * fast)
+
+
+def _band_passed(x: Floats, low_hz: float, high_hz: float, rate: float) -> Floats:
+    """(N) of (1)."""
+    band = scipy.signal.butter(4, (low_hz, high_hz), "bandpass", fs=rate, output="sos")
+    return np.asarray(scipy.signal.sosfiltfilt(band, x))
 
 
 def _low_passed(x: Floats, hz: float, rate: float) -> Floats:
@@ -158,15 +211,31 @@ def _saturated(x: Floats) -> float:
 
 
 def _hum(x: Floats, rate: float) -> float:
-    """(4)."""
-    n = min(len(x), int(2 * rate))
-    hz, power = scipy.signal.welch(x, fs=rate, nperseg=n)
-    for mains in MAINS_HZ:
-        at = np.abs(hz - mains) <= 1.0
-        beside = (np.abs(hz - mains) > 3.0) & (np.abs(hz - mains) <= 10.0)
-        if at.any() and beside.any() and power[at].max() > HUM_TIMES * np.median(power[beside]):
-            return mains
-    return 0.0
+    """The mains' frequency that is heard (4), else 0."""
+    return next((mains for mains in MAINS_HZ if _heard(x, rate, mains)), 0.0)
+
+
+def _heard(x: Floats, rate: float, at_hz: float) -> bool:
+    """Whether there is more power at a frequency than beside it."""
+    hz, power = scipy.signal.welch(x, fs=rate, nperseg=min(len(x), int(2 * rate)))
+    at = np.abs(hz - at_hz) <= 1.0
+    beside = (np.abs(hz - at_hz) > 3.0) & (np.abs(hz - at_hz) <= 10.0)
+    return bool(at.any() and beside.any() and power[at].max() > HUM_TIMES * np.median(power[beside]))
+
+
+def _without_hum(x: Floats, rate: float, mains_hz: float) -> Floats:
+    """(N) without what is heard of the mains, at their frequency and its multiples.
+
+    Each is a wave whose strength and phase change slowly, which needs no samples beyond the ends, as a filter would.
+    """
+    window = min(int(HUM_S * rate), len(x) - 1) // 2 * 2 + 1
+    for hz in np.arange(mains_hz, 0.45 * rate, mains_hz):
+        if _heard(x, rate, hz):
+            turn = np.exp(2j * np.pi * hz / rate * np.arange(len(x)))
+            seen = x * turn.conj()
+            wave = [scipy.signal.savgol_filter(part, window, 2) for part in (seen.real, seen.imag)]
+            x = x - 2 * (wave[0] * turn.real - wave[1] * turn.imag)
+    return x
 
 
 def peak_of(envelope: Floats) -> float:

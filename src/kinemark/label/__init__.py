@@ -1,11 +1,11 @@
 """Tracks become markers: names from a subject's template, each with a probability."""
 
+from ..data.computed_points import computed_points
 from ..data.marker_sides import sides_by_name
 from .by_location import Located, label_by_location
 from .check import Exchanged, find_exchanges
 from .check_sides import SideSwap, find_side_swaps
 from .check_stretches import Mislabelled, find_mislabelled
-from .computed_points import computed_points
 from .distances import Distances
 from .from_set import figure_template, static_template
 from .label import label

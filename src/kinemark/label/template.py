@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
+from ..data.computed_points import computed_points
 from ..numerics.vectors import lengths
-from .computed_points import computed_points
 from .own_fit import own_fit
 
 FRAMES = 300

@@ -15,8 +15,9 @@ from .tables import Table
 from .templating import render, write_text
 
 NAV = {
-    "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "kinetics": "Moments and powers",
-    "keys": "Key values", "profile": "Profile", "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
+    "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "trunk": "Trunk",
+    "kinetics": "Moments and powers", "keys": "Key values", "profile": "Profile", "emg": "Muscles",
+    "uncertainty": "Uncertainty", "terms": "Methods",
 }  # fmt: skip
 """Sections of the page, in their order."""
 NAMES = {
@@ -66,7 +67,8 @@ def gait_page(
     """The page as text; the drawing library is inside where `library` is None."""
     trials = ", ".join(one["name"] for one in figures["trials"])
     emg = emg_figures(curves)
-    absent = {"emg": not emg, "profile": reference is None}
+    trunk = trunk_figure(curves, reference)
+    absent = {"emg": not emg, "profile": reference is None, "trunk": trunk is None}
     norm = {} if reference is None else reference.numbers
     return render(
         "gait.html",
@@ -83,7 +85,7 @@ def gait_page(
         body=body_text(figures),
         model=model_text(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference, heads=PLANES),
-        trunk=trunk_figure(curves, reference),
+        trunk=trunk,
         kinetics=panels_figure(curves, KINETICS, reference),
         emg=emg,
         emg_whole=WHOLE.get(whole := figures.get("emg_whole", "trial"), f"its greatest value in {whole}"),

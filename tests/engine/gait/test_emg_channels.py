@@ -24,3 +24,10 @@ def test_a_plates_volts_pins_and_switches_are_no_muscles(unit):
     values = np.random.default_rng(0).normal(size=(len(names), 2000))
     trial = Trial("walk", Trajectories((), 100.0), (Analog(names, (unit,) * len(names), 1000.0, values),))
     assert tuple(emg_of(trial)) == MUSCLES
+
+
+def test_a_channel_that_cannot_be_emg_does_not_stop_the_trial():
+    """Slow and about zero: read in volts at the cameras' rate."""
+    values = np.random.default_rng(0).normal(size=(1, 300))
+    trial = Trial("walk", Trajectories((), 60.0), (Analog(("L Rect",), ("V",), 60.0, values),))
+    assert not emg_of(trial)

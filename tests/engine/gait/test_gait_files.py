@@ -393,3 +393,24 @@ def test_a_script_sees_that_there_is_no_result(tmp_path, asked, status):
     with pytest.raises(SystemExit) as ended:
         app(["gait", str(tmp_path / "standing.c3d"), "--no-uncertainty", *asked])
     assert (ended.value.code or 0) == status
+
+
+@pytest.mark.parametrize("flat", [True, False])
+def test_feet_that_the_file_took_the_other_way_are_told(flat):
+    """The whole body's static trial was processed without a flat foot."""
+    walk, static = (shared_data(f"mocap3d/pig_wholebody/{name}_trial.c3d") for name in ("Movement", "Static"))
+    found = gait_of_files([walk], static=static, settings=replace(QUICK, flat_foot=flat)).figures["findings"]
+    told = [f for f in found if f["kind"] == "gait_feet_otherwise"]
+    assert len(told) == flat
+    if flat:
+        assert "--no-flat-foot" in str(told) and told[0]["values"]["by_deg"] == pytest.approx(2.3, abs=0.05)
+
+
+def test_the_trunk_has_its_place_on_the_page_and_is_printed_with_moments_and_powers(tmp_path):
+    """A row of three panels is not left alone on a printed page."""
+    walk, static = (shared_data(f"mocap3d/pig_wholebody/{name}_trial.c3d") for name in ("Movement", "Static"))
+    gait_of_files([walk], static=static, settings=QUICK, folder=tmp_path)
+    page = (tmp_path / "gait.html").read_text()
+    places = [page.index(f'<section id="{name}">') for name in ("kinematics", "trunk", "kinetics")]
+    assert places == sorted(places) and '<a href="#trunk">' in page
+    assert "#trunk + #kinetics { break-before: auto; }" in page

@@ -12,9 +12,9 @@ from kinemark.engine.naming import files as engine_files
 from kinemark.engine.naming.check_files import check_file
 from kinemark.engine.naming.files import label_file, label_text, template_of
 from kinemark.engine.naming.marker_set_files import set_from_file
-from kinemark.engine.naming.put_aside import computed_in, put_aside, put_back
 from kinemark.engine.naming.subject_templates import Known
 from kinemark.engine.naming.templates import session_template
+from kinemark.engine.put_aside import computed_in, put_aside, put_back
 from kinemark.io.c3d import Parameter, modeled_points, read_document, with_parameters, write_document
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.label import Labelling, label_switching, learn_template

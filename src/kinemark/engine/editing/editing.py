@@ -24,8 +24,8 @@ from ...track.simultaneous import AmbiguousDecision
 from ..graph import Records
 from ..keys import world_key
 from ..naming.claims import claims_of
-from ..naming.put_aside import computed_names
 from ..open_trial import OpenTrial
+from ..put_aside import computed_names
 from ..trial_inputs import TrialInputs, detections_of, last_tracked, measured_of, trial_rig
 from . import makers
 from .journal import Journal, hash_of_entry

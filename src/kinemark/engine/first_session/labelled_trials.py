@@ -20,8 +20,8 @@ from ...io.trial import read_trial
 from ...label import Template, computed_points, learn_template
 from ...label.pooled import contradiction
 from ...label.template import names_in
-from ..naming.put_aside import put_aside
 from ..naming.template_files import load_template
+from ..put_aside import put_aside
 from .proposal import FoundRecording, Reason, Role
 
 LEAST = 4

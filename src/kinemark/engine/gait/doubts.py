@@ -1,4 +1,4 @@
-"""What of a walk cannot be as its file says: names of markers, and plates."""
+"""What of a walk cannot be as its file says: names of markers, and plates; and feet that it took otherwise."""
 
 from __future__ import annotations
 
@@ -15,6 +15,21 @@ from ...gait.gait_trial import GaitTrial
 from ...gait.marker_doubts import MarkerDoubts, marker_doubts
 from ...gait.marker_leaps import MarkerLeaps, marker_leaps
 from ...gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts, weight_doubts
+from ...gait.static_checks import FeetTaken, feet_taken
+from ...io.c3d.subject_measures import measures_of
+
+
+def feet_otherwise(static: Trial, points: Mapping[str, Floats], *, flat_foot: bool) -> FeetTaken | None:
+    """How the standing trial's own program took the feet, where it is the other way.
+
+    Args:
+        static: as it was read. points: (F, 3) mm by the model's names. flat_foot: how they are taken here.
+    """
+    stated = measures_of(static.source)
+    if stated is None or stated.left.plantar_offset_deg is None or stated.right.plantar_offset_deg is None:
+        return None
+    taken = feet_taken(stated, points)
+    return None if taken is None or taken.flat == flat_foot else taken
 
 
 def doubted_markers(trial: Trial, points: Mapping[str, Floats]) -> tuple[MarkerDoubts, MarkerLeaps]:

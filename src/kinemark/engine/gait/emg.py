@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
+from contextlib import suppress
 
 import numpy as np
 
@@ -30,7 +31,10 @@ def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, floa
 
 
 def emg_of(trial: Trial) -> dict[str, Emg]:
-    """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), and no plate's."""
+    """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), and no plate's.
+
+    One that is no EMG by its samples, too few or too slow, is left out: the rest of the trial is as good without it.
+    """
     plates = {name for plate in trial.plates for name in plate.channels}
     found: dict[str, Emg] = {}
     for record in trial.analog:
@@ -39,5 +43,6 @@ def emg_of(trial: Trial) -> dict[str, Emg]:
             in_volts = letters in ("V", "MV", "UV", "ΜV")
             is_emg = "EMG" in name.upper() or (in_volts and not NO_MUSCLE.search(name))
             if name not in plates and is_emg and np.ptp(record[name]) > 0:
-                found[name] = emg(record[name], rate=record.rate, start=record.start)
+                with suppress(KinemarkError):
+                    found[name] = emg(record[name], rate=record.rate, start=record.start)
     return found

@@ -25,6 +25,7 @@ from ...report.gait_page import write_gait_page
 from ...report.words import with_words
 from ..identities import identity_of_file
 from .clusters import with_stated_clusters, with_usual_clusters
+from .doubts import feet_otherwise
 from .exports import export_files, exports_of, write_exports
 from .settings import GaitSettings
 from .trial_files import check_targets, trial_names
@@ -178,13 +179,14 @@ def _figures(
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
     subject = next((stated[walk.name] for walk in walks if stated[walk.name]), "")
+    feet = None if still is None else feet_otherwise(still.given, still.points, flat_foot=settings.flat_foot)
     return with_words(
         gait_figures(
             found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
-            stated=stated, files=files,
+            stated=stated, files=files, feet=feet,
         )
     )  # fmt: skip
 

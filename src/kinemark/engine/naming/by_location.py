@@ -16,7 +16,7 @@ from ...io.trial import read_trial, write_trial
 from ...label import Labels, label_by_location, named
 from ...label.by_location import Located
 from ...label.labels import State
-from .put_aside import put_aside, put_back
+from ..put_aside import put_aside, put_back
 
 
 class LocatedFile(NamedTuple):

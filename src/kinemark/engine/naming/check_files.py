@@ -21,7 +21,7 @@ from ...label.evidence import PairScore
 from ...label.held import OWN, held
 from ...label.stretches import stretches_of
 from ...label.subject_template import SubjectTemplate
-from .put_aside import put_aside
+from ..put_aside import put_aside
 from .subject_templates import without_prefix
 
 MOST_OFF = 0.3

@@ -22,7 +22,7 @@ from ...label.stated import with_stated
 from ...label.subject_template import SubjectTemplate
 from ...report.words import advice_of, text_of
 from ..fill_files import own_name
-from .put_aside import PutAside, put_aside, put_back
+from ..put_aside import PutAside, put_aside, put_back
 from .stated_tracks import stated_tracks
 from .subject_templates import Known, subject_template
 

@@ -16,7 +16,7 @@ from ...io.trial import read_trial
 from ...label.learn_set import learn_marker_set
 from ...report.marker_figure import marker_set_html, marker_set_svg
 from ...report.templating import write_text
-from .put_aside import put_aside
+from ..put_aside import put_aside
 
 ALIKE = 0.6
 """Share of a set's names that a trial must have for them to mean the same; chosen: names such as C7 are in many."""

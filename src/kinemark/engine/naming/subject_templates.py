@@ -21,7 +21,7 @@ from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders,
 from ...label.pooled import contradiction, pooled, template_of_subjects
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ...report.words import advice_of, text_of
-from .put_aside import computed_in, put_aside
+from ..put_aside import computed_in, put_aside
 from .segments_of_clusters import set_of_clusters
 from .template_files import is_template, load_template
 

@@ -18,11 +18,11 @@ from ...io.trial import read_trial
 from ...label import Labelling, Template, learn_template
 from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders, static_template
 from ...label.subject_template import SubjectTemplate, TemplateSource
+from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
 from ..settings.gait_table import GaitTable
 from .earlier import ABSENT, Earlier
 from .named_tracks import load_learnt
-from .put_aside import put_aside
 from .segments_of_clusters import set_of_clusters
 from .subject_templates import of_subject
 from .template_files import ENDING, is_template, load_template, save_template

@@ -84,6 +84,19 @@ def _for_axes(found: Finding) -> str:
     return FOR_AXES.get(str(found.values["what"]), "Check the markers of the static trial.")
 
 
+def _feet(found: Finding) -> str:
+    own, here = ("flat on the floor", "as they stood")[:: 1 if found.values["flat"] else -1]
+    return f"The file of the static trial took the feet {own}, and here they are taken {here}: " + fill(
+        "angles of ankle and foot are up to {by_deg:1} from the file's own.", found
+    )
+
+
+def _for_feet(found: Finding) -> str:
+    if found.values["flat"]:
+        return "Leave --no-flat-foot out, in a session flat_foot, if both are to be compared."
+    return "Give --no-flat-foot, in a session flat_foot = false, if both are to be compared."
+
+
 def _shown_by(found: Finding) -> str:
     by = {"devices": "alignment devices on the knees", "markers": "markers inside of the joints"}
     return fill("{trial}: axes of knees and ankles come from ", found) + by.get(str(found.values["way"]), "it") + "."
@@ -222,6 +235,7 @@ GAIT_WORDS = {
     ),
     "gait_axes_from_static": Words(_shown_by, "Wands and torsions that follow stand with the measures."),
     "gait_axes_doubtful": Words(_axes, _for_axes),
+    "gait_feet_otherwise": Words(_feet, _for_feet),
     "gait_clusters": Words(
         "Clusters of markers, calibrated in {trial}, carry {segments_list}; they fit to {misfit_mm:1} RMS at worst.",
         "What skin does to all markers of a cluster together no misfit shows; the error bars hold it (soft tissue).",
@@ -270,12 +284,17 @@ GAIT_WORDS = {
         "{trial}: the subject walks in more than one direction, from the laboratory's x to the left: {ways_list}.",
         "Time and distance of each direction stand in their section.",
     ),
+    "emg_smoothed": Words(
+        "{trial}: EMG channels are envelopes already, and are drawn as they are: {channels_list}.",
+        "Hum and noise cannot be told of them; give the raw EMG where it is there.",
+    ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
         "Lower the gain. Where most samples are cut off, an electrode is loose.",
     ),
     "emg_hums": Words(
-        "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}.", "Check electrodes and cables."
+        "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}, and taken out.",
+        "Check electrodes and cables.",
     ),
     "emg_without_bursts": Words(
         "{trial}: the EMG of {channels_list} shows no bursts. It is noise alone, or the muscle never rests: nothing "

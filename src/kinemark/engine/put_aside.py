@@ -10,10 +10,10 @@ from itertools import count, islice
 from pathlib import Path
 from typing import NamedTuple
 
-from ...data import KinemarkError, MarkerTrajectory, Trajectories, Trial
-from ...io.c3d import modeled_points
-from ...io.trial import read_trial
-from ...label import computed_points
+from ..data import KinemarkError, MarkerTrajectory, Trajectories, Trial
+from ..data.computed_points import computed_points
+from ..io.c3d import modeled_points
+from ..io.trial import read_trial
 
 FILES = 3
 """Trials whose computed points are remembered, or tell of another's, a number; chosen: as many are looked at side by

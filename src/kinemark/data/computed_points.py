@@ -20,13 +20,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations, takewhile
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import scipy
 
-from ..data import Trajectories
-from ..data.array_types import Bools, Floats
+from .array_types import Bools, Floats, Ints
+from .trajectories import Trajectories
 
 FRAMES = 40
 """Frames of a trial that are looked at, evenly spread; chosen: markers keep (1) in none of them."""
@@ -101,7 +100,8 @@ def _axes_at(p: Floats, o: int, exact: float) -> list[Axes]:
     u, slack = v[at] / length[at, :, None], exact / length[at]
     right = np.zeros((len(at), len(at)), bool)
     some = np.unique(np.linspace(0, p.shape[1] - 1, FIRST).astype(int))
-    angle = np.abs(np.einsum("aki,bki->kab", u[:, some], u[:, some]))
+    looked_at = u[:, some].swapaxes(0, 1)
+    angle = np.abs(looked_at @ looked_at.swapaxes(1, 2))
     maybe = ~(angle > slack.T[some][:, :, None] + slack.T[some][:, None]).any(0)
     for i, j in np.argwhere(np.triu(maybe, 1)):
         off = np.abs((u[i] * u[j]).sum(-1)) - slack[i] - slack[j]
@@ -161,17 +161,29 @@ def _means(p: Floats, exact: float) -> Bools:
     twos = np.array([pair for pair in combinations(there.tolist(), 2)], np.int64).reshape(-1, 2)
     if not len(twos):
         return found
-    tree = scipy.spatial.cKDTree(p[there, frame])
-    near: Any = tree.query_ball_point(p[twos, frame].mean(1), exact)  # a list a pair
-    for pair in [k for k, some in enumerate(near) if some]:
-        middle = p[twos[pair]].mean(0)
-        apart = np.linalg.norm(np.diff(p[twos[pair]], axis=0)[0], axis=-1)
-        for m in there[near[pair]].tolist():
-            off = np.linalg.norm(p[m] - middle, axis=-1)
-            own = np.isfinite(off)
-            known = _together(off) and np.ptp(apart[own]) > APART * exact
-            found[m] |= bool(known and (off[own] < exact).all() and (apart[own] > APART * exact).all())
+    for pair, one in _near(p[there, frame], p[twos, frame].mean(1), exact).tolist():
+        (i, j), m = twos[pair], there[one]
+        apart, off = np.linalg.norm(p[i] - p[j], axis=-1), np.linalg.norm(p[m] - (p[i] + p[j]) / 2, axis=-1)
+        own = np.isfinite(off)
+        known = _together(off) and np.ptp(apart[own]) > APART * exact
+        found[m] |= bool(known and (off[own] < exact).all() and (apart[own] > APART * exact).all())
     return found
+
+
+def _near(points: Floats, places: Floats, within: float) -> Ints:
+    """(H, 2) numbers of a place and of a point that is within this distance of it.
+
+    By the axis along which the points spread most, as a tree of them would first have to be imported.
+    """
+    axis = int(np.ptp(points, axis=0).argmax())
+    order = points[:, axis].argsort()
+    along, centre = points[order, axis], places[:, axis]
+    first, stop = np.searchsorted(along, centre - within), np.searchsorted(along, centre + within, side="right")
+    place = np.repeat(np.arange(len(places)), stop - first)
+    before = np.cumsum(stop - first) - (stop - first)
+    one = order[np.arange(len(place)) + (first - before)[place]]
+    near = np.linalg.norm(points[one] - places[place], axis=-1) <= within
+    return np.stack([place, one], -1)[near]
 
 
 def _still(p: Floats, names: Sequence[str], exact: float, moves: float) -> Bools:

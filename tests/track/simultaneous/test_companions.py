@@ -116,7 +116,7 @@ def swinging(seed, F=600):
     turn = 0.7 * np.sin(2 * np.pi * rng.uniform(0.8, 1.1) * t + rng.uniform(0, 6))
     places = rng.uniform([-30, -30, -330], [30, 30, -200], (4, 3))
     R = np.array([[np.cos(turn), 0 * t, np.sin(turn)], [0 * t, 0 * t + 1, 0 * t], [-np.sin(turn), 0 * t, np.cos(turn)]])
-    arm = [0.0, 220.0, 200.0] + np.einsum("ijf,mj->mfi", R, places) + rng.normal(0, 0.5, (4, F, 3))
+    arm = np.array([0.0, 220.0, 200.0]) + np.einsum("ijf,mj->mfi", R, places) + rng.normal(0, 0.5, (4, F, 3))
     return np.concatenate([trunk, arm]) + 12.0 * np.arange(F)[:, None] * [1.0, 0.0, 0.0]
 
 

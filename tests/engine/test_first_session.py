@@ -177,6 +177,24 @@ def test_image_sequences_and_pictures_are_told_apart(tmp_path):
     assert paths["floor/{camera}.png"].role is Role.L_FRAME
 
 
+@pytest.mark.parametrize(
+    ("form", "names"),
+    [
+        ("{trial}/cam{c}/img_{k}.png", {"walk01", "walk02"}),
+        ("{trial}/cam{c}/Frame{k:04d}.png", {"walk01", "walk02"}),
+        ("images/cam{c}/{trial}_{k:04d}.png", {"walk01", "walk02"}),
+        ("cam{c}/img_{k}.png", {"img"}),
+    ],
+)
+def test_a_trial_is_not_called_as_any_image_is(form, names, tmp_path):
+    for trial in sorted(names):
+        for c, k in ((c, k) for c in (1, 2) for k in range(4)):
+            path = tmp_path / form.format(trial=trial, c=c, k=k)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_png(path, np.zeros((16, 16), np.uint8))
+    assert {one.name for one in propose_session(tmp_path).trials} == names
+
+
 def test_files_of_points_make_a_session(tmp_path):
     rig = ring(3)
     for name in ("walk", "wand"):

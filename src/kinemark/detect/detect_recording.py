@@ -107,9 +107,10 @@ def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str], equal
     if equal and len(set(lengths)) > 1:
         found = ", ".join(f"{name} {n}" for name, n in zip(cameras, lengths, strict=True))
         raise KinemarkError(
-            f"The cameras have different numbers of frames: {found}. Synchronised cameras have equal ones; "
-            "cut the recordings to the frames that all cameras share, or state rates_hz in [cameras] where rates "
-            "differ."
+            f"The cameras have different numbers of frames: {found}. Synchronised cameras have equal ones. "
+            "Where one began late or stopped early, cut the others at that end. Where one lost images in between, put "
+            "black ones in their places: cut at an end, its later images would stand in wrong frames. Where rates "
+            "differ, state rates_hz in [cameras]."
         )
     return max(lengths, default=0)
 

@@ -34,6 +34,7 @@ from ..track.swamidas import Swamidas, diagnose_model, follow_points
 from .camera_checks.start_times import in_time, with_start_times
 from .fill_files import angle_model
 from .graph import Records, Stage
+from .settings import Settings
 from .sources import OperatorIdentities
 from .trial_inputs import TrialInputs
 from .trial_rig import TrialRig
@@ -119,6 +120,11 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     else:
         better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
     return again._replace(diagnostics=(*again.diagnostics, *apart)) if better else tracked
+
+
+def puts_in_time(settings: Settings) -> bool:
+    """Whether tracking tries images of cameras that were started apart in the frames that they show."""
+    return isinstance(settings.track, Simultaneous) and isinstance(settings.reconstruct, LeastSquares)
 
 
 def _untouched(rig: Rig, given: Rig, turned: Set[str]) -> Rig:

@@ -71,6 +71,7 @@ from .tracking_stage import (
     as_operated,
     from_detections,
     from_points,
+    puts_in_time,
     reader,
     with_angle_model,
 )
@@ -240,7 +241,8 @@ def _cameras(inputs: TrialInputs, detections: Detections, rig: Rig, cloud: Cloud
 
 def _of_stages(inputs: TrialInputs, records: Records, detections: Detections, tracked: Tracked) -> Iterator[Finding]:
     """What tracking, naming, editing and joint angles found."""
-    found = [*with_start_times(_diagnostics(tracked, records), detections, trial_rig(records).rig)]
+    told, rig, tried = _diagnostics(tracked, records), trial_rig(records).rig, puts_in_time(inputs.settings)
+    found = [*with_start_times(told, detections, rig, whole=not tried)]
     found += records["label"].findings if "label" in records else ()
     yield from (one.numbered(inputs.source.of.first_frame) for one in found)
     yield from records["edit"].findings if "edit" in records else ()

@@ -1,8 +1,11 @@
 """A camera that was started apart by whole images: after tracking its images stay where that put them."""
 
+import shutil
+
 import numpy as np
 import pytest
 
+from kinemark.engine import tracking_stage
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.session import Session
 from kinemark.io.detections_csv import write_detections_csv
@@ -53,3 +56,13 @@ def test_a_late_camera_is_told_once(trial):
     found = trial.run("quality").quality["findings"]
     about = [(one["kind"], one["cameras"]) for one in found if one["kind"].startswith("camera")]
     assert about == [("camera_started_apart", ["c1"])]
+
+
+def test_a_camera_whose_images_fit_no_better_in_other_frames_was_not_started_apart(trial, tmp_path, monkeypatch):
+    """Images of a camera that was turned may look late; that fewer of them then fit is known from tracking."""
+    images = iter((1, 2))
+    monkeypatch.setattr(tracking_stage, "_confirmed", lambda _: next(images))
+    shutil.copytree(trial.workspace.root, tmp_path / "again", ignore=shutil.ignore_patterns("results"))
+    found = Session.open(tmp_path / "again").trial("one").run("quality").quality["findings"]
+    kinds = {one["kind"] for one in found if "c1" in one["cameras"]}
+    assert kinds and not kinds & {"camera_started_apart", "camera_lost_images"}

@@ -108,6 +108,25 @@ def test_tracks_with_one_point_a_frame_keep_all():
     assert once_a_frame(in_pieces(plate(0), AWAY), 1 / RATE, Simultaneous()).all()
 
 
+def swinging(seed, F=600):
+    """(12, F, 3) mm: eight markers of a trunk that walks, and four of a forearm that swings beside it."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(F) / RATE
+    trunk = rng.uniform([-100, -180, 0], [100, 180, 500], (8, 1, 3)) + rng.normal(0, 0.5, (8, F, 3))
+    turn = 0.7 * np.sin(2 * np.pi * rng.uniform(0.8, 1.1) * t + rng.uniform(0, 6))
+    places = rng.uniform([-30, -30, -330], [30, 30, -200], (4, 3))
+    R = np.array([[np.cos(turn), 0 * t, np.sin(turn)], [0 * t, 0 * t + 1, 0 * t], [-np.sin(turn), 0 * t, np.cos(turn)]])
+    arm = np.array([0.0, 220.0, 200.0]) + np.einsum("ijf,mj->mfi", R, places) + rng.normal(0, 0.5, (4, F, 3))
+    return np.concatenate([trunk, arm]) + 12.0 * np.arange(F)[:, None] * [1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("seed", [0, 18, 43])
+def test_markers_of_a_limb_that_were_away_together_do_not_come_back_as_each_other(seed):
+    """Their distances from the trunk are others by then, perhaps what those of a neighbour were."""
+    ids = joined(in_pieces(swinging(seed), {k: (220, 400) for k in (8, 9, 10, 11)})).id
+    assert all(ids[12 + k] in (8 + k, 12 + k) for k in range(4))
+
+
 def test_what_was_stitched_before_stays_one():
     points, before = in_pieces(plate(3), AWAY), np.arange(14)
     before = np.append(before, [0, 9])  # two more fragments: of track 0, and of track 9

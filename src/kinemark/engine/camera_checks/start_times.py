@@ -34,18 +34,22 @@ FEW = 20
 """Frames, from which on offsets are looked for; chosen."""
 
 
-def with_start_times(findings: Sequence[Finding], detections: Detections, rig: Rig) -> tuple[Finding, ...]:
+def with_start_times(
+    findings: Sequence[Finding], detections: Detections, rig: Rig, *, whole: bool = True
+) -> tuple[Finding, ...]:
     """The findings of tracking, of cameras that are whole images apart by how many; others stay as they are.
 
     Args:
         findings: of the tracker, frames from 0.
         detections: what the cameras saw.
         rig: the cameras.
+        whole: whether to ask for cameras apart in the whole trial; False where tracking has tried it, as images of a
+            camera that was turned may look like those of other frames, but fewer of them fit there.
     """
     suspects = [one for one in findings if one.kind in SUSPICIOUS and one.cameras]
     if not suspects:
         return tuple(findings)
-    found = list(_apart(suspects, detections, rig))
+    found = [one for one in _apart(suspects, detections, rig) if whole or one.frames]
     known = {name for one in found for name in one.cameras}
     rest = (one for one in findings if not (one.kind in SUSPICIOUS and known & {*one.cameras}))
     return (*rest, *found)

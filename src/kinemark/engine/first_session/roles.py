@@ -29,6 +29,8 @@ SPECIFIC = (
     _words(Role.STATIC, r"static|stand(?:ing)?\b|neutral|[tna] ?pose|anatomical"),
 )
 """Words that leave no doubt, the first that matches counts."""
+ANY_IMAGE = re.compile(r"(?:im|img|image|frame|fr|pic|picture|photo|shot|snap|capture|grab)s?", re.IGNORECASE)
+"""Words that any image has before its number, and that name no trial; chosen."""
 VAGUE = _words(Role.CALIBRATION, r"cal(?:ib|\b)|kalib")
 
 
@@ -54,7 +56,8 @@ def trial_name(path: str) -> str:
     stem = path.rsplit(".", 1)[0]
     parts = [tidied(part) for part in stem.split("/")]
     named = [part for part in parts if part]
-    return named[-1] if named else ""
+    said = [part for part in named if not ANY_IMAGE.fullmatch(part)] or named
+    return said[-1] if said else ""
 
 
 def tidied(part: str) -> str:

@@ -51,7 +51,7 @@ REASONS = {
     "no_camera_in_name": "nothing in its name says which camera took it",
     "lacks_cameras": "{role} of {has} alone, without {cameras}",
     "another_rate": "{path} says {rate_hz:g} Hz, another rate than that above",
-    "nothing_moved": "too little moved in {path} to see fields",
+    "nothing_moved": "too little moved in {path}, or markers are too small, to see fields",
     "whole_frames": "what moves in {path} shows whole frames",
     "fields": "what moves in {path} shows two fields in an image",
     "also_calibrates": "{path} could calibrate as well, by {role}",

@@ -24,6 +24,9 @@ the errors, of all s² = s₀² + s₁² by their probabilities, beside white no
 
     Σ p(s²) P(χ²₃ < q (σ² + V) / (σ² + s²)) = 0.95,   P(χ²₃ < q) = 0.95                     (5)
 
+Where a calibration states what it leaves, the mean of L by (4), which is 1 without a field, has to say as surely that
+there is more (7): the priors alone would, of any calibration better than theirs.
+
 V belongs to a place, not to a frame: no filter makes it less. A camera whose |θ₀|² is more than UNLIKE times the median
 of all, as one that was knocked, would make V large for all; its residuals are left out (6), and are noise of its own.
 """
@@ -68,10 +71,12 @@ HELD = 0.95
 
 
 class CalibrationField(NamedTuple):
-    """The posterior (n) of ln s² at LOG_VARIANCES, and the mixture of what the field leaves of the residuals."""
+    """The posterior (n) of ln s² at LOG_VARIANCES, the mixture of what the field leaves of the residuals, and how many
+    times likelier these are with a field than with none, a natural logarithm (7)."""
 
     posterior: Floats
     left: Mixture
+    evidence: float
 
     def variance(self, white: float) -> float:
         """V px² of (5) beside white noise of a variance in px²."""
@@ -81,8 +86,9 @@ class CalibrationField(NamedTuple):
         return float(np.exp(np.interp(HELD, held, LOG_VARIANCES)))
 
     def exceeds(self, variance: float) -> bool:
-        """Whether s² is more than a variance in px², with a probability of HELD."""
-        return bool(self.posterior @ (np.exp(LOG_VARIANCES) > variance) > HELD)
+        """Whether s² is more than a variance in px², 0 where nothing is stated, with a probability of HELD."""
+        told = variance == 0 or self.evidence > np.log(HELD / (1 - HELD))
+        return bool(told and self.posterior @ (np.exp(LOG_VARIANCES) > variance) > HELD)
 
 
 def calibration_field(images: Images, some: Residuals) -> CalibrationField:
@@ -105,12 +111,12 @@ def _field(images: Images, some: Residuals, used: Bools) -> tuple[CalibrationFie
         spread = fit.variance * np.maximum(fit.number / MOST_RESIDUALS, 1.0)
         weight = np.where(used & peaked(fit)[group], fit.weight / spread[group], 0.0)
         A, b = _normal_equations(own, some, weight, index)
-        posterior = _posterior(A, b, 2 * C)
+        posterior, evidence = _posterior(A, b, 2 * C)
         s1, s0 = np.exp(LOG_VARIANCES[list(np.unravel_index(posterior.argmax(), posterior.shape))])
         expected = np.repeat([s0, s1], [2 * C, len(b) - 2 * C])
         theta = expected * np.linalg.solve(np.eye(len(b)) + A * expected, b)
         fit = mixture(some.off - (own * theta[columns]).sum(1), group, C * C, some.window)
-    return CalibrationField(_of_sum(posterior), fit), theta[: 2 * C].reshape(C, 2)
+    return CalibrationField(_of_sum(posterior), fit, evidence), theta[: 2 * C].reshape(C, 2)
 
 
 def _of_sum(posterior: Floats) -> Floats:
@@ -134,8 +140,8 @@ def _normal_equations(own: Floats, some: Residuals, weight: Floats, index: Ints)
     return A, b
 
 
-def _posterior(A: Floats, b: Floats, n: int) -> Floats:
-    """(n, n) the posterior of ln s₁² and ln s₀² by (3) and (4), the first n of θ being θ₀."""
+def _posterior(A: Floats, b: Floats, n: int) -> tuple[Floats, float]:
+    """(n, n) the posterior of ln s₁² and ln s₀² by (3) and (4), the first n of θ being θ₀; and (7)."""
     size, along = np.linalg.eigh(A[n:, n:])
     size, between, part = np.maximum(size, 0.0), along.T @ A[n:, :n], along.T @ b[n:]
     log = np.empty((len(LOG_VARIANCES), len(LOG_VARIANCES)))
@@ -145,9 +151,11 @@ def _posterior(A: Floats, b: Floats, n: int) -> Floats:
         of_waves = (D * part**2 - np.log1p(s1 * size)).sum() / 2
         log[k] = of_waves + _log_likelihood(left, b[:n] - between.T @ (D * part))
     prior = -0.5 * ((LOG_VARIANCES[:, None] - 2 * np.log(USUAL_SD)) / LOG_SD) ** 2
-    log += prior[:, 1:] + prior[:, 0]
+    prior = prior[:, 1:] + prior[:, 0]
+    log += prior
+    evidence = np.logaddexp.reduce(log, axis=None) - np.logaddexp.reduce(prior, axis=None)
     both = np.exp(log - log.max())
-    return np.asarray(both / both.sum())
+    return np.asarray(both / both.sum()), float(evidence)
 
 
 def _log_likelihood(A: Floats, b: Floats) -> Floats:

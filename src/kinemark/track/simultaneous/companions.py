@@ -13,6 +13,9 @@ is twice the log-likelihood ratio of one marker to two, of which the distances c
 place has three coordinates, whatever the number of companions; of the MATES nearest companions and of the MATES
 steadiest ones the lower mean counts, as what is far away says little of where on the body a marker is (2).
 
+A hand that swings has another distance from the trunk after two seconds, though it held it for the moment before. So
+beside gaps of more than FAR_S σ and σ' are at least what the distance is usually off r in AWAY_S (5).
+
 The pair of the highest score is joined first, where no piece that is there at the time of either has a score within
 `stitch.CLEAR_MARGIN` of it, and the pieces joined so far are not there at the same time (3), but for OVERLAP frames in
 which one of them may drift: of two points that a track then has in a frame, the one that fits the motion of its others
@@ -28,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.evenly import evenly
 from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.row_quantiles import row_medians
 from ...numerics.runs import begins
@@ -37,6 +41,13 @@ from .stitch import CLEAR_MARGIN, LEAST, Stitch, Stitched
 
 NEXT = 24
 """Frames at either side of a gap from which distances are known; chosen (see studies/infrared_footage.py)."""
+
+FAR_S, AWAY_S = 0.25, 2.0
+"""Of (5), s; chosen: a limb moves on in a quarter of a cycle of walking, and two cycles show all of it (see
+studies/occlusions.py)."""
+
+LOOKED_AT = 200
+"""Frames of (5) that are looked at, spread evenly; chosen for time."""
 
 FEWEST = 3
 """Frames with both from which a distance is known, as the shortest tracks have four, and companions of a join, as a
@@ -72,14 +83,17 @@ AT_ONCE = 1_000
 
 
 class Places(NamedTuple):
-    """Of n ends of pieces the distance (n, N) mm from each of N tracks, NaN where not known, and its variance, mm²."""
+    """Of n ends of pieces the distance (n, N) mm from each of N tracks, NaN where not known, and its variance, mm²,
+    next to the gap, and in AWAY_S (5)."""
 
     distance: Floats
     variance: Floats
+    later: Floats
 
-    def of(self, which: Ints) -> Places:
-        """Only these ends."""
-        return Places(self.distance[which], self.variance[which])
+    def of(self, which: Ints, far: Bools) -> Places:
+        """Only these ends, beside gaps of which some are far (5)."""
+        variance = np.where(far[:, None], self.later[which], self.variance[which])
+        return Places(self.distance[which], variance, self.later[which])
 
 
 class Pairs(NamedTuple):
@@ -106,7 +120,7 @@ def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simu
         for _ in range(ROUNDS):
             length = np.bincount(ids[points.id], minlength=len(ids))[ids]
             long = pairs.take((length[pairs.a] >= least) & (length[pairs.b] >= least) & (ids[pairs.a] != ids[pairs.b]))
-            if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long), sure)):
+            if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long, T), sure)):
                 break
             found += joined
     found = [one._replace(before=int(name[one.before]), after=int(name[one.after])) for one in found]
@@ -153,39 +167,58 @@ def _possible(points: TrackPoints, piece: NDArray[np.int32], T: float, method: S
     return Pairs(some[a[soon]], some[b[soon]], *np.zeros((2, len(soon))))
 
 
-def _scored(points: TrackPoints, piece: NDArray[np.int32], ids: Ints, pairs: Pairs) -> Pairs:
+def _scored(points: TrackPoints, piece: NDArray[np.int32], ids: Ints, pairs: Pairs, T: float) -> Pairs:
     """The pairs that have a score above 0."""
     rows = rows_of(points._replace(id=ids[points.id]))
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     (a, end), (b, begin) = (np.unique(one, return_inverse=True) for one in pairs[:2])
-    ends, begins = _places(points, piece, rows, ids, a, -1), _places(points, piece, rows, ids, b, 1)
+    ends, begins = _places(points, piece, rows, ids, a, -1, T), _places(points, piece, rows, ids, b, 1, T)
+    far = _gaps(piece, pairs) * T > FAR_S
     score, sd = np.zeros((2, len(pairs.a)))
     for first in range(0, len(score), AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        score[part], sd[part] = _scores(ends.of(end[part]), begins.of(begin[part]), spread)
+        score[part], sd[part] = _scores(ends.of(end[part], far[part]), begins.of(begin[part], far[part]), spread)
     return Pairs(pairs.a, pairs.b, score, sd).take(score > 0)
 
 
+def _gaps(piece: NDArray[np.int32], pairs: Pairs) -> Ints:
+    """(n) frames between the end of the earlier piece and the beginning of the later one."""
+    there = piece >= 0
+    last = there.shape[1] - 1 - there[pairs.a, ::-1].argmax(1)
+    return np.asarray(there[pairs.b].argmax(1) - last)
+
+
 def _places(
-    points: TrackPoints, piece: NDArray[np.int32], rows: NDArray[np.int32], ids: Ints, which: Ints, way: int
+    points: TrackPoints, piece: NDArray[np.int32], rows: NDArray[np.int32], ids: Ints, which: Ints, way: int, T: float
 ) -> Places:
     """Of the ends (way −1) or beginnings (1) of pieces `which`, in the frames next to them."""
-    distance, variance = np.full((2, len(which), len(rows)), np.nan)
+    distance, variance, later = np.full((3, len(which), len(rows)), np.nan)
     for k, i in enumerate(which.tolist()):
-        frames = np.flatnonzero(piece[i] >= 0)[::way][:NEXT]
+        own = np.flatnonzero(piece[i] >= 0)[::way]
+        frames, long = own[:NEXT], own[: max(round(AWAY_S / T), NEXT)]
+        long = long[evenly(len(long), LOOKED_AT)]
         there = rows[:, frames] >= 0
         beside = there.sum(1) >= FEWEST
         beside[ids[i]] = False
-        others, own = rows[np.ix_(beside, frames)], piece[i, frames]
-        off = np.where(there[beside, :, None], points.xyz[others], np.nan) - points.xyz[own]
+        others, at = rows[np.ix_(beside, frames)], piece[i, frames]
+        off = np.where(there[beside, :, None], points.xyz[others], np.nan) - points.xyz[at]
         r = np.linalg.norm(off, axis=-1)
         u = off / np.maximum(r, LEAST)[..., None]
-        said = np.einsum("nfi,nfij,nfj->nf", u, points.cov[others] + points.cov[own], u)
+        said = np.einsum("nfi,nfij,nfj->nf", u, points.cov[others] + points.cov[at], u)
         middle = row_medians(r)
         steady = SD_PER_MEDIAN * row_medians(np.abs(r - middle[:, None]))
         distance[k, beside] = middle
         variance[k, beside] = np.maximum(steady**2, np.nanmean(said, axis=1)) + LEAST**2
-    return Places(distance, variance)
+        moved = _moved(points, rows[np.ix_(beside, long)], piece[i, long], middle)
+        later[k, beside] = np.maximum(variance[k, beside], moved**2)
+    return Places(distance, variance, later)
+
+
+def _moved(points: TrackPoints, others: NDArray[np.int32], own: NDArray[np.int32], middle: Floats) -> Floats:
+    """(n) mm by which distances are usually off `middle` (n), in frames in which tracks (n, f) and a piece (f) are."""
+    xyz = np.where((others >= 0)[..., None], points.xyz[others], np.nan)
+    r = np.linalg.norm(xyz - points.xyz[own], axis=-1)
+    return np.asarray(SD_PER_MEDIAN * row_medians(np.abs(r - middle[:, None])))
 
 
 def _scores(before: Places, after: Places, spread: float) -> tuple[Floats, Floats]:

@@ -6,10 +6,10 @@ Synthetic walkers with 15, 39 and 53 markers are tracked as `benchmarks/tracking
 some run together, some come from nowhere and limbs hide many, and named by a template of another walk, of another
 speed, of the same person. `gait9` (KINEMARK_DATA) is tracked from its 2D points and named by its own first second, and
 each half by the other; its 24 named reference tracks are the judge. Each tracked point belongs to the marker within
-10 mm, one point a marker. Of the reference's stretches only those count in which no marker leaps, and of these only
-what lies where its segment has the marker (`mended`). In % of
-the points that have a marker: named rightly, wrongly, not at all; named points that have none, in % of all named (for
-`gait9` also markers whose reference is left out); swaps, pieces a marker and tracked points without marker a frame,
+10 mm, one point a marker. Of the reference's stretches only those count in which no marker leaps, and samples that lie
+at another marker's place are that one's (`mended`). In % of the points that have a marker: named rightly, wrongly, not
+at all; named points that have none, in % of all named (for `gait9` also markers whose reference is left out); swaps,
+pieces a marker and tracked points without marker a frame,
 before → after naming.
 """
 
@@ -53,9 +53,12 @@ LEAP = 25.0
 """mm off its way that a marker of the reference never is from one sample to the next; chosen: markers accelerate by
 less than 20 mm in a gap of 0.04 s."""
 
-STEADY = 6.0
+STEADY = 8.0
 """mm by which a distance varies at most that tells where a marker is, as 1.48 times the median deviation; chosen: a
-quarter of `LEAP`."""
+third of `LEAP`."""
+
+WITNESSES = 2
+"""Other markers at least that say whose a sample is; by definition: one is as likely wrong itself."""
 
 LATER_S = 1.37
 """How much later the motion is that names a scene; chosen, no whole number of strides."""
@@ -177,7 +180,8 @@ def mended(reference: Trajectories) -> Trajectories:
     """Of each marker the longest stretch in which it never leaps to another's place: `LEAP` off the way that it goes.
 
     The system that stored the tracks lets them do so, most of all where the subject enters and leaves the volume. It
-    also lets them glide over, so that samples are left out which lie `elsewhere`.
+    also lets them glide over, so that samples that lie at an absent marker's place are that one's (`whose`). None is
+    left out for that: what a labelling leaves without a name there counts against it.
     """
     paths = []
     for path in reference:
@@ -188,27 +192,41 @@ def mended(reference: Trajectories) -> Trajectories:
         xyz = np.full_like(path.xyz, np.nan)
         xyz[longest] = path.xyz[longest]
         paths.append(MarkerTrajectory.measured(path.name, xyz))
-    kept = [
-        MarkerTrajectory.measured(path.name, np.where(off[:, None], np.nan, path.xyz))
-        for path, off in zip(paths, elsewhere(np.stack([path.xyz for path in paths])), strict=True)
-    ]
-    return replace(reference, paths=tuple(kept))
+    xyz = np.stack([path.xyz for path in paths])
+    own, new = whose(xyz), np.full_like(xyz, np.nan)
+    for a, f in np.argwhere(np.isfinite(xyz[..., 0])):
+        new[own[a, f], f] = xyz[a, f]
+    return replace(
+        reference,
+        paths=tuple(MarkerTrajectory.measured(path.name, one) for path, one in zip(paths, new, strict=True)),
+    )
 
 
-def elsewhere(xyz: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(M, F) whether a marker (M, F, 3) mm is `LEAP` off its median distance to the steadiest other that is seen.
+def whose(xyz: NDArray[np.float64]) -> NDArray[np.int64]:
+    """(M, F) which marker the samples (M, F, 3) mm of each are: itself, or an absent one whose distances they have.
 
-    No name is asked for that, nor a template: the recording itself shows how far its markers are from each other.
+    No name is asked for that, nor a template: the recording itself shows how far its markers are from each other. A
+    sample is another's only where it is `LEAP` off its own steadiest distance, and within `NEAR` of the other's in the
+    median.
     """
     apart = np.linalg.norm(xyz[:, None] - xyz[None], axis=3)
     apart[np.eye(len(xyz), dtype=bool)] = np.nan
     some = np.isfinite(apart).any(2)
-    off, varies = np.full_like(apart, np.nan), np.full(some.shape, np.inf)
-    off[some] = np.abs(apart[some] - np.nanmedian(apart[some], axis=1, keepdims=True))
-    varies[some] = 1.48 * np.nanmedian(off[some], axis=1)
-    tells = np.isfinite(off) & (varies <= STEADY)[..., None]
-    steadiest = np.where(tells, varies[..., None], np.inf).argmin(1)
-    return np.asarray(tells.any(1) & (np.take_along_axis(off, steadiest[:, None], axis=1)[:, 0] > LEAP))
+    mean, varies = np.full(some.shape, np.nan), np.full(some.shape, np.inf)
+    mean[some] = np.nanmedian(apart[some], axis=1)
+    varies[some] = 1.48 * np.nanmedian(np.abs(apart[some] - mean[some][:, None]), axis=1)
+    steady = np.where(varies <= STEADY, mean, np.nan)
+    out = np.tile(np.arange(len(xyz))[:, None], xyz.shape[1])
+    for a, f in np.argwhere(np.isfinite(xyz[..., 0])):
+        off = np.abs(apart[a, :, f] - steady)  # as each marker, by each other
+        tells = np.isfinite(off[a])
+        if not tells.any() or off[a, np.where(tells, varies[a], np.inf).argmin()] <= LEAP:
+            continue
+        could = np.flatnonzero(np.isnan(xyz[:, f, 0]) & (np.isfinite(off).sum(1) >= WITNESSES))
+        middle = np.nanmedian(off[could], axis=1)
+        if middle.min(initial=np.inf) < NEAR:
+            out[a, f] = could[middle.argmin()]
+    return out
 
 
 def leaps(xyz: NDArray[np.float64], frame: NDArray[np.int64]) -> bool:

@@ -184,6 +184,16 @@ def test_a_piece_that_goes_on_in_a_posture_that_is_new_is_sure_and_beside_many_n
     )
 
 
+def test_a_piece_of_few_markers_that_comes_back_after_an_occlusion_is_sure_where_no_marker_is_nameless():
+    """Fifteen markers tell so much of a piece, and it goes on from none; nothing else is there that it could be."""
+    values = dict(track=10.0, fit=1.1, frame_fit=1.0)
+    piece = Margins(**{name: np.array([values.get(name, 0.0)]) for name in Margins._fields})
+    alone, beside = (
+        float(track_probability(piece._replace(nameless=np.array([n])), np.array([2.0]))[0]) for n in (0.0, 1.0)
+    )
+    assert alone > 0.99 > beside
+
+
 def test_a_track_has_its_share_of_the_samples_of_its_label():
     parts = shredded(walk(7), 6, 2.0, 3)
     stretches, pairs = stretches_of(parts.tracks, template().size), PairScore.of_template(template())

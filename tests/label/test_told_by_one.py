@@ -11,7 +11,7 @@ from kinemark.label import margin as of_margin
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import label_probability, margins
 from kinemark.label.stretches import stretches_of
-from kinemark.label.told_by_one import TIMES, in_one_posture, told_by_one
+from kinemark.label.told_by_one import TIMES, at_most_tellers, in_one_posture, told_by_one
 
 WRIST = ("MEDIAL", "LATERAL")
 
@@ -64,3 +64,25 @@ def test_it_is_of_templates_that_know_no_segment(segments):
     template = by_one_posture(segments)
     a, b = (template.names.index(name) for name in WRIST)
     assert in_one_posture([(a, b)], template.keeps).tolist() == [segments is None]
+
+
+def with_hand():
+    """The same in one frame, 0.4 m further off, and two of a hand that lie as those of the wrist do, 35 mm beside."""
+    place = seated(1)
+    off = {name: np.array([0.0, -400.0, 0.0]) if name in WRIST else np.zeros(3) for name in place.names}
+    hand = {f"H{name}": place[name].xyz + np.array([25.0, -400.0, -25.0]) for name in WRIST}
+    xyz = {name: place[name].xyz + off[name] for name in place.names} | hand
+    return Trajectories(tuple(MarkerTrajectory.measured(name, one) for name, one in xyz.items()), place.rate)
+
+
+@pytest.mark.parametrize("of_wrist", [0.6, 0.999])
+def test_a_name_is_at_most_as_sure_as_the_names_that_tell_it(of_wrist):
+    """Those of a wrist may be exchanged together with those of its hand, and then tell that these are right."""
+    trial = with_hand()
+    template = learn_template(trial, relative_spread=0.18)
+    label = np.array([template.names.index(name) for name in trial.names])
+    p = np.array([of_wrist if name in WRIST else 0.998 for name in trial.names])
+    stretches, pairs = stretches_of(trial, template.size), PairScore.of_template(template)
+    found = dict(zip(trial.names, at_most_tellers(p, stretches, label, template, pairs), strict=True))
+    assert found["HMEDIAL"] == found["HLATERAL"] == min(of_wrist, 0.998)
+    assert all(found[f"T{k}"] == 0.998 for k in range(40)), "other trunk markers tell these"

@@ -7,7 +7,9 @@ names. So what they say is no sum. Of labels a and b, with l of `evidence` (1),
 
     z = max over c of  ‹ l(y_a y_c; D_ac) + l(y_b y_c; D_bc) − l(y_a y_c; D_bc) − l(y_b y_c; D_ac) ›              (1)
 
-is what the one that tells most says, and an exchange loses at most `TIMES` that.
+is what the one that tells most says, and an exchange loses at most `TIMES` that. The markers of a wrist may have each
+other's names as those of its hand have, and then say that these are right: so a name is at most as sure as the
+surest of those that say `SAYS_MUCH`, or most where none does.
 """
 
 from __future__ import annotations
@@ -16,14 +18,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..numerics.vectors import lengths
 from .evidence import PairScore, Single
+from .exchange import FRAMES, Exchanger
+from .stretches import Stretches
+from .sweeps import places
+from .template import Template
 
 TIMES = 5.0
 """Times (1) that an exchange loses at most; chosen on static trials without segments of five children, a racer in a
 wheelchair and two more: of exchanged markers of gloves (1) is 0.02 to 0.17 where all others together say 3 to 11 nats,
 and 3 made right names with 0.6 and more unsure; below 0.2 are the two markers of a wrist, which a forearm exchanges."""
+SAYS_MUCH = 0.3
+"""Nats from which on a marker is one of those that tell two apart; chosen above what is said of exchanged ones."""
 
 
 def told_by_one(y: Single, pairs: PairScore, twos: Sequence[tuple[int, int]]) -> Floats:
@@ -32,15 +40,41 @@ def told_by_one(y: Single, pairs: PairScore, twos: Sequence[tuple[int, int]]) ->
     Args:
         y: (K, L, 3) places of labels, mm, NaN where not seen. twos: M labels a and b.
     """
-    d, out = lengths(y[:, :, None] - y[:, None]), np.zeros(len(twos))
+    return said_by_each(y, pairs, twos).max(1, initial=0.0)
+
+
+def said_by_each(y: Single, pairs: PairScore, twos: Sequence[tuple[int, int]]) -> Floats:
+    """(M, L) nats that each marker c says in (1), mean over the frames in which either of two is seen."""
+    d, out = lengths(y[:, :, None] - y[:, None]), np.zeros((len(twos), y.shape[1]))
     every = np.arange(y.shape[1])
     for k, (a, b) in enumerate(twos):
         lost = pairs.at(d[:, a], a, every) + pairs.at(d[:, b], b, every)
         lost -= pairs.at(d[:, a], b, every) + pairs.at(d[:, b], a, every)
         lost[:, [a, b]] = 0.0
         seen = np.isfinite(y[:, [a, b], 0]).any(1).sum()
-        out[k] = lost.sum(0).max(initial=0.0) / max(int(seen), 1)
+        out[k] = lost.sum(0) / max(int(seen), 1)
     return out
+
+
+def at_most_tellers(p: Floats, stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> Floats:
+    """(T) probabilities of names, those that others tell by (1) at most as sure as the surest of these.
+
+    Args:
+        p: (T) before. label: (T) −1 for none.
+    """
+    twos = [(was[0], was[1]) for was, _ in Exchanger.of(template, pairs).keeping(stretches.fixed).twos]
+    own = [twos[k] for k in np.flatnonzero(in_one_posture(twos, template.keeps)).tolist()]
+    if not own or not (label >= 0).any():
+        return p
+    of_label, most = np.zeros(len(template)), np.ones(len(template))
+    np.maximum.at(of_label, label[label >= 0], p[label >= 0])
+    y = places(stretches, label, len(template))
+    y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    for two, nats in zip(own, said_by_each(y, pairs, own), strict=True):
+        if nats.max() > 0:
+            surest = of_label[nats >= min(SAYS_MUCH, nats.max())].max()
+            most[list(two)] = np.minimum(most[list(two)], surest)
+    return np.where(label >= 0, np.minimum(p, most[np.maximum(label, 0)]), p)
 
 
 def in_one_posture(twos: Sequence[tuple[int, int]], keeps: Bools) -> Bools:

@@ -6,6 +6,7 @@ import scipy
 
 from kinemark.data import KinemarkError
 from kinemark.gait.emg import EmgFilter, emg, normalised, peak_of
+from support.plug_in_gait import trial
 
 BURSTS = ((0.5, 0.9), (1.6, 2.0), (2.7, 3.1))
 
@@ -45,6 +46,14 @@ def test_noise_alone_is_no_muscle_that_is_on(low_hz, unit):
             x = scipy.signal.sosfiltfilt(scipy.signal.butter(1, low_hz, fs=1000.0, output="sos"), x)
         found = emg(unit * x + 3 * unit, rate=1000.0)
         assert not found.bursts and not found.on.any()
+
+
+@pytest.mark.parametrize(("file", "channel"), [("HC033A10", "Voltage.L Rect"), ("HC032A03", "Voltage.R Rect")])
+def test_a_channel_that_nobody_wore_is_no_muscle_that_is_on(file, channel):
+    """Its noise grows and falls slowly; the muscles of the other leg are a hundred times as strong."""
+    walk = trial(f"pig_gait_children/{file}.c3d")
+    record = next(one for one in walk.analog if channel in one.names)
+    assert not emg(record[channel], rate=record.rate).bursts
 
 
 @pytest.mark.parametrize("times", [4.0, 8.0, 20.0])

@@ -65,9 +65,9 @@ LEAST_OF_PEAK = 0.1
 NOISE_VARIES = 0.5
 """Standard deviation of the faster envelope over its mean, below which it may be noise alone; chosen: 0.15 of white
 noise, 0.27 to 0.41 of 25 channels that no muscle was on, 0.58 and more of 20 muscles of walkers."""
-NOISE_RESTS = 0.35
-"""Mean of its quietest tenth over its mean, above which it may be noise alone; chosen on the same channels: 0.40
-to 0.74 of noise. A muscle that works for most of the stride, and rests, is below."""
+NOISE_RESTS = 0.3
+"""Mean of its quietest tenth over its mean, above which it may be noise alone; chosen: 0.33 and more of channels
+that no muscle was on. A muscle that works for most of the stride, and rests, is below: 0.08 to 0.11 of two."""
 
 
 @dataclass(frozen=True, slots=True)

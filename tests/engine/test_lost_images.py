@@ -59,8 +59,9 @@ def test_numbers_are_of_the_camera_that_lacks_them(tmp_path):
             [0, 19, 41, 60, 80, 101, 119, 140, 161, 180, 199],
             [0, 20, 40, 61, 79, 100, 121, 141, 160, 181, 200],
         ],
+        [[int(k / 0.9 + late) for k in range(50)] for late in (0.0, 0.37)],
     ],
-    ids=["begin apart", "gaps that all share", "every tenth", "times in ms"],
+    ids=["begin apart", "gaps that all share", "every tenth", "times in ms", "times in ms at 900 Hz"],
 )
 def test_names_that_tell_no_loss_are_taken_in_order(tmp_path, numbers):
     assert run(tmp_path, numbers).n_frames == len(numbers[0])

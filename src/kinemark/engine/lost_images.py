@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import KinemarkError
-from ..data.array_types import Ints
+from ..data.array_types import Bools, Ints
 from ..io.images import ImageSource
 
 LAST_NUMBER = re.compile(r"(|.*[^0-9])([0-9]{1,15})([^0-9]*)", re.DOTALL)
@@ -24,6 +24,7 @@ COUNTED = 0.8
 times in ms or µs step unevenly, and cameras that lose a fifth of their images are of no use."""
 
 FEWEST = 10  # files whose names may count; chosen: so few are looked through by whoever made them
+EVEN = 3  # spacings of longer steps from which they may be those of a clock; chosen
 NAMED = 5  # numbers that a message lists; chosen
 
 
@@ -70,4 +71,12 @@ def count_of(paths: Sequence[Path]) -> Count | None:
     usual = int(np.median(steps))
     if usual < 1 or (steps < 1).any() or (steps % usual).any() or (steps == usual).mean() < COUNTED:
         return None
+    if _of_clock(steps != usual):
+        return None
     return Count(int(numbers[0]), usual, (numbers - numbers[0]) // usual)
+
+
+def _of_clock(longer: Bools) -> bool:
+    """Whether longer steps come as evenly as those of a clock that is cut to whole numbers, as of ms at 900 Hz."""
+    apart = np.diff(np.flatnonzero(longer))
+    return bool(len(apart) >= EVEN and np.ptp(apart) <= 1)

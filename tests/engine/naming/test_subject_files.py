@@ -68,3 +68,12 @@ def test_prefixes_are_as_the_file_says_them(files):
     assert with_prefixes(doc, ("Anna",), ["LKNE"]) is doc
     used = with_parameters(with_names, "SUBJECTS", [Parameter.whole("USES_PREFIXES", 1)])
     assert prefixes_of(used) == {"Anna": "S1_", "Ben": "S2_"}
+
+
+def test_a_name_that_stands_before_all_markers_of_a_subjects_own_file_is_left_out():
+    """Programs write `Kid:LASI`; the name that is given here stands before it, not both."""
+    bare = Trajectories(tuple(walk(1)), 100.0)
+    called = replace(bare, paths=tuple(replace(path, name=f"Kid:{path.name}") for path in bare))
+    assert of_subject(called, "B", {}).names == bare.names
+    mixed = replace(called, paths=(*called.paths[:-1], bare.paths[-1]))
+    assert of_subject(mixed, "B", {}) is mixed and of_subject(called, "", {}) is called

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...data import KinemarkError, MarkerSet, Trajectories, Trial
+from ...data.edits import is_named
 from ...data.marker_sides import without_subject
 from ...data.nearest_word import some_names
 from ...io.c3d import prefixes_of
@@ -214,10 +215,15 @@ def _learnt(trials: Sequence[Trajectories], known: Known) -> Template:
 def of_subject(trial: Trajectories, subject: str, prefixes: Mapping[str, str]) -> Trajectories:
     """The markers of one of several subjects, by what stands before their names; all where that is before none.
 
+    Where one other name stands before all of them, as a laboratory's program calls the subject, it is left out.
+
     Args:
         subject: name of it. prefixes: subject → what stands there, as the file says it; `A:` for A where it does not.
     """
     prefix = prefixes.get(subject, f"{subject}:")
+    before = {colon and head + colon for head, colon, _ in (p.name.rpartition(":") for p in trial if is_named(p.name))}
+    if len(before) == 1:
+        prefix = before.pop() or prefix
     own = [path for path in trial if subject and path.name.startswith(prefix) and path.name != prefix]
     return replace(trial, paths=tuple(replace(p, name=p.name.removeprefix(prefix)) for p in own)) if own else trial
 

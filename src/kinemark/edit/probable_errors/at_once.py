@@ -20,7 +20,8 @@ import numpy as np
 from ...data.array_types import Floats
 
 ONCE = 2.0
-"""Frames within which is at once; chosen of 0.5 to 3 by what is told of each laboratory by the others."""
+"""Frames within which is at once; chosen of 0.5 to 3: what is told of each laboratory by the others is least likely
+with the shortest, and within a nat with 2 and 3."""
 
 
 class Moment(NamedTuple):

@@ -163,11 +163,16 @@ class Run:
         return ActiveTracks(zero, zero, zero, KalmanStates(np.zeros((9, 0)), np.zeros((9, 9, 0))))
 
     def begin(self, lasts: list[int]) -> ActiveTracks:
-        """New tracks of the three frames that end with each of `lasts`, those of images that stand still first."""
+        """New tracks of the three frames that end with each of `lasts`, those of images that stand still first.
+
+        Where any of these begin, others wait for the next time: a marker's images that do not stand still, as others
+        come near them in some cameras, would begin a second track of it.
+        """
         active = self.no_tracks()
         for lasting in (None,) if self.lasting is None else (self.lasting, None):
             for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method, lasting):
                 active = active.plus(self.taken_up(initiated))
+            lasts = [last for last in lasts if last not in active.frame]
         return active
 
     def taken_up(self, initiated: InitiatedTracks) -> ActiveTracks:

@@ -17,11 +17,17 @@ from .epipolar_noise import camera_noise, mixture, pair_of, residuals
 from .measurement_noise import sampled_frames
 from .standing_images import free_rows, means_of, standing_still
 
+MOST_CAMERAS = 4
+"""Cameras beyond which single frames tell enough, as three images seldom meet by chance; chosen: of eight, means began
+second tracks of markers whose images stand still in some cameras alone (see studies/probable_errors.py)."""
+
 
 def lasting_variance(images: Images, F: Floats, T: float, gate: float) -> Floats | None:
-    """(C) px², l of (1) of `standing_images`; None where hardly any image stands still, or those that do agree worse
-    than single images."""
+    """(C) px², l of (1) of `standing_images`; None where hardly any image stands still, those that do agree worse than
+    single images, or more than `MOST_CAMERAS` look."""
     frames, C = sampled_frames(images), len(images.P)
+    if C > MOST_CAMERAS:
+        return None
     standing = standing_still(images, free_rows(images, images.usable, frames), T, gate)
     means = means_of(images, standing, np.array(frames, np.int64), np.zeros(C))
     some = residuals(means, F, [*range(len(frames))])

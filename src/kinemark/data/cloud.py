@@ -40,7 +40,7 @@ class Cloud:
             residual=column("residual", self.residual, np.float64, n),
             detection=column("detection", self.detection, np.int64, n, None),
         )
-        check_offsets("start", self.start, n)
+        check_offsets(self.start, n)
 
     def __len__(self) -> int:
         return len(self.xyz)

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..data.array_types import Bools, Floats
 from ..data.subject_measures import LETTER, SIDES, Side
+from ..numerics.finite import finite_median
 from ..numerics.runs import true_runs
 from .reaction import Reaction, plate_axes
 from .segments import Z_UP
@@ -123,9 +124,8 @@ class _Foot(NamedTuple):
         centre = (heel + toe) / 2
         speed = np.linalg.norm(np.gradient(centre, axis=0), axis=1) * rate if len(centre) > 1 else np.zeros(len(centre))
         length = np.linalg.norm(toe - heel, axis=1)
-        known = length[np.isfinite(length)]
         toe_v = np.gradient(toe, axis=0) * rate if len(toe) > 1 else np.zeros_like(toe)
-        return cls(heel, toe, toe_v, centre, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
+        return cls(heel, toe, toe_v, centre, speed < STANDING_MM_S, finite_median(length))
 
 
 def _judged(

@@ -103,5 +103,5 @@ class Tracks:
 
     @property
     def lengths(self) -> Ints:
-        """Points of each track."""
+        """(T) points of each track."""
         return np.bincount(self.id[self.id >= 0], minlength=len(self))

@@ -56,7 +56,7 @@ class CycleTemplate:
         return np.asarray(self._slope(phase % 1.0))
 
     def select(self, columns: Ints) -> CycleTemplate:
-        """Of these sequences alone."""
+        """Of these sequences (n) alone."""
         out = object.__new__(CycleTemplate)
         out._curve, out._slope = (
             scipy.interpolate.PPoly.construct_fast(p.c[..., columns], p.x) for p in (self._curve, self._slope)
@@ -72,7 +72,7 @@ class CyclePhase(NamedTuple):
     cost: float
 
     def frames_at(self, percent: float) -> Floats:
-        """The moments, in frames and parts of them, at which the motion passes this percent of its cycle."""
+        """(n) moments, in frames and parts of them, at which the motion passes this percent of its cycle."""
         rising = np.maximum.accumulate(self.cycles)
         whole = np.arange(np.ceil(rising[0] - percent / 100), np.floor(rising[-1] - percent / 100) + 1)
         return np.interp(whole + percent / 100, rising, np.arange(len(rising)))

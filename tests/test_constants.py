@@ -35,21 +35,21 @@ class Constant(NamedTuple):
 
 def constants(source: str) -> Iterator[Constant]:
     """The numbers at the top of a module, whose names are in capitals, and what is said of each."""
-    body, said = ast.parse(source).body, comments(source)
+    body, lines = ast.parse(source).body, source.splitlines()
     for node, after in zip(body, [*body[1:], None], strict=True):
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None or not numeric(node.value):
             continue
         names = [n.id for n in ast.walk(ast.Module([node], [])) if isinstance(n, ast.Name) and is_stored(n)]
         if names and all(name.lstrip("_").isupper() for name in names):
-            beside = [said[k] for k in range(node.lineno, node.end_lineno + 1) if k in said]
+            beside = comments("\n".join(lines[node.lineno - 1 : node.end_lineno]))
             below = after.value.value if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) else ""
             yield Constant(", ".join(names), node.lineno, " ".join([*beside, str(below)]).strip())
 
 
-def comments(source: str) -> dict[int, str]:
-    """By their lines."""
-    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-    return {token.start[0]: token.string.lstrip("# ") for token in tokens if token.type == tokenize.COMMENT}
+def comments(statement: str) -> list[str]:
+    """Those beside the lines of a statement."""
+    tokens = tokenize.generate_tokens(io.StringIO(statement).readline)
+    return [token.string.lstrip("# ") for token in tokens if token.type == tokenize.COMMENT]
 
 
 def is_stored(name: ast.Name) -> bool:

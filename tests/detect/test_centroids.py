@@ -12,6 +12,7 @@ from kinemark.detect.grouping import group_runs
 from kinemark.detect.pixel_runs import Runs
 from kinemark.native.pixel_runs import bright_cells, white_runs
 from support.discs import SIDE, blotches, disc, discs
+from support.films import Film
 
 
 @pytest.mark.parametrize(("seed", "shape"), [(0, (3, 40, 56)), (1, (5, 37, 41)), (2, (1, 3, 200)), (3, (4, 9, 8))])
@@ -249,27 +250,13 @@ def test_parameters_out_of_range(wrong):
         Centroids(**wrong)
 
 
-class Recording:
-    """Images in memory as a source; every second frame is half a line lower where `interlaced`."""
-
-    def __init__(self, images, *, announced=None, interlaced=False):
-        self.images, self.interlaced = images, interlaced
-        self.n_frames = len(images) if announced is None else announced
-
-    def batches(self, n):
-        return (self.images[k : k + n] for k in range(0, len(self.images), n))
-
-    def v_offset(self, f):
-        return 0.5 * (f % 2) if self.interlaced else 0.0
-
-
 SAID = Centroids(**USUAL._asdict())  # nothing is left to be learned
 
 
 def test_a_recording_is_its_cameras_and_frames_in_order():
     films = [np.concatenate([scene(c), scene(c + 1)] * 9) for c in (1, 11)]
     done = []
-    found = detect([Recording(f) for f in films], cameras=["a", "b"], rate=50.0, method=SAID, progress=done.append)
+    found = detect([Film(f) for f in films], cameras=["a", "b"], rate=50.0, method=SAID, progress=done.append)
     assert found.cameras == ("a", "b") and found.rate == 50.0 and found.counts.shape == (2, 36)
     assert done == sorted(done) and done[-1] == 72
     for c, f in ((0, 0), (1, 17), (1, 35)):
@@ -278,8 +265,8 @@ def test_a_recording_is_its_cameras_and_frames_in_order():
 
 def test_the_second_field_lies_half_a_line_lower():
     film = np.concatenate([scene(2)] * 10)
-    plain = detect([Recording(film)], cameras=["a"], rate=50.0)
-    fields = detect([Recording(film, interlaced=True)], cameras=["a"], rate=50.0)
+    plain = detect([Film(film)], cameras=["a"], rate=50.0)
+    fields = detect([Film(film, interlaced=True)], cameras=["a"], rate=50.0)
     np.testing.assert_allclose(
         fields.uv - plain.uv, np.stack([0 * plain.frame, 0.5 * (plain.frame % 2)], -1), atol=1e-12
     )
@@ -287,17 +274,17 @@ def test_the_second_field_lies_half_a_line_lower():
 
 def test_no_cameras_and_no_frames():
     assert detect([], cameras=[], rate=50.0).counts.shape == (0, 0)
-    assert detect([Recording(np.zeros((0, 8, 8), np.uint8))], cameras=["a"], rate=50.0).counts.shape == (1, 0)
+    assert detect([Film(np.zeros((0, 8, 8), np.uint8))], cameras=["a"], rate=50.0).counts.shape == (1, 0)
 
 
 def test_unequal_cameras_and_short_files_are_named():
     film = np.zeros((5, 8, 8), np.uint8)
     with pytest.raises(KinemarkError, match=r"left 5, right 4.*cut"):
-        detect([Recording(film), Recording(film[1:])], cameras=["left", "right"], rate=50.0)
+        detect([Film(film), Film(film[1:])], cameras=["left", "right"], rate=50.0)
     with pytest.raises(KinemarkError, match=r"left: 5 frames .* 6"):
-        detect([Recording(film, announced=6)], cameras=["left"], rate=50.0)
+        detect([Film(film, announced=6)], cameras=["left"], rate=50.0)
     with pytest.raises(ValueError, match="1 sources and 2 camera names"):
-        detect([Recording(film)], cameras=["left", "right"], rate=50.0)
+        detect([Film(film)], cameras=["left", "right"], rate=50.0)
     noise = np.random.default_rng(0).integers(0, 80, (1, 500, 600), np.uint8)
     with pytest.raises(KinemarkError, match=r"Camera left.*threshold"):
-        detect([Recording(noise)], cameras=["left"], rate=50.0, method=SAID)
+        detect([Film(noise)], cameras=["left"], rate=50.0, method=SAID)

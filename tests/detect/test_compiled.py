@@ -17,20 +17,13 @@ from kinemark.detect.pixel_runs import Runs, find_runs
 from kinemark.detect.sums import pixel_sums
 from kinemark.native import PLAIN, pixel_runs
 from support.examples import examples
+from support.plain import plainly
 
 needs_kernel = pytest.mark.skipif(native.library() is None, reason="detection was installed without a compiler")
 SINGLE = Centroids(
     max_discs=1, correct_occlusion=False
 )  # what is done with overlapping markers knows nothing of the kernel
 some = settings(max_examples=examples(60), deadline=None)
-
-
-def plainly(function, *args, **parameters):
-    """What NumPy alone gives."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(PLAIN, "1")
-        assert native.library() is None
-        return function(*args, **parameters)
 
 
 @st.composite

@@ -12,21 +12,9 @@ from kinemark.engine.camera_checks.start_files import starts_by_flash
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.video import write_video
 from kinemark.synth import Optics, film, ring, walking
+from support.films import Film
 
 SIZE, N = (160, 120), 70
-
-
-class Frames:
-    """Images in memory as a recording."""
-
-    def __init__(self, images):
-        self.images, self.n_frames = np.asarray(images), len(images)
-
-    def batches(self, n):
-        return (self.images[k : k + n] for k in range(0, self.n_frames, n))
-
-    def v_offset(self, f):
-        return 0.0
 
 
 def view(seed, n=N, *, noise=3.0):
@@ -40,7 +28,7 @@ def view(seed, n=N, *, noise=3.0):
 
 
 def recorded(images):
-    return Frames(images.clip(0, 255).astype(np.uint8))
+    return Film(images.clip(0, 255).astype(np.uint8))
 
 
 @pytest.mark.parametrize(
@@ -56,7 +44,7 @@ def test_a_flash_is_found_to_the_image(seed, at, length, rise):
 def test_deeper_images_are_the_same():
     images = view(0)
     images[20] += 50
-    deep = Frames((images.clip(0, 255) * 257).astype(np.uint16))
+    deep = Film((images.clip(0, 255) * 257).astype(np.uint16))
     assert find_flash(deep).frame == find_flash(recorded(images)).frame == 20
     assert find_flash(deep).rise == pytest.approx(find_flash(recorded(images)).rise, rel=0.02)
 

@@ -16,23 +16,11 @@ from kinemark.geometry import project, sphere_offset
 from kinemark.io.records import load, save
 from kinemark.report.words import text_of
 from kinemark.synth import Optics, render, ring
+from support.films import Film
 
 W, H, FRAMES = 320, 240, 48
 DIAMETER = 36.0  # mm
 AMONG = [f"cam{k + 1}" for k in range(2)]
-
-
-class Film:
-    """Images in memory, of whole frames or of fields."""
-
-    def __init__(self, images, *, fields=False):
-        self.images, self.n_frames, self.fields = np.array(images), len(images), fields
-
-    def batches(self, n):
-        return (self.images[k : k + n] for k in range(0, self.n_frames, n))
-
-    def v_offset(self, f):
-        return 0.5 * (f % 2) if self.fields else 0.0
 
 
 def hall(rng, low, high, *, objects=True):
@@ -56,7 +44,7 @@ def _filmed(seed, light):
 def filmed(seed, **light):
     """Two cameras' films of spheres of which some stand still, their grounds, and the true places (F, M, 2) in each."""
     films, grounds, places = _filmed(seed, tuple(light.items()))
-    return [Film(film.images.copy(), fields=film.fields) for film in films], grounds, places
+    return [Film(film.images.copy(), interlaced=film.interlaced) for film in films], grounds, places
 
 
 def _made(seed, *, brightness=90.0, low=40.0, high=120.0, noise=2.0, still=0, objects=True, fields=False):
@@ -74,7 +62,7 @@ def _made(seed, *, brightness=90.0, low=40.0, high=120.0, noise=2.0, still=0, ob
             images.append(np.clip(np.rint(grey + noise * rng.normal(size=grey.shape)), 0, 255).astype(np.uint8))
             uv = project(camera, xyz) + sphere_offset(camera, xyz, diameter=DIAMETER)
             true.append(uv / [1, 2] if fields else uv)
-        films.append(Film(images, fields=fields))
+        films.append(Film(images, interlaced=fields))
         grounds.append(ground)
         places.append(np.array(true))
     return films, grounds, places

@@ -13,6 +13,7 @@ from kinemark.detect import Centroids, detect, detect_frames
 from kinemark.detect.levels import levelled
 from kinemark.io.images import open_images
 from kinemark.io.video import write_video
+from support.films import Film
 
 H, W = 60, 90
 AT = (np.arange(24 * 6) + 0.5) / 6 - 0.5 - 11.5
@@ -37,19 +38,6 @@ def shares(rng, n=4):
 
 def photo(light, rng, *, ground=20.0, peak=150.0, noise=2.0):
     return np.clip(np.rint(ground + peak * light + noise * rng.normal(size=light.shape)), 0, 255).astype(np.uint8)
-
-
-class Recording:
-    """Images in memory as a source."""
-
-    def __init__(self, images):
-        self.images, self.n_frames = images, len(images)
-
-    def batches(self, n):
-        return (self.images[k : k + n] for k in range(0, len(self.images), n))
-
-    def v_offset(self, f):
-        return 0.0
 
 
 def matched(blobs, places):
@@ -116,14 +104,14 @@ def test_the_level_is_measured_once_where_something_is_seen():
     light[:20] = 0
     images = photo(light, np.random.default_rng(7), peak=100.0)
     images[40:] = np.minimum(images[40:].astype(int) * 2, 255)
-    found = detect([Recording(images)], cameras=["a"], rate=50.0, method=Centroids(relative_threshold=0.5))
+    found = detect([Film(images)], cameras=["a"], rate=50.0, method=Centroids(relative_threshold=0.5))
     first = levelled(Centroids(relative_threshold=0.5), images[16:32])
     assert same(found.uv, detect_frames(images, method=first).uv)
     assert found.counts[0, :20].sum() == 0 and (found.counts[0, 20:] == 4).all()
     assert levelled(Centroids(relative_threshold=0.5), images[:16]) is None
 
 
-class Large(Recording):
+class Large(Film):
     """A recording whose images are so large that few come at a time."""
 
     def batches(self, n):
@@ -136,7 +124,7 @@ def test_the_level_is_the_same_however_many_images_come_at_a_time():
     images = photo(light, np.random.default_rng(7), peak=200.0)
     images[:8] = photo(light[:8], np.random.default_rng(8), peak=60.0)
     method = Centroids(relative_threshold=0.5)
-    few, many = (detect([kind(images)], cameras=["a"], rate=50.0, method=method) for kind in (Large, Recording))
+    few, many = (detect([kind(images)], cameras=["a"], rate=50.0, method=method) for kind in (Large, Film))
     assert same(few.uv, many.uv)
     assert few.counts.tolist() == many.counts.tolist()
 
@@ -232,10 +220,10 @@ def test_frames_of_another_size_are_refused(tmp_path):
     """Within one recording; cameras may differ from each other."""
     light, _ = shares(np.random.default_rng(15), 2)
     film = photo(light, np.random.default_rng(16))
-    found = detect([Recording(film), Recording(film[:, :, :45])], cameras=["a", "b"], rate=50.0)
+    found = detect([Film(film), Film(film[:, :, :45])], cameras=["a", "b"], rate=50.0)
     assert found.counts.tolist() == [[4, 4], [2, 2]]
 
-    class Torn(Recording):
+    class Torn(Film):
         def batches(self, n):
             return iter([self.images[:1], self.images[1:, :, :45]])
 
@@ -249,9 +237,9 @@ def test_frames_of_another_size_are_refused(tmp_path):
 @pytest.mark.parametrize("cores", [1, 2, 5])
 def test_any_number_of_processors_gives_the_same(monkeypatch, cores):
     films = [photo(shares(np.random.default_rng(k), 40)[0], np.random.default_rng(k)) for k in range(3)]
-    usual = detect([Recording(film) for film in films], cameras=["a", "b", "c"], rate=50.0)
+    usual = detect([Film(film) for film in films], cameras=["a", "b", "c"], rate=50.0)
     monkeypatch.setattr("os.cpu_count", lambda: cores)
-    again = detect([Recording(film) for film in films], cameras=["a", "b", "c"], rate=50.0)
+    again = detect([Film(film) for film in films], cameras=["a", "b", "c"], rate=50.0)
     assert same(again, usual)
 
 
@@ -260,7 +248,7 @@ def test_the_next_images_are_decoded_while_markers_are_looked_for():
     asked = {k: Event() for k in range(0, 64, 16)}
     ready = []
 
-    class Noted(Recording):
+    class Noted(Film):
         def batches(self, n):
             for k in range(0, self.n_frames, n):
                 asked[k].set()
@@ -281,5 +269,5 @@ def test_matrix_products_take_one_thread():
         used.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
 
     with threadpool_limits(2, user_api="blas"):
-        detect([Recording(np.zeros((3, 8, 8), np.uint8))], cameras=["a"], rate=50.0, progress=progress)
+        detect([Film(np.zeros((3, 8, 8), np.uint8))], cameras=["a"], rate=50.0, progress=progress)
     assert used and set(used) == {1}

@@ -12,21 +12,9 @@ from kinemark.detect import Centroids, Masks, combined_masks, detect, detect_fra
 from kinemark.detect.masks import masked, rectangles
 from kinemark.io.masks_toml import change_masks, read_masks, write_masks
 from support.examples import examples
+from support.films import Film
 
 W, H = 90, 60
-
-
-class Recording:
-    """Images in memory as a source."""
-
-    def __init__(self, images):
-        self.images, self.n_frames = images, len(images)
-
-    def batches(self, n):
-        return (self.images[k : k + n] for k in range(0, len(self.images), n))
-
-    def v_offset(self, f):
-        return 0.0
 
 
 def spots(places, n=1, size=6):
@@ -99,26 +87,26 @@ def flickering(seed, n=40):
 def test_an_empty_recording_shows_what_is_no_marker():
     empty, trial = flickering(0), flickering(1)
     trial[:, 25:31, 50:56] = 220  # the only marker
-    learned = learn_masks([Recording(empty)], cameras=["a"], grow=2.0)
+    learned = learn_masks([Film(empty)], cameras=["a"], grow=2.0)
     mask = learned.pixels("a")
     assert mask[10:20, 60:75].all() and mask[40:46, 20:24].all() and not mask[50, 80] and not mask[25:31, 50:56].any()
     assert mask[8, 65] and not mask[7, 65] and mask[9, 59] and not mask[8, 58]  # 2 px farther, round at corners
-    found = detect([Recording(trial)], cameras=["a"], rate=50.0, masks=learned)
+    found = detect([Film(trial)], cameras=["a"], rate=50.0, masks=learned)
     assert found.valid.sum() == len(trial)
     assert (found.validity == Validity.MASKED).sum() == len(trial) + len(trial[::3])
     np.testing.assert_allclose(found.uv[found.valid], [[52.5, 27.5]] * len(trial), atol=0.1)
-    again = learn_masks([Recording(empty)], cameras=["a"], grow=2.0, share=0.5)
+    again = learn_masks([Film(empty)], cameras=["a"], grow=2.0, share=0.5)
     assert not again.pixels("a")[10:20, 60:75].any()  # the strobe is white in a third of the frames
 
 
 def test_dark_markers_have_dark_masks():
     empty = np.invert(flickering(0))
-    learned = learn_masks([Recording(empty)], cameras=["a"], method=Centroids(threshold=150, inverted=True))
+    learned = learn_masks([Film(empty)], cameras=["a"], method=Centroids(threshold=150, inverted=True))
     assert learned.pixels("a")[10:20, 60:75].all() and learned.pixels("a").mean() < 0.2
 
 
 def test_cameras_without_a_mask_see_everything():
-    films = [Recording(spots([(10, 10), (40, 30)], 20)) for _ in range(2)]
+    films = [Film(spots([(10, 10), (40, 30)], 20)) for _ in range(2)]
     found = detect(films, cameras=["a", "b"], rate=50.0, masks=masks([(5, 5), (25, 5), (25, 25)], name="b"))
     assert found.valid[found.camera == 0].all() and found.valid[found.camera == 1].sum() == 20
 
@@ -133,13 +121,13 @@ def test_masks_of_both_kinds_are_one():
 
 
 def test_what_does_not_fit_is_refused():
-    film = Recording(spots([(10, 10)], 3))
+    film = Film(spots([(10, 10)], 3))
     with pytest.raises(KinemarkError, match=r"masks of c.*recording has a"):
         detect([film], cameras=["a"], rate=50.0, masks=masks(name="c"))
     with pytest.raises(KinemarkError, match=r"Camera a: its mask is for images of 60 × 90"):
         detect([film], cameras=["a"], rate=50.0, masks=masks(size=(H, W)))
     with pytest.raises(KinemarkError, match="no frames"):
-        learn_masks([Recording(spots([], 0))], cameras=["a"])
+        learn_masks([Film(spots([], 0))], cameras=["a"])
     for wrong in (
         {"share": 0.0},
         {"share": 1.1},
@@ -270,7 +258,7 @@ def test_masks_are_learned_with_each_cameras_own_settings():
     """A dim lamp is masked where that camera's threshold is low, and nowhere else."""
     dim = np.full((10, H, W), 10, np.uint8)
     dim[:, 20:26, 30:36] = 60
-    sources = [Recording(dim), Recording(dim)]
+    sources = [Film(dim), Film(dim)]
     low = {"b": Centroids(threshold=40)}
     learned = learn_masks(sources, cameras=("a", "b"), method=Centroids(threshold=100), of_cameras=low)
     assert not learned.pixels("a").any() and learned.pixels("b")[20:26, 30:36].all()

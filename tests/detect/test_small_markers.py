@@ -8,21 +8,9 @@ from kinemark.detect.centroids_method import USUAL
 from kinemark.detect.learning import learned_limits
 from kinemark.geometry import project, sphere_offset
 from kinemark.synth import Optics, look_at, render
+from support.films import Film
 
 FIELDS = 6
-
-
-class Fields:
-    """Fields in memory: every second one lies half a line lower."""
-
-    def __init__(self, images):
-        self.images, self.n_frames = np.array(images), len(images)
-
-    def batches(self, n):
-        return (self.images[k : k + n] for k in range(0, self.n_frames, n))
-
-    def v_offset(self, f):
-        return 0.5 * (f % 2)
 
 
 def filmed(diameter, *, seed, **optics):
@@ -35,7 +23,7 @@ def filmed(diameter, *, seed, **optics):
         xyz = grid + rng.uniform(-20, 20, grid.shape)
         images.append(render(camera, xyz, diameter / 2, optics=light, rng=rng)[f % 2 :: 2])
         places.append((project(camera, xyz) + sphere_offset(camera, xyz, diameter=diameter)) / [1, 2])
-    return Fields(images), np.array(places)
+    return Film(images, interlaced=True), np.array(places)
 
 
 def judged(found, camera, places):

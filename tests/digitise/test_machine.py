@@ -32,7 +32,7 @@ from kinemark.digitise import (
     result,
     words,
 )
-from support.pointing import RADIUS, Shown, U, V, film, image, method, run, straight
+from support.pointing import RADIUS, Shown, U, V, film, image, method, run, straight, third_frame
 
 # ---- Pointing ----
 
@@ -177,16 +177,6 @@ def test_the_reference_marker_is_confirmed_where_that_is_wanted():
         "ambiguous": 0,
         "reference": 3,
     }
-
-
-def third_frame(paths, m, images):
-    """The state after two frames were digitised by hand."""
-    state = begin(paths.shape[1], images, method=m)
-    for f in range(2):
-        for place in paths[:, f]:
-            state = advance(state, Point(*np.rint(place)), images, method=m)
-        state = advance(state, Accept(), images, method=m)
-    return state
 
 
 def test_a_refused_reference_marker_is_pointed_at_and_asked_about_again():

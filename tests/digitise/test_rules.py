@@ -8,11 +8,7 @@ import pytest
 from kinemark.data import Trajectories
 from kinemark.detect import Centroids
 from kinemark.digitise import (
-    Accept,
     OtherViews,
-    Point,
-    advance,
-    begin,
     called,
     clicked,
     drive,
@@ -26,7 +22,7 @@ from kinemark.digitise import (
 from kinemark.digitise.search import expected
 from kinemark.geometry import project_all
 from support.eating import CENTRE, SIZE, laboratory
-from support.pointing import RADIUS, Shown, U, film, image, method, run, straight
+from support.pointing import RADIUS, Shown, U, film, image, method, run, straight, third_frame
 
 # ---- Where a marker is looked for ----
 
@@ -36,21 +32,10 @@ def with_reference(paths, shift):
     return np.concatenate([paths, np.broadcast_to([20.0, 100.0], (1, *paths.shape[1:]))]) + shift
 
 
-def third_frame(paths, m):
-    """The state in which two frames are saved and the third was searched."""
-    images = film(paths)
-    state = begin(paths.shape[1], images, method=m)
-    for f in range(2):
-        for place in paths[:, f]:
-            state = advance(state, Point(*np.rint(place)), images, method=m)
-        state = advance(state, Accept(), images, method=m)
-    return state
-
-
 def test_markers_are_expected_on_their_line_and_with_the_image():
     m = method(3, reference="m3")
     paths = with_reference(straight(3), np.array([[0, 0], [2, 1], [-3, 4]]))
-    np.testing.assert_allclose(expected(third_frame(paths, m), m)[:2], paths[:2, 2], atol=0.05)
+    np.testing.assert_allclose(expected(third_frame(paths, m, film(paths)), m)[:2], paths[:2, 2], atol=0.05)
 
 
 @pytest.mark.parametrize(("shift", "asked"), [(2 + RADIUS, False), (4 + RADIUS, True)])

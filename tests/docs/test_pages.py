@@ -5,6 +5,7 @@ import importlib
 import re
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,27 @@ def test_modules_that_a_page_names_exist(page):
     named = re.findall(r"`([\w/]+\.py)`", page.read_text(encoding="utf-8"))
     ends = [name for name in named if not any(path.endswith(f"/{name}") for path in FILES)]
     assert ends == []
+
+
+@cache
+def spelt():
+    """Every name that stands in the project's own programs, tests and page."""
+    kinds = [
+        "*.py",
+        "src/**/*.toml",
+        "ui/src/**/*.ts*",
+        *(f"{d}/**/*.py" for d in ("src", "studies", "benchmarks", "tests")),
+    ]
+    return {name for kind in kinds for path in ROOT.glob(kind) for name in re.findall(r"\w+", path.read_text("utf-8"))}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
+def test_names_of_the_code_that_a_page_spells_exist(page):
+    """Each part of such as `passes.without_outliers`; files' names are not looked at, nor numbers at a name's end."""
+    named = re.findall(r"`([A-Za-z]\w*(?:\.\w+)+|[A-Za-z]+_\w+)(?:\(\))?`", page.read_text(encoding="utf-8"))
+    of_code = [name for name in named if not re.search(r"\.(py|csv|c3d|cff)$", name)]
+    strange = [n for n in of_code if any(not {part, part.rstrip("0123456789")} & spelt() for part in n.split("."))]
+    assert strange == []
 
 
 @pytest.mark.parametrize("key", references)

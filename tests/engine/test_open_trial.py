@@ -17,30 +17,15 @@ from kinemark.data.progress import Cancelled
 from kinemark.engine.jobs import Job
 from kinemark.engine.session import Session
 from kinemark.io.c3d import read_c3d
-from kinemark.io.detections_csv import write_detections_csv
-from kinemark.io.rig_toml import write_rig_toml
-from support.laboratory import observe, ring
 from support.motions import swarm
+from support.sessions import OF_FILE, session_of_points
 
 POINTS = swarm(n=5, frames=120)
-SETTINGS = """\
-name = "open"
-rate_hz = 100.0
-[calibration]
-file = "rig.toml"
-[[trials]]
-name = "one"
-detections = "one.csv"
-"""
 
 
 @pytest.fixture
 def folder(tmp_path):
-    rig = ring(4)
-    write_rig_toml(tmp_path / "rig.toml", rig)
-    write_detections_csv(tmp_path / "one.csv", observe(rig, POINTS, noise=0.1)[0])
-    (tmp_path / "session.toml").write_text(SETTINGS)
-    return tmp_path
+    return session_of_points(tmp_path, POINTS)
 
 
 def test_a_run_to_a_stage_does_what_that_needs_and_no_more(folder):
@@ -96,15 +81,15 @@ def test_a_preview_is_the_stretch_of_the_whole_and_leaves_that_alone(folder):
 
 
 def test_a_session_can_say_which_frames_are_processed(folder):
-    (folder / "session.toml").write_text(SETTINGS + "frames = [11, 50]\n")
+    (folder / "session.toml").write_text(OF_FILE + "frames = [11, 50]\n")
     trial = Session.open(folder).run()["one"]
     assert trial.trajectories.first_frame == 11 and trial.trajectories.n_frames == 40
     assert trial.folder == folder / "results/one"
     for wrong, said in (("[50, 11]", "give the first, then the last"), ("[0, 5]", "greater than or equal to 1")):
-        (folder / "session.toml").write_text(SETTINGS + f"frames = {wrong}\n")
+        (folder / "session.toml").write_text(OF_FILE + f"frames = {wrong}\n")
         with pytest.raises(KinemarkError, match=said):
             Session.open(folder)
-    (folder / "session.toml").write_text(SETTINGS + "frames = [100, 121]\n")
+    (folder / "session.toml").write_text(OF_FILE + "frames = [100, 121]\n")
     with pytest.raises(KinemarkError, match="has 120 frames"):
         Session.open(folder).run()
 

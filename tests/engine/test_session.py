@@ -27,29 +27,16 @@ from support.findings import found, kinds
 from support.laboratory import observe, ring
 from support.motions import swarm
 from support.schema import check_quality
+from support.sessions import OF_FILE, session_of_points
 from support.shared import shared_data
 
 POINTS = swarm(n=6, frames=40)
-
-SETTINGS = """\
-name = "test"
-rate_hz = 100.0
-[calibration]
-file = "rig.toml"
-[[trials]]
-name = "one"
-detections = "one.csv"
-"""
 
 
 @pytest.fixture
 def folder(tmp_path):
     """A session with detections and a ready-made calibration."""
-    rig = ring(4)
-    write_rig_toml(tmp_path / "rig.toml", rig)
-    write_detections_csv(tmp_path / "one.csv", observe(rig, POINTS, noise=0.1)[0])
-    (tmp_path / "session.toml").write_text(SETTINGS)
-    return tmp_path
+    return session_of_points(tmp_path, POINTS)
 
 
 def changed(folder, old, new):
@@ -504,7 +491,7 @@ def test_delays_that_are_known_are_taken_into_account(tmp_path):
     write_detections_csv(tmp_path / "one.csv", Detections.build(rig.names, rate, np.array(counts), np.concatenate(uv)))
     names = rig.names
     said = f"[cameras]\ndelays_ms = {{ {names[1]} = 13, {names[2]} = -6 }}\nrates_hz = {{ {names[3]} = 98 }}\n"
-    (tmp_path / "session.toml").write_text(SETTINGS + said)
+    (tmp_path / "session.toml").write_text(OF_FILE + said)
     tracks = run(tmp_path, to="track").tracks
     found = score(tracks, fine[:, 200::100][:, : tracks.cloud.n_frames])  # the slower camera sees one frame more
     assert (found.recall > 0.97, found.swaps, len(tracks)) == (True, 0, 6)

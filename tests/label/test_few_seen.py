@@ -1,28 +1,16 @@
 """Few markers seen at a time, as from few cameras; pieces in a new posture; and extra markers beside absent ones."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import label, learn_template
+from kinemark.label import label
 from kinemark.label.evidence import PairScore
 from kinemark.label.held import held
 from kinemark.label.margin import margins
 from kinemark.label.stretches import stretches_of
 from kinemark.label.sweeps import expectation, sweep
-from kinemark.synth import walking, with_markers
-
-
-@cache
-def walk(seed, n=15):
-    return with_markers(walking(duration_s=3.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
-
-
-@cache
-def template(n=15):
-    return learn_template(walk(1, n))
+from support.subject_walks import template, walk
 
 
 def tracks(parts):

@@ -1,7 +1,6 @@
 """Names that were taken from a trial come back: shuffled, in pieces, among ghosts; and nothing is guessed."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -15,17 +14,8 @@ from kinemark.label.pool import pooled
 from kinemark.label.shape import Shapes
 from kinemark.label.stretches import stretches_of
 from kinemark.label.sweeps import places
-from kinemark.synth import arm, walking, with_markers
-
-
-@cache
-def walk(seed, n=15):
-    return with_markers(walking(duration_s=3.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
-
-
-@cache
-def template(n=15):
-    return learn_template(walk(1, n))
+from kinemark.synth import arm
+from support.subject_walks import template, walk
 
 
 def shares(tracks, truth, found):

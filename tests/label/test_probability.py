@@ -1,7 +1,6 @@
 """What is said of a name: how likely, by what, what else, and whether left and right can be told at all."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -26,17 +25,8 @@ from kinemark.label.margin import (
 from kinemark.label.recalibration import OTHER, OWN, by_what_is_absent, recalibrated
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
-from kinemark.synth import walking, with_markers
-
-
-@cache
-def walk(seed, n=15):
-    return with_markers(walking(duration_s=3.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
-
-
-@cache
-def template(n=15):
-    return learn_template(walk(1, n))
+from kinemark.synth import walking
+from support.subject_walks import template, walk
 
 
 def known(trial, by):

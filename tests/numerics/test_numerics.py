@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from kinemark.numerics.evenly import evenly
+from kinemark.numerics.finite import finite_mean, finite_median
 from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Iterates, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
     MEDIAN_OF_NORMAL,
@@ -366,3 +367,14 @@ def test_what_is_across_a_direction_has_nothing_along_it():
     d /= np.linalg.norm(d, axis=1, keepdims=True)
     pair = perpendicular_pair(d)
     np.testing.assert_allclose(across(d), pair @ pair.mT, atol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(0,), (7,), (4, 3)])
+def test_mean_and_median_are_of_the_finite_values(shape):
+    values = np.random.default_rng(3).normal(size=shape)
+    holes = np.concatenate([values.ravel(), [np.nan, np.inf]])
+    assert (
+        np.isnan(finite_mean(values[:0])) and np.isnan(finite_median(values[:0])) and finite_median(holes[-2:], 0) == 0
+    )
+    if values.size:
+        assert finite_mean(holes) == values.ravel().mean() and finite_median(holes) == np.median(values)

@@ -4,7 +4,19 @@ from functools import cache
 
 import numpy as np
 
-from kinemark.digitise import Absent, Accept, DigitisingPhase, Point, SemiAutomatic, Yes, drive, find_markers, result
+from kinemark.digitise import (
+    Absent,
+    Accept,
+    DigitisingPhase,
+    Point,
+    SemiAutomatic,
+    Yes,
+    advance,
+    begin,
+    drive,
+    find_markers,
+    result,
+)
 
 SIZE = (160, 120)
 RADIUS = 4
@@ -62,3 +74,13 @@ def run(paths, m, shown=None, **options):
     operator = Shown(paths if shown is None else shown)
     state = drive(operator, film(paths), n_frames=paths.shape[1], method=m, **options)
     return result(state, method=m), operator
+
+
+def third_frame(paths, m, images):
+    """The state after two frames were digitised by hand."""
+    state = begin(paths.shape[1], images, method=m)
+    for f in range(2):
+        for place in paths[:, f]:
+            state = advance(state, Point(*np.rint(place)), images, method=m)
+        state = advance(state, Accept(), images, method=m)
+    return state

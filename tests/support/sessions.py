@@ -1,5 +1,6 @@
 """Small sessions on disk."""
 
+from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
 from support.laboratory import observe, ring
@@ -17,3 +18,23 @@ def folder_of(path, n_cameras=3, more=""):
     head = 'name = "choice"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "one"\ndetections = "one.h5"\n'
     (path / "session.toml").write_text(head + more)
     return path, rig, detections
+
+
+OF_FILE = """\
+name = "test"
+rate_hz = 100.0
+[calibration]
+file = "rig.toml"
+[[trials]]
+name = "one"
+detections = "one.csv"
+"""
+
+
+def session_of_points(path, points):
+    """A session of a trial's detections as CSV of four cameras that see these points, and a ready-made calibration."""
+    rig = ring(4)
+    write_rig_toml(path / "rig.toml", rig)
+    write_detections_csv(path / "one.csv", observe(rig, points, noise=0.1)[0])
+    (path / "session.toml").write_text(OF_FILE)
+    return path

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, Rig
-from ..data.array_types import Bools, Floats, Ints
+from ..data.array_types import Bools, Floats
 from ..numerics.evenly import evenly
 from .world_frame import similarity
 
@@ -96,7 +96,7 @@ def resting_l_frame(
     """
     model = _model(long, short)
     read, trouble = [], KinemarkError("No frame shows any marker.")
-    for f in _spread(len(frames)):
+    for f in evenly(len(frames), MOST_FRAMES):
         try:
             read.append(frames[f][_recognised(frames[f], model, tolerance, scale)])
         except KinemarkError as error:
@@ -110,11 +110,6 @@ def resting_l_frame(
     known = _facing(rig, seen, model, scale, cameras_above=True) + np.array([0.0, 0.0, height])
     mm = float(_distances(known).max() / _distances(seen).max())  # a unit of the rig's world
     return RestingLFrame(seen, known, len(places), int((~rests).sum()), mm * float(distance.max()))
-
-
-def _spread(n: int) -> Ints:
-    """Frames of n that are read."""
-    return evenly(n, MOST_FRAMES)
 
 
 def _model(long: float | Sequence[float], short: float | Sequence[float]) -> Floats:

@@ -67,7 +67,7 @@ def reference_shift(
 def mark_shift(
     before: Floats, now: Floats, *, tolerance: float = TOLERANCE, names: Sequence[str] | None = None
 ) -> MarkShift:
-    """As `reference_shift`, with the marks' spread about it."""
+    """As `reference_shift`, with the marks' spread about it; arguments and errors as there."""
     check_positive(tolerance=tolerance)
     if before.ndim != 3 or before.shape[2] != 2 or now.ndim not in (3, 4) or now.shape[-2:] != before.shape[1:]:
         raise ValueError(f"before has shape {before.shape} and now {now.shape}, wanted (C, K, 2) and (C, [F,] K, 2)")

@@ -92,7 +92,7 @@ def directions(camera: Camera, free: Bools, tied: bool) -> Floats:
 
 
 def moved(camera: Camera, free: Bools, step: Floats, *, tied: bool = False) -> Camera:
-    """The camera with `step` added to its free parameters; where `tied`, the first is ln m."""
+    """The camera with `step` (n) added to its free parameters (15); where `tied`, the first is ln m."""
     p, K, distortion = np.zeros(15), camera.K.copy(), camera.distortion
     if tied:
         m = np.exp(np.clip(step[0], -1, 1))  # no step changes the focal length more than e times

@@ -29,6 +29,7 @@ from ..data.array_types import Bools, Floats
 from ..geometry import project, refine, triangulate, undistort
 from ..geometry.camera import in_image
 from ..numerics.evenly import evenly
+from ..numerics.finite import finite_median
 from .world_frame import laid_on
 
 OFF_PX, OFF_RATIO = 2.0, 4.0
@@ -81,8 +82,7 @@ def odd_camera(rig: Rig, uv: Floats) -> OddCamera | None:
     if not everyone.any():  # no point is seen by two
         return None
     residual = np.array([camera.residual for camera in rig])
-    known = residual[np.isfinite(residual)]
-    limit = max(OFF_PX, OFF_RATIO * float(np.median(known))) if len(known) else OFF_PX
+    limit = max(OFF_PX, OFF_RATIO * finite_median(residual, 0.0))
     px = _worst(rig, uv, everyone)
     if not px > limit:
         return None
@@ -106,7 +106,7 @@ def _off(rig: Rig, uv: Floats, used: Bools) -> Floats:
     ideal = np.stack([undistort(camera, at) for camera, at in zip(rig, seen, strict=True)], 1)
     xyz = triangulate(ideal, rig.P)
     apart = np.stack([np.linalg.norm(at - project(camera, xyz), axis=1) for camera, at in zip(rig, uv, strict=True)])
-    return np.array([np.median(row[np.isfinite(row)]) if np.isfinite(row).any() else np.nan for row in apart])
+    return np.array([finite_median(row) for row in apart])
 
 
 def images_of_resting(rig: Rig, detections: Detections, xyz: Floats) -> Floats:

@@ -34,7 +34,7 @@ def set_columns(record: object, **columns: NDArray[Any] | tuple[Any, ...]) -> No
         object.__setattr__(record, name, value)
 
 
-def check_offsets(name: str, start: Ints, total: int) -> None:
+def check_offsets(start: Ints, total: int) -> None:
     """Offsets along the last axis must begin anywhere, never fall, and end the flat columns.
 
     Raises:
@@ -42,9 +42,9 @@ def check_offsets(name: str, start: Ints, total: int) -> None:
     """
     flat = start.reshape(-1)
     if start.ndim == 2 and (start[1:, :1] != start[:-1, -1:]).any():
-        raise ValueError(f"{name} must go on where the row before ends")
+        raise ValueError("start must go on where the row before ends")
     if start.shape[-1] < 1 or (np.diff(flat) < 0).any() or (flat.size and (flat[0] != 0 or flat[-1] != total)):
-        raise ValueError(f"{name} must rise from 0 to the number of rows, {total}; found {flat[:1]} … {flat[-1:]}")
+        raise ValueError(f"start must rise from 0 to the number of rows, {total}; found {flat[:1]} … {flat[-1:]}")
 
 
 def check_positive(**values: float | None) -> None:

@@ -40,7 +40,7 @@ class Cloud:
             residual=column("residual", self.residual, np.float64, n),
             detection=column("detection", self.detection, np.int64, n, None),
         )
-        check_offsets("start", self.start, n)
+        check_offsets(self.start, n)
 
     def __len__(self) -> int:
         return len(self.xyz)
@@ -103,5 +103,5 @@ class Tracks:
 
     @property
     def lengths(self) -> Ints:
-        """Points of each track."""
+        """(T) points of each track."""
         return np.bincount(self.id[self.id >= 0], minlength=len(self))

@@ -96,7 +96,7 @@ class Detections:
             validity=column("validity", self.validity, np.uint8, n),
             merged=column("merged", self.merged, np.bool_, n),
         )
-        check_offsets("start", self.start, n)
+        check_offsets(self.start, n)
 
     @classmethod
     def build(

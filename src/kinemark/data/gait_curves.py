@@ -109,6 +109,6 @@ class KeyValue(NamedTuple):
 
 
 def known_mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -> Floats:
-    """Mean over axes of what is known; NaN where nothing is."""
+    """Mean of y (…) over some of its axes of what is known; NaN where nothing is."""
     n = np.isfinite(y).sum(axis, keepdims=keep)
     return np.asarray(np.where(n > 0, np.nansum(y, axis, keepdims=keep) / np.maximum(n, 1), np.nan))

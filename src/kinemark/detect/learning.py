@@ -64,7 +64,7 @@ def learned(method: Centroids, source: FrameSource) -> Learned:
         under := _without_ground(method, source, numbers, images, sure=wanted)
     ):
         ground, found = under
-    own["threshold"] = _from_ground(own["threshold"], ground, method, images)
+    own["threshold"] = _from_ground(own["threshold"], ground, images)
     open_ones: dict[str, Any] = {name: value for name, value in found._asdict().items() if own[name] is None}
     stated = {} if own["threshold"] is None else {"threshold": own["threshold"]}
     return Learned(replace(method, **stated, **(_consistent(own, open_ones) if opened else {})), ground)
@@ -99,7 +99,7 @@ def _spots(images: GreyLevels, method: Centroids) -> Spots:
     return Spots(contrast, STILL * sizes.greatest, max(said.max_aspect, USUAL.max_aspect))
 
 
-def _from_ground(threshold: float | None, ground: Ground | None, method: Centroids, images: GreyLevels) -> float | None:
+def _from_ground(threshold: float | None, ground: Ground | None, images: GreyLevels) -> float | None:
     """A stated threshold, which counts from the ground where that is subtracted, in the images without it."""
     if threshold is None or ground is None:
         return threshold

@@ -373,7 +373,7 @@ def _of_pieces(name: str, pieces: Sequence[tuple[MarkerTrajectory, Bools]]) -> M
     first, mask = pieces[0]
     if len(pieces) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
         return replace(first, name=name)
-    blank = _blank(name, len(first), max(path.detection.shape[1] for path, _ in pieces))
+    blank = _blank(len(first), max(path.detection.shape[1] for path, _ in pieces))
     for path, mask in pieces:
         for column, values in blank.items():
             source = getattr(path, column)
@@ -382,7 +382,7 @@ def _of_pieces(name: str, pieces: Sequence[tuple[MarkerTrajectory, Bools]]) -> M
     return MarkerTrajectory(name=name, **blank)
 
 
-def _blank(name: str, n: int, cameras: int) -> dict[str, np.ndarray]:
+def _blank(n: int, cameras: int) -> dict[str, np.ndarray]:
     """Columns of a path without samples."""
     return {
         "xyz": np.full((n, 3), np.nan),

@@ -42,8 +42,6 @@ GRAVITY = 9.81
 """m/s², downwards; conventional."""
 LOST = 4
 """Frames at each end in which there is no acceleration; by definition, those of (4) twice."""
-JOINTS = ("Ankle", "Knee", "Hip")
-"""From the floor upwards."""
 
 
 class GroundContact(NamedTuple):

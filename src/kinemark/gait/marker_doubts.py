@@ -25,6 +25,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER
+from ..numerics.finite import finite_median
 from .segments import Z_UP, unit
 
 ACROSS = ("ASI", "PSI", "THI", "KNE", "TIB", "ANK", "HEE", "TOE")
@@ -115,7 +116,7 @@ def _exchanged_in_legs(points: Mapping[str, Floats]) -> Iterator[tuple[Exchange,
         for wand, joint, end in ([side + name for name in names] for names in BETWEEN):
             if {wand, joint, end} <= set(points):
                 far, near = (np.linalg.norm(points[name] - points[end], axis=-1) for name in (wand, joint))
-                if _median(far - near) > OPPOSITE_MM:
+                if finite_median(far - near, 0.0) > OPPOSITE_MM:
                     yield "leg", (wand, joint)
 
 
@@ -141,9 +142,4 @@ def _forward(points: Mapping[str, Floats], up: Floats) -> Floats | None:
 
 def _along(v: Floats, way: Floats) -> float:
     """mm of (F, 3) along (F, 3), the median; 0 where nothing is known."""
-    return _median((v * way).sum(-1))
-
-
-def _median(x: Floats) -> float:
-    known = x[np.isfinite(x)]
-    return float(np.median(known)) if len(known) else 0.0
+    return finite_median((v * way).sum(-1), 0.0)

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..data.array_types import Bools, Floats
 from ..data.subject_measures import LETTER, SIDES, Side
+from ..numerics.finite import finite_median
 from ..numerics.runs import true_runs
 from .reaction import Reaction, plate_axes
 from .segments import Z_UP
@@ -83,7 +84,7 @@ def contacts(
         points: (F, 3) mm, with LHEE, LTOE, RHEE and RTOE.
         rate: frames a second. up: of the laboratory.
     """
-    feet = {side: _Foot.of(points, side, rate, up) for side in SIDES}
+    feet = {side: _Foot.of(points, side, rate) for side in SIDES}
     judged = [
         _judged(plate, reaction, first, stop, feet, rate, up)
         for plate, reaction in enumerate(reactions)
@@ -118,14 +119,13 @@ class _Foot(NamedTuple):
     length: float
 
     @classmethod
-    def of(cls, points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> _Foot:
+    def of(cls, points: Mapping[str, Floats], side: Side, rate: float) -> _Foot:
         heel, toe = points[LETTER[side] + "HEE"], points[LETTER[side] + "TOE"]
         centre = (heel + toe) / 2
         speed = np.linalg.norm(np.gradient(centre, axis=0), axis=1) * rate if len(centre) > 1 else np.zeros(len(centre))
         length = np.linalg.norm(toe - heel, axis=1)
-        known = length[np.isfinite(length)]
         toe_v = np.gradient(toe, axis=0) * rate if len(toe) > 1 else np.zeros_like(toe)
-        return cls(heel, toe, toe_v, centre, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
+        return cls(heel, toe, toe_v, centre, speed < STANDING_MM_S, finite_median(length))
 
 
 def _judged(
@@ -139,11 +139,11 @@ def _judged(
         reason = "no_foot"
     elif distance[far] < CLEARER * d:
         reason = "unclear"
-    elif _on_plate(reaction, feet[far], first, stop, up).mean() > OTHER_SHARE:
+    elif _on_plate(reaction, feet[far], first, stop).mean() > OTHER_SHARE:
         reason = "two_feet"
     elif _swinging(feet[near].toe_v[first:stop]) > SWINGING_S * rate:
         reason = "aid"  # (2)
-    elif not _whole(reaction, feet[near], first, stop, up):
+    elif not _whole(reaction, feet[near], first, stop):
         reason = "beside"
     elif first == 0 or stop == len(reaction.loaded) or reaction.unknown[first - 1] or reaction.unknown[stop]:
         reason = "cut"
@@ -186,7 +186,7 @@ def _inside(reaction: Reaction, xyz: Floats, margin: float) -> Bools:
     return np.asarray((np.abs((xyz - centre) @ R[:, :2]) <= half + margin).all(1))
 
 
-def _on_plate(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> Bools:
+def _on_plate(reaction: Reaction, foot: _Foot, first: int, stop: int) -> Bools:
     """(n) whether the foot stands on the plate."""
     return _inside(reaction, foot.centre[first:stop], 0.0) & foot.stands[first:stop]
 
@@ -199,7 +199,7 @@ def _swinging(toe_v: Floats) -> int:
     return int((np.linalg.norm(known - np.median(known, axis=0), axis=1) > SWINGING_MM_S).sum())
 
 
-def _whole(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> bool:
+def _whole(reaction: Reaction, foot: _Foot, first: int, stop: int) -> bool:
     """Whether heel and toe are above the plate while the foot stands, most of the time."""
     stands = foot.stands[first:stop]
     if not stands.any():

@@ -38,7 +38,7 @@ def camera_about(camera: Camera, origin: Floats) -> Camera:
 
 
 def rig_about(rig: Rig, origin: Floats) -> Rig:
-    """`camera_about` of all cameras and of the control volume."""
+    """`camera_about` of all cameras and of the control volume; `origin` (3,) mm."""
     return Rig(tuple(camera_about(camera, origin) for camera in rig), rig.method, rig.volume - origin)
 
 

@@ -89,10 +89,10 @@ class PointedPoints(NamedTuple):
     asked: Bools
 
     @classmethod
-    def unseen(cls, names: Sequence[str], xyz: Floats, cameras: Sequence[str] = ()) -> PointedPoints:
-        """Points that nobody pointed at yet."""
-        shape = len(cameras), len(names)
-        return cls(tuple(names), xyz, tuple(cameras), np.full((*shape, 2), np.nan), np.zeros(shape, np.bool_))
+    def unseen(cls, names: Sequence[str], xyz: Floats) -> PointedPoints:
+        """Points before there is a camera to point at them in."""
+        n = len(names)
+        return cls(tuple(names), xyz, (), np.empty((0, n, 2)), np.zeros((0, n), np.bool_))
 
     def said(self, camera: str, name: str, uv: tuple[float, float] | None, *, asked: bool = True) -> PointedPoints:
         """The same with one answer: a place, or None for not seen; `asked` False takes an answer back.

@@ -43,6 +43,8 @@ MAGIC = (
 BATCH_BYTES = 24 << 20
 """Of frames that are given together, so that those of large images take no more memory; chosen: from 32 MiB on the C
 library takes fresh memory for each batch, which costs as much time as reading it."""
+COARSENESS = "5"
+"""Of the quantiser of JPEG, from 2, the finest, to 31; chosen."""
 NUMBER = re.compile(r"%(0\d+)?d")
 
 
@@ -304,8 +306,8 @@ def png_bytes(image: Image) -> bytes:
     return b"".join(map(bytes, packets))
 
 
-def jpeg_bytes(image: Image, *, coarseness: int = 5) -> bytes:
-    """Grey values (H, W), uint8, as a JPEG file has them; `coarseness` from 2 (finest) to 31.
+def jpeg_bytes(image: Image) -> bytes:
+    """Grey values (H, W), uint8, as a JPEG file has them.
 
     Raises:
         ValueError: `image` has another shape or dtype.
@@ -315,7 +317,7 @@ def jpeg_bytes(image: Image, *, coarseness: int = 5) -> bytes:
     context = av.CodecContext.create("mjpeg", "w")
     context.height, context.width = image.shape
     context.pix_fmt, context.time_base = "yuvj420p", Fraction(1)
-    context.options = {"qmin": str(coarseness), "qmax": str(coarseness)}
+    context.options = {"qmin": COARSENESS, "qmax": COARSENESS}
     pixels: Any = np.ascontiguousarray(image)
     frame = av.VideoFrame.from_ndarray(pixels, format="gray").reformat(format="yuvj420p")
     return b"".join(map(bytes, [*context.encode(frame), *context.encode(None)]))

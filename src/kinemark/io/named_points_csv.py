@@ -94,10 +94,10 @@ def read_named_detections(
     )  # fmt: skip
 
 
-def detections_of_csv(path: Path | str, *, rate: float, cameras: Sequence[str] | None = None) -> Detections:
+def detections_of_csv(path: Path | str, *, rate: float) -> Detections:
     """2D points of a CSV file in any layout; names are left aside."""
     if layout_of(path) in ("wide", "deeplabcut"):
-        return read_named_detections(path, rate=rate, cameras=cameras).detections
+        return read_named_detections(path, rate=rate).detections
     return read_detections_csv(path, rate=rate)
 
 

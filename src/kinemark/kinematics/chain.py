@@ -173,7 +173,7 @@ def segment_axes(points: Points, model: Model, template: Template | None = None)
 
 
 def complete(points: Points, model: Model, template: Template | None = None) -> dict[str, Floats]:
-    """The points given with those that clusters carry and those that are means of others."""
+    """The points given, (F, 3) mm by name, with those that clusters carry and those that are means of others."""
     whole = dict(points)
     if template is not None:
         whole |= carry(whole, template)

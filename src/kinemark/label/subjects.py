@@ -93,7 +93,7 @@ def label_subjects(
     free = [(a, b) for a, b in combinations(templates, 2) if not any((*facts.own[a].values(), *facts.own[b].values()))]
     undecided = tuple(pair for pair in free if _alike(tracks, best, templates, *pair))
     of = {s: _doubted(one, any(s in pair for pair in undecided)) for s, one in best.items()}
-    return SubjectLabels(with_stated(_together(of, len(tracks)), tracks, stated), of, undecided)
+    return SubjectLabels(with_stated(_together(of), tracks, stated), of, undecided)
 
 
 def _in_turn(
@@ -171,7 +171,7 @@ def _doubted(found: Labels, doubted: bool) -> Labels:
     return replace(found, probability=0.5 * found.probability, state=state)
 
 
-def _together(of: Mapping[str, Labels], n: int) -> Labels:
+def _together(of: Mapping[str, Labels]) -> Labels:
     """All subjects' labels; where two have a track, that of the greater probability."""
     subjects = list(of)
     p: Floats = np.array([of[s].probability for s in subjects])

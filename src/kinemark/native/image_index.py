@@ -202,5 +202,5 @@ def _numpy_candidates(
 
 
 def ranges(first: Ints, count: Ints) -> Ints:
-    """first, first + 1, … of each, `count` of them, one after the other."""
+    """first, first + 1, … of each (n), `count` (n) of them, one after the other: (Σ count)."""
     return np.arange(int(count.sum())) + np.repeat(first - np.cumsum(count) + count, count)

@@ -25,6 +25,7 @@ from ..calibrate.quality.predicted_covariance import CameraViews
 from ..calibrate.quality.volume import deviation, largest_axis_deviation, ray_angle
 from ..data import Rig
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.finite import finite_median
 from ..synth import Subject
 from .room import Room
 from .sight import free_of_limbs, seen_alone, seen_on_bodies
@@ -108,8 +109,7 @@ def _body(rig: Rig, bodies: Sequence[Subject], least_px: float, centroid_sd: flo
 def _lost(said: CameraViews, joint: Floats, inside: Bools, c: int) -> tuple[float, float]:
     """Share of samples that two cameras measure without camera c, and the median of sd, mm."""
     sd = deviation(covariance_from(said, joint, without=(c,)))[inside]
-    left = sd[np.isfinite(sd)]
-    return float(np.isfinite(sd).mean()) if len(sd) else np.nan, float(np.median(left)) if len(left) else np.nan
+    return float(np.isfinite(sd).mean()) if len(sd) else np.nan, finite_median(sd)
 
 
 def _seen_views(rig: Rig, xyz: Floats, seen: Bools, centroid_sd: float) -> CameraViews:

@@ -53,6 +53,11 @@ def some(kind: str, names: Sequence[str], most: int = 6) -> str:
     return f"{kind if len(names) == 1 else kind + 's'} {listed}"
 
 
+def span_of_frames(first: int, last: int) -> str:
+    """`frame 5`, `frames 5–9`."""
+    return f"frame {first}" if first == last else f"frames {first}–{last}"
+
+
 def degrees(value: float | None, decimals: int = 2) -> str:
     """An angle with its sign, or a dash."""
     return "–" if value is None else f"{number(value, decimals)}°"

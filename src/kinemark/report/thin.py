@@ -64,7 +64,7 @@ class Curve(NamedTuple):
 
 
 def thinned(values: Floats, most: int) -> Curve:
-    """`envelope` at equal steps: the least and greatest sample of a block stand in its first and second half."""
+    """`envelope` of values (F) at equal steps: a block's least and greatest sample are in its first and second half."""
     _, few = envelope(values, most)
     if len(few) == len(values):
         return Curve(0.0, 1.0, values)

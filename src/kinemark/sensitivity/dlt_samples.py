@@ -33,7 +33,6 @@ with A_c (2, 11) the rows of (2) at that point; the mean over pairs moves by the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -134,18 +133,17 @@ def _equations(L: Floats, uv: Floats) -> tuple[Floats, Floats]:
     return B, uv - L[..., [3, 7]]
 
 
-def point_gains(L: Floats, xyz: Floats, pairs: Sequence[tuple[int, int]] | None = None) -> tuple[Floats, Floats]:
+def point_gains(L: Floats, xyz: Floats) -> tuple[Floats, Floats]:
     """How the mean of pairs moves, by (7): with the images, (N, 3, C, 2), and with the parameters, (N, 3, C, 11).
 
     Args:
         L: (C, 11) parameters.
         xyz: (N, 3) points.
-        pairs: of cameras, whose solutions the mean is made of; all where None.
     """
     uv = np.stack([project(each, xyz) for each in L], 1)
     B, _ = _equations(L, uv)
     normal = B.swapaxes(-1, -2) @ B
-    pairs = list(combinations(range(len(L)), 2)) if pairs is None else pairs
+    pairs = list(combinations(range(len(L)), 2))
     H = np.zeros((len(xyz), len(L), 3, 2))
     for m, n in pairs:
         inverse = inverse3(normal[:, m] + normal[:, n])

@@ -160,7 +160,7 @@ class Ranking:
 
 
 def typical(values: Floats) -> float:
-    """Root mean square of what is known, but for the largest twentieth; NaN where nothing is."""
+    """Root mean square of values (…) that are known, but for the largest twentieth; NaN where none is."""
     known = values[np.isfinite(values)]
     if not known.size:
         return float("nan")

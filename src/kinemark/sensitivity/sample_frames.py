@@ -11,6 +11,8 @@ from ..data.array_types import Bools, Floats, Ints
 
 SAME_MM = 20.0
 """A point nearer to a named marker than this is that marker; chosen."""
+MOST_TRACKS = 60
+"""The longest tracks, which are looked at, at most; chosen."""
 
 
 class SampledFrames(NamedTuple):
@@ -27,7 +29,7 @@ class SampledFrames(NamedTuple):
         return np.isfinite(self.uv[..., 0])
 
 
-def gather(tracks: Tracks, detections: Detections, *, frames: int, most: int = 60) -> SampledFrames:
+def gather(tracks: Tracks, detections: Detections, *, frames: int) -> SampledFrames:
     """The longest tracks of a recording in some of its frames, with the images that they were found from.
 
     Raises:
@@ -35,7 +37,7 @@ def gather(tracks: Tracks, detections: Detections, *, frames: int, most: int = 6
     """
     cloud = tracks.cloud
     lengths = tracks.lengths
-    chosen = np.argsort(-lengths, kind="stable")[:most]
+    chosen = np.argsort(-lengths, kind="stable")[:MOST_TRACKS]
     chosen = np.sort(chosen[lengths[chosen] >= max(0.1 * lengths.max(initial=0), 10)])
     if not len(chosen):
         raise KinemarkError("The trial has no marker seen in ten frames or more: there is nothing to judge by.")

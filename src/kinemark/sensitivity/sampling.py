@@ -30,6 +30,7 @@ Error = Callable[[Floats], Floats]
 """From angles θ (S, D) rad to errors (S)."""
 
 STARTS = 8  # largest samples that are followed uphill; chosen
+ROUNDS, TRIES = 40, 64  # ever shorter steps uphill, and directions tried at each; chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,16 +104,16 @@ def sample(error: Error, directions: int, method: Sampling) -> Sampled:
     return Sampled(errors, theta[order[0]], theta[order])
 
 
-def climb(error: Error, starts: Floats, *, turn: float, seed: int = 0, rounds: int = 40, tries: int = 64) -> Floats:
+def climb(error: Error, starts: Floats, *, turn: float, seed: int = 0) -> Floats:
     """The angles (D) of the greatest error reached from starts (K, D) within 0 … turn, by (2)."""
     rng = np.random.default_rng((seed, len(starts)))
     best, value = starts.copy(), error(starts)
     wrap = turn >= 2 * np.pi
-    for step in np.geomspace(0.8, 1e-3, rounds):
-        some = rng.random((*best.shape[:1], tries, best.shape[1])) < max(2 / best.shape[1], 0.3)
+    for step in np.geomspace(0.8, 1e-3, ROUNDS):
+        some = rng.random((*best.shape[:1], TRIES, best.shape[1])) < max(2 / best.shape[1], 0.3)
         moved = best[:, None] + step * rng.standard_normal(some.shape) * some
         moved = np.mod(moved, turn) if wrap else np.clip(moved, 0.0, turn)
-        found = error(moved.reshape(-1, best.shape[1])).reshape(len(best), tries)
+        found = error(moved.reshape(-1, best.shape[1])).reshape(len(best), TRIES)
         chosen = found.argmax(1)
         better = found.max(1) > value
         best = np.where(better[:, None], moved[np.arange(len(best)), chosen], best)

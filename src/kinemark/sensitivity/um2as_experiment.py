@@ -130,7 +130,7 @@ class Changed(NamedTuple):
 
 
 def laboratory(points: Floats = CONTROL_BALLS) -> LinearisedErrors:
-    """The three cameras, along X, along Y and from the ceiling."""
+    """The three cameras, along X, along Y and from the ceiling, and the control points (N, 3) mm that they see."""
     target = (points.min(0) + points.max(0)) / 2
     cx = (np.array(SIZE) - 1) / 2
     K = np.array([[FOCAL_PX[0], 0.0, cx[0]], [0.0, FOCAL_PX[1], cx[1]], [0.0, 0.0, 1.0]])

@@ -155,13 +155,13 @@ def _period(xyz: Floats, link: Ints, rate: float, shortest: float, longest: floa
     return T
 
 
-def mean_cycle(y: Floats, phase: Floats, steps: int = STEPS) -> tuple[Floats, Floats]:
+def mean_cycle(y: Floats, phase: Floats) -> tuple[Floats, Floats]:
     """(1): the mean (B, K), NaN for a sequence with holes, and single cycles (C, B, K) of samples y (F, K) at phases
     (F), of at most `CYCLES` cycles."""
     rising = np.maximum.accumulate(phase)
     whole = np.arange(np.floor(rising[0]), np.floor(rising[-1]) + 1)
     whole = whole[:: -(-len(whole) // CYCLES)]
-    wanted = whole[:, None] + np.arange(steps) / steps
+    wanted = whole[:, None] + np.arange(STEPS) / STEPS
     frame = np.interp(wanted, rising, np.arange(len(rising)), left=np.nan, right=np.nan)
     cycles = CycleInterpolation.at(frame.ravel(), len(y)).read(y).reshape(*frame.shape, -1)
     there = ~np.isnan(cycles)

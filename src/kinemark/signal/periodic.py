@@ -32,6 +32,8 @@ from ..data.array_types import Bools, Floats
 
 FEWEST_PAIRS = 0.25
 """Share of the samples that must have a partner, for (1) to be known; chosen."""
+REPEATS = 0.3
+"""D below which a motion repeats: 0 where it does so exactly, 1 where it never does; chosen."""
 TOLERANCE = 0.1
 """Of the way from the shallowest to the deepest D, the tolerance of (2); chosen."""
 
@@ -87,13 +89,12 @@ def _power(spectrum: NDArray[np.complex128]) -> Floats:
     return spectrum.real**2 + spectrum.imag**2
 
 
-def cycle_length(y: Floats, *, shortest: float, longest: float, limit: float = 0.3) -> float:
+def cycle_length(y: Floats, *, shortest: float, longest: float) -> float:
     """Frames of a cycle of sequences y (K, W) by (2); NaN where they do not repeat.
 
     Args:
         y: NaN where missing.
         shortest, longest: of cycles looked for, frames.
-        limit: on D; 0 for a motion that repeats exactly, 1 for one that never does.
     """
     first, last = max(int(shortest), 2), min(int(longest) + 1, y.shape[1] - 1)
     D = mean_differences(y, last + 1)
@@ -101,7 +102,7 @@ def cycle_length(y: Floats, *, shortest: float, longest: float, limit: float = 0
     if len(tau) < 1 or not np.isfinite(D[first - 1 : last + 1]).any():
         return float("nan")
     with np.errstate(invalid="ignore"):
-        minimum = tau[(D[tau] <= D[tau - 1]) & (D[tau] < D[tau + 1]) & (D[tau] < limit)]
+        minimum = tau[(D[tau] <= D[tau - 1]) & (D[tau] < D[tau + 1]) & (D[tau] < REPEATS)]
     if not len(minimum):
         return float("nan")
     low, high = D[minimum].min(), np.nanmax(D[: last + 1])

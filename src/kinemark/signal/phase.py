@@ -30,6 +30,8 @@ from ..data.array_types import Bools, Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
 """Of (3): steps and frames a cycle, the mean advance and the greatest; chosen."""
+ROUNDS = 10
+"""Steps of (4) at most; chosen."""
 INDEPENDENT_FRAMES = 10.0
 """Frames a cycle that count, of (1); chosen."""
 SPEED_CHANGE = 0.1
@@ -54,7 +56,7 @@ class CycleTemplate:
         return np.asarray(self._slope(phase % 1.0))
 
     def select(self, columns: Ints) -> CycleTemplate:
-        """Of these sequences alone."""
+        """Of these sequences (n) alone."""
         out = object.__new__(CycleTemplate)
         out._curve, out._slope = (
             scipy.interpolate.PPoly.construct_fast(p.c[..., columns], p.x) for p in (self._curve, self._slope)
@@ -70,13 +72,13 @@ class CyclePhase(NamedTuple):
     cost: float
 
     def frames_at(self, percent: float) -> Floats:
-        """The moments, in frames and parts of them, at which the motion passes this percent of its cycle."""
+        """(n) moments, in frames and parts of them, at which the motion passes this percent of its cycle."""
         rising = np.maximum.accumulate(self.cycles)
         whole = np.arange(np.ceil(rising[0] - percent / 100), np.floor(rising[-1] - percent / 100) + 1)
         return np.interp(whole + percent / 100, rising, np.arange(len(rising)))
 
 
-def find_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: float, rounds: int = 10) -> CyclePhase:
+def find_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: float) -> CyclePhase:
     """The phase of each frame by (3) and (4).
 
     Args:
@@ -84,7 +86,6 @@ def find_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: flo
         template: of the K sequences.
         spread: (K) s.
         cycle: T, frames; right to a third or so.
-        rounds: most steps of (4).
 
     Raises:
         ValueError: no sample is there, or fewer than two frames.
@@ -93,7 +94,7 @@ def find_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: flo
         raise ValueError(
             f"y has {len(y)} frames and {int((~np.isnan(y)).sum())} samples, wanted two frames and samples"
         )
-    return refine_phase(y, template, spread, coarse_phase(y, template, spread, cycle), cycle=cycle, rounds=rounds)
+    return refine_phase(y, template, spread, coarse_phase(y, template, spread, cycle), cycle=cycle)
 
 
 def coarse_phase(y: Floats, template: CycleTemplate, spread: Floats, cycle: float) -> Floats:
@@ -118,13 +119,11 @@ def coarse_phase(y: Floats, template: CycleTemplate, spread: Floats, cycle: floa
     return np.interp(np.arange(len(y)), frames, path / STEPS)
 
 
-def refine_phase(
-    y: Floats, template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float, rounds: int = 10
-) -> CyclePhase:
+def refine_phase(y: Floats, template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float) -> CyclePhase:
     """(4) from a phase (F) near the right one; other arguments as in `find_phase`."""
     weight = np.where(np.isnan(y), 0.0, 1 / spread)
     y = np.nan_to_num(y)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         residual, slope = weight * (y - template(phase)), weight * template.slope(phase)
         gradient = INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, residual) - _smoothness_gradient(
             phase, cycle

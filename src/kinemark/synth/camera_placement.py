@@ -35,7 +35,11 @@ LEVEL = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 def focal_pixels(focal_mm: float, pitch_um: float) -> float:
-    """Focal length in px of a lens of `focal_mm` before pixels `pitch_um` wide."""
+    """Focal length in px of a lens of `focal_mm` before pixels `pitch_um` wide.
+
+    Raises:
+        ValueError: one of them is not above 0.
+    """
     if not (focal_mm > 0 and pitch_um > 0):
         raise ValueError(f"focal_mm and pitch_um must be positive, found {focal_mm} and {pitch_um}")
     return 1000.0 * focal_mm / pitch_um

@@ -57,7 +57,7 @@ def film(
 
 
 def interlace(images: Iterable[NDArray[np.uint8]]) -> Iterator[NDArray[np.uint8]]:
-    """Pairs of images woven into one: even lines from the first, odd lines from the second, as video does."""
+    """Pairs of images (H, W) woven into one: even lines from the first, odd lines from the second, as video does."""
     steps = iter(images)
     for first, second in zip(steps, steps, strict=False):
         woven = first.copy()
@@ -89,6 +89,9 @@ def render(
         strobes: (S, 3) places of other cameras' lights, mm.
         rng: of the noise; without it there is none.
         bank: background pixels from `optics.noise_bank`; without it every pixel's noise is drawn afresh.
+
+    Raises:
+        ValueError: the camera has no size.
     """
     if min(camera.size) < 1:
         raise ValueError(f"camera {camera.name} has size {camera.size}, wanted a width and height in px")

@@ -117,7 +117,11 @@ def _owners(tracks: Tracks, truth: Floats, xyz: Floats, within: float) -> tuple[
 
 
 def changes(tracks: Tracks, owner: Ints, truth: Floats) -> list[tuple[int, int, int, int]]:
-    """Swaps: track, the frame after which it changes over, and the paths from and to which it does."""
+    """Swaps: track, the frame after which it changes over, and the paths from and to which it does.
+
+    Args:
+        tracks: of P points. owner: (P) the path that each is of, −1 for none. truth: (M, F, 3) mm of the paths.
+    """
     there = ~np.isnan(truth[..., 0])
     first = np.where(there.any(1), there.argmax(1), truth.shape[1])
     last = np.where(there.any(1), truth.shape[1] - 1 - there[:, ::-1].argmax(1), -1)

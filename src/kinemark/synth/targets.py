@@ -30,6 +30,9 @@ def control_frame(volume: ArrayLike = VOLUME, *, marker_diameter: float = 25.0, 
         volume: (2, 3) corners of the control volume, mm; its height scales the spacings.
         marker_diameter: mm.
         floor_gap: height of the lowest markers above the floor, mm.
+
+    Raises:
+        ValueError: the volume is not higher than twice the gap.
     """
     low, high = np.asarray(volume, np.float64)
     scale = (high[2] - low[2] - 2 * floor_gap) / sum(SPACINGS[0])
@@ -74,6 +77,9 @@ def dot_grid(
         pitch_mm: between neighbours.
         middle: (3) of the grid, mm.
         radius_mm: of the dots, drawn as spheres.
+
+    Raises:
+        ValueError: there is no row, or no column.
     """
     if rows < 1 or columns < 1:
         raise ValueError(f"rows and columns must be at least 1, found {rows} and {columns}")

@@ -7,21 +7,7 @@ from kinemark.detect import detect
 from kinemark.geometry import project_all, triangulate, undistort
 from kinemark.synth import render, ring
 from kinemark.synth.targets import control_frame
-
-
-class Image:
-    """One image as a recording."""
-
-    n_frames = 1
-
-    def __init__(self, image):
-        self.image = image
-
-    def batches(self, n):
-        yield self.image[None]
-
-    def v_offset(self, f):
-        return 0.0
+from support.films import Film
 
 
 def test_images_of_the_rods_give_cameras_that_are_true_within_their_error_bars():
@@ -29,7 +15,7 @@ def test_images_of_the_rods_give_cameras_that_are_true_within_their_error_bars()
     rig, xyz = ring(3, distortion=(-0.12, 0, 0, 0, 0)), hung.xyz.reshape(-1, 3)
     others = [np.delete(rig.centres, c, 0) for c in range(3)]
     images = [render(c, xyz, hung.marker_diameter / 2, strobes=s, rng=rng) for c, s in zip(rig, others, strict=True)]
-    seen = detect([Image(image) for image in images], cameras=rig.names, rate=1.0)
+    seen = detect([Film(image[None]) for image in images], cameras=rig.names, rate=1.0)
     found = calibrate_control_frame(seen, hung, sizes=[camera.size for camera in rig])
     assert max(camera.residual for camera in found) < 0.02
     inside = rng.uniform([300, 200, 200], [2100, 1200, 1700], (50, 3))

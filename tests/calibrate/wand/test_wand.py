@@ -16,6 +16,7 @@ from kinemark.detect import detect
 from kinemark.geometry import project, rigid_align, triangulate, undistort
 from kinemark.geometry.sphere_offset import sphere_offset
 from kinemark.synth import film, observe, ring, truth, walking, wand
+from support.films import Film
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
 WANDS = ([500.0], [150.0, 350.0], [250.0, 250.0], [230.0, 270.0], [100.0, 150.0, 250.0], [150.0, 150.0, 150.0])
@@ -229,28 +230,10 @@ def test_big_spheres_are_corrected():
     assert walking_error(rig, corrected.rig) < 0.5 * walking_error(rig, plain.rig)
 
 
-class Frames:
-    """Images of one camera."""
-
-    def __init__(self, images):
-        self.images = images
-
-    @property
-    def n_frames(self):
-        return len(self.images)
-
-    def batches(self, n):
-        for i in range(0, len(self.images), n):
-            yield self.images[i : i + n]
-
-    def v_offset(self, f):
-        return 0.0
-
-
 def test_from_images_to_a_rig():
     rig = ring(4, size=(480, 384), focal_px=490.0, distortion=LENS)
     subject = wand((0.0, 200.0, 500.0), duration_s=60 / 5, rate=5, seed=4, volume=rig.volume, radius_mm=20.0)
-    sources = [Frames(np.stack(list(film(camera, subject, seed=c)))) for c, camera in enumerate(rig)]
+    sources = [Film(np.stack(list(film(camera, subject, seed=c)))) for c, camera in enumerate(rig)]
     detections = detect(sources, cameras=rig.names, rate=5.0)
     method = Wand(radial=1, marker_diameter=40.0)
     fit = calibrate_wand(detections, lengths=[200.0, 300.0], sizes=[c.size for c in rig], method=method)

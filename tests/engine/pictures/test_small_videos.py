@@ -176,7 +176,7 @@ class Deep:
 def test_a_run_leaves_them_for_its_recording(tmp_path):
     scene = Scene(cameras=3, seconds=0.6, focal_px=500.0, size_px=(488, 378), noise=1.0)
     simulate(tmp_path, scene=scene)
-    Session.open(tmp_path).run()
+    Session.open(tmp_path).run(to="detect")
     found = {name: open_images(tmp_path / "walk01" / f"{name}.mkv") for name in ("cam1", "cam2", "cam3")}
     small = small_images(found, tmp_path / "results" / "walk01")
     assert {name: len(one.frames) for name, one in small.items()} == {name: s.n_frames for name, s in found.items()}

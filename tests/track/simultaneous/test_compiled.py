@@ -22,6 +22,7 @@ from kinemark.track.simultaneous import (
 )
 from kinemark.track.simultaneous.detection_index import Images, read_images
 from support.examples import examples
+from support.plain import plainly
 
 needs_kernel = pytest.mark.skipif(native.library() is None, reason="the tracker was installed without a compiler")
 some = settings(max_examples=examples(40), deadline=None)
@@ -29,14 +30,6 @@ RIG = ring(5, focal_px=1100.0)
 WALK = with_markers(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
 SEEN = observe(RIG, WALK, noise_px=0.2, false_per_frame=5.0, merge_px=8.0, seed=5)
 IMAGES: Images = read_images(SEEN.detections, RIG)
-
-
-def plainly(function, *args, **parameters):
-    """What NumPy alone gives."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(PLAIN, "1")
-        assert native.library() is None
-        return function(*args, **parameters)
 
 
 def both(function, *args, relative=1e-7):

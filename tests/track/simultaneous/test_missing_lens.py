@@ -17,17 +17,13 @@ from kinemark.track.simultaneous.missing_lens import missing_lenses
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from kinemark.track.simultaneous.solved_points import solved, solver_for
 from support.scenes import make, scene, tally
+from support.wrong_rig import bare
 
 
 @cache
 def made(seed, frames=40):
     whole = scene(seed)
     return make(whole._replace(seconds=frames / whole.rate))
-
-
-def bare(rig):
-    """The rig without its lens terms."""
-    return replace(rig, cameras=tuple(replace(camera, distortion=np.zeros(5)) for camera in rig))
 
 
 def tracked(one, detections, rig):

@@ -45,7 +45,7 @@ def say(balls: ControlBalls, camera: str, body: c.BallBody) -> None:
     if body.forget or not body.seen:
         balls.say(camera, body.point, None, asked=not body.forget)
     elif body.file is not None and body.point == REFERENCE:
-        balls.say(camera, body.point, balls.reference_of_file(camera, body.file))
+        balls.say(camera, body.point, balls.reference_of_file(body.file))
     elif body.u is None or body.v is None or not np.isfinite([body.u, body.v]).all():
         raise KinemarkError("Say where the ball is, that it is not seen, or that the answer is taken back.")
     else:

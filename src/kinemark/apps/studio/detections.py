@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...data import Detections, KinemarkError, Trajectories
+from ...data import KinemarkError, Trajectories
 from ...data.array_types import Ints
 from .desk import OpenDocument
 from .messages import DetectionsHeader
@@ -30,14 +30,14 @@ def seen_between(document: OpenDocument, first: int, last: int) -> tuple[Detecti
         cameras=list(detections.cameras), first=first, last=last, detections=len(rows), head=document.head
     )
     counts = np.diff(detections.start[:, a : stop + 1], axis=1)
-    track = _tracks_of(rows, detections, now, a, stop)
+    track = _tracks_of(rows, now, a, stop)
     columns = (
         counts.astype("<u4"), detections.uv[rows].astype("<f4"), track.astype("<i4"), detections.validity[rows]
     )  # fmt: skip
     return about, b"".join(column.tobytes() for column in columns)
 
 
-def _tracks_of(rows: Ints, detections: Detections, now: Trajectories, a: int, stop: int) -> Ints:
+def _tracks_of(rows: Ints, now: Trajectories, a: int, stop: int) -> Ints:
     """The trajectory that each row belongs to, −1 for none; `rows` rise."""
     of = np.full(len(rows), -1, np.int64)
     for k, path in enumerate(now):

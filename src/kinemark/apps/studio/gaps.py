@@ -33,14 +33,14 @@ def gaps_of_markers(document: OpenDocument) -> Iterator[Gap]:
     yield from (gap for gap in gaps_in(document.now.trajectories) if gap.path.name not in away)
 
 
-def gap_table(document: OpenDocument, *, judge: bool = True) -> Gaps:
+def gap_table(document: OpenDocument) -> Gaps:
     """Every gap with what is known of it; those that nobody judged are judged behind."""
     work, before = work_of(document), filled_before(document)
     rows, unknown = [], list[Gap]()
     for gap in gaps_of_markers(document):
         found = work.known(gap, BEST)
         said = found.gap if found else before.get(gap.key)
-        if said is None and judge:
+        if said is None:
             unknown.append(gap)
         rows.append(_row(document, gap, said))
     work.ask_all(document, unknown)

@@ -68,11 +68,11 @@ class Sticks:
         return np.asarray((views >= 2).sum(1) >= 2)
 
     def placed(self, R: Floats, t: Floats, scale: float) -> Sticks:
-        """In a world where X is scale · R X + t."""
+        """In a world where X is scale · R X + t, R (3, 3), t (3) mm."""
         return Sticks(scale * self.centre @ R.T + t, self.direction @ R.T, scale * self.along)
 
     def take(self, rows: Ints) -> Sticks:
-        """Some of the bodies."""
+        """Those in some rows (n)."""
         return replace(self, centre=self.centre[rows], direction=self.direction[rows])
 
 
@@ -123,13 +123,13 @@ class FreePoints:
         return np.asarray(views[:, 0] >= (1 if self.known else 2))
 
     def placed(self, R: Floats, t: Floats, scale: float) -> FreePoints:
-        """In a world where X is scale · R X + t."""
+        """In a world where X is scale · R X + t, R (3, 3), t (3) mm."""
         surveyed = None if self.surveyed is None else scale * self.surveyed @ R.T + t
         information = None if self.information is None else R @ self.information @ R.T / scale**2
         return FreePoints(scale * self.at @ R.T + t, surveyed, information)
 
     def take(self, rows: Ints) -> FreePoints:
-        """Some of the points."""
+        """Those in some rows (n)."""
         optional = (None if a is None else a[rows] for a in (self.surveyed, self.information))
         return FreePoints(self.at[rows], *optional)
 
@@ -161,7 +161,7 @@ class KnownPoints:
         return self
 
     def placed(self, R: Floats, t: Floats, scale: float) -> KnownPoints:
-        """In a world where X is scale · R X + t."""
+        """In a world where X is scale · R X + t, R (3, 3), t (3) mm."""
         return KnownPoints(scale * self.at @ R.T + t)
 
     def prior(self) -> tuple[Floats, Floats, float]:
@@ -173,7 +173,7 @@ class KnownPoints:
         return np.asarray(views[:, 0] >= 1)
 
     def take(self, rows: Ints) -> KnownPoints:
-        """Some of the points."""
+        """Those in some rows (n)."""
         return KnownPoints(self.at[rows])
 
 

@@ -55,13 +55,13 @@ def noise_scale(d: Floats, state: BundleState, freedoms: tuple[Freedom, ...], us
 
 
 def solve_robust(
-    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, rounds: int = ROUNDS, steps: int = 10
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, steps: int = 10
 ) -> tuple[BundleState, float]:
     """Step 1: the state, and s."""
     used = supported(state.parts, seen.used & np.isfinite(normalised_residuals(state, seen)))
     seen = seen._replace(used=used)
     scale = noise_scale(normalised_residuals(state, seen), state, freedoms, used) if used.any() else np.inf
-    for _ in range(rounds if used.any() else 0):
+    for _ in range(ROUNDS if used.any() else 0):
         state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, tolerance=ROUGH)
         before, scale = scale, noise_scale(normalised_residuals(state, seen), state, freedoms, used)
         if scale > SETTLED * before:

@@ -101,14 +101,12 @@ def control_frame_quality(
     rods: Rods,
     *,
     sizes: ArrayLike,
-    frame: int = 0,
-    tolerance: float = TOLERANCE,
     method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
-    diameter: float | None = None,
 ) -> ControlFit:
-    """The rig of `calibrate_control_frame`, with residuals and errors of markers left out; arguments as there."""
-    uv, cov = _recognised(detections, rods, frame, tolerance, lenses)
+    """The rig of `calibrate_control_frame` from the first frame, with residuals and errors of markers left out;
+    arguments as there."""
+    uv, cov = _recognised(detections, rods, 0, TOLERANCE, lenses)
     return control_point_quality(
         detections.cameras,
         sizes,
@@ -117,7 +115,7 @@ def control_frame_quality(
         cov=cov,
         method=method,
         lenses=lenses,
-        diameter=rods.marker_diameter if diameter is None else diameter,
+        diameter=rods.marker_diameter,
         points=rods.marker_names,
     )
 

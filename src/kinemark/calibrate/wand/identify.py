@@ -69,7 +69,11 @@ def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Floats, 
 
 
 def marker_places(lengths: ArrayLike) -> Floats:
-    """(K) places of the markers along the wand, mm, from its gaps (K − 1)."""
+    """(K) places of the markers along the wand, mm, from its gaps (K − 1), mm.
+
+    Raises:
+        ValueError: there are fewer than one or more than three gaps, or one is not above 0.
+    """
     gaps = np.asarray(lengths, np.float64).reshape(-1)
     if not 1 <= len(gaps) <= 3 or not (np.isfinite(gaps).all() and (gaps > 0).all()):
         raise ValueError(f"lengths are {gaps.tolist()}, wanted one to three gaps between markers, mm, above 0")

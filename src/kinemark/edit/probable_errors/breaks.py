@@ -28,6 +28,7 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from ...geometry.align import rigid_align
+from ...numerics.finite import finite_median
 from ...numerics.runs import true_runs
 from .paths import HALF, Paths
 from .probability import probability
@@ -160,7 +161,7 @@ def _stopped(ways: Ways, first: int, stop: int, gain: float) -> Break:
     """Frames that repeat the one before, which is followed by what comes as many frames later, or at once."""
     frames, _ = _passed(ways, first, stop)
     paths = int(np.isfinite(ways.xyz[:, first - 1, 0]).sum())
-    mm = _middle(ways.off(np.array([first - 1]), stop - first + 1, 0)) if stop < ways.xyz.shape[1] else 0.0
+    mm = finite_median(ways.off(np.array([first - 1]), stop - first + 1, 0), 0.0) if stop < ways.xyz.shape[1] else 0.0
     repeats = BreakEvidence(gain, 1.0, float(np.log(max(paths, 1))), 0.0, float(np.log1p(mm)))
     return Break("repeated", first - 1, stop, frames, None, mm, repeats, probability("repeated", repeats))
 
@@ -194,7 +195,7 @@ def _passed(ways: Ways, first: int, stop: int) -> tuple[int, BreakEvidence | Non
     if _gain(before, _costs(ways, f, n + 1, best))[0] < LEAST_GAIN:
         return 0, None
     after, squared = _costs(ways, f, n + 1, best), ways.squared(f, n + 1, best)
-    return best, _evidence(before[:, 0], after[:, 0], squared[:, 0], _middle(ways.off(f, n + 1, 0)))
+    return best, _evidence(before[:, 0], after[:, 0], squared[:, 0], finite_median(ways.off(f, n + 1, 0), 0.0))
 
 
 # ---- Lost frames ----
@@ -214,7 +215,7 @@ def _lost(ways: Ways) -> Iterator[Break]:
             here = f[n : n + 1]
             k = _refined(ways, here, s, ways.losses[likeliest[n]])
             off, after = ways.off(here, s, 0)[:, 0], _costs(ways, here, s, k)[:, 0]
-            mm = _middle(off)
+            mm = finite_median(off, 0.0)
             evidence = _evidence(before[:, n], after, ways.squared(here, s, k)[:, 0], mm)
             yield Break("lost", int(f[n]), int(f[n]) + s, k, None, mm, evidence, probability("lost", evidence))
 
@@ -263,7 +264,7 @@ def _rigid(ways: Ways, kind: Literal["moved", "shaken"], f: int, s: int, a: Floa
     off[1, known] = motion.left(a[known], b[known]) * np.sqrt(3 * n / (3 * n - MOTION))
     before, after = _cost(off[0], usual), _cost(off[1], usual) + MOTION * np.log(3 * n) / (2 * n)
     if _gain(before, after) > LEAST_GAIN:
-        mm = _middle(off[0])
+        mm = finite_median(off[0], 0.0)
         evidence = _evidence(before, after, off[1] ** 2 * HALF / usual**2, mm)
         yield Break(kind, f, f + s, 0, motion, mm, evidence, probability("moved", evidence))
 
@@ -323,12 +324,6 @@ def _gain(before: Floats, after: Floats) -> Floats:
     known = np.isfinite(by)
     n = known.sum(0)
     return np.where(n >= FEWEST, np.where(known, by, 0.0).sum(0) / np.maximum(n, 1), -np.inf)
-
-
-def _middle(off: Floats) -> float:
-    """The median of what is known; 0 where nothing is."""
-    known = off[np.isfinite(off)]
-    return float(np.median(known)) if len(known) else 0.0
 
 
 def _evidence(before: Floats, after: Floats, squared: Floats, mm: float) -> BreakEvidence:

@@ -29,6 +29,7 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from ...data.progress import tell
+from ...numerics.finite import finite_mean
 from .carried import Leaving
 from .paths import SIGNIFICANT, Ends, Meeting, Paths, ends, meeting
 from .places import APART_S, Partner, Place
@@ -204,12 +205,7 @@ class _Windows:
         others = misfit(q_before, q_after, (p,))
         across = misfit(p_before, q_after, (p, q)), misfit(q_before, p_after, (p, q))
         keep = np.array([own, others])
-        return own, _mean(keep), _mean(np.array(across))
-
-
-def _mean(values: Floats) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if len(known) else float("nan")
+        return own, finite_mean(keep), finite_mean(np.array(across))
 
 
 def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:

@@ -15,7 +15,7 @@ from .ways import SMEARED
 
 
 def unbroken(paths: Paths, names: Sequence[str], some: Sequence[Break]) -> tuple[Trajectories, Ints]:
-    """The trial as it would be without these breaks, in the order of their frames; and the frame that each was.
+    """The trial as it would be without these breaks, in the order of their frames; and (F) the frame that each was.
 
     Frames that were lost are missing in all paths; what follows a movement is moved back.
     """

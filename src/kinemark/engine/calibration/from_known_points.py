@@ -53,7 +53,11 @@ def from_file(task: Task) -> RigWithEvidence:
 
 
 def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
-    """A rig from eleven parameters a camera, whose unit of length the file does not say."""
+    """A rig from eleven parameters a camera, whose unit of length the file does not say.
+
+    Raises:
+        KinemarkError: no unit is given, or the file has another number of cameras than there are names.
+    """
     if unit is None:
         raise KinemarkError(f"{file} does not say its unit of length. Set length_unit in [calibration].")
     L = read_dlt_csv(file)

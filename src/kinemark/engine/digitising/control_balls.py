@@ -114,7 +114,7 @@ class ControlBalls:
             return
         write_pointed(self.file, self.points.said(camera, name, uv, asked=asked))
 
-    def reference_of_file(self, camera: str, name: str) -> tuple[float, float]:
+    def reference_of_file(self, name: str) -> tuple[float, float]:
         """The reference marker of one of the session's `.rf` files, px; raises KinemarkError where there is no such."""
         files = {path.name: path for path in self.reference_files()}
         if name not in files:

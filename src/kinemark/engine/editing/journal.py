@@ -94,7 +94,7 @@ class Journal:
         except OSError as error:
             raise KinemarkError(f"{self.path} cannot be written: {error}. Nothing was said.") from error
 
-    def undo(self, of: int | None = None, *, by: str = "", why: str = "", head: str | None = None) -> Entry:
+    def undo(self, of: int | None = None, *, by: str = "", why: str = "") -> Entry:
         """Take an entry back, the last that counts where None.
 
         Raises:
@@ -104,9 +104,9 @@ class Journal:
             of = next((e.id for e in reversed(live(self.entries)) if not _is(Signed, e)), None)
         if of is None:
             raise KinemarkError(f"There is nothing to undo in {self.path}.")
-        return self.append([Undo(of)], by=by, why=why, head=head)
+        return self.append([Undo(of)], by=by, why=why)
 
-    def redo(self, *, by: str = "", why: str = "", head: str | None = None) -> Entry:
+    def redo(self, *, by: str = "", why: str = "") -> Entry:
         """Take the last undo back that was not itself undone, unless something was said since.
 
         Raises:
@@ -115,7 +115,7 @@ class Journal:
         last = last_undo(self.entries)
         if last is None:
             raise KinemarkError(f"There is nothing to redo in {self.path}: nothing was undone last.")
-        return self.append([Undo(last.id)], by=by, why=why, head=head)
+        return self.append([Undo(last.id)], by=by, why=why)
 
     def _append(self, edits: tuple[Edit, ...], by: str, why: str, head: str | None) -> Entry:
         """With the lock held."""

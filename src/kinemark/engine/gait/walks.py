@@ -34,6 +34,7 @@ from ...gait.turning import with_counts, with_facing
 from ...gait.uncertainty import gait_uncertainty, with_uncertainty
 from ...gait.way_of_walking import way_of_walking
 from ...io.c3d.subject_measures import measures_of
+from ...numerics.finite import finite_median
 from .doubts import doubted_markers, doubted_plates
 from .emg import emg_of, greatest_contractions
 from .settings import GaitSettings
@@ -392,6 +393,4 @@ def _heel_sd(trial: Trial) -> float:
     variances = [
         np.diagonal(p.cov, axis1=1, axis2=2).ravel() for p in trial.trajectories if p.name.endswith(("LHEE", "RHEE"))
     ]
-    known = np.concatenate(variances) if variances else np.zeros(0)
-    known = known[np.isfinite(known)]
-    return float(np.sqrt(np.median(known))) if len(known) else 0.0
+    return float(np.sqrt(finite_median(np.concatenate(variances), 0.0))) if variances else 0.0

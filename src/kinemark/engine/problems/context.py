@@ -14,6 +14,7 @@ from ...data.edits import UNNAMED, Claim, Edit, Erase, Stretch, Verdict, is_name
 from ...data.problems import Action, Alternative, ProblemKind, problem_id
 from ...edit import Edited, stretch_of
 from ...edit.crossings import unbroken
+from ...numerics.finite import finite_median
 from ...report.words.problems import action_text
 from ..editing.editing import Editing
 from ..editing.makers import REVIEWED_BESIDE
@@ -137,8 +138,7 @@ class Context:
     def apart(self, one: int, other: int) -> float:
         """Median distance of two paths, mm; NaN where they are never seen together."""
         d: Floats = np.linalg.norm(self.now.paths[one].xyz - self.now.paths[other].xyz, axis=1)
-        known = d[np.isfinite(d)]
-        return float(np.median(known)) if len(known) else float("nan")
+        return finite_median(d)
 
     def _any(self, path: int, first: int | None, last: int | None) -> bool:
         own = self.samples(path)

@@ -41,7 +41,11 @@ class DigitisedFiles(PlainSource):
         return digest(file_key(*files), of.rig.names, of.settings.rate_hz, of.corrections(), of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
-        """Of all markers that the files have."""
+        """Of all markers that the files have.
+
+        Raises:
+            KinemarkError: they have none.
+        """
         of = self.of
         found = read_digitised(self.path, cameras=of.rig.names, rate=of.rate(None)).seen.detections
         if not len(found):

@@ -51,7 +51,11 @@ class Recording:
         return 1 if self.frames is None else self.frames[0]
 
     def rate(self, stated: float | None) -> float:
-        """Frames a second that are taken: by what the settings say of the recording, else as the file does."""
+        """Frames a second that are taken: by what the settings say of the recording, else as the file does.
+
+        Raises:
+            KinemarkError: neither says it.
+        """
         rate = self.settings.rate_hz / self.entry.every if self.settings.rate_hz else stated
         if not rate:
             raise KinemarkError(f"Trial {self.entry.name!r} does not say its frame rate. Set rate_hz in session.toml.")
@@ -125,7 +129,11 @@ class Recording:
         return rate if stated is None else stated / self.entry.every
 
     def unshifted(self, found: Detections) -> Detections:
-        """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given."""
+        """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given.
+
+        Raises:
+            KinemarkError: the marks do not fit those of the calibration, or see `reference_shift`.
+        """
         way = self.settings.calibration
         if way.reference_marker is None:
             return found

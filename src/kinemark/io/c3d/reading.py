@@ -40,7 +40,7 @@ def read_document(path: Path | str, *, partial: bool = False) -> C3D:
 
 
 def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
-    """As `read_document`, from the bytes of the file; `name` is for messages."""
+    """As `read_document`, with its errors, from the bytes of the file; `name` is for messages."""
     start = parameter_offset(raw, name=name)
     order = byte_order(raw, start, name=name)
     header = decode_header(raw, order)

@@ -32,7 +32,11 @@ def write_document(path: Path | str, doc: C3D) -> None:
 
 
 def encode_document(doc: C3D) -> bytes:
-    """The bytes of the file; the inverse of `decode_document`."""
+    """The bytes of the file; the inverse of `decode_document`.
+
+    Raises:
+        ValueError: there are more points, channels, samples or frames than the format counts.
+    """
     layout = _layout(doc)
     m = layout.points
     if not (

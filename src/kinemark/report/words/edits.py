@@ -23,6 +23,7 @@ from ...data.edits import (
     Undo,
     Verdict,
 )
+from ..formatting import span_of_frames
 from .template import Words
 
 EDIT_WORDS = {
@@ -66,16 +67,16 @@ def edit_text(edit: Edit) -> str:
         case Claim():
             return f"{'no marker' if edit.name is None else edit.name}: {_span(edit.where)}"
         case Erase():
-            return f"{edit.marker} {_frames(edit.first, edit.last)}: erased"
+            return f"{edit.marker} {span_of_frames(edit.first, edit.last)}: erased"
         case Put():
             x, y, z = edit.xyz
-            return f"{edit.marker} {_frames(edit.frame, edit.frame)}: put at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+            return f"{edit.marker} {span_of_frames(edit.frame, edit.frame)}: put at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
         case GapChoice():
             how = "left open" if edit.method == "open" else f"filled by {edit.method}"
-            return f"{edit.marker}, gaps in {_frames(edit.first, edit.last)}: {how}"
+            return f"{edit.marker}, gaps in {span_of_frames(edit.first, edit.last)}: {how}"
         case Smooth():
             by = "" if edit.function == SMOOTHING[0] else f" by {edit.function}"
-            return f"{edit.marker} {_frames(edit.first, edit.last)}: smoothed{by}, {edit.cutoff_hz:g} Hz"
+            return f"{edit.marker} {span_of_frames(edit.first, edit.last)}: smoothed{by}, {edit.cutoff_hz:g} Hz"
         case ImagePoint():
             who = "no marker" if edit.marker is None else edit.marker
             return f"{who} in {edit.camera}, frame {edit.frame}: ({edit.u:.1f}, {edit.v:.1f}) px"
@@ -89,7 +90,7 @@ def _whole_text(edit: Edit) -> str:
         case Verdict():
             return f"ambiguous decision ({edit.decision}): {'right' if edit.right else 'wrong'}"
         case Trim():
-            return f"trimmed to {_frames(edit.first, edit.last)}"
+            return f"trimmed to {span_of_frames(edit.first, edit.last)}"
         case DropUnnamed():
             return "unnamed tracks dropped"
         case TrackAgain():
@@ -116,8 +117,4 @@ def _span(where: Stretch) -> str:
     x, y, z = where.witnesses[0].xyz
     first, last = where.first or seen[0], where.last or seen[-1]
     follows = OPEN_ENDS[where.first is None, where.last is None]
-    return f"{_frames(first, last)}{follows}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"
-
-
-def _frames(first: int, last: int) -> str:
-    return f"frame {first}" if first == last else f"frames {first}–{last}"
+    return f"{span_of_frames(first, last)}{follows}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...data.problems import Action, ProblemKind
+from ..formatting import span_of_frames
 
 SEVERAL = 3
 """Frames that are named one by one, at most; chosen: what a line holds."""
@@ -21,7 +22,7 @@ def _far(mm: float) -> str:
 
 def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int, mm: float) -> str:
     """What it is."""
-    frames = _frames(first, last)
+    frames = span_of_frames(first, last)
     off = f", {_far(mm)}" if np.isfinite(mm) else ""
     one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
     text = {
@@ -50,7 +51,7 @@ def untold_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int)
 def gaps_text(markers: int, first: int, last: int, mm: float) -> str:
     """Gaps of many markers in the same frames; mm off, at most, where they are filled."""
     off = f", {_far(mm)}" if np.isfinite(mm) else ""
-    return f"{markers} markers have a gap, {_frames(first, last)}{off}"
+    return f"{markers} markers have a gap, {span_of_frames(first, last)}{off}"
 
 
 def break_text(kind: ProblemKind, first: int, last: int, frames: int, mm: float, degrees: float = 0.0) -> str:
@@ -60,7 +61,7 @@ def break_text(kind: ProblemKind, first: int, last: int, frames: int, mm: float,
         kind: of it. first, last: the last frame before it and the first one after.
         frames: that were lost besides those between, negative where what follows comes late. mm, degrees: of a jump.
     """
-    inside = _frames(first + 1, last - 1) if last > first + 1 else ""
+    inside = span_of_frames(first + 1, last - 1) if last > first + 1 else ""
     between, by = f"between frames {first} and {last}", f"{_far(mm)}, {degrees:.1f}°"
     late = "" if not frames else f", and {_count(frames)} were lost" if frames > 0 else f"; {_late(frames)}"
     lost = f"all markers skip {_count(abs(frames))} {between}, {_far(mm)}: the recording lost them"
@@ -79,7 +80,7 @@ def breaks_text(kind: ProblemKind, first: int, last: int, places: int, frames: i
         return (
             f"all markers skip frames at {places} places, {_count(frames)} in all, {between}: the recording lost them"
         )
-    inside = _frames(first + 1, last - 1)
+    inside = span_of_frames(first + 1, last - 1)
     return f"all markers repeat the frame before at {places} places, {_count(frames)} in all, first in {inside}"
 
 
@@ -95,18 +96,14 @@ def _samples(n: int) -> str:
     return f"{n} sample{'s' if n != 1 else ''}"
 
 
-def _frames(first: int, last: int) -> str:
-    return f"frame {first}" if first == last else f"frames {first}–{last}"
-
-
 def together_text(track: str, first: int, last: int, places: int) -> str:
     """A path that jumps at several places."""
-    return f"{track} jumps at {places} places, {_frames(first, last)}"
+    return f"{track} jumps at {places} places, {span_of_frames(first, last)}"
 
 
 def chain_text(pieces: int, first: int, last: int) -> str:
     """Loose pieces one after another."""
-    return f"{pieces} pieces without a name follow one another, {_frames(first, last)}: some may be one marker"
+    return f"{pieces} pieces without a name follow one another, {span_of_frames(first, last)}: some may be one marker"
 
 
 def apart_text(pieces: int) -> str:

@@ -31,6 +31,7 @@ import numpy as np
 from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import red_if
+from ...numerics.finite import finite_median
 from .associate import predict_images
 from .detection_index import Images, read_images
 from .initiate import LEAST_FRAMES
@@ -76,7 +77,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
     turned = {one.camera: [_put_right(one, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
-        most = max(LEAST_SHIFT, STANDS_OUT * _median(np.delete(usual, c)))  # (9)
+        most = max(LEAST_SHIFT, STANDS_OUT * finite_median(np.delete(usual, c), 0.0))  # (9)
         found += (
             lost.get(c)
             or turned.get(c)
@@ -135,7 +136,7 @@ def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:
 
 def _overstated(detections: Detections, result: TrackingResult) -> list[Finding]:
     """About centroids that state far more noise than the images have (13)."""
-    stated, seen = np.sqrt(result.images.usual), np.sqrt(_median(result.noise.seen, np.inf))
+    stated, seen = np.sqrt(result.images.usual), np.sqrt(finite_median(result.noise.seen, np.inf))
     if not np.isfinite(detections.cov[:, 0, 0]).any() or result.images.stated or stated < OVERSTATED * seen:
         return []
     return [make_finding("noise_overstated", stated_px=stated, seen_px=seen)]
@@ -218,18 +219,12 @@ class Parts(NamedTuple):
     @property
     def usual(self) -> float:
         """px, how far off in the median part; NaN where that is not known."""
-        return _median(np.linalg.norm(self.off, axis=1), np.nan)
-
-
-def _median(values: Floats, none: float = 0.0) -> float:
-    """The median of those that are known."""
-    known = values[np.isfinite(values)]
-    return float(np.median(known)) if len(known) else none
+        return finite_median(np.linalg.norm(self.off, axis=1))
 
 
 def _calibration_off(rig: Rig, usual: Floats, late: dict[int, list[Finding]]) -> list[Finding]:
     """About a calibration by which the images of most cameras lie beside the others', usual (C) px (10)."""
-    if (middle := _median(usual)) <= MIN_SHIFT or late:
+    if (middle := finite_median(usual, 0.0)) <= MIN_SHIFT or late:
         return []
     names = [rig.names[c] for c in np.flatnonzero(usual > MIN_SHIFT)]
     return [make_finding("calibration_off", cameras=names, offset_px=middle)]

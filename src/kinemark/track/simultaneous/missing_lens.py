@@ -28,6 +28,7 @@ import numpy as np
 
 from ...data import Detections, Rig
 from ...data.array_types import Floats
+from ...numerics.finite import finite_median
 from .adjusted_rig import USUAL_ERROR, fitted_rig, with_radial
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
@@ -153,5 +154,4 @@ def _variance(images: Images, rig: Rig, frames: list[int]) -> float:
     """px², of images of the median camera by their epipolar residuals; NaN where that is not known."""
     C, some = len(rig), residuals(images, fundamentals(rig.P), frames)
     variance = camera_noise(some, mixture(some.off, pair_of(some, C), C * C, some.window), C).variance
-    known = variance[np.isfinite(variance)]
-    return float(np.median(known)) if len(known) else np.nan
+    return finite_median(variance)

@@ -40,6 +40,9 @@ from ...data.array_types import Floats, Ints
 from ...signal import assign_nearest
 from .image_paths import FAR, Paths
 
+AROUND = 3
+"""Fields about a moment in which two paths are compared, of (5); chosen."""
+
 
 class Paired(NamedTuple):
     """N points in the order of their fields: frame, path in each camera, and identity, all (N)."""
@@ -159,8 +162,8 @@ def _swap_paths(one: Paths, other: Paths, swap: PathSwap, near: float) -> bool:
     return True
 
 
-def _least_apart(paths: Paths, i: int, j: int, f: int, around: int = 3) -> float:
+def _least_apart(paths: Paths, i: int, j: int, f: int) -> float:
     """Least distance px of two paths within some fields of f; the residuals do not tell to the field when it was."""
-    span = slice(max(f - around, 0), f + around + 1)
+    span = slice(max(f - AROUND, 0), f + AROUND + 1)
     apart = np.linalg.norm(paths.uv[i, span] - paths.uv[j, span], axis=-1)
     return float(np.nanmin(apart)) if np.isfinite(apart).any() else np.inf

@@ -23,6 +23,7 @@ from .unknown_optics import UnknownOptics
 FOCUS = (0.3, 6.0)
 """Least and greatest focal length that is believed, in image widths; chosen (see benchmarks/bundle.py)."""
 
+TRIALS, SAMPLE = 60, 9  # samples of points, and points of each, three more than a DLT needs; chosen
 POSE = np.arange(15) >= 9  # of `data.PARAMETERS`, the six of the pose; by definition
 
 
@@ -69,10 +70,10 @@ def _translation(R: Floats, xyz: Floats, xy: Floats) -> Floats:
     return np.asarray(t)
 
 
-def _robust_projection(xyz: Floats, xy: Floats, *, trials: int = 60, sample: int = 9) -> Floats:
+def _robust_projection(xyz: Floats, xy: Floats) -> Floats:
     """(3, 4) the DLT of a sample of points with the least median distance, fitted again to what is near."""
     rng = np.random.default_rng(0)
-    rows = np.argsort(rng.random((trials, len(xyz))), axis=1)[:, : min(sample, len(xyz))]
+    rows = np.argsort(rng.random((TRIALS, len(xyz))), axis=1)[:, : min(SAMPLE, len(xyz))]
     P = projections(xyz[rows], xy[rows])
     misfit = _misses(P, xyz, xy)
     best = misfit[np.median(misfit, axis=1).argmin()]

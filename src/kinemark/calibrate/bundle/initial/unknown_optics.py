@@ -59,7 +59,7 @@ class UnknownOptics(NamedTuple):
         return np.asarray(d / (1 + bend * (d**2).sum(-1, keepdims=True) / self.half**2))  # (1)
 
     def with_focus(self, f: float, R: Floats, t: Floats) -> Camera:
-        """The camera with a focal length of f px, at R, t."""
+        """The camera with a focal length of f px, at R (3, 3), t (3) mm."""
         K = self.camera.K.copy()
         ratio = f / K[0, 0]
         K[0, 0], K[1, 1] = f, K[1, 1] * ratio

@@ -25,7 +25,8 @@ def test_fits_do_not_depend_on_the_processor(monkeypatch, tmp_path):
     """The library as it is, and one without versions for newer processors in which pixels are worked on one by one."""
     path = tmp_path / "library.so"
     subprocess.run([COMPILER, "-O0", "-fPIC", "-shared", "-DCLONES=", *SOURCES, "-o", path, "-lm"], check=True)
-    plainer, calls = compiled_library.opened(path), [CALLS["fit_shapes"](np.random.default_rng(k)) for k in range(40)]
+    plainer = compiled_library.opened(path)
+    calls = [CALLS[name](np.random.default_rng(k)) for name in ("fit_shapes", "light_sides") for k in range(40)]
     found = [outcome(call) for call in calls]
     monkeypatch.setattr(compiled_library, "_loaded", lambda: (plainer, ""))
     for call, expected in zip(calls, found, strict=True):

@@ -10,6 +10,7 @@ import numpy as np
 from kinemark import native
 from kinemark.native import shape_images
 from kinemark.native.shape_fits import fit_shapes as fit_shapes_of_patches
+from kinemark.native.side_light import light_sides as light_sides_of_patches
 
 
 class Call(NamedTuple):
@@ -233,11 +234,20 @@ def fit_shapes(rng):
     return Call(fit_shapes_of_patches, asked | {"enough": np.full(n, rng.choice([0.0, 400.0]))}, {"shape": shape})
 
 
+def light_sides(rng):
+    """Patches lit from a side, and what is fitted to them but for that."""
+    asked, parameters = (fitted := fit_shapes(rng)).arrays, fitted.parameters
+    asked["grey"] = asked["grey"] * (1 + rng.uniform(-0.03, 0.03) * asked["x"] + rng.uniform(-0.03, 0.03) * asked["y"])
+    patches = {name: asked[name] for name in shape_images.Patches._fields}
+    found = fit_shapes_of_patches(**(asked | {"grey": patches["grey"]}), **parameters)
+    return Call(light_sides_of_patches, {"parameters": found.parameters, **patches}, parameters)
+
+
 CALLS = {
     made.__name__: made
     for made in (
         find_runs, group_runs, sum_pixels, cut_pixels, group_peaks, sum_peaks, predict, update, project, information,
-        index_images, image_index, near, candidates, intersect, cluster_pixels, fit_shapes,
+        index_images, image_index, near, candidates, intersect, cluster_pixels, fit_shapes, light_sides,
     )
 }  # fmt: skip
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
 from .background_noise import ROUNDING, background
-from .blobs import Blobs, joined
+from .blobs import Blobs
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups, group_runs
 from .moments import Moments, measure, outline_centroids, white_moments
@@ -27,7 +27,7 @@ MOST_GROUPS = 10_000  # groups of a frame at most; chosen: more are the noise of
 @DETECT.method("centroids", Centroids, source="Shafiq, Tümer and Güler 2001, section 2")
 def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number."""
-    return joined(separated(found_suspects(images, first, method=method), method=method))
+    return separated(found_suspects(images, first, method=method), method=method)
 
 
 def found_suspects(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> list[Suspects]:

@@ -178,8 +178,8 @@ class _Camera:
 
     def _explain(self) -> None:
         waiting, self.waiting = self.waiting, []
-        for blobs in separated(waiting, method=self.method):
-            self._add(blobs)
+        if waiting:
+            self._add(separated(waiting, method=self.method))
 
     def _add(self, blobs: Blobs) -> None:
         """Note what was found in the next frames: grey levels of the recording, masked, fields on one plane."""

@@ -1,10 +1,7 @@
 """Shapes fitted to the grey levels of small patches, with the covariance of what is found.
 
 The shapes and their light are those of `native.shape_images`, whose equations are (1) to (8), and the fit is that of
-`native.shape_fits`.
-
-A marker brighter on one side has the light A (1 + a x + b y) U (9), found from the fit without a and b by one linear
-step for all parameters.
+`native.shape_fits`; a marker brighter on one side is that of `native.side_light`.
 """
 
 from __future__ import annotations
@@ -15,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
-from ..native.shape_fits import chi2_of, fit_shapes, scaled, step_of
-from ..native.shape_images import Patches, Shape, image
+from ..native.shape_fits import fit_shapes, scaled
+from ..native.shape_images import Patches, Shape
+from ..native.side_light import light_sides
 
 FLOOR = 0.02**2 * np.pi / 4
 """px² · px²; 0.02 px of error for a disc of 1 px, less for larger ones, which square pixels of a sharp image leave;
@@ -66,14 +64,6 @@ def _covariance(normal: Floats, some: NDArray[np.bool_]) -> Floats:
 
 
 def lit_from_a_side(shape: Shape, found: DiscFit, patches: Patches) -> DiscFit:
-    """The fit with brightness that also rises along x and along y, by one linear step (9); no covariance."""
-    model, J = image(shape, found.parameters, patches)
-    bright = model - found.parameters[:, -1, None]
-    used = patches.weight > 0
-    number = np.maximum(used.sum(1, keepdims=True), 1)
-    rising = [bright * (at - (used * at).sum(1, keepdims=True) / number) for at in (patches.x, patches.y)]
-    J = np.concatenate([J, np.stack(rising, 1)], 1)
-    change = np.einsum("np,npk->nk", step_of(J, model, patches, np.zeros(len(J)))[0], J)
-    better = chi2_of(model + change, patches) < found.chi2
-    model = model + np.where(better[:, None], change, 0.0)
-    return DiscFit(found.parameters, np.full_like(found.cov, np.nan), chi2_of(model, patches), model)
+    """The fit with brightness that also rises to a side (`native.side_light`); no covariance."""
+    chi2, model = light_sides(found.parameters, *patches, shape=shape)
+    return DiscFit(found.parameters, np.full_like(found.cov, np.nan), chi2, model)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..data import Validity
 from ..data.array_types import Bools, Floats, GreyLevels, Ints
-from .blobs import Blobs
+from .blobs import Blobs, joined
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups
 from .overlap import CUT, ONE, UNCLEAR, ObservedGroup, explain
@@ -62,29 +62,26 @@ def suspects(
     return Suspects(blobs, some, pixels, threshold, images.shape, grey_scale(images.dtype))
 
 
-def separated(parts: Sequence[Suspects], *, method: Centroids) -> list[Blobs]:
-    """The blobs of each part, with their markers told apart; parts are of one camera, and so of one threshold.
+def separated(parts: Sequence[Suspects], *, method: Centroids) -> Blobs:
+    """The blobs of one part or more, with their markers told apart; parts are of one camera, and so of one threshold.
 
     Many frames are done at once, as their groups share what NumPy costs a call.
     """
-    pixels = [part.pixels for part in parts if part.pixels]
-    if not pixels:
-        return [_positive(part.blobs, part) for part in parts]
-    at_edge = np.concatenate([part.blobs.validity[part.which] == Validity.AT_EDGE for part in parts])
-    seen, done, separate = _explained(together(pixels), at_edge, parts[0], method), 0, []
-    for part in parts:
-        blobs, end = part.blobs, done + len(part.which)
-        if end > done:
-            blobs = _rows(blobs, _among(seen, done, end, part), part.shape[1:], method)
-        separate.append(_positive(blobs, part))
-        done = end
-    return separate
+    blobs, some = joined([part.blobs for part in parts]), parts[0]
+    if pixels := [part.pixels for part in parts if part.pixels]:
+        first = np.cumsum([0, *(len(part.blobs.uv) for part in parts[:-1])])
+        which = np.concatenate([part.which + start for part, start in zip(parts, first, strict=True)])
+        seen = _explained(together(pixels), blobs.validity[which] == Validity.AT_EDGE, some, method)
+        blobs = _rows(blobs, which, seen, some.shape[1:], method)
+    return blobs if some.negative is None else blobs._replace(peak=some.negative - blobs.peak)
 
 
 def _explained(pixels: Uncut, at_edge: Bools, part: Suspects, method: Centroids) -> ObservedGroup:
     """What n groups show, places counted in their own frames."""
     n, aspect = len(at_edge), method.aspect or 1.0
-    seen = _nothing_seen(n, method.max_discs + 1)
+    k = method.max_discs + 1
+    circles, cov = np.full((n, k, 3), np.nan), np.full((n, k, 2, 2), np.nan)
+    seen = ObservedGroup(np.full(n, ONE), circles, cov, np.zeros((n, 2, 2)))
     for some in _portions(pixels.number):
         shot = method.shot_noise * part.scale
         cut = cut_out(pixels, some, threshold=part.threshold, shot=shot, aspect=aspect)
@@ -97,25 +94,6 @@ def _explained(pixels: Uncut, at_edge: Bools, part: Suspects, method: Centroids)
         seen.circles[some, :k, :2] = circles[..., :2] * [1, aspect] + cut.origin[:, None]
         seen.cov[some, :k] = _stretched(np.take_along_axis(found.cov, order[..., None], 1), aspect)
     return seen
-
-
-def _nothing_seen(n: int, most: int) -> ObservedGroup:
-    """Of n groups that all are whole markers."""
-    cov, spread = np.full((n, most, 2, 2), np.nan), np.zeros((n, 2, 2))
-    return ObservedGroup(np.full(n, ONE), np.full((n, most, 3), np.nan), cov, spread)
-
-
-def _among(seen: ObservedGroup, first: int, last: int, part: Suspects) -> ObservedGroup:
-    """What all groups of a part show, of which the suspected ones are `seen` from first to last."""
-    every = _nothing_seen(len(part.blobs.uv), seen.circles.shape[1])
-    for column, own in zip(every, seen, strict=True):
-        column[part.which] = own[first:last]
-    return every
-
-
-def _positive(blobs: Blobs, part: Suspects) -> Blobs:
-    """Grey levels of the images as they were."""
-    return blobs if part.negative is None else blobs._replace(peak=part.negative - blobs.peak)
 
 
 def _portions(number: Ints) -> Iterator[Ints]:
@@ -134,23 +112,27 @@ def _stretched(cov: NDArray[np.float64], aspect: float) -> NDArray[np.float64]:
     return np.asarray(cov * scale[:, None] * scale)
 
 
-def _rows(blobs: Blobs, seen: ObservedGroup, shape: tuple[int, ...], method: Centroids) -> Blobs:
-    """The blobs with a row for each marker."""
-    rows = np.where(seen.kind > ONE, seen.kind, 1)
-    group = np.repeat(np.arange(len(rows)), rows)
-    which = np.arange(len(group)) - np.repeat(np.cumsum(rows) - rows, rows)
-    frame = np.repeat(np.arange(len(blobs.counts)), blobs.counts)[group]
+def _rows(blobs: Blobs, which: Ints, seen: ObservedGroup, shape: tuple[int, ...], method: Centroids) -> Blobs:
+    """The blobs with a row for each marker; those of this index (n) are what was seen."""
+    number = np.maximum(seen.kind, 1)
+    rows = np.ones(len(blobs.uv), np.int64)
+    rows[which] = number
+    every = np.repeat(np.arange(len(rows)), rows)
+    frame = np.repeat(np.arange(len(blobs.counts)), blobs.counts)[every]
     counts = np.bincount(frame, minlength=len(blobs.counts))
-    new = Blobs(counts=counts, **{k: v[group] for k, v in blobs._asdict().items() if k != "counts"})
-    kind, aspect = seen.kind[group], method.aspect or 1.0
-    fitted = np.flatnonzero((kind > ONE) | (kind == CUT))
-    centre, radius = seen.circles[group, which][fitted, :2], seen.circles[group, which][fitted, 2]
-    new.uv[fitted], new.cov[fitted] = centre, seen.cov[group, which][fitted]
-    new.area[fitted] = np.pi * radius**2 * aspect
-    new.width[fitted], new.height[fitted] = 2 * radius, 2 * radius * aspect
-    new.merged[:] |= (kind > ONE) | (kind == UNCLEAR)
-    new.cov[:] += seen.spread[group]
-    new.validity[fitted] = _judged(new, fitted, shape, method)
+    new = Blobs(counts=counts, **{k: v[every] for k, v in blobs._asdict().items() if k != "counts"})
+    group = np.repeat(np.arange(len(which)), number)
+    disc = np.arange(len(group)) - np.repeat(np.cumsum(number) - number, number)
+    row, kind, aspect = (np.cumsum(rows) - rows)[which][group] + disc, seen.kind[group], method.aspect or 1.0
+    new.merged[row] |= (kind > ONE) | (kind == UNCLEAR)
+    new.cov[row] += seen.spread[group]
+    fitted = (kind > ONE) | (kind == CUT)
+    row, group, disc = row[fitted], group[fitted], disc[fitted]
+    radius = seen.circles[group, disc, 2]
+    new.uv[row], new.cov[row] = seen.circles[group, disc, :2], seen.cov[group, disc]
+    new.area[row] = np.pi * radius**2 * aspect
+    new.width[row], new.height[row] = 2 * radius, 2 * radius * aspect
+    new.validity[row] = _judged(new, row, shape, method)
     return new
 
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-VERSION = 5
+VERSION = 6
 """Of the functions' meaning, as in library.c: a library left over from another version is not used; by definition."""
 
 PLAIN = "KINEMARK_PLAIN"
@@ -72,6 +72,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {
     ),
     "cluster_pixels": (*4 * [_SIZE], *2 * [_FLOATS], _BOOLS, *3 * [_FLOATS]),
     "fit_shapes": (*5 * [_SIZE], *15 * [_FLOATS]),
+    "light_sides": (*4 * [_SIZE], *12 * [_FLOATS]),
     "intersect": (*4 * [_SIZE], *3 * [_FLOATS], *2 * [_INTS], *3 * [_FLOATS]),
 }  # fmt: skip
 """The arguments of each C function."""

@@ -2,6 +2,6 @@
 
 #include "native.h"
 
-enum { VERSION = 5 }; /* as in compiled_library.py; a library left over from another version is not used */
+enum { VERSION = 6 }; /* as in compiled_library.py; a library left over from another version is not used */
 
 API int64_t kinemark_native_version(void) { return VERSION; }

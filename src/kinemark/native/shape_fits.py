@@ -55,11 +55,9 @@ _FITS = Arrays(
 )
 _SHAPES: tuple[Shape, ...] = (discs, ellipse, motion, cut)  # in the order of the kinds in shapes.c
 MOST = 24  # parameters, as in shapes.c; by definition
-_NODES = np.stack([NODES, NODE_WEIGHTS])
-_NODES_CORNER = np.stack([NODES_CORNER, WEIGHTS_CORNER])
-_RULES = np.array(
-    [DAMPING.value, *(DAMPING.fixed or ()), MAX_DAMPING, SMALL_STEP, SMALL_GAIN, HOPELESS, *WIDTHS], np.float64
-)  # in the order of `Fit` in shapes.c
+_RULES = [DAMPING.value, *(DAMPING.fixed or ()), MAX_DAMPING, SMALL_STEP, SMALL_GAIN, HOPELESS, *WIDTHS]
+FIXED = np.array(_RULES, np.float64), np.stack([NODES, NODE_WEIGHTS]), np.stack([NODES_CORNER, WEIGHTS_CORNER])
+"""What compiled functions of shapes are told in every call, in the order of `Fit` in shapes.c; by definition."""
 
 
 class ShapeFits(NamedTuple):
@@ -108,17 +106,25 @@ def fit_shapes(
     """
     arrays = start, *columns, wanted, enough = _FITS(start, x, y, grey, weight, white, wanted, enough)
     n, P = start.shape
-    if P > MOST or (P % 3 or P < 6 if shape is discs else P != 8):
+    if not is_shape(shape, P):
         raise ValueError(f"start has {P} parameters a patch, wanted 3 k + 3 of k discs, not above {MOST}, or else 8")
     if compiled := library():
         N = columns[0].shape[1]
         p, chi2, model, normal = start.copy(), np.empty(n), np.empty((n, N)), np.empty((n, P, P))
         work = np.empty((4, N))
-        kind = _SHAPES.index(shape)
-        sizes = kind, n, N, P, STEPS, _RULES, _NODES, _NODES_CORNER
-        if compiled.fit_shapes(*sizes, *arrays[1:], p, chi2, model, normal, work):
+        if compiled.fit_shapes(kind_of(shape), n, N, P, STEPS, *FIXED, *arrays[1:], p, chi2, model, normal, work):
             return ShapeFits(p, chi2, model, normal)
     return _numpy_fits(shape, start, Patches(*columns), wanted, enough)
+
+
+def is_shape(shape: Shape, P: int) -> bool:
+    """Whether the shape may have P parameters with w, A and b."""
+    return P <= MOST and (P >= 6 and P % 3 == 0 if shape is discs else P == 8)
+
+
+def kind_of(shape: Shape) -> int:
+    """Its number in shapes.c."""
+    return _SHAPES.index(shape)
 
 
 @np.errstate(all="ignore")

@@ -17,6 +17,19 @@ typedef struct {
     double p[MOST], chi2, H[MOST][MOST], g[MOST];
 } State;
 
+/* The pixels with weight of N, in work (4, N). */
+static Patch used(int64_t N, const double *x, const double *y, const double *grey, const double *weight, double white,
+                  double *work)
+{
+    Patch patch = {work, work + N, work + 2 * N, work + 3 * N, white, 0};
+    for (int64_t t = 0; t < N; t++)
+        if (!(weight[t] <= 0)) {
+            patch.x[patch.m] = x[t], patch.y[patch.m] = y[t], patch.grey[patch.m] = grey[t];
+            patch.root[patch.m++] = sqrt(weight[t]);
+        }
+    return patch;
+}
+
 /* (8): a grey level as the sensor shows it. */
 static inline double shown(double grey, double white)
 {
@@ -36,37 +49,50 @@ static inline double dot(int64_t n, const double *a, const double *b)
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
+/* What n pixels of a patch say from the one of this number on: the derivatives of their grey levels at p, and what the
+   model leaves of these, both times the roots of the weights. */
+static inline void rows_of(const Fit *fit, const Patch *patch, const double *p, int64_t first, int64_t n, Light *light,
+                           double *rest)
+{
+    const int A = fit->P - 2, b = fit->P - 1;
+    const double *grey = patch->grey + first, *root = patch->root + first;
+    light_of(fit, p, n, patch->x + first, patch->y + first, light);
+    for (int64_t t = 0; t < n; t++) {
+        double all = p[b] + p[A] * light->U[t], seen = shown(all, patch->white);
+        rest[t] = root[t] * (grey[t] - seen);
+        light->J[b][t] = seen == all ? root[t] : 0; /* what is white says nothing */
+    }
+    for (int64_t t = 0; t < n; t++)
+        light->J[A][t] = light->J[b][t] * light->U[t];
+    for (int i = 0; i < A; i++)
+        for (int64_t t = 0; t < n; t++)
+            light->J[i][t] *= light->J[b][t] * p[A];
+}
+
+/* Add what n pixels say of P parameters to χ², the normal matrix below its diagonal, and its right side. */
+static inline void add_rows(int P, int64_t n, const Light *light, const double *rest, State *state)
+{
+    for (int i = 0; i < P; i++) {
+        for (int j = 0; j <= i; j++)
+            state->H[i][j] += dot(n, light->J[i], light->J[j]);
+        state->g[i] += dot(n, light->J[i], rest);
+    }
+    state->chi2 += dot(n, rest, rest);
+}
+
 /* χ², the normal matrix and its right side at state->p. */
 CLONES static void evaluate(const Fit *fit, const Patch *patch, State *state)
 {
-    const int P = fit->P, A = P - 2, b = P - 1;
-    const double *p = state->p;
     Light light;
     double rest[BLOCK];
     state->chi2 = 0;
     memset(state->H, 0, sizeof state->H), memset(state->g, 0, sizeof state->g);
     for (int64_t first = 0; first < patch->m; first += BLOCK) {
-        const double *grey = patch->grey + first, *root = patch->root + first;
         const int64_t n = patch->m - first < BLOCK ? patch->m - first : BLOCK;
-        light_of(fit, p, n, patch->x + first, patch->y + first, &light);
-        for (int64_t t = 0; t < n; t++) {
-            double all = p[b] + p[A] * light.U[t], seen = shown(all, patch->white);
-            rest[t] = root[t] * (grey[t] - seen);
-            light.J[b][t] = seen == all ? root[t] : 0; /* what is white says nothing */
-        }
-        for (int64_t t = 0; t < n; t++)
-            light.J[A][t] = light.J[b][t] * light.U[t];
-        for (int i = 0; i < A; i++)
-            for (int64_t t = 0; t < n; t++)
-                light.J[i][t] *= light.J[b][t] * p[A];
-        for (int i = 0; i < P; i++) {
-            for (int j = 0; j <= i; j++)
-                state->H[i][j] += dot(n, light.J[i], light.J[j]);
-            state->g[i] += dot(n, light.J[i], rest);
-        }
-        state->chi2 += dot(n, rest, rest);
+        rows_of(fit, patch, state->p, first, n, &light, rest);
+        add_rows(fit->P, n, &light, rest, state);
     }
-    for (int i = 0; i < P; i++)
+    for (int i = 0; i < fit->P; i++)
         for (int j = 0; j < i; j++)
             state->H[j][i] = state->H[i][j];
 }
@@ -122,9 +148,9 @@ static int step_of(const Fit *fit, const State *now, double damping, double *ste
 }
 
 /* Whether the step was small, or brought little, or the fit is good enough. */
-static int converged(const Fit *fit, const State *now, const State *tried, double used, double wanted, double enough)
+static int converged(const Fit *fit, const State *now, const State *tried, double number, double wanted, double enough)
 {
-    double moved = 0, mean = tried->chi2 / used;
+    double moved = 0, mean = tried->chi2 / number;
     double small = tried->chi2 > wanted ? fit->hopeless * tried->chi2 : fit->small_gain * (mean > 1 ? mean : 1);
     for (int i = 0; i < fit->P - 2; i++) {
         double by = fabs(tried->p[i] - now->p[i]);
@@ -137,7 +163,7 @@ static int converged(const Fit *fit, const State *now, const State *tried, doubl
 static void fit_one(const Fit *fit, const Patch *patch, int64_t steps, double wanted, double enough, State *now)
 {
     const int P = fit->P;
-    const double used = patch->m > 1 ? (double)patch->m : 1;
+    const double number = patch->m > 1 ? (double)patch->m : 1;
     double damping = fit->damping, step[MOST];
     evaluate(fit, patch, now);
     for (int64_t n = 0; n < steps; n++) {
@@ -153,12 +179,28 @@ static void fit_one(const Fit *fit, const Patch *patch, int64_t steps, double wa
             better = now->chi2 - tried.chi2 >= 0;
         }
         damping *= better ? fit->down : fit->up;
-        int done = better && converged(fit, now, &tried, used, wanted, enough);
+        int done = better && converged(fit, now, &tried, number, wanted, enough);
         if (better)
             *now = tried;
         if (done || damping > fit->most_damping)
             break;
     }
+}
+
+/* Whether there is such a kind with P parameters. */
+static int is_shape(int64_t kind, int64_t P)
+{
+    return P <= MOST && (kind == DISCS ? P >= 6 && P % 3 == 0 : kind >= ELLIPSE && kind <= CUT && P == 8);
+}
+
+/* What holds for a call, of arguments as `fit_shapes` takes them. */
+static Fit fit_of(int64_t kind, int64_t P, int64_t N, const double *rules, const double *nodes,
+                  const double *nodes_corner)
+{
+    Fit fit = {(int)kind, (int)P, N, rules[0], rules[1], rules[2], rules[3], rules[4], rules[5], rules[6], rules[7],
+               rules[8], nodes, nodes + NODES, nodes_corner, nodes_corner + NODES_CORNER, {{0}}};
+    fill_series(&fit);
+    return fit;
 }
 
 /* Shapes of one kind with P parameters in n patches of N pixels: parameters (n, P) are where each begins, and then
@@ -171,19 +213,12 @@ API int64_t fit_shapes(int64_t kind, int64_t n, int64_t N, int64_t P, int64_t st
                        const double *enough, double *parameters, double *chi2, double *model, double *normals,
                        double *work)
 {
-    if (P > MOST || (kind == DISCS ? P < 6 || P % 3 : kind < ELLIPSE || kind > CUT || P != 8))
+    if (!is_shape(kind, P))
         return 0;
-    Fit fit = {(int)kind, (int)P, N, rules[0], rules[1], rules[2], rules[3], rules[4], rules[5], rules[6], rules[7],
-               rules[8], nodes, nodes + NODES, nodes_corner, nodes_corner + NODES_CORNER, {{0}}};
-    fill_series(&fit);
+    const Fit fit = fit_of(kind, P, N, rules, nodes, nodes_corner);
     for (int64_t k = 0; k < n; k++) {
         State state;
-        Patch patch = {work, work + N, work + 2 * N, work + 3 * N, white[k], 0};
-        for (int64_t t = k * N; t < (k + 1) * N; t++)
-            if (!(weight[t] <= 0)) {
-                patch.x[patch.m] = x[t], patch.y[patch.m] = y[t], patch.grey[patch.m] = grey[t];
-                patch.root[patch.m++] = sqrt(weight[t]);
-            }
+        const Patch patch = used(N, x + k * N, y + k * N, grey + k * N, weight + k * N, white[k], work);
         for (int64_t i = 0; i < P; i++)
             state.p[i] = parameters[k * P + i];
         fit_one(&fit, &patch, steps, wanted[k], enough[k], &state);
@@ -194,6 +229,84 @@ API int64_t fit_shapes(int64_t kind, int64_t n, int64_t N, int64_t P, int64_t st
             for (int64_t j = 0; j < P; j++)
                 normals[(k * P + i) * P + j] = state.H[i][j];
         }
+    }
+    return 1;
+}
+
+/* ---- Light from a side, as side_light.py ---- */
+
+/* What the pixels of a patch say at state->p of the P parameters and of a and b of (1), about the middle (2). */
+CLONES static void evaluate_sides(const Fit *fit, const Patch *patch, const double *middle, State *state)
+{
+    const int P = fit->P;
+    Light light;
+    double rest[BLOCK];
+    state->chi2 = 0;
+    memset(state->H, 0, sizeof state->H), memset(state->g, 0, sizeof state->g);
+    for (int64_t first = 0; first < patch->m; first += BLOCK) {
+        const int64_t n = patch->m - first < BLOCK ? patch->m - first : BLOCK;
+        const double *x = patch->x + first, *y = patch->y + first, *root = patch->root + first;
+        rows_of(fit, patch, state->p, first, n, &light, rest);
+        for (int64_t t = 0; t < n; t++) {
+            double bright = root[t] * patch->grey[first + t] - rest[t] - root[t] * state->p[P - 1];
+            light.J[P][t] = bright * (x[t] - middle[0]), light.J[P + 1][t] = bright * (y[t] - middle[1]);
+        }
+        add_rows(P + 2, n, &light, rest, state);
+    }
+}
+
+/* Add to the model (N) at p what a step (P + 2) changes in it. */
+CLONES static void add_step(const Fit *fit, const double *p, const double *step, const double *middle, const double *x,
+                            const double *y, double white, double *model)
+{
+    const int P = fit->P;
+    Light light;
+    for (int64_t first = 0; first < fit->N; first += BLOCK) {
+        const int64_t n = fit->N - first < BLOCK ? fit->N - first : BLOCK;
+        light_of(fit, p, n, x + first, y + first, &light);
+        for (int64_t t = 0; t < n; t++) {
+            double all = p[P - 1] + p[P - 2] * light.U[t], seen = shown(all, white), change = step[P - 1];
+            double side = step[P] * (x[first + t] - middle[0]) + step[P + 1] * (y[first + t] - middle[1]);
+            for (int i = 0; i < P - 2; i++)
+                change += step[i] * p[P - 2] * light.J[i][t];
+            change += step[P - 2] * light.U[t];
+            model[first + t] = seen + (seen == all ? change : 0) + side * (seen - p[P - 1]);
+        }
+    }
+}
+
+/* One linear step of shapes whose parameters (n, P) `fit_shapes` found, and of the sides from which they are lit:
+   model (n, N), and χ² (n), which are those without it where it does not help. Other arguments as there.
+   0 where there is no such kind with so many parameters. */
+API int64_t light_sides(int64_t kind, int64_t n, int64_t N, int64_t P, const double *rules, const double *nodes,
+                        const double *nodes_corner, const double *x, const double *y, const double *grey,
+                        const double *weight, const double *white, const double *parameters, double *chi2,
+                        double *model, double *work)
+{
+    if (!is_shape(kind, P) || P + 2 > MOST)
+        return 0;
+    const Fit fit = fit_of(kind, P, N, rules, nodes, nodes_corner);
+    Fit wide = fit; /* of which the steps are */
+    wide.P += 2;
+    for (int64_t k = 0; k < n; k++, x += N, y += N, grey += N, weight += N, parameters += P, model += N) {
+        State state;
+        const Patch patch = used(N, x, y, grey, weight, white[k], work);
+        double step[MOST], middle[2] = {0, 0}, left = 0;
+        for (int64_t t = 0; t < patch.m; t++)
+            middle[0] += patch.x[t] / (double)patch.m, middle[1] += patch.y[t] / (double)patch.m;
+        memcpy(state.p, parameters, (size_t)P * sizeof *parameters);
+        evaluate_sides(&fit, &patch, middle, &state);
+        chi2[k] = state.chi2;
+        if (step_of(&wide, &state, 0, step)) {
+            add_step(&fit, state.p, step, middle, x, y, white[k], model);
+            for (int64_t t = 0; t < N; t++)
+                left += weight[t] <= 0 ? 0 : weight[t] * (grey[t] - model[t]) * (grey[t] - model[t]);
+            if (left < state.chi2) {
+                chi2[k] = left;
+                continue;
+            }
+        }
+        show(&fit, state.p, x, y, white[k], model);
     }
     return 1;
 }

@@ -61,6 +61,10 @@ Figures = dict[str, Any]
 Findings = Iterator[Finding]
 
 
+NAMELESS = "labels_without_template"
+"""The finding that says of all trajectories that they have no names; by definition."""
+
+
 def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
     """What needs attention, the most severe first.
 
@@ -75,6 +79,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         *(check(figures) for check in CAMERA_CHECKS),
         _unused(figures, named),
         *(check(figures) for check in MARKER_CHECKS),
+        () if any(found.kind == NAMELESS for found in noted) else _unnamed(figures),
         _absent(figures, {name for found in noted for name in found.markers if found.kind == OUTSIDE}),
         noted,
         _close_decisions(figures),
@@ -375,7 +380,6 @@ MARKER_CHECKS = (
         _uncertain,
         _trembling,
         _outside,
-        _unnamed,
         _left_over,
     ),
 )

@@ -242,11 +242,9 @@ def _in_all(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
     """How many gaps of how many files are filled, as the last line of a long text."""
     gaps = gaps_of(done)
     every = [gap for file in gaps.values() for gap in file]
-    said = (
-        f"{len(done)} files: {sum(map(bool, gaps.values()))} had gaps, {sum(bool(gap['method']) for gap in every)} of "
-    )
-    unread = len(done) - len(gaps)
-    return f"{said}{len(every)} gaps filled" + (f"; {unread} could not be used" if unread else "") + "."
+    filled, unread = sum(bool(gap["method"]) for gap in every), len(done) - len(gaps)
+    said = f"{len(done)} files: {sum(map(bool, gaps.values()))} had gaps, {filled} of {len(every)} gaps filled"
+    return said + (f"; {unread} could not be used." if unread else ".")
 
 
 def fill_method(name: str, parameters: Iterable[str] = (), *, model: Path | None = None) -> Any:

@@ -13,6 +13,7 @@ from kinemark.data import (
     MarkerTrajectory,
     Origin,
     Rig,
+    Step,
     Tracks,
     Trajectories,
     Validity,
@@ -25,7 +26,7 @@ from kinemark.report import summary, write_quality, write_report
 from kinemark.report.formatting import number, percent, some
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import AmbiguousDecision
-from support.captures import RATE, capture, empty_capture, judge, ring, walk
+from support.captures import RATE, STEPS, capture, empty_capture, judge, ring, walk
 from support.findings import found
 from support.schema import check_quality
 
@@ -45,6 +46,8 @@ def test_a_perfect_trial_is_green_and_its_figures_are_known():
     assert figures["trajectories"]["sd_per_axis_mean_mm"] == pytest.approx(0.5)
     assert figures["timing"]["total_s"] == 2.5
     assert figures["timing"]["frames_per_s"] == pytest.approx(16)
+    shared = judge(rig, capture(rig, walk()), steps=(Step("calibrate", "Wand", {}, "0.1.0", "c" * 64, 30.0), *STEPS))
+    assert (shared["timing"]["total_s"], len(shared["timing"]["stages"])) == (2.5, 3)
     camera = figures["cameras"][0]
     assert camera["position_mm"] == pytest.approx([3000, 0, 2000])
     assert camera["detections_per_frame"] == {"mean": 3, "min": 3, "max": 3}

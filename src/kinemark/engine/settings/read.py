@@ -58,6 +58,11 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
         KinemarkError: it is absent, no TOML, or says something that is not understood; all such places are named.
     """
     try:
+        if not path.exists() and (path.suffix != ".toml" or not path.parent.is_dir()):
+            raise KinemarkError(
+                f"{path} is not there. Look at its name and the folder that you are in, or make a session to look at: "
+                f"kinemark simulate {typed(path)}"
+            )
         if not path.is_file():
             raise KinemarkError(
                 f"{path} is not there. Make one from your recordings: kinemark init {typed(path.parent)}, or one to "

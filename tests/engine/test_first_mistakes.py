@@ -157,5 +157,5 @@ def test_a_mistyped_folder_does_not_lead_to_a_session_of_the_folder_above_it(tmp
         Session.open(tmp_path / name)
     assert "init" not in str(raised.value)
     (tmp_path / "bare").mkdir()
-    with pytest.raises(KinemarkError, match="kinemark init .*bare"):
+    with pytest.raises(KinemarkError, match=r"kinemark init .*bare"):
         Session.open(tmp_path / "bare")

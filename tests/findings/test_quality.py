@@ -385,6 +385,19 @@ def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
     assert completeness(named) == pytest.approx(190 / 500)
 
 
+def test_a_short_piece_that_was_left_without_a_name_is_no_marker_that_is_missing():
+    """As a ghost beside a body that was named; what is there in all frames is one, with a name or without."""
+    there = np.ones((7, 100), bool)
+    there[0, 90:] = there[5, :20] = there[5, 33:] = False
+    xyz = np.where(there[..., None], 1.0 + np.arange(7)[:, None, None], np.nan) * np.ones(3)
+    names = ("A", "B", "C", "D", "E", "*1", "*2")
+    beside = Trajectories(tuple(map(MarkerTrajectory.measured, names, xyz)), 50.0)
+    assert markers_worn(beside) == 6
+    assert completeness(beside) == pytest.approx(590 / 600)
+    assert markers_worn(beside.select(names[:6])) == 5
+    assert completeness(beside.select(names[:6])) == pytest.approx(490 / 500)
+
+
 @pytest.mark.parametrize(("frames", "grade"), [(1, None), (39, "amber"), (300, "red")])
 def test_tracks_that_came_near_for_long_are_never_green(frames, grade):
     """Of 1200 points; either of two tracks could have had the other's images for so many frames, two points a frame."""

@@ -98,7 +98,8 @@ def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
 
 def _statements(figures: Figures) -> Findings:
     recording, markers = figures["recording"], figures["trajectories"]
-    fragments = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
+    nameless = any(one["name"].startswith("*") for one in markers["markers"])
+    fragments = nameless and markers["count"] != markers["markers_worn"]
     yield make_finding(
         "recorded",
         camera_count=len(figures["cameras"]),
@@ -248,6 +249,7 @@ def _incomplete(figures: Figures) -> Findings:
     if not trajectories["samples"] or complete is None or complete >= COMPLETE_AMBER:
         return
     markers = [m for m in trajectories["markers"] if (m["completeness_in_view_share"] or 0.0) < COMPLETE_AMBER]
+    markers = [m for m in markers if not m["name"].startswith("*")]
     least_complete = [m["name"] for m in sorted(markers, key=lambda m: m["completeness_in_view_share"] or 0.0)]
     yield make_finding(
         "incomplete",

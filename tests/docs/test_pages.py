@@ -1,6 +1,7 @@
 """What the pages name is there: imports of their code, files of the project, sources that are cited."""
 
 import ast
+import builtins
 import importlib
 import re
 import sys
@@ -34,6 +35,22 @@ def test_code_on_a_page_imports_what_exists(page):
         if block.language == "python":
             for module, name in imports(block.text):
                 assert hasattr(importlib.import_module(module), name), f"{module} has no {name}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
+def test_classes_and_functions_that_code_on_a_page_uses_are_imported_there(page):
+    """What a reader copies runs, but for the data, which they have themselves."""
+    known, used = set(dir(builtins)), set()
+    for block in blocks(page.read_text(encoding="utf-8")):
+        if block.language == "python":
+            for node in ast.walk(ast.parse(block.text)):
+                if isinstance(node, ast.ImportFrom | ast.Import):
+                    known |= {alias.asname or alias.name for alias in node.names}
+                elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                    used.add(node.func.id)
+                elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                    known.add(node.id)
+    assert used - known == set()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())

@@ -149,3 +149,13 @@ def test_a_target_of_white_pixels_that_cannot_be_is_told_why(tmp_path, target, w
     (tmp_path / "a.mkv").touch()
     with pytest.raises(KinemarkError, match=wanted):
         write_white_pixels(tmp_path / "in.mkv", tmp_path / target, threshold=60)
+
+
+@pytest.mark.parametrize("name", ["laborotory", "day.2", "laborotory/session.toml"])
+def test_a_mistyped_folder_does_not_lead_to_a_session_of_the_folder_above_it(tmp_path, name):
+    with pytest.raises(KinemarkError, match="Look at its name") as raised:
+        Session.open(tmp_path / name)
+    assert "init" not in str(raised.value)
+    (tmp_path / "bare").mkdir()
+    with pytest.raises(KinemarkError, match=r"kinemark init .*bare"):
+        Session.open(tmp_path / "bare")

@@ -1,6 +1,7 @@
 """`kinemark init`: a folder's recordings propose its first session.toml."""
 
 import io
+import shlex
 import shutil
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 
+from kinemark.apps.commands.new_session import init
 from kinemark.data import KinemarkError
 from kinemark.engine.first_session import (
     Role,
@@ -77,6 +79,22 @@ def test_without_answers_the_file_says_what_is_wanted(waved):
     completed = text.replace("# ? wand", "wand").replace("lengths_mm = [?]", "lengths_mm = [500]")
     (waved / "session.toml").write_text(completed, "utf-8")
     assert Session.open(waved).settings.calibration.way == "wand"
+
+
+def test_trials_that_nothing_names_are_named_by_the_first_that_somebody_names(waved):
+    write_first_session(propose_session(waved))
+    assert "[label] # name the markers of one trial" in (waved / "session.toml").read_text("utf-8")
+
+
+def test_commands_in_messages_can_be_typed_as_they_stand(waved, capsys):
+    """A folder of the day is often called by date and person, with spaces."""
+    folder = waved.rename(waved.parent / "Labor Müller 7")
+    init(folder, yes=True)
+    said = capsys.readouterr().out.rpartition("kinemark calibrate ")[2]
+    assert shlex.split(said) == [str(folder)]
+    with pytest.raises(KinemarkError) as error:
+        init(folder, yes=True)
+    assert shlex.split(str(error.value).rpartition("kinemark calibrate ")[2]) == [str(folder)]
 
 
 def test_an_existing_session_is_never_overwritten(waved):
@@ -241,7 +259,6 @@ def test_a_bts_file_is_trial_and_calibration(tmp_path):
 
 def test_at_a_terminal_roles_are_confirmed_and_questions_asked(waved, monkeypatch, capsys):
     """What is typed goes into the file; what is no answer is asked again."""
-    from kinemark.apps.commands.new_session import init
 
     typed = io.StringIO("9 wand\n2 king\n2 static\n\nmany\n500\n\n")
     typed.isatty = lambda: True

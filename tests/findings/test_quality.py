@@ -13,6 +13,7 @@ from kinemark.data import (
     MarkerTrajectory,
     Origin,
     Rig,
+    Step,
     Tracks,
     Trajectories,
     Validity,
@@ -25,7 +26,7 @@ from kinemark.report import summary, write_quality, write_report
 from kinemark.report.formatting import number, percent, some
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import AmbiguousDecision
-from support.captures import RATE, capture, empty_capture, judge, ring, walk
+from support.captures import RATE, STEPS, capture, empty_capture, judge, ring, walk
 from support.findings import found
 from support.schema import check_quality
 
@@ -45,6 +46,8 @@ def test_a_perfect_trial_is_green_and_its_figures_are_known():
     assert figures["trajectories"]["sd_per_axis_mean_mm"] == pytest.approx(0.5)
     assert figures["timing"]["total_s"] == 2.5
     assert figures["timing"]["frames_per_s"] == pytest.approx(16)
+    shared = judge(rig, capture(rig, walk()), steps=(Step("calibrate", "Wand", {}, "0.1.0", "c" * 64, 30.0), *STEPS))
+    assert (shared["timing"]["total_s"], len(shared["timing"]["stages"])) == (2.5, 3)
     camera = figures["cameras"][0]
     assert camera["position_mm"] == pytest.approx([3000, 0, 2000])
     assert camera["detections_per_frame"] == {"mean": 3, "min": 3, "max": 3}
@@ -380,6 +383,19 @@ def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
     named = Trajectories(tuple(replace(p, name=p.name[1:]) for p in broken), 100.0)
     assert markers_worn(named) == 5
     assert completeness(named) == pytest.approx(190 / 500)
+
+
+def test_a_short_piece_that_was_left_without_a_name_is_no_marker_that_is_missing():
+    """As a ghost beside a body that was named; what is there in all frames is one, with a name or without."""
+    there = np.ones((7, 100), bool)
+    there[0, 90:] = there[5, :20] = there[5, 33:] = False
+    xyz = np.where(there[..., None], 1.0 + np.arange(7)[:, None, None], np.nan) * np.ones(3)
+    names = ("A", "B", "C", "D", "E", "*1", "*2")
+    beside = Trajectories(tuple(map(MarkerTrajectory.measured, names, xyz)), 50.0)
+    assert markers_worn(beside) == 6
+    assert completeness(beside) == pytest.approx(590 / 600)
+    assert markers_worn(beside.select(names[:6])) == 5
+    assert completeness(beside.select(names[:6])) == pytest.approx(490 / 500)
 
 
 @pytest.mark.parametrize(("frames", "grade"), [(1, None), (39, "amber"), (300, "red")])

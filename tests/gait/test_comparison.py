@@ -184,10 +184,11 @@ def test_two_people_are_told(conditions, capsys):
         into = conditions / f"with_{other}"
         app(["gait-compare", str(conditions / "first"), str(conditions / other), "-o", str(into)],
             result_action="return_value")  # fmt: skip
-        words = "first is of Anna and stranger of Ben"
+        words = "“first” is of Anna, and “stranger” is of Ben"
         said = " ".join(capsys.readouterr().out.split())
         assert (words in said) == (words in (into / "comparison.html").read_text()) == told
         assert "Strides: first" in said
+        assert ('<li class="amber">' in (into / "comparison.html").read_text()) == told
 
 
 def test_what_cannot_be_compared_is_refused(conditions):

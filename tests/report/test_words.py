@@ -229,3 +229,9 @@ def test_each_state_of_an_open_gap_says_why():
     assert "716.0 mm, contradicts the error expected, 31.0 mm" in said["sd_contradicts"]
     assert "jumps by 33.0 mm" in said["jump_contradicts"]
     assert said["filled"] == "–" and len(set(said.values())) == len(said)
+
+
+@pytest.mark.parametrize("cause", ["noise", "smoothing", "placement", "hip centre", "widths", "soft tissue", "plates"])
+def test_what_makes_an_angle_uncertain_is_told_without_terms_of_statistics(cause):
+    said = text_of(make_finding("gait_deviations", knee_deg=3.8, cause=cause, variance_share=0.5))
+    assert "variance" not in said and not said.endswith(f"is {cause}.")

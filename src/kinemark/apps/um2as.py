@@ -17,6 +17,7 @@ from cyclopts import App, Parameter
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..data.typed import typed
 from .terminal import Terminal, pointed, say
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
@@ -303,7 +304,8 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
         announce=lambda name: say(f"camera {name}", file=sys.stderr),
         stop_after=camera,
     )
-    say(figures if json else f"{figures['questions']} questions were asked. Next: kinemark run {session} {trial}")
+    command = f"kinemark run {typed(session)} {typed(trial)}"
+    say(figures if json else f"{figures['questions']} questions were asked. Next: {command}")
 
 
 def _semi_automatic(markers: list[str], reference: str | None, **options: Any) -> SemiAutomatic:

@@ -13,7 +13,7 @@ LABELLING = (
          "the template tells the one from the other, and none of them is sure."),
     Kind("world_mirrored", "label", "red", "The trial is the mirror image of the one that the template was learnt "
          "from: distances fit names of the one side, and orientation those of the other, so that none is sure."),
-    Kind("labels_without_template", "label", "amber", "The session is to name markers, and neither a template nor a "
+    Kind("labels_without_template", "label", "info", "The session is to name markers, and neither a template nor a "
          "statement tells which is which in this trial."),
     Kind("labels_unsure", "label", "amber", "Stretches of tracks whose name is not sure, so that they have none.",
          {"stretches": "count"}),

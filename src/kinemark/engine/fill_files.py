@@ -224,21 +224,27 @@ def filled_figures(done: Mapping[Path, FilledFile | KinemarkError]) -> dict[str,
 
 
 def filled_text(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
-    """The same as lines of text, with the files that were written."""
+    """What became of the files that could be read, as lines of text; of many also in all."""
     parts = []
     for source, found in done.items():
-        lines = (
-            [str(found) if str(found).startswith(str(source)) else f"{source}: {found}"]
-            if isinstance(found, KinemarkError)
-            else [
+        if isinstance(found, FilledFile):
+            lines = [
                 *([f"{source}"] if len(done) > 1 else []),
                 filling_summary(found.figures),
                 *(f"note:     {file_note_text(note)}" for note in found.notes),
                 f"results:  {', '.join(map(str, found.written))}",
             ]
-        )
-        parts.append("\n".join(lines))
-    return "\n\n".join(parts)
+            parts.append("\n".join(lines))
+    return "\n\n".join([*parts, *([_in_all(done)] if len(done) > 1 else [])])
+
+
+def _in_all(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
+    """How many gaps of how many files are filled, as the last line of a long text."""
+    gaps = gaps_of(done)
+    every = [gap for file in gaps.values() for gap in file]
+    filled, unread = sum(bool(gap["method"]) for gap in every), len(done) - len(gaps)
+    said = f"{len(done)} files: {sum(map(bool, gaps.values()))} had gaps, {filled} of {len(every)} gaps filled"
+    return said + (f"; {unread} could not be used." if unread else ".")
 
 
 def fill_method(name: str, parameters: Iterable[str] = (), *, model: Path | None = None) -> Any:

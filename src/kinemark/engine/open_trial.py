@@ -271,7 +271,7 @@ def earlier_trials(
         calibrated: the cameras. progress, cancel, threads: as `OpenTrial.run` has them.
     """
     found: tuple[Earlier, ...] = ()
-    for one in before(workspace.settings, entry):
+    for one in before(workspace.root, workspace.settings, entry):
         trial = OpenTrial(workspace, one, one.frames)
         if progress is not None and trial.label_key(calibrated, found) == ABSENT:
             with suppress(KinemarkError):

@@ -83,14 +83,26 @@ def unlabelled(trajectories: Trajectories) -> bool:
 
 
 def markers_worn(trajectories: Trajectories) -> int:
-    """How many markers there are: all ever seen; of unlabelled tracks, as many as nine in ten frames
-    that have any do not exceed."""
+    """How many markers there are: all named ones ever seen, and beside them as many without a name as half of the
+    frames have; of unlabelled tracks, as many as nine in ten frames that have any do not exceed."""
     seen = present(trajectories)
     if not unlabelled(trajectories):
-        return int(seen.any(axis=1).sum())
+        return int(seen[_named(trajectories)].any(axis=1).sum()) + _nameless_worn(trajectories)
     at_once = seen.sum(axis=0)
     at_once = at_once[at_once > 0]
     return max(round(float(np.quantile(at_once, 0.9))), 1) if at_once.size else 0
+
+
+def _named(trajectories: Trajectories) -> Bools:
+    """(M) which have a marker's name."""
+    return np.array([not path.name.startswith("*") for path in trajectories], np.bool_)
+
+
+def _nameless_worn(trajectories: Trajectories) -> int:
+    """Markers beside the named ones: short pieces and ghosts that were left without a name are none."""
+    seen = present(trajectories)
+    at_once = seen[~_named(trajectories)].sum(axis=0)[seen.any(axis=0)]
+    return round(float(np.median(at_once))) if at_once.size else 0
 
 
 def in_view(trajectories: Trajectories) -> tuple[int, int]:
@@ -129,9 +141,12 @@ def completeness(trajectories: Trajectories, inside: Bools | None = None) -> flo
     without any."""
     seen = present(trajectories)
     inside = frames_in_view(trajectories) if inside is None else inside
-    worn = markers_worn(trajectories) if unlabelled(trajectories) else len(trajectories)
-    there = np.minimum(seen[:, inside].sum(axis=0), worn)
-    return share(there.sum(), worn * inside.sum())
+    if unlabelled(trajectories):
+        named, nameless = np.zeros(len(trajectories), np.bool_), markers_worn(trajectories)
+    else:
+        named, nameless = _named(trajectories), _nameless_worn(trajectories)
+    there = seen[named][:, inside].sum() + np.minimum(seen[~named][:, inside].sum(axis=0), nameless).sum()
+    return share(there, (named.sum() + nameless) * inside.sum())
 
 
 def completeness_known(cameras: list[dict[str, Any]]) -> bool:

@@ -190,7 +190,8 @@ def _decision(row: AmbiguousDecision, rate: float, names: Sequence[str] | None) 
 
 
 def _timing(steps: Sequence[Step], frames: int) -> dict[str, Any]:
-    total = float(sum(step.seconds for step in steps))
+    """Of the trial's own stages in all; the calibration, which its session shares, has a row and no part of it."""
+    total = float(sum(step.seconds for step in steps if step.stage != "calibrate"))
     stages: dict[str, float] = {}
     for step in steps:
         stages[step.stage] = stages.get(step.stage, 0.0) + step.seconds

@@ -257,7 +257,7 @@ class StageTime(TypedDict):
 
 @documented
 class TimingData(TypedDict):
-    """Time of computing."""
+    """Time of computing, in all without the calibration, which the session's trials share."""
 
     total_s: float
     frames_per_s: Number

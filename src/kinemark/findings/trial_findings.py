@@ -61,6 +61,10 @@ Figures = dict[str, Any]
 Findings = Iterator[Finding]
 
 
+NAMELESS = "labels_without_template"
+"""The finding that says of all trajectories that they have no names; by definition."""
+
+
 def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
     """What needs attention, the most severe first.
 
@@ -75,6 +79,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         *(check(figures) for check in CAMERA_CHECKS),
         _unused(figures, named),
         *(check(figures) for check in MARKER_CHECKS),
+        () if any(found.kind == NAMELESS for found in noted) else _unnamed(figures),
         _absent(figures, {name for found in noted for name in found.markers if found.kind == OUTSIDE}),
         noted,
         _close_decisions(figures),
@@ -93,7 +98,8 @@ def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
 
 def _statements(figures: Figures) -> Findings:
     recording, markers = figures["recording"], figures["trajectories"]
-    fragments = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
+    nameless = any(one["name"].startswith("*") for one in markers["markers"])
+    fragments = nameless and markers["count"] != markers["markers_worn"]
     yield make_finding(
         "recorded",
         camera_count=len(figures["cameras"]),
@@ -243,6 +249,7 @@ def _incomplete(figures: Figures) -> Findings:
     if not trajectories["samples"] or complete is None or complete >= COMPLETE_AMBER:
         return
     markers = [m for m in trajectories["markers"] if (m["completeness_in_view_share"] or 0.0) < COMPLETE_AMBER]
+    markers = [m for m in markers if not m["name"].startswith("*")]
     least_complete = [m["name"] for m in sorted(markers, key=lambda m: m["completeness_in_view_share"] or 0.0)]
     yield make_finding(
         "incomplete",
@@ -375,7 +382,6 @@ MARKER_CHECKS = (
         _uncertain,
         _trembling,
         _outside,
-        _unnamed,
         _left_over,
     ),
 )

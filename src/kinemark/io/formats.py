@@ -22,6 +22,7 @@ from ..data import (
     Trial,
 )
 from ..data.trial import UP
+from ..data.typed import typed
 from .c3d import read_c3d, write_c3d
 from .detections_csv import NamedDetections, read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
@@ -266,7 +267,7 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
         return open_images(path)
     if (path / "session.toml").is_file():
         raise KinemarkError(
-            f"{path} is a session. Process it with kinemark run {path}, and give a file in its results."
+            f"{path} is a session. Process it with kinemark run {typed(path)}, and give a file in its results."
         )
     if path.is_dir():
         raise KinemarkError(f"{path} is a folder without a session.toml. Name the files in it, as {path / '*.c3d'}.")

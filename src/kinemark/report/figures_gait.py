@@ -115,7 +115,7 @@ def trunk_figure(curves: Sequence[GaitCurves], reference: GaitReference | None =
 def _key(place: tuple[float, float], *, with_sd: bool, with_reference: bool) -> list[Part]:
     """Which line is which, below this corner of an empty panel."""
     lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items()]
-    lines += [("┅┅ measured to ±", INK)] if with_sd else []
+    lines += [("- - measured to ±", INK)] if with_sd else []
     lines += [("┊ foot off", INK)]
     lines += [("▒▒ reference", REFERENCE_COLOUR)] if with_reference else []
     return [

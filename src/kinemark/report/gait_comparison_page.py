@@ -79,15 +79,13 @@ def _subjects(figures: dict[str, Any]) -> list[str]:
     return list(dict.fromkeys(one["subject"] for one in figures["conditions"] if one["subject"]))
 
 
-def other_subject(figures: dict[str, Any]) -> str:
-    """What is said where the two conditions state different subjects; empty where they do not."""
+def other_subject(figures: dict[str, Any]) -> tuple[str, ...]:
+    """What is said where the two conditions state different subjects, and what to do; empty where they do not."""
     one, two = figures["conditions"]
     if not one["subject"] or not two["subject"] or one["subject"].casefold() == two["subject"].casefold():
-        return ""
-    return (
-        f"{one['name']} is of {one['subject']} and {two['name']} of {two['subject']}: what differs may be that they "
-        "are two people. Check which files were compared."
-    )
+        return ()
+    said = f"“{one['name']}” is of {one['subject']}, and “{two['name']}” is of {two['subject']}"
+    return f"{said}: what differs may be that they are two people.", "Check which files were compared."
 
 
 def error_holds(figures: dict[str, Any]) -> str:

@@ -250,7 +250,7 @@ def uncertainty_table(figures: dict[str, Any]) -> Table:
         total = sum(value**2 for value in each if value is not None) ** 0.5
         title, digits = _titled(row["name"])
         rows.append([title, number(total, digits), *(number(value, digits) for value in each)])
-    return Table(["first component", "all", *causes], rows, absent="No error bars were asked for.")
+    return Table(["", "all", *causes], rows, absent="No error bars were asked for.")
 
 
 _ROWS = {"PelvisAngles": "pelvic tilt", "HipAngles": "hip flexion", "KneeAngles": "knee flexion",
@@ -280,7 +280,7 @@ def consistency_table(figures: dict[str, Any]) -> Table:
         rows.append([title, number(one["strides"]), number(mean, digits), number(one["consistency"][0], 2)])
     few = all(one["strides"] < 2 for one in figures["curves"])
     absent = "One stride of a side says nothing of how strides differ. Give several walks together."
-    return Table(["first component", "strides", "mean spread", "consistency (CMC)"], [] if few else rows, absent=absent)
+    return Table(["", "strides", "mean spread", "consistency (CMC)"], [] if few else rows, absent=absent)
 
 
 HARMONIC_ROWS = {"PelvisAngles": 1, "HipAngles": 0, "KneeAngles": 0, "AnkleAngles": 0}

@@ -38,11 +38,11 @@ def comparison_summary(figures: dict[str, Any]) -> str:
     """What differs, a line each."""
     one, two = figures["conditions"]
     rows = [*differing_table(figures).rows]
-    lines = [*filter(None, [other_subject(figures)]), strides_compared(figures)]
+    lines = [*filter(None, [" ".join(other_subject(figures))]), strides_compared(figures)]
     lines += [*filter(None, [not_judged(figures)])]
     lines += [error_holds(figures)] if figures["without_uncertainty"] else []
     many = count(len(rows), "component of a curve differs", "components of curves differ")
-    lines += [f"{two['name']} minus {one['name']}: {many} by more than the error."]
+    lines += [f"“{two['name']}” minus “{one['name']}”: {many} by more than the error."]
     lines += [f"  {row[0]:34s} {row[2]:>22s}  {row[3]:>12s}   {row[1]}" for row in rows]
     numbers = [*parameters_table(figures).rows, *key_values_table(figures).rows]
     differing = [row for row in numbers if row[-1] == JUDGED[True]]

@@ -191,7 +191,8 @@ def _recording_tiles(quality: dict[str, Any]) -> list[Tile]:
     recording, points, timing = quality["recording"], quality["points"], quality["timing"]
     tracks = f"{count(quality['tracks']['count'], 'track')}, {number(points['per_frame_mean'], 1)} points a frame"
     trajectories = quality["trajectories"]
-    worn = trajectories["markers_worn"] if trajectories["unlabelled"] else trajectories["count"]
+    nameless = any(one["name"].startswith("*") for one in trajectories["markers"])
+    worn = trajectories["markers_worn"] if nameless else trajectories["count"]
     few = f"{percent(points['fewer_than_3_cameras_share'])} of points in fewer than three"
     frames = f"{count(recording['frames'], 'frame')} at {number(recording['rate_hz'])} Hz"
     return [

@@ -11,6 +11,7 @@ from kinemark.apps.studio.angles import _none_fits
 from kinemark.data import Events, MarkerTrajectory, Trajectories, Trial
 from kinemark.engine.angles.of_trial import AngleSettings, trial_angles
 from kinemark.engine.um2as.flow import limb_angles
+from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.model_toml import load_model, models
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.io.um2as import read_angles
@@ -111,3 +112,10 @@ def test_where_no_model_fits_it_is_said_what_the_nearest_lacks():
     known, wanted = {name: name for name in models()}, load_model("um2as").markers
     assert f"; um2as lacks {wanted[-1]}. Name" in _none_fits(known, wanted[:-1])
     assert "lacks" not in _none_fits(known, wanted[:1])
+
+
+@pytest.mark.parametrize("called", [str, "Anna:{}".format, str.lower])
+def test_where_the_markers_are_those_of_gait_the_gait_report_is_named(called):
+    known, names = {name: name for name in models()}, read_marker_set("kiss-15").names
+    assert "kinemark gait" in _none_fits(known, [called(name) for name in names])
+    assert "kinemark gait" not in _none_fits(known, [called(name) for name in names if name != "LANK"])

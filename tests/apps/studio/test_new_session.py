@@ -100,7 +100,7 @@ def test_a_labelled_trial_is_proposed_for_the_names_and_may_be_left_out(studio, 
     row = next(one for one in proposal(studio)["recordings"] if one["file"] == "earlier.c3d")
     assert row["role"] == "template" and "names of markers" in row["why"]
     assert 'template = ["earlier.c3d"]' in proposal(studio)["text"]
-    assert "[label]" not in proposal(studio, roles={row["id"]: "unused"})["text"]
+    assert "template =" not in proposal(studio, roles={row["id"]: "unused"})["text"]
     key = proposal(studio)["id"]
     walk = next(one for one in proposal(studio)["recordings"] if one["role"] == "trial")
     wrong = studio.page.post(f"/api/recordings/{key}/proposal", {"roles": {walk["id"]: "template"}})

@@ -76,7 +76,7 @@ def test_none_is_taken_that_names_nothing(folder):
     write_trajectories(folder / "tracks.c3d", renamed(walk(), lambda k, _: f"*{k}"))
     write_trajectories(folder / "few.c3d", walk().select(walk().names[:3]))
     assert set(roles(folder).values()) == {(Role.UNUSED, "few_names")}
-    assert "[label]" not in session_text(propose_session(folder))
+    assert "template =" not in session_text(propose_session(folder))
 
 
 def test_computed_points_are_no_markers(folder):
@@ -134,4 +134,4 @@ def test_images_name_nothing_and_labelled_trials_are_no_trials(folder):
     with pytest.raises(ValueError, match=r"holds no images.*template"):
         with_role(proposal, "walk.c3d", Role.TRIAL)
     unused = with_role(proposal, "walk.c3d", Role.UNUSED)
-    assert "[label]" not in session_text(unused)
+    assert "template =" not in session_text(unused)

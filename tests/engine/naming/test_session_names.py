@@ -139,6 +139,29 @@ def test_a_trial_that_nothing_names_says_so_and_is_else_the_same(tmp_path):
     assert (plain.tracks.id == trial.tracks.id).all()
 
 
+@pytest.mark.parametrize("by", ["claims", "file"])
+def test_whichever_trial_is_named_by_hand_names_the_others(tmp_path, by):
+    """Nothing else names them: no template, no static trial, and the one that is named is not the first."""
+    folder = session_of(tmp_path, "walk01", "walk02", label='names = "names.csv"' if by == "file" else "")
+    (folder / "names.csv").write_text("trial,frame,x_mm,y_mm,z_mm,name\n")
+    last = run(folder, to="quality")["walk02"]
+    assert "labels_without_template" in kinds(last.quality)
+    assert "unnamed_trajectories" not in kinds(last.quality)
+    truth = motion("walk02")
+    if by == "file":
+        rows = [
+            f"walk02,20,{x:.1f},{y:.1f},{z:.1f},{n}" for n, (x, y, z) in zip(truth.names, truth.xyz[:, 19], strict=True)
+        ]
+        (folder / "names.csv").write_text("\n".join(["trial,frame,x_mm,y_mm,z_mm,name", *rows]))
+    else:
+        for path in reversed(last.trajectories.paths):
+            own = truth.names[int(np.nanmedian(np.linalg.norm(path.xyz - truth.xyz, axis=2), axis=1).argmin())]
+            Editing.of_trial(last).claim(path.name, own)
+    first = run(folder)["walk01"]
+    assert set(first.trajectories.names) == set(truth.names)
+    assert share_right(first.trajectories, motion("walk01")) == 1.0
+
+
 def test_a_template_of_another_size_needs_both_heights(tmp_path):
     folder = session_of(tmp_path, "walk01", label="template_height_mm = 1700")
     with pytest.raises(KinemarkError, match=r"template_height_mm is given without height_mm"):

@@ -25,7 +25,7 @@ export function Labels(): React.JSX.Element {
     <div className={styles.screen}>
       <section className={styles.figure} aria-label="Marker set">
         <header className={styles.head}><h1>Labels</h1><span className="soft">{header.marker_set ? header.marker_set.name || many(header.marker_set.names.length, "marker") : known.length ? many(known.length, "name") : "no marker set"}</span></header>
-        {header.marker_set ? <Figure set={header.marker_set} /> : known.length ? <Figure set={{ ...NO_SET, names: known }} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: names are what stands in it, what a labelled trial or a template beside it proposes (<kbd>A</kbd>), and what you say (<kbd>L</kbd>).</p> : <p className={styles.none}>The session names no marker set. <code>marker_set = "kiss-15"</code> in session.toml draws it here; <code>kinemark marker-set list</code> shows which there are.</p>}
+        {header.marker_set ? <Figure set={header.marker_set} /> : known.length ? <Figure set={{ ...NO_SET, names: known }} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: names are what stands in it, what a labelled trial or a template beside it proposes (<kbd>A</kbd>), and what you say (<kbd>L</kbd>).</p> : <p className={styles.none}>Name the tracks of one trial (<kbd>L</kbd>): the others are named by it when they are run, as <code>[label]</code> in session.toml says. <code>marker_set = "kiss-15"</code> there draws the markers here; <code>kinemark marker-set list</code> shows which there are.</p>}
         <Sides />
       </section>
       <section className={styles.tracks} aria-label="Tracks and names">

@@ -13,6 +13,7 @@ from cyclopts import App, Parameter
 
 from ...data import KinemarkError
 from ...data.edits import Undo, counting
+from ...data.typed import typed
 from ...io.notes import file_note_figures, file_note_text
 from ..output import NO_EMPTY, Json, print_result
 from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, retrack, review, smooth, trim
@@ -102,7 +103,7 @@ def show(trial: Path, entry: int, *, json: Json = False) -> None:
     editing = open_editing(trial)
     found = next((one for one in editing.journal.entries if one.id == entry), None)
     if found is None:
-        raise KinemarkError(f"There is no entry {entry}. List them: kinemark edits list {trial}.")
+        raise KinemarkError(f"There is no entry {entry}. List them: kinemark edits list {typed(trial)}.")
     applied = [one for one in editing.edited().applied if one.entry == entry]
     if json:
         print_result(entry_figures(found) | {"applied": [applied_figures(one) for one in applied]})

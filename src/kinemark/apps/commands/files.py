@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...data.typed import typed
 from ...engine.describe import describe, described
 from ...engine.folders import check_folder, trials_in
 from ...engine.formats import convert as convert_file
@@ -82,7 +83,7 @@ def convert(
         return
     for note in notes:
         print_result(f"note: {file_note_text(note)}")
-    print_result(f"{target} is written. What it holds: kinemark info {target}")
+    print_result(f"{target} is written. What it holds: kinemark info {typed(target)}")
 
 
 def starts(

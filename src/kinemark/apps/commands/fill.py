@@ -18,6 +18,7 @@ from ..output import (
     Rate,
     SelfContained,
     exit_by_verdict,
+    print_errors,
     print_note,
     print_result,
 )
@@ -92,8 +93,13 @@ def fill(
         )  # fmt: skip
     if table is not None:
         write_gaps_csv(table, gaps_of(done))
-    print_result(filled_figures(done) if json else filled_text(done))
-    if any(isinstance(found, KinemarkError) for found in done.values()):
-        sys.exit(1)
     filled = [found for found in done.values() if not isinstance(found, KinemarkError)]
+    failed = {str(path): found for path, found in done.items() if isinstance(found, KinemarkError)}
+    if json:
+        print_result(filled_figures(done))
+    elif filled:
+        print_result(filled_text(done) + (f"\ntable:    {table}" if table else ""))
+    if failed:
+        print_errors(failed)
+        sys.exit(1)
     exit_by_verdict([found.figures["verdict"]["grade"] for found in filled], fail_on)

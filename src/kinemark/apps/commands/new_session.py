@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...data.typed import typed
 from ...engine.session_name import FILE
 from ..output import Json, print_result
 
@@ -135,6 +136,6 @@ def _written(proposal: SessionProposal, path: Path) -> str:
         f"trials:      {', '.join(one.name for one in proposal.trials) or 'none found'}",
         *(f"to answer:   {one.key}: {question_text(one)}" for one in proposal.open),
         f"{path} is written. {'Complete it' if proposal.open or not proposal.way else 'Look at it'}, "
-        f"then: kinemark calibrate {path.parent}",
+        f"then: kinemark calibrate {typed(path.parent)}",
     ]
     return "\n".join(lines)

@@ -8,6 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...data.typed import typed
 from ...engine.simulate import Scene
 from ...engine.simulate import simulate as simulate_session
 from ..output import Json, SelfContained, print_result
@@ -43,5 +44,5 @@ def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")
     with progress() as tell:
         simulate_session(folder, scene=scene, progress=tell)
     file = folder / "session.toml"
-    said = f"{file} is written. Next: kinemark run {folder}"
+    said = f"{file} is written. Next: kinemark run {typed(folder)}"
     print_result({"written": str(file), "scene": scene.figures()} if json else said)

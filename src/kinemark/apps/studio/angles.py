@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from ...data import KinemarkError, Origin, Trial
 from ...data.array_types import Floats
 from ...data.events import Events
+from ...data.model_markers import model_names
 from ...engine.angles.of_trial import TrialAngles, fits, missing, sided_model, trial_angles
 from ...engine.angles.settings import AngleSettings
 from ...engine.angles.spikes import spike_cause
@@ -34,6 +35,9 @@ from .export_routes import free_name
 from .gaps import chosen_fills
 from .header import header
 from .shelf import NotThere
+
+GAIT = {"LASI", "RASI", "LKNE", "RKNE", "LANK", "RANK", "LTOE", "RTOE"}
+"""Markers by which a trial is one of the gait model; conventional: in all its variants the walks wear these."""
 
 
 class Basis(NamedTuple):
@@ -160,6 +164,11 @@ def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
     lacking = {name: missing(model, names) for name, model in wanted.items()}
     near = [name for name in known if 2 * len(lacking[name]) < len(wanted[name].markers)]
     lacks = "".join(f"; {name} lacks {', '.join(lacking[name])}" for name in near)
+    if model_names(names).keys() >= GAIT:
+        return (
+            "This trial has the markers of the gait model, whose angles stand in the gait report: write [gait] into "
+            "session.toml and run the trials again, or give files to kinemark gait."
+        )
     return (
         f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of "
         "your own markers in session.toml, under [angles]."

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...data import KinemarkError
+from ...data.typed import typed
 from ...detect.interlacing import FEWEST, interlacing
 from ...io.images import natural as natural_path
 from ...io.images import open_images
@@ -100,9 +101,10 @@ def _without_session(folder: Path) -> str:
     trials = sum(path.suffix.lower() in RECORDINGS for path in folder.iterdir())
     if not trials:
         return ""
+    here = typed(folder)
     return (
         f" Its {trials} {'file' if trials == 1 else 'files'} of trajectories {'needs' if trials == 1 else 'need'} no "
-        f"session: kinemark audit {folder}, kinemark fill {folder}, kinemark gait, kinemark studio {folder}."
+        f"session: kinemark audit {here}, kinemark fill {here}, kinemark gait, kinemark studio {here}."
     )
 
 

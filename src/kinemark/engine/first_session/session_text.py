@@ -13,6 +13,7 @@ import tomlkit
 from tomlkit.items import Table
 
 from ...data import KinemarkError
+from ...data.typed import typed
 from ...io.control_points import PointedPoints, write_pointed
 from ...io.um2as import read_msr
 from ...report.words.first_session import HEAD, question_text, reason_text
@@ -38,7 +39,7 @@ def session_text(proposal: SessionProposal) -> str:
     document.add(tomlkit.nl())
     document["cameras"] = _cameras(proposal)
     document["calibration"] = calibration_table(proposal)
-    if label := _label(proposal):
+    if (label := _label(proposal)).value.body:
         document["label"] = label
     if proposal.trials:
         document["trials"] = _trials(proposal.trials)
@@ -70,7 +71,9 @@ def write_first_session(proposal: SessionProposal) -> Path:
 
 def existing(path: Path) -> KinemarkError:
     """The error where a session is there already."""
-    return KinemarkError(f"{path} is there already and is not overwritten. Rename it, or go on: kinemark calibrate")
+    return KinemarkError(
+        f"{path} is there already and is not overwritten. Rename it, or go on: kinemark calibrate {typed(path.parent)}"
+    )
 
 
 def points_file(path: str) -> str:
@@ -146,6 +149,7 @@ def calibration_table(proposal: SessionProposal) -> Table:
     return table
 
 
+UNNAMED = "name the markers of one trial in kinemark studio (Labels): the others are named by it"
 UNSCALED = "a single marker does not tell the scale: give an l_frame below, or distance = { mm = ?, images = ? } in it"
 NO_WAY = "file, control_points, control_frame, wand or single_marker: exactly one is wanted; see docs/session.md"
 
@@ -198,12 +202,18 @@ def _open(said: dict[str, Any]) -> str:
 
 
 def _label(proposal: SessionProposal) -> Table:
-    """What names the markers: labelled trials and kept templates, and static ones; empty where there are none."""
+    """What names the markers: labelled trials and kept templates, and static ones, else the trial that is named first.
+
+    Empty where there are no trials, or several subjects, who each want a table.
+    """
     table = tomlkit.table()
     for key, role in (("template", Role.TEMPLATE), ("static", Role.STATIC_TEMPLATE)):
         if own := [one for one in proposal.recordings if one.role is role]:
             table[key] = tomlkit.item([one.path for one in own]).comment(reason_text(own[0].why))
-    if table:
+    several = any(one.why.kind == "several_subjects" for one in proposal.recordings)
+    if not table and proposal.trials and not several:
+        table.comment(UNNAMED)
+    if table or table.trivia.comment:
         table.add(tomlkit.nl())
     return table
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from ...data import KinemarkError
 from ...data.nearest_word import are, guess
+from ...data.typed import typed
 from ...io.toml_text import toml_table
 from .calibration_table import WAYS
 from .overrides import overridden
@@ -57,10 +58,15 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
         KinemarkError: it is absent, no TOML, or says something that is not understood; all such places are named.
     """
     try:
+        if not path.exists() and (path.suffix != ".toml" or not path.parent.is_dir()):
+            raise KinemarkError(
+                f"{path} is not there. Look at its name and the folder that you are in, or make a session to look at: "
+                f"kinemark simulate {typed(path)}"
+            )
         if not path.is_file():
             raise KinemarkError(
-                f"{path} is not there. Make one from your recordings: kinemark init {path.parent}, or one to look at: "
-                "kinemark simulate FOLDER"
+                f"{path} is not there. Make one from your recordings: kinemark init {typed(path.parent)}, or one to "
+                "look at: kinemark simulate FOLDER"
             )
         return Settings.model_validate(_with(toml_table(path.read_text("utf-8"), str(path)), overrides))
     except UnicodeDecodeError as error:

@@ -12,6 +12,7 @@ import numpy as np
 from ...data import Detections, Finding, KinemarkError
 from ...data.array_types import Floats, GreyLevels, Ints
 from ...data.progress import tell
+from ...data.typed import typed
 from ...detect import Centroids
 from ...digitise import identified
 from ...io.um2as import files_of_set
@@ -121,7 +122,8 @@ class OperatedImages(PlainSource):
         try:
             uv, figures = digitise_trial(task, announce=lambda camera: tell(0, 1))
         except KinemarkError as error:
-            raise KinemarkError(f"{error} Answer it: kinemark digitise {of.root} {of.entry.name}") from error
+            command = f"kinemark digitise {typed(of.root)} {typed(of.entry.name)}"
+            raise KinemarkError(f"{error} Answer it: {command}") from error
         write_digitised(of.results, uv, figures)
         return identified(uv, cameras=of.rig.names, rate=self._rate(task)).detections
 

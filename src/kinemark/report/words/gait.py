@@ -55,6 +55,17 @@ WIDTHS = {
     "markers": "knees and ankles are as wide as their markers show",
     "both": "knees and ankles are as wide as their markers show, or have the usual share of that",
 }
+CAUSES = {
+    "noise": "the noise of the markers",
+    "smoothing": "what smoothing takes of the motion",
+    "placement": "where the markers were put on",
+    "hip centre": "where the hip joint's centre is",
+    "widths": "the widths of knees and ankles",
+    "soft tissue": "skin that moves over the bones",
+    "plates": "where the force plates lie",
+}
+"""By the cause of an uncertainty of gait."""
+
 AXES = {
     "knee_width": "{trial}: the markers of the {side} knee are {by_mm:0} farther apart than the knee is wide",
     "ankle_width": "{trial}: the markers of the {side} ankle are {by_mm:0} farther apart than the ankle is wide",
@@ -142,6 +153,12 @@ def _for_exchanged(found: Finding) -> str:
     return FOR_EXCHANGED.get(
         str(found.values["how"]), "Exchange their names; kinemark audit and kinemark studio show where each one is."
     )
+
+
+def _deviations(found: Finding) -> str:
+    cause = str(found.values["cause"])
+    known = fill("Knee flexion is known to ±{knee_deg:1} (one standard deviation)", found)
+    return f"{known}; what makes most of it is {CAUSES.get(cause, cause)}."
 
 
 def _doubtful(found: Finding) -> str:
@@ -314,7 +331,5 @@ GAIT_WORDS = {
         "{left_strides} left and {right_strides} right {right_strides:stride|strides}, {speed:2} at {cadence:0} steps "
         "a minute."
     ),
-    "gait_deviations": Words(
-        "Knee flexion is known to ±{knee_deg:1} (one standard deviation); {variance_share} of its variance is {cause}."
-    ),
+    "gait_deviations": Words(_deviations),
 }

@@ -37,8 +37,9 @@ LABELLING_WORDS = {
         "way. Export it right-handed, or change the sign of one axis.",
     ),
     "labels_without_template": Words(
-        "No marker is named: nothing tells which is which in this trial.",
-        'Give [label] a labelled trial of the subject (template), label a trial of kind = "static", or state names.',
+        "No marker has a name yet: nothing tells which is which.",
+        "Name those of one trial on the screen Labels of kinemark studio: the session's other trials are named by it. "
+        "Or give [label] a labelled trial of the subject (template).",
     ),
     "labels_unsure": Words(
         "{stretches} {stretches:stretch has|stretches have} no name, as {stretches:it is|they are} not sure: probably "

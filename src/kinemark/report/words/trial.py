@@ -222,7 +222,8 @@ TRIAL_WORDS = {
     ),
     "unnamed_trajectories": Words(
         "{unnamed} of {trajectories} {trajectories:trajectory|trajectories} {unnamed:has|have} no marker name.",
-        "Name {unnamed:it|them} before computing angles: kinemark label does, by a labelled trial of the subject.",
+        "Name {unnamed:it|them} before computing angles: on the screen Labels of kinemark studio, or with kinemark "
+        "label by a labelled trial of the subject. With [label] in session.toml, one named trial names the others.",
     ),
     "points_in_no_track": Words(
         "{points_share} of the 3D points belong to no track: ghosts, or markers that were lost.",

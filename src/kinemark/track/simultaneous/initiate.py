@@ -29,8 +29,8 @@ LEAST_FRAMES = 3
 """From which a track is initiated; by definition of (1)."""
 
 FAST, SOUND = 15_000.0, 3
-"""mm/s, and images of a point, a number; chosen: steps are looked for up to three times FAST, and no ball that a team
-is filmed with is faster than 45 m/s."""
+"""mm/s, and images of a point, a number; chosen: steps are looked for up to three times FAST, and few balls that are
+struck are faster than 45 m/s."""
 
 SHORT = 0.0101
 """s from frame to frame; chosen: at 10 Hz steps reach across a plate, which had 13 and 99 swaps for at most 5."""

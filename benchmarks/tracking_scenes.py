@@ -137,6 +137,7 @@ def main() -> None:
     parser.add_argument("seeds", nargs="*", help="such as 3 or 40-49")
     parser.add_argument("--final", action="store_true", help="the seeds that are kept for the end")
     parser.add_argument("--cameras", type=int)
+    parser.add_argument("--motion", help="in place of that of the seed, such as stand, which no seed draws")
     parser.add_argument("--coverage", action="store_true", help="and how often the 95 %% ellipsoids hold the truth")
     parser.add_argument("--json", type=Path, help="and write the counts of each scene")
     asked = parser.parse_args()
@@ -148,6 +149,7 @@ def main() -> None:
     for one in (scene(seed) for seed in seeds):
         if asked.cameras not in (None, one.cameras):
             continue
+        one = one._replace(motion=asked.motion or one.motion)
         begin = time.process_time()
         t, coverage = compared(one)
         seconds = time.process_time() - begin

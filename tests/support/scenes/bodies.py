@@ -157,6 +157,14 @@ def walker(kind, n, t, rng, treadmill):
     return Body(begin, end, radius, np.array(xyz), own)
 
 
+def standing(n, t, rng):
+    """Who stands still, with n markers: a body that sways about its feet by up to 10 mm at the head."""
+    body = walker("arms", n, np.full_like(t, rng.uniform(0, 1)), rng, True)
+    lean = rng.uniform(2e-3, 6e-3, (2, 1)) * np.sin(2 * np.pi * rng.uniform(0.1, 0.4, (2, 1)) * t + local_phase(rng))
+    begin, end, xyz = (at + at[..., 2:] * np.pad(lean, ((0, 1), (0, 0))).T for at in (body.begin, body.end, body.xyz))
+    return body._replace(begin=begin, end=end, xyz=xyz)
+
+
 def local_phase(rng):
     """A phase of the skin's wobble, rad."""
     return rng.uniform(0, 2 * np.pi)

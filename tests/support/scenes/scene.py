@@ -6,7 +6,7 @@ import numpy as np
 
 from kinemark.data import Detections, Rig
 
-from .bodies import swarm, walker
+from .bodies import standing, swarm, walker
 from .imaging import Optics, images
 from .placements import PLACEMENTS, off, rig, seen
 
@@ -87,6 +87,8 @@ def make(scene):
     t = np.arange(round(scene.seconds * scene.rate)) / scene.rate
     if scene.motion == "swarm":
         body = swarm(scene.markers, t, rng)
+    elif scene.motion == "stand":
+        body = standing(scene.markers, t, rng)
     else:
         body = walker(scene.motion, scene.markers, t, rng, scene.treadmill)
     true = rig(scene.placement, scene.cameras, rng.uniform(3200, 5000), rng)

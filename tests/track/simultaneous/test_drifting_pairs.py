@@ -102,6 +102,16 @@ def test_what_several_tracks_of_two_cameras_share_is_the_calibration():
     assert not len(recording.off(rows, np.full(len(rows), 0.8)).found())
 
 
+def test_pieces_of_what_stands_in_one_place_tell_nothing_of_the_calibration():
+    """Reflections that stand still meet by chance all the time, and their track breaks in three."""
+    recording, rows, rng = Recording(), np.arange(FRAMES), np.random.default_rng(4)
+    for own in recording.detection[:, rows]:
+        recording.images.uv[own] = recording.images.uv[own[0]] + NOISE * rng.normal(size=(FRAMES, 2))
+    recording.detection[2:, rows] = -1
+    recording.id[rows] = MARKERS + rows // 40
+    assert set(recording.off(rows, np.full(FRAMES, 0.8)).found()) == set(rows)
+
+
 def test_where_sound_points_drift_as_well_nothing_is_judged():
     """As those of cameras that are not synchronous, in motion and at rest: a few of them drift much more than usual."""
     recording = Recording()

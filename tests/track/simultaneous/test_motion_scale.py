@@ -67,12 +67,13 @@ def test_a_fast_motion_is_followed():
 
 def test_a_sprinter_crosses():
     """Everything moves at 8 m/s, faster than new tracks are looked for."""
-    xyz = dance(n=10, frames=60) + (np.arange(60)[:, None] / RATE * 8000.0 - 2000) * np.array([1.0, 0, 0])
-    detections, _ = observe(ring(6, focal=700.0), xyz, noise=0.2)
+    rate = 50.0
+    xyz = dance(n=10, frames=30) + (np.arange(30)[:, None] / rate * 8000.0 - 2000) * np.array([1.0, 0, 0])
+    detections, _ = observe(ring(6, focal=700.0), xyz, noise=0.2, rate=rate)
     images = read_images(detections, ring(6, focal=700.0))
-    method = with_learned_motion(images, RATE, Simultaneous()).method
+    method = with_learned_motion(images, rate, Simultaneous()).method
     assert method.velocity_sd * 3 > 8000
-    assert len(run(images, RATE, method).id) > len(run(images, RATE, Simultaneous()).id)
+    assert len(run(images, rate, method).id) > len(run(images, rate, Simultaneous()).id)
 
 
 def plate(frames, reach, seed):

@@ -82,7 +82,7 @@ def drifting_beyond(
         rows = order[own[a] & own[b]]
         return_memory()
         e = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])[0]
-        there = one.shifted(shared_shift(e - one.median, id[rows]))
+        there = one.shifted(shared_shift(e - one.median, id[rows], images.uv[detection[a, rows]]))
         rows = rows[never[id[rows]]]
         of = _stretch(frame[rows], id[rows])
         rows = rows[np.bincount(of)[of] < LONG]

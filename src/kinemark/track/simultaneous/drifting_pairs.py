@@ -31,9 +31,9 @@ share is large.
 Of blocks of points of two images that have more than CERTAIN, the part of the highest score is given up, and so are
 parts of what is left; and all of a track without sound points of which MOST is. Two cameras see alone what is at the
 edge of an image, where a calibration may leave more than where sound points are: where the medians of e − m of SEVERAL
-tracks have the median d there, d² is added to L_0 (4). Where there are but two cameras, or two that have too few sound
-points, all of their points are taken for sound, as most are one marker's. Cameras that hardly see the same markers have
-too few; there nothing is judged.
+tracks in different places have the median d there, d² is added to L_0 (4). Where there are but two cameras, or two that
+have too few sound points, all of their points are taken for sound, as most are one marker's. Cameras that hardly see
+the same markers have too few; there nothing is judged.
 
 Points of SOUND to MOST_IMAGES images have another marker's image too. They are judged by all pairs of their images:
 where a block of one has more than CERTAIN, the image of which all pairs have the greatest sum of scores is given up
@@ -111,6 +111,9 @@ benchmarks/tracking_scenes.py) 629 ghosts with ln 1000 become 581, with ln 10 57
 
 SEVERAL = 3
 """Tracks, a number; chosen: of three, two are markers."""
+
+PLACE = 8.0
+"""px, the side of a place of (4); chosen: noise is less, and few of the tracks that move meet in one by chance."""
 
 MOST = 0.5
 """Of a track, a share; chosen: in the tracks of seeds 5000 to 5119 480 ghosts are given up for 443, and 309 points of
@@ -234,7 +237,7 @@ def _scored(
         rows = order[own[a] & own[b]]
         return_memory()
         e, squared = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])
-        there = one.shifted(shared_shift(e - one.median, id[rows]))
+        there = one.shifted(shared_shift(e - one.median, id[rows], images.uv[detection[a, rows]]))
         for block in blocks(frame[rows], id[rows]):
             off, reach = e[block] - one.median, squared[block].mean(1) * gate**2
             yield (a, b), rows[block], _Scored(scores(off, reach, there), off, reach, there)
@@ -261,12 +264,18 @@ def with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:
     return given_up | (never & (np.bincount(id, given_up) >= MOST * many))[id]
 
 
-def shared_shift(e: Floats, id: Ints) -> float:
-    """The median, px, of the medians of the residuals (n) less m of SEVERAL tracks and more; otherwise 0."""
+def shared_shift(e: Floats, id: Ints, uv: Floats) -> float:
+    """The median, px, of the medians of the residuals (n) less m of SEVERAL tracks and more; otherwise 0.
+
+    Tracks of which the images uv (n, 2) px of one camera have the median in one place are pieces of one: reflections
+    that stand met by chance all the time, and each piece told that the others are usual.
+    """
     order = np.lexsort([e, id])
     cuts = equal_runs(id[order])
     e, first, last = e[order], cuts[:-1], cuts[1:] - 1
     each = (e[(first + last) // 2] + e[(first + last + 1) // 2]) / 2
+    place = np.round(uv[order[(first + last) // 2]] / PLACE)
+    each = each[np.unique(place, axis=0, return_index=True)[1]]
     return float(np.median(each)) if len(each) >= SEVERAL else 0.0
 
 

@@ -98,7 +98,7 @@ def usual_of_two(id: Ints, detection: Ints, images: Images, usual: UsualResidual
     for (a, b), one in usual.of.items():
         rows = np.flatnonzero(two & has[a] & has[b])
         e = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])[0]
-        known[a, b] = one.shifted(shared_shift(e - one.median, id[rows]))
+        known[a, b] = one.shifted(shared_shift(e - one.median, id[rows], images.uv[detection[a, rows]]))
     return usual._replace(of=known)
 
 

@@ -5,7 +5,9 @@ import pytest
 import scipy
 
 from kinemark.data import KinemarkError
+from kinemark.data.strides import Stride
 from kinemark.gait.emg import EmgFilter, emg, normalised, peak_of
+from kinemark.gait.gait_cycles import emg_curves
 from support.plug_in_gait import trial
 
 BURSTS = ((0.5, 0.9), (1.6, 2.0), (2.7, 3.1))
@@ -138,6 +140,28 @@ def test_an_end_at_which_nothing_was_recorded_is_no_rest(value):
     for dead in (t < 0.3, t > 3.5):
         on = emg(np.where(dead, value, x), rate=1000.0).on
         assert on[strong].mean() > 0.9 and on[~strong].mean() < 0.1
+
+
+@pytest.mark.parametrize("value", [0.0, 40.0])
+@pytest.mark.parametrize("rate", [1000.0, 2000.0])
+def test_a_radio_that_fails_is_no_rest(rate, value):
+    """In a burst, and at rest for longer than a tenth of the channel, beside which nothing else would count as rest."""
+    t, strong, x = recorded(rate)
+    dead = ((t > 1.7) & (t < 1.95)) | ((t > 2.1) & (t < 2.6))
+    found = emg(np.where(dead, value, x), rate=rate)
+    assert np.isnan(found.envelope[dead][1:-1]).all() and np.isfinite(found.envelope[~dead]).all()
+    assert found.on[strong & ~dead].mean() > 0.9 and found.on[~strong & ~dead].mean() < 0.1
+    (curves,) = emg_curves({"R Rect": found}, [Stride("right", 0.0, 3.9, {"foot_off": 60.0}, {})])
+    on = curves.values[0, :, 1]
+    assert np.isnan(on[[45, 58]]).all() and np.isfinite(on[[20, 35, 70, 90]]).all()
+
+
+def test_rest_that_was_stored_coarsely_is_rest():
+    """Noise below the steps of a channel keeps one value for long."""
+    _, strong, x = recorded()
+    x = scipy.signal.sosfiltfilt(scipy.signal.butter(4, 20, "high", fs=1000.0, output="sos"), x)
+    found = emg(30 * np.round(x / 30), rate=1000.0)
+    assert np.isfinite(found.envelope).all() and found.on[strong].mean() > 0.9 and found.on[~strong].mean() < 0.1
 
 
 def test_a_loose_electrode_says_nothing_of_its_muscle():

@@ -10,11 +10,11 @@ RATE = 100.0
 SPEED, PERIOD, WIDTH = 1200.0, 1.1, 90.0
 
 
-def walk(direction=0.0, sd=0.0, rng=None, heel_sd=0.0):
+def walk(direction=0.0, sd=0.0, rng=None, heel_sd=0.0, width=WIDTH):
     """Events and heels of a walk: each foot stands for 62 % of its stride."""
     t = np.arange(600) / RATE
     points, events = {}, []
-    for side, letter, phase, y in (("left", "L", 0.0, WIDTH / 2), ("right", "R", 0.5, -WIDTH / 2)):
+    for side, letter, phase, y in (("left", "L", 0.0, width / 2), ("right", "R", 0.5, -width / 2)):
         strikes = (np.arange(6) + phase) * PERIOD
         place = SPEED * strikes  # where the heel stands from each strike on
         x = np.interp(t, np.sort(np.r_[strikes, strikes + 0.62 * PERIOD]), np.repeat(place, 2))
@@ -45,6 +45,25 @@ def test_a_known_walk(side, direction):
     for name, true in TRUE.items():
         assert found[name][0] == pytest.approx(true, rel=2e-3), name
         assert found[name][2] >= 3
+
+
+@pytest.mark.parametrize("direction", [0.0, 2.1, -1.0])
+@pytest.mark.parametrize("width", [-40.0, 0.0, 25.0])
+def test_a_step_in_which_the_feet_cross_has_a_width_below_zero(width, direction):
+    events, points = walk(direction, width=width)
+    for one in strides(events, points, rate=RATE)[1:-1]:
+        assert one.values["step_width"] == pytest.approx(width, abs=0.1)
+
+
+@pytest.mark.parametrize("direction", [0.0, 2.1, -1.0])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_left_is_left_of_who_walks_backwards(direction, backwards):
+    """Who walks backwards as this walk goes has the left foot on the way's right."""
+    events, points = walk(direction, width=-WIDTH if backwards else WIDTH)
+    forward = np.array([np.cos(direction), np.sin(direction), 0.0]) * (-150.0 if backwards else 150.0)
+    points |= {name[0] + "TOE": xyz + forward for name, xyz in points.items()}
+    for one in strides(events, points, rate=RATE)[1:-1]:
+        assert one.values["step_width"] == pytest.approx(WIDTH, abs=0.1)
 
 
 def test_what_is_said_of_the_errors_is_true():

@@ -45,7 +45,10 @@ STEEP = 0.8
 """Share of this that is above twice `low_hz`, at the most; chosen: 0.65 of envelopes, and 0.92 of EMG at 1000 Hz that
 drifts far above zero."""
 DEAD_S = 0.1
-"""Of one value at an end of a channel, above which nothing was recorded there, s; chosen: noise never keeps it."""
+"""Of one value in a channel, above which nothing was recorded there, s; chosen: noise never keeps it."""
+CHANGES = 0.8
+"""Share of the samples beside such a stretch within a channel that differ from the one before; chosen: noise below the
+steps in which a channel was stored keeps its values on and off, and is rest."""
 CUT_OFF = 0.5
 """Share of samples at the limits from which on the others tell nothing; chosen: an electrode is loose."""
 STUCK = 3
@@ -90,7 +93,8 @@ class Emg(NamedTuple):
     """One channel of N samples.
 
     Attributes:
-        filtered: (N) band-passed, or as it is (5); envelope: (N), both in the unit of the channel.
+        filtered: (N) band-passed, or as it is (5); envelope: (N), both in the unit of the channel, NaN where nothing
+            was recorded.
         on: (N) whether the muscle is active; nowhere where there are no bursts.
         bursts: whether it shows more than noise (3).
         saturated: share of samples at the channel's limits.
@@ -117,7 +121,7 @@ def emg(values: Floats, *, rate: float, start: float = 0.0, how: EmgFilter | Non
     """
     how = EmgFilter() if how is None else how
     known = np.isfinite(values)
-    live = known & _between_dead_ends(values, rate)
+    live = known & _received(values, rate)
     if live.sum() < rate / how.envelope_hz:
         raise KinemarkError(f"{live.sum()} samples are too few for an envelope. Give longer recordings.")
     x = np.interp(np.arange(len(values)), np.flatnonzero(live), values[live])
@@ -129,18 +133,29 @@ def emg(values: Floats, *, rate: float, start: float = 0.0, how: EmgFilter | Non
     saturated = _saturated(values[known])
     bursts = saturated < CUT_OFF and _bursts(sharp[live])
     on = _on(np.where(live, sharp, np.nan), rate, how) if bursts else np.zeros(len(x), bool)
-    filtered, envelope = (np.where(known, y, np.nan) for y in (filtered, envelope))
+    filtered, envelope = (np.where(live, y, np.nan) for y in (filtered, envelope))
     return Emg(filtered, envelope, on, bursts, saturated, hum, smoothed, rate, start)
 
 
-def _between_dead_ends(values: Floats, rate: float) -> Bools:
-    """(N) without a beginning and an end at which nothing changes, as before a device sends: they are no rest."""
-    live, changes = np.ones(len(values), bool), np.flatnonzero(np.diff(values) != 0)
-    if len(changes):
-        first, stop = changes[0] + 1, changes[-1] + 1
-        live[: first if first > DEAD_S * rate else 0] = False
-        live[stop if len(live) - stop > DEAD_S * rate else len(live) :] = False
+def _received(values: Floats, rate: float) -> Bools:
+    """(N) without stretches in which nothing changes, as before a device sends and where its radio fails: no rest.
+
+    Within a channel the samples beside a stretch must change, and it may not be at a limit, where it is saturated.
+    """
+    live, long = np.ones(len(values), bool), int(DEAD_S * rate)
+    changes = np.diff(values) != 0
+    for first, stop in true_runs(~changes) if changes.any() else ():
+        beside = changes[max(first - long, 0) : first], changes[stop : stop + long]
+        at_end = not (len(beside[0]) and len(beside[1]))
+        abrupt = at_end or min(side.mean() for side in beside) >= CHANGES
+        if stop + 1 - first > long and abrupt and (at_end or not _at_limit(values, first)):
+            live[first : stop + 1] = False
     return live
+
+
+def _at_limit(values: Floats, place: int) -> bool:
+    """Whether a sample is a channel's greatest or least."""
+    return bool(values[place] in (np.nanmin(values), np.nanmax(values)))
 
 
 def _enveloped(x: Floats, rate: float, hum_hz: float, how: EmgFilter) -> tuple[Floats, Floats, Floats]:

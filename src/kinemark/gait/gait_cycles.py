@@ -45,7 +45,7 @@ def emg_curves(
 ) -> tuple[GaitCurves, ...]:
     """Envelope in %, and whether the muscle is on, in %, over the strides of its side (`muscle_sides`).
 
-    Where a channel shows no bursts it is not known when the muscle is on (NaN).
+    Where a channel shows no bursts, or nothing was recorded, it is not known whether the muscle is on (NaN).
 
     Args:
         channels: by name. strides: of both sides.
@@ -58,7 +58,7 @@ def emg_curves(
         own = [s for s in strides if s.side == side]
         if own:
             hundred = (whole or {}).get(name, peak_of(one.envelope))
-            on = 100.0 * one.on if one.bursts else np.full(len(one.on), np.nan)
+            on = np.where(np.isfinite(one.envelope) & one.bursts, 100.0 * one.on, np.nan)
             both = np.stack([normalised(one.envelope, hundred), on], -1)
             signal = Signal.of(name, "emg", "%", both, rate=one.rate, axes=("envelope", "on"))
             found.append(_curves(replace(signal, start=one.start), side, own))

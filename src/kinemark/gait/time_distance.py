@@ -4,14 +4,16 @@ A stride of a side goes from one of its foot strikes, t₀, to the next, t₁. W
 the other, on the floor, d the direction from h(t₀) to h(t₁), and s the strike of the other foot in between,
 
     stride length  ℓ = |h(t₁) − h(t₀)|,   speed ℓ / (t₁ − t₀),   cadence 120 / (t₁ − t₀)                     (1)
-    step length    (h(t₁) − g(s)) · d,   step width  the part of h(t₁) − g(s) beside d                        (2)
+    step length    (h(t₁) − g(s)) · d,   step width  (h(t₁) − g(s)) · b                                      (2)
     step time      t₁ − s                                                                                    (3)
     foot off, opposite foot off, opposite foot strike: as % of the stride                                     (4)
     double support = from t₀ to the other's foot off and from the other's strike to this foot off,
     single support = from the other's foot off to its strike                                                 (5)
 
-Each foot is where it struck (2), as in Plug-in Gait: at t₁ the other heel has left the floor and gone on by some
-centimetres. So steps of both sides make a stride.
+with b horizontal, square to d, and from the right side of the body to its left for a left step, else the other way: a
+step in which the feet cross has a width below zero, as in scissoring, so a mean of steps is true. Who walks backwards,
+by the feet, has the left where d has the right. Each foot is where it struck (2), as in Plug-in Gait: at t₁ the other
+heel has left the floor and gone on by some centimetres. So steps of both sides make a stride.
 
 Standard uncertainties follow from those of the events and of the heels, each independent: of a time √(σ₀² + σ₁²), of
 a length the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of
@@ -51,11 +53,12 @@ def strides(
 
     Args:
         events: of the trial, in any order.
-        points: (F, 3) mm, with LHEE and RHEE.
+        points: (F, 3) mm, with LHEE and RHEE; LTOE and RTOE, where known, tell who walks backwards.
         rate: frames a second. heel_sd_mm: of a heel along an axis, by noise. placement_mm: by where its marker sits.
         floor: that moves, on a treadmill. up: of the laboratory.
     """
-    points = {name: floor.still(points[name], rate) for name in ("LHEE", "RHEE")}
+    feet = [name for name in ("LHEE", "RHEE", "LTOE", "RTOE") if name in points]
+    points = {name: floor.still(points[name], rate) for name in feet}
     found = []
     for side, other in (("left", "right"), ("right", "left")):
         own = sorted((e for e in events if e.side == side and e.strike), key=lambda e: e.time)
@@ -64,6 +67,8 @@ def strides(
         heels = points[LETTER[side] + "HEE"], points[LETTER[other] + "HEE"]
         for begin, end in pairwise(own):
             one = _stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, floor.sd, up)
+            if _goes_backwards(points, begin, end, rate):
+                one = one._replace(values={**one.values, "step_width": -one.values["step_width"]})
             found.append(_misplaced(one, float(np.sqrt(2) * placement_mm)))
     return tuple(sorted(found, key=lambda one: one.first))
 
@@ -72,6 +77,17 @@ def _misplaced(stride: Stride, by: float) -> Stride:
     """With (7), mm."""
     more = {name: by if name in OF_BOTH_HEELS else 0.0 for name in UNITS}
     return stride._replace(sd={k: float(np.hypot(s, more[k])) for k, s in stride.sd.items()}, systematic=more)
+
+
+def _goes_backwards(points: Mapping[str, Floats], begin: FootEvent, end: FootEvent, rate: float) -> bool:
+    """Whether a foot points against its way; not where its toe is not known."""
+    heel, toe = (points.get(LETTER[begin.side] + name) for name in ("HEE", "TOE"))
+    if heel is None or toe is None:
+        return False
+    during = slice(round(begin.time * rate), round(end.time * rate) + 1)
+    way = _at(heel, end, rate) - _at(heel, begin, rate)
+    along = (toe - heel)[during] @ way
+    return bool(np.isfinite(along).any() and np.nanmedian(along) < 0)
 
 
 def _stride(
@@ -133,7 +149,7 @@ def _distances(
         "stride_length": (length, float(np.linalg.norm([first_sd, last_sd, belt]))),
         "speed": _ratio((length, float(np.hypot(both_heels, belt))), (T, sd_T)),
         "step_length": (float(step @ along), float(np.hypot(last_sd, other_sd))),
-        "step_width": (float(abs(step @ np.cross(up, along))), float(both_heels)),
+        "step_width": (float(step @ np.cross(up, along)) * (1 if begin.side == "left" else -1), float(both_heels)),
     }
 
 

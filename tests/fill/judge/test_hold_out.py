@@ -25,6 +25,18 @@ class TestHiding:
                 assert np.isnan(copy.xyz[1, start + 20 : start + 40]).all()
                 assert not np.isnan(copy.xyz[2, start : start + 50]).any()
 
+    def test_what_is_missing_beside_a_gap_is_missing_beside_its_tests(self):
+        """A neighbour lost a frame earlier and longer, and the marker itself seen in two frames between two gaps."""
+        gaps = [Gap(0, 100, 102), Gap(0, 104, 108), Gap(1, 99, 103), Gap(2, 94, 96)]
+        hidden = moving(600).hidden(gaps)
+        hold_out = draw_hold_out_gaps(hidden, gaps, per_gap=3, seed=1)
+        tests = [test for test in hold_out.tests if test.of == 0 and test.own]
+        assert tests
+        for test in tests:
+            copy, start = hidden.hidden(hold_out.copies[test.copy]), test.window.start
+            missing = np.isnan(copy.xyz[:3, start - 3 : start + 5, 0])
+            assert missing.tolist() == [[k in (3, 4, 7) for k in range(8)], [2 <= k < 6 for k in range(8)], [False] * 8]
+
     def test_windows_are_known_and_do_not_overlap_in_a_copy(self):
         motion = moving(900, soft=3.0)
         gaps = [Gap(k, 100 * k + 20, 100 * k + 50) for k in range(8)]

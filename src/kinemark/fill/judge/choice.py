@@ -23,6 +23,7 @@ from .expected_error import (
     likeness,
 )
 from .hold_out import MANY, HoldOutResult, edge_distance
+from .luck import luck
 
 FIRST = "body"
 """The method that is best in most trials (docs/theory/fill.md)."""
@@ -58,7 +59,9 @@ def choose_candidate(
         ln_e = mean.measured.logs, best.measured.logs  # one mean, no luckiest of many
         if behind(*ln_e, best.measured.same, weights, alike, sure=0.5) < 0:
             best = mean
-    expected = {name: mm for name, (mm, _) in errors.items()}
+    lucky = few and best.name != FIRST and any(best is answer for answer in answers)
+    factor = float(np.exp(luck([answer.measured for answer in answers], weights))) if lucky else 1.0
+    expected = {name: mm for name, (mm, _) in errors.items()} | {best.name: factor * errors[best.name][0]}
     prediction = best.predictions[index]
     tests = sum(t.test.of == index for t in best.results)
     found = FilledGap(
@@ -70,7 +73,7 @@ def choose_candidate(
         missing = replace(found, method="", expected_mm=np.nan, state="not_predicted", reason=why)
         return missing, prediction, prediction.cov
     references = tuple(motion.names[d] for d in prediction.references)
-    cov = best.calibration.covariance(prediction, edge_distance(motion, gap), weights)
+    cov = factor**2 * best.calibration.covariance(prediction, edge_distance(motion, gap), weights)
     return replace(found, reference_markers=references, sd_mm=largest_sd(cov)), prediction, cov
 
 

@@ -149,6 +149,12 @@ class MeasuredErrors:
                 return np.asarray(np.clip(b * (here - there[able]), -np.log(MOST), np.log(MOST)))
         return np.zeros(int(able.sum()))
 
+    def stated_share(self) -> Floats:
+        """(T) what of ln e follows from what the method states, or else from the motion, by (10)."""
+        able = np.isfinite(self.means)
+        of = next((k for k in (0, 1) if np.isfinite((self.stated, self.moved)[k][able]).all()), 1)
+        return np.asarray(self.slopes[of] * (self.stated, self.moved)[of])
+
     def moved_to(self, prediction: Prediction, moving: float) -> Floats:
         """(T) ln e of all tests, moved to one gap as (2) does; infinite where the method had no prediction."""
         able = np.isfinite(self.means)

@@ -3,9 +3,10 @@
 A test of a gap of L frames in marker m is a window of L frames elsewhere in the same trial where m is known. Shifted by
 s frames to that window goes the whole state of the gap,
 
-    hidden(k, f + s) = missing(k, f)        for all markers k and the gap's frames f,                        (1)
+    hidden(k, f + s) = missing(k, f)    for all markers k, the gap's frames f and those up to BESIDE from it,  (1)
 
-so that the filler finds the same reference markers there and misses the same ones. Windows of several tests that do not
+so that the filler finds the same reference markers there and misses the same ones, and is tied to the same samples
+beside it. Windows of several tests that do not
 overlap in time share one copy of the trial, so that one call of a filler serves them all; of one marker at most a tenth
 is hidden in one copy. Before a marker's first sample and after its last, all its samples to that end are hidden (2).
 
@@ -50,6 +51,8 @@ MANY = 20
 FULL = 0.4
 """Share of the frames of a copy in which something is hidden, above which no further windows are drawn into it: fillers
 learn from frames in which many markers are seen; chosen."""
+BESIDE = 3
+"""Frames on both sides of a gap in which others are missing as in it (1): fillers tie their fill to these; chosen."""
 SHORTER = 0.7
 """By what a test's length shrinks until it fits, where no marker of the trial has room.
 Chosen (see benchmarks/gaps.py)."""
@@ -196,7 +199,7 @@ class _Occupancy(NamedTuple):
         else:
             copy = len(self.busy)
             self.busy.append(np.zeros(self.seen.shape[1], np.bool_))
-        self.busy[copy][max(gap.start - 1, 0) : gap.stop + 1] = True
+        self.busy[copy][max(gap.start - BESIDE, 0) : gap.stop + BESIDE] = True
         self.taken[copy, gap.marker] = self.taken.get((copy, gap.marker), 0) + gap.length
         self.of[copy, gap.marker] = of
         return copy
@@ -280,19 +283,21 @@ def _spread(starts: Ints, n: int, rng: np.random.Generator) -> Ints:
 
 
 def _state(source: _Source, gap: Gap, window: Gap) -> list[Gap]:
-    """(1): what else is missing in the gap, shifted to the window; (4) where that is another marker's."""
-    length = min(gap.length, window.length)
-    missing = ~source.seen[:, gap.start : gap.start + length]
-    missing[[gap.marker, window.marker]] = False
+    """(1): what else is missing in the gap and beside it, shifted to the window; (4) where that is another marker's."""
+    first, stop = max(gap.start - BESIDE, 0), gap.start + window.length
+    missing = ~source.seen[:, first : stop + (BESIDE if stop == gap.stop else 0)]
+    missing[gap.marker, gap.start - first : stop - first] = False
+    if window.marker != gap.marker:
+        missing[[gap.marker, window.marker]] = False  # (6) is about these
     others = np.flatnonzero(missing.any(1))
-    corresponding = (
-        _corresponding(source, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
-    )
+    alike = window.marker == gap.marker or not len(others)
+    as_it = {} if alike else _corresponding(source, gap.marker, window.marker, others)
+    shift = first + window.start - gap.start
     out = []
-    for marker in others:
-        runs = true_runs(missing[marker]).tolist()
-        for hidden in {int(marker), corresponding.get(int(marker), int(marker))}:
-            out += [Gap(hidden, window.start + a, window.start + b) for a, b in runs]
+    for marker in others.tolist():
+        runs = np.clip(true_runs(missing[marker]) + shift, 0, source.seen.shape[1]).tolist()
+        for hidden in {marker, as_it.get(marker, marker)}:
+            out += [Gap(hidden, a, b) for a, b in runs if a < b]
     return out
 
 

@@ -157,6 +157,19 @@ def test_the_levels_are_measured_and_the_threshold_lies_between_noise_and_marker
         assert gap.threshold == pytest.approx(30 + 0.4 * (gap.peak - 30), abs=0.5) and gap.groups == 25
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_compression_leaves_beside_moving_markers_is_no_marker(seed):
+    images = scene(seed, noise=0.0, markers=25)
+    rng = np.random.default_rng(seed)
+    for image in images:  # two faint remains a frame, on ground from which the noise was taken
+        for v, u in rng.integers(5, 230, (2, 2)):
+            image[v : v + 2, u : u + 3] += 6.0
+    proposed = propose(grey(images)).centroids
+    assert proposed.threshold > 15 + 20, "above the remains by far"
+    found = detect_frames(grey(images), method=proposed)
+    assert found.counts.tolist() == [25] * 4 and not found.validity.any()
+
+
 def test_sixteen_bits_are_the_same_images():
     images = grey(scene(5))
     plain, deep = propose(images), propose(images.astype(np.uint16) * 257)

@@ -24,6 +24,9 @@ that is less: small markers are dim where they lie between two pixels (3). That 
 marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the
 gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
 lower one and 5 σ above the ground.
+
+Compression that loses noise leaves σ no more than rounding does, and beside markers that moved remains that come and
+go, as many as (2) allows. Peaks then count where they stand out in the middle of the gap (4).
 """
 
 from __future__ import annotations
@@ -35,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import native
-from .background_noise import background
+from .background_noise import ROUNDING, background
 from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
 from .pixel_runs import Runs, find_runs
@@ -117,7 +120,8 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     if stretch is None:
         return none
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
-    peaks = found[stretch[0]] - b
+    erased = sigma <= math.sqrt(ROUNDING)  # (4)
+    peaks = found[(stretch[0] + stretch[1]) // 2 if erased else stretch[0]] - b
     peak = float(np.median(peaks))
     c = float(
         np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)

@@ -306,6 +306,8 @@ def _parts_of_recording(result: TrackingResult, c: int) -> Parts:
     uv = _expected(result, c)
     inside = _in_view(result, c, uv, 2)
     near = _nearest(images, cloud.frame, c, uv)
+    own_image = cloud.detection[:, c]
+    near[(near != own_image) & np.isin(near, own_image)] = -1  # another marker's says nothing of this one
     off, share = np.full((len(first), 2), np.nan), np.full(len(first), np.nan)
     for k in range(len(first)):
         own = (part == k) & inside

@@ -17,7 +17,8 @@ they are given then is that of `epipolar_noise` (6) and (7), less what the calib
 
 Images are then grouped (`candidate_points`). Where three and more agree, each camera is compared with what the others
 say without it. A camera of which hardly any image is where one is expected is `Noise.inconsistent`: its calibration
-does not hold.
+does not hold. One that has a partner among the others (`epipolar_noise` (7)) is not: it sees another side of the
+subject.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from .associate import predict_images
 from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import LEAST_SD, Images
-from .epipolar_noise import CameraNoise, Mixture, camera_noise, mixture, pair_of, peak_height, residuals
+from .epipolar_noise import CameraNoise, Mixture, camera_noise, mixture, pair_of, partners, peak_height, residuals
 from .kalman_states import KalmanStates
 
 MAX_DISTANCE = 10.0
@@ -70,7 +71,7 @@ class Noise(NamedTuple):
         added: (C) a of (1), px.
         white: (C) px², the white noise that an image has at least, 0 where what is stated holds.
         lasting: (C) px², what the calibration leaves in the same places of the image, beyond what it states.
-        found: (C) share of expected places with an image; NaN where not known.
+        found: (C) share of expected places with an image; NaN where not known, or low of a camera that has a partner.
         seen: (C) px², σ² as the residuals have it, whatever is stated, of no camera less than the median of all, as
             (3), or than LEAST_SD²; NaN where nothing is known.
     """
@@ -114,6 +115,8 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     groups = find_candidate_points(noisy, images.usable, F, frames, gate)
     groups = groups.take((groups.detection >= 0).sum(0) >= 3)
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
+    low = found < MIN_FOUND_SHARE
+    found[low & partners(some, C, len(frames))[:, ~low].any(1)] = np.nan
     field = calibration_field(stated, some)
     white = camera_noise(some, field.left, C)
     least = np.maximum(np.fmax(seen.variance, _median(seen.variance[known])), LEAST_SD**2)

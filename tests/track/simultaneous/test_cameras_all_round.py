@@ -1,0 +1,68 @@
+"""Cameras all round a subject who hides them from each other, so that each marker is seen by two of them or by one:
+none of them is accused, and one that was turned elsewhere is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from kinemark.data import Detections, Rig
+from kinemark.geometry import project
+from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from support.laboratory import camera
+
+RATE, FRAMES = 50.0, 150
+WIDE = np.cos(np.deg2rad(80.0))
+"""A marker on the body is seen from up to 80° beside its normal."""
+
+
+def all_round(n, seed):
+    """Cameras at uneven places of a circle."""
+    rng = np.random.default_rng(seed)
+    at = 2 * np.pi * (np.arange(n) + rng.uniform(-0.15, 0.15, n)) / n
+    places = np.stack([3800 * np.cos(at), 3800 * np.sin(at), rng.uniform(1800, 2600, n)], 1)
+    return Rig(tuple(camera(f"cam{k + 1}", place) for k, place in enumerate(places)))
+
+
+def seen_on(rig, seed, markers=30):
+    """A body of 300 mm that stands, sways and turns a little, (F, M, 3) mm, and what the cameras see of it."""
+    rng, t = np.random.default_rng(seed), np.arange(FRAMES) / RATE
+    at, up = rng.uniform(0, 2 * np.pi, markers), rng.uniform(100, 1700, markers)
+    turned = at + 0.15 * np.sin(2 * t)[:, None]
+    normal = np.stack([np.cos(turned), np.sin(turned), 0 * turned], -1)
+    sway = np.stack([60 * np.sin(1.3 * t), 50 * np.cos(0.9 * t), 0 * t], -1)
+    xyz = 150 * normal + np.broadcast_to(up[:, None] * [0.0, 0.0, 1.0], normal.shape) + sway[:, None]
+    counts, uv, of = np.zeros((len(rig), FRAMES), int), [], np.zeros((FRAMES, markers), int)
+    for c, one in enumerate(rig):
+        ray = -one.R.T @ one.t - xyz
+        seen = (ray * normal).sum(-1) > WIDE * np.linalg.norm(ray, axis=-1)
+        counts[c], of = seen.sum(1), of + seen
+        uv.append(project(one, xyz[seen]) + rng.normal(0, 0.15, (seen.sum(), 2)))
+    return Detections.build(rig.names, RATE, counts, np.concatenate(uv)), int((of >= 2).sum())
+
+
+def told(rig, detections):
+    result = track_simultaneously(detections, rig, DEFAULT)
+    kinds = {(f.kind, f.cameras) for f in diagnose(detections, rig, result) if f.kind.startswith("camera_")}
+    return kinds, len(result.tracks.cloud)
+
+
+@pytest.mark.parametrize(("n", "seed"), [(3, 2), (4, 1), (4, 3), (4, 4)])
+def test_a_camera_that_sees_another_side_is_not_accused(n, seed):
+    rig = all_round(n, seed)
+    detections, by_two = seen_on(rig, seed)
+    kinds, points = told(rig, detections)
+    assert kinds == set()
+    assert points > 0.95 * by_two
+
+
+@pytest.mark.parametrize(("n", "seed"), [(3, 2), (4, 2)])
+def test_a_camera_that_was_turned_elsewhere_is_told(n, seed):
+    rig = all_round(n, seed)
+    detections, _ = seen_on(rig, seed)
+    elsewhere = Rotation.from_euler("yz", [9, 7], degrees=True).as_matrix()
+    first = replace(rig[0], R=elsewhere @ rig[0].R, t=elsewhere @ rig[0].t)
+    kinds, _ = told(replace(rig, cameras=(first, *rig.cameras[1:])), detections)
+    assert kinds == {("camera_fits_nothing", ("cam1",))}

@@ -70,6 +70,20 @@ def test_a_trial_that_names_two_otherwise_than_the_subject_s_others_is_found():
     assert found[1][0].first <= 2 and found[1][0].stop >= 398
 
 
+@pytest.mark.parametrize("seed", [55, 66, 74, 136, 194, 200])
+def test_right_names_of_less_than_a_second_with_long_gaps_are_not_called_exchanged(seed):
+    """Few poses vary little, and by chance less the other way round."""
+    rng = np.random.default_rng(seed)
+    trial, first = walk(seed % 3, (15, 39)[seed // 3 % 2]), int(rng.integers(0, 300))
+    trial = trial.frames(first, first + int(rng.integers(20, 100)))
+    kept = np.ones((len(trial), trial.n_frames), bool)
+    for row in kept:
+        gap = int(rng.integers(0, trial.n_frames))
+        row[gap : gap + int(rng.integers(1, trial.n_frames // 2))] = False
+    paths = tuple(path.only(row) for path, row in zip(trial, kept, strict=True))
+    assert find_own_exchanges(replace(trial, paths=paths)) == ((),)
+
+
 def test_a_few_frames_few_markers_and_gaps_do_no_harm():
     trial = walk(1)
     assert find_own_exchanges(trial.frames(0, 1)) == ((),) == find_own_exchanges(trial.frames(0, 2))

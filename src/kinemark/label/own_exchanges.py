@@ -33,6 +33,8 @@ chosen, as of hidden exchanges: of 488 windows of 0.3 to 4 s of these files, hal
 0.1, mostly in less than a second."""
 NEARLY = -0.3
 """g among windows from which on a part is sought to a frame; chosen: a window that is half exchanged hides as much."""
+REFINED = 20
+"""Pairs of markers of which it is sought, those of the greatest g; chosen: the right one was among the first two."""
 STEADIEST = 4
 """K of (1); chosen: as many as a segment has."""
 TELLS = 0.05
@@ -65,6 +67,11 @@ class _Two(NamedTuple):
     markers: tuple[int, int]
     distance: Floats
     floor: float
+
+    @classmethod
+    def of(cls, y: Floats, markers: tuple[int, int], floor: float) -> _Two:
+        """Of places (F, L, 3) mm."""
+        return cls(markers, lengths(y[:, markers, None] - y[:, None]), floor)
 
 
 def find_own_exchanges(*trials: Trajectories) -> tuple[tuple[Exchanged, ...], ...]:
@@ -116,28 +123,36 @@ def _looked_at(trials: Sequence[Trajectories], names: Sequence[str]) -> _Looked:
 
 def _best(y: Floats, seconds: float) -> tuple[tuple[int, int], Bools, float] | None:
     """The two whose exchange makes distances steadiest, in which frames (F), and g; None where none makes enough."""
-    d = lengths(y[:, :, None] - y[:, None])
-    seen = np.isfinite(d)
-    mean = np.where(seen.any(0), np.where(seen, d, 0.0).sum(0) / np.maximum(seen.sum(0), 1), np.inf)
+    mean = _mean_distances(y)
     floor = (FLOOR * float(mean[np.isfinite(mean)].max(initial=0.0))) ** 2
     windows = min(WINDOWS, max(2, int(seconds / WINDOW_S)))
     edges = np.linspace(0, len(y), windows + 1).round().astype(np.int64).tolist()
     spans = np.array([(i, j) for i in edges[1:-1] for j in edges[1:] if i < j])
+    pairs = _near(mean)
+    gains = [_gains(_Two.of(y, markers, floor), spans) for markers in pairs]
     best, most = None, LEAST
-    for markers in _near(mean):
-        two = _Two(markers, d[:, markers], floor)
-        gains = _gains(two, spans)
-        if gains.max() > NEARLY:
-            span, gain = _to_a_frame(two, spans[gains.argmax()])
-            poses = seconds / POSE_S * np.isfinite(y[:, markers, 0]).any(1).mean()
+    for k in sorted(range(len(pairs)), key=lambda k: -gains[k].max())[:REFINED]:
+        if gains[k].max() > NEARLY:
+            span, gain = _to_a_frame(_Two.of(y, pairs[k], floor), spans[gains[k].argmax()])
+            poses = seconds / POSE_S * np.isfinite(y[:, pairs[k], 0]).any(1).mean()
             if gain > most and 2 * STEADIEST * gain * poses > LEAST_NATS:
-                best, most = (markers, span), gain
+                best, most = (pairs[k], span), gain
     if best is None:
         return None
     own = np.zeros(len(y), bool)
     own[slice(*best[1])] = True
     there = np.isfinite(y[:, best[0], 0]).any(1)
     return best[0], own if 2 * (own & there).sum() <= there.sum() else ~own, most
+
+
+def _mean_distances(y: Floats) -> Floats:
+    """(L, L) mm, ∞ of two that are never seen together; frame by frame, as all at once are many."""
+    total, n = np.zeros((2, y.shape[1], y.shape[1]))
+    for xyz in y:
+        d = lengths(xyz[:, None] - xyz[None])
+        total += np.nan_to_num(d)
+        n += np.isfinite(d)
+    return np.where(n > 0, total / np.maximum(n, 1), np.inf)
 
 
 def _near(mean: Floats) -> list[tuple[int, int]]:

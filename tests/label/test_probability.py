@@ -192,8 +192,6 @@ def test_a_piece_of_few_markers_that_comes_back_after_an_occlusion_is_sure_where
         float(track_probability(piece._replace(nameless=np.array([n])), np.array([2.0]))[0]) for n in (0.0, 1.0)
     )
     assert alone > 0.99 > beside
-    absent = track_probability(piece._replace(absent=np.ones(1)), np.array([2.0]))[0]
-    assert absent < 0.99  # an extra marker can have the name of an absent one, and is then not nameless
 
 
 def test_a_track_has_its_share_of_the_samples_of_its_label():

@@ -64,7 +64,6 @@ def calibrated_shift(
     sure: float,
     least_fit: float,
     nameless: float = 0.0,
-    absent: float = 0.0,
     piece: Sequence[float] = BETA_PIECE,
 ) -> float:
     """δ of a labelled trial; 0 where all its names are sure, or too few are confident to tell.
@@ -73,7 +72,7 @@ def calibrated_shift(
         trajectories: T tracks that were labelled. template, pairs: by which. label: (T) −1 for none.
         probability: (T) before. sure: from which on a name is sure. least_fit: of a track, below which it has
             no name.
-        nameless, absent: N and A of `margin` (3), of the trial. piece: its β of pieces.
+        nameless: N of `margin` (3), of the trial. piece: its β of pieces.
     """
     unsure = (label >= 0) & (probability < sure)
     confident = np.flatnonzero(probability >= CONFIDENT)
@@ -89,7 +88,7 @@ def calibrated_shift(
     parts = shredded(trial, pieces)
     tracks = replace(parts.tracks, paths=(*parts.tracks.paths, *paths))
     truth = (*parts.truth, *(None if label[t] < 0 else UNKNOWN for t in rest.tolist()))
-    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit, nameless, absent, piece))
+    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit, nameless, piece))
 
 
 def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:
@@ -119,7 +118,6 @@ def cases_of(
     pairs: PairScore,
     least_fit: float,
     nameless: float = 0.0,
-    absent: float = 0.0,
     piece: Sequence[float] = BETA_PIECE,
 ) -> Cases:
     """The pieces named again from the fullest frame, without key frames; beside as many nameless as in the trial."""
@@ -129,7 +127,7 @@ def cases_of(
     label = _again(stretches, truth, pairs, least_fit)
     named = np.flatnonzero((label >= 0) & ((truth >= 0) | (truth == -1) & _beside_its_own(parts.tracks, label, truth)))
     about = margins(stretches, label, template, pairs, exchanges=False)
-    about = about._replace(nameless=np.full(len(label), nameless), absent=np.full(len(label), absent))
+    about = about._replace(nameless=np.full(len(label), nameless))
     logit = track_logit(about, stretches.weight, piece)[named]
     segments = len(template) * max(1.0, parts.tracks.n_frames / parts.tracks.rate / SEGMENT_S)
     return Cases(logit, label[named] == truth[named], min(1.0, segments / max(len(named), 1)))

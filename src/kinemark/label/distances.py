@@ -200,8 +200,7 @@ def probability_of_all(
     p = probability_by(about, weight, another=another)
     shift = calibrated_shift(
         trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit,
-        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)),
-        absent=float(np.nan_to_num(about.absent).max(initial=0.0)), piece=BETA_TRACK if another else BETA_PIECE,
+        nameless=float(np.nan_to_num(about.nameless).max(initial=0.0)), piece=BETA_TRACK if another else BETA_PIECE,
     )  # fmt: skip
     return probability_by(about, weight, another=another, shift=shift)
 

@@ -16,10 +16,9 @@ and b may be "none", worth 0, also where u, seen for n_u frames to n_t, takes a 
 e is of what is known of the subject after the trial (`pool`), as pieces of a marker are
 judged by the others. With f_t = e(t, a) over what is expected, f_a the same of all tracks that are a, w independent
 frames, c how much better the track goes on from others that are a than from any other label's, F the fit of the
-frames that it is in, N markers on the body without a name, any of which a piece may be of, and A labels that no marker
-has, one of which an extra marker may have taken,
+frames that it is in, and N markers on the body without a name, any of which a piece may be of,
 
-    logit p_track = β · (1, log(1 + m), f_t, f_t − f_a, log w, log(1 + c), F, −log(1 + N), N + A = 0) + δ            (3)
+    logit p_track = β · (1, log(1 + m), f_t, f_t − f_a, log w, log(1 + c), F, −log(1 + N), N = 0) + δ            (3)
 
 δ is measured on the trial itself (`calibration`). The β of pieces, which have less than half of their label's samples,
 by the subject's own template are others: a label is right where most of its samples are, so that a track that has most
@@ -84,8 +83,7 @@ BETA_PIECE = (-2.31, 1.41, 0.38, 0.0, 0.0, 0.91, 2.56, 0.61, 1.0)
 benchmarks/labelling.py. By the others pieces beside nameless markers were wrong three times as often as was said, and
 of those beside none or one that were 0.9 to 0.99 likely none of 294 was wrong. The last was measured on 24 526 more of
 120 shreds, beside none: 2 were wrong where 31 were expected, and of 266 from 0.9 to 0.995 none of 4.7; chosen at the
-lower end of what these allow, as errors come many in a shred. Where a label is absent it does not hold: of 28 pieces
-of 94 other shreds that it made sure there, three were wrong."""
+lower end of what these allow, as errors come many in a shred."""
 MOST_OF_LABEL = 0.5
 """Share of its label's samples from which on a track is no piece; by definition of a label that is right."""
 BETA_LABEL = (-1.57, 0.34, 1.28, 0.0, 0.0, 3.11, 1.54, 2.44, 0.0, 11.86, 0.0, 3.18, 0.92, 0.45, 0.03, 1.19)
@@ -334,7 +332,7 @@ def track_features(found: Margins, weight: Floats) -> Floats:
         _log(np.maximum(found.link, 0.0)),
         np.minimum(found.frame_fit, 1.0),
         -np.log1p(found.nameless),
-        (found.nameless == 0) & (found.absent == 0),
+        found.nameless == 0,
     )
     return np.stack([np.ones(len(weight)), *parts], axis=1)
 

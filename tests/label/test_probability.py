@@ -235,7 +235,7 @@ def test_a_name_is_surer_where_nothing_is_left_over_that_it_could_have_moved_up_
     whole = walk(7, 39)
     by = learn_template(walk(1, 39)).of_another(1.0)
     stretches, pairs, true = known(whole, by)
-    a, other = (by.names.index(name) for name in ("X3", "X20"))
+    a, other = (by.names.index(name) for name in ("X3", "X21"))
     alike = margins(stretches, true, by, pairs)
     p = {}
     for shut in (0.0, 1.0, 2.0):

@@ -24,6 +24,7 @@ from kinemark.label import (
     sides_by_name,
     static_template,
 )
+from kinemark.label.own_exchanges import find_own_exchanges
 from kinemark.match import MATCH, NearestEpipolar
 from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
@@ -179,6 +180,16 @@ def _(by):
 @law(computed_points)
 def _(by):
     return Answer(rest=computed_points(moved(with_computed(walker(duration_s=1.0)), by)))
+
+
+@law(find_own_exchanges)
+def _(by):
+    """Two names are exchanged in the second half."""
+    whole = moved(trial(gaps=False), by)
+    half, (first, second, *rest) = whole.n_frames // 2, whole.paths
+    xyz = np.concatenate([first.xyz[:half], second.xyz[half:]]), np.concatenate([second.xyz[:half], first.xyz[half:]])
+    turned = replace(whole, paths=(replace(first, xyz=xyz[0]), replace(second, xyz=xyz[1]), *rest))
+    return Answer(rest=(find_own_exchanges(whole), find_own_exchanges(turned)))
 
 
 @law(label_by_location, share=1e-6)

@@ -61,3 +61,24 @@ def test_unmerged_views_count_the_images_of_one_marker_alone():
     whole = observe(rig, WALK)
     np.testing.assert_array_equal(whole.unmerged_views, (whole.sight.visible >= 0.5).sum(0))
     assert (seen.unmerged_views <= whole.unmerged_views).all() and (seen.unmerged_views < whole.unmerged_views).any()
+
+
+@pytest.mark.parametrize("seed", [102, 106, 107])
+def test_a_name_is_that_of_one_place_in_every_walk(seed):
+    """A place that was refused in one of two walks had moved the names of all after it up by one."""
+    slow, fast = (
+        with_markers(
+            walking(duration_s=2.0, rate=100.0, seed=s, wobble_mm=3.0, marker_radius_mm=7.0, speed_mm_s=v, phase=p),
+            53,
+            seed=seed,
+        )
+        for s, v, p in ((seed, 800.0, 0.8), (seed + 50, 700.0, 0.3))
+    )
+    both = [name for name in slow.names if name in fast.names]
+    assert len(both) < 53 == len(slow) == len(fast)
+    far = []
+    for walk in (slow, fast):
+        xyz = walk.xyz[[walk.names.index(name) for name in both]]
+        far.append(np.linalg.norm(xyz[:, None] - xyz[None], axis=-1).mean(2))
+    near = np.sort(np.abs(far[0] - far[1]), axis=1)[:, 5]
+    assert near.max() < 15.0

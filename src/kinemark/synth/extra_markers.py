@@ -15,6 +15,9 @@ MOST_TRIES = 100  # places tried for each marker; chosen
 def with_markers(subject: Subject, n: int, *, apart_mm: float = 40.0, seed: int = 0) -> Subject:
     """The subject with markers added to the surface of its limbs until there are n, or the first n of its own.
 
+    A name, as X7, is that of a place: a share of a limb and an angle about it, by the seed alone. Where a place is too
+    near to another marker no marker has its name, so that in other walks all that are there are called alike.
+
     Args:
         subject: with limbs where markers are to be added.
         n: markers.
@@ -27,7 +30,7 @@ def with_markers(subject: Subject, n: int, *, apart_mm: float = 40.0, seed: int 
     if n > len(subject) and not len(subject.capsules):
         raise ValueError(f"the subject has {len(subject)} markers and no limbs to put {n - len(subject)} more on")
     rng = np.random.default_rng(seed)
-    xyz, radius = list(subject.xyz[:n]), list(subject.radius_mm[:n])
+    names, xyz, radius = list(subject.names[:n]), list(subject.xyz[:n]), list(subject.radius_mm[:n])
     tries = 0
     while len(xyz) < n:
         limb = tries % len(subject.capsules)
@@ -37,11 +40,11 @@ def with_markers(subject: Subject, n: int, *, apart_mm: float = 40.0, seed: int 
         size = float(np.median(subject.radius_mm))
         path = _on_limb(subject.capsules, limb, rng.uniform(0.1, 0.9), rng.uniform(0, 2 * np.pi), size)
         if np.linalg.norm(np.array(xyz) - path, axis=-1).min(initial=np.inf) >= apart_mm:
+            names.append(f"X{tries - 1}")
             xyz.append(path)
             radius.append(size)
-    names = (*subject.names[:n], *(f"X{k}" for k in range(n - len(subject.names))))
     links = subject.links[(subject.links < n).all(1)]
-    return replace(subject, names=names, xyz=np.array(xyz), radius_mm=np.array(radius), links=links)
+    return replace(subject, names=tuple(names), xyz=np.array(xyz), radius_mm=np.array(radius), links=links)
 
 
 def _on_limb(limbs: Capsules, k: int, along: float, around: float, size: float) -> Floats:

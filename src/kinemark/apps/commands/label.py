@@ -86,7 +86,7 @@ def label(
     known = Known(
         read_marker_set(marker_set) if marker_set else None, tuple(filter(None, markers.split(","))), static,
         height_mm=height_mm, heights_mm=tuple(heights_mm or ()), computed=computed, clusters=clusters_of(cluster),
-        to_name=every,
+        to_name=every, say=print_note,
     )  # fmt: skip
     if subject and (template or scale or heights_mm or check):
         raise KinemarkError("Of several subjects each has its template: give --subject alone, without --template, …")

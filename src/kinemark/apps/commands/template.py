@@ -9,7 +9,7 @@ from cyclopts import App, Parameter
 
 from ...data import KinemarkError
 from ...io.marker_sets import read_marker_set
-from ..output import Json, print_result
+from ..output import Json, print_note, print_result
 
 template = App(name="template", help=__doc__)
 Heights = Annotated[
@@ -55,7 +55,9 @@ def learn(
         raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
     worn = read_marker_set(marker_set) if marker_set else None
     names = tuple(filter(None, markers.split(",")))
-    known = Known(worn, names, static, subject, height_mm, tuple(heights_mm or ()), clusters=clusters_of(cluster))
+    known = Known(
+        worn, names, static, subject, height_mm, tuple(heights_mm or ()), clusters=clusters_of(cluster), say=print_note
+    )
     found = subject_template(files, known)
     save_template(output, found)
     print_result(template_figures(found) if json else template_text(found))
@@ -91,6 +93,6 @@ def grow(file: Path, trial: Path, *trials: Path, json: Json = False) -> None:
 
     found = load_template(file)
     for one in (trial, *trials):
-        found = with_trial(found, one)
+        found = with_trial(found, one, say=print_note)
     save_template(file, found)
     print_result(template_figures(found) if json else template_text(found))

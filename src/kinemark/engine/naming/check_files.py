@@ -14,11 +14,12 @@ from ...data.array_types import Ints
 from ...data.marker_sides import sides_by_name
 from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
-from ...label import Exchanged, Template, find_exchanges
+from ...label import Exchanged, Template, find_exchanges, learn_template
 from ...label.check_sides import SideSwap, find_side_swaps
 from ...label.check_stretches import Mislabelled, find_mislabelled
 from ...label.evidence import PairScore
 from ...label.held import OWN, held
+from ...label.own_exchanges import find_own_exchanges, without_exchanged
 from ...label.stretches import stretches_of
 from ...label.subject_template import SubjectTemplate
 from ..put_aside import put_aside
@@ -106,6 +107,19 @@ def check_names(trial: Trajectories, own: Template, pairs: Sequence[tuple[str, s
     off = _share(_frames([*exchanged, *mislabelled]), trial, own)
     holds = _holds(trial, own, _frames(swapped))
     return CheckedNames(exchanged, swapped, mislabelled, trial.first_frame, off, holds)
+
+
+def check_by_itself(trial: Trajectories, pairs: Sequence[tuple[str, str]]) -> CheckedNames:
+    """The same by what the trial itself is like, but for the samples that contradict the rest of it.
+
+    Raises:
+        KinemarkError: it has fewer than four markers.
+    """
+    (exchanged,) = find_own_exchanges(trial)
+    rest = without_exchanged(trial, exchanged)
+    found = check_names(rest, learn_template(rest), pairs)
+    every = sorted((*exchanged, *found.exchanged), key=lambda one: (one.first, one.markers))
+    return found._replace(exchanged=tuple(every))
 
 
 def check_files(

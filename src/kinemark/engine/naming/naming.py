@@ -69,6 +69,7 @@ def name_tracks(
     if any(by):
         figures["subjects"], figures["undecided"] = list(by), [list(pair) for pair in undecided]
     findings = [*_lost(facts.lost, points.first_frame), *label_findings(figures, labels, template=bool(by))]
+    findings += [said for one in by.values() for said in one.findings]
     kept = _without(joined, ghosts)
     names = renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
     contradicts = {s: found for s, one in by.items() if (found := _contradicts(markers_of(done, s), one, s))}

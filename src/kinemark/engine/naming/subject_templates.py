@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -23,6 +23,7 @@ from ...label.pooled import contradiction, pooled, template_of_subjects
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ...report.words import advice_of, text_of
 from ..put_aside import computed_in, put_aside
+from .agreeing_names import agreeing
 from .segments_of_clusters import set_of_clusters
 from .template_files import is_template, load_template
 
@@ -43,6 +44,7 @@ class Known(NamedTuple):
         clusters: markers by the segment that they sit on, as `[gait.clusters]` has them, in place of a marker set.
         to_name: trials that are to be named: points that these show to be computed are no markers of a static trial,
             in which nothing moves that would tell them.
+        say: called with what is left out of labelled trials, and why.
     """
 
     marker_set: MarkerSet | None = None
@@ -54,6 +56,7 @@ class Known(NamedTuple):
     computed: bool = False
     clusters: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     to_name: tuple[Path, ...] = ()
+    say: Callable[[str], None] = lambda text: None
 
 
 def subject_template(files: Sequence[Path], known: Known) -> SubjectTemplate:
@@ -83,7 +86,7 @@ def subject_template(files: Sequence[Path], known: Known) -> SubjectTemplate:
         )
     found = _named(kept[0], known)
     for file in trials:
-        found = with_trial(found, file)
+        found = with_trial(found, file, say=known.say)
     return found
 
 
@@ -148,11 +151,20 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     own = [of_subject(one, known.subject, prefixes_of(trial.source)) for one, trial in zip(points, read, strict=True)]
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
     known = _by_clusters(trials[0], known) if known.clusters else known
+    trials = trials if known.static else _agreeing(trials, files, known)
     kind = "static" if known.static else "labelled"
     sources = tuple(
         TemplateSource(file.name, trial.n_frames, _today(), kind) for file, trial in zip(files, trials, strict=True)
     )
     return _named(SubjectTemplate(_learnt(trials, known), sources=sources, wider=_wider(trials, known)), known)
+
+
+def _agreeing(trials: Sequence[Trajectories], files: Sequence[Path], known: Known) -> list[Trajectories]:
+    """Without samples whose names contradict the rest of these trials, of which it is told."""
+    kept = agreeing(trials, [file.name for file in files], _wanted(known))
+    for said in kept.findings:
+        known.say(f"{text_of(said)} {advice_of(said)}")
+    return list(kept.trials)
 
 
 def _markers_of(trial: Trial, known: Known) -> Trajectories:
@@ -270,8 +282,11 @@ def _today() -> str:
     return datetime.datetime.now(datetime.UTC).date().isoformat()
 
 
-def with_trial(own: SubjectTemplate, file: Path) -> SubjectTemplate:
-    """A template with a labelled trial added, whose names are all taken for right.
+def with_trial(own: SubjectTemplate, file: Path, *, say: Callable[[str], None] = lambda text: None) -> SubjectTemplate:
+    """A template with a labelled trial added, whose names are all taken for right that do not contradict each other.
+
+    Args:
+        own: template. file: labelled trial. say: called with what is left out of it, and why.
 
     Raises:
         KinemarkError: the file cannot be read, shares fewer than four names, or contradicts the template.
@@ -280,6 +295,7 @@ def with_trial(own: SubjectTemplate, file: Path) -> SubjectTemplate:
     names = [n for n in own.template.names if n in trial.names and np.isfinite(trial[n].xyz).any()]
     if len(names) < 4:
         raise KinemarkError(f"{file} has {len(names)} of the template's markers. Wanted are four or more, spelt alike.")
+    (trial,) = _agreeing([trial], [file], Known(markers=tuple(names), say=say))
     new = learn_template(trial, names=names)
     found = contradiction(own.template, new, trial)
     if found is not None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...data import MarkerSet, Trajectories
+from ...data.finding import Finding
 from ...io.c3d import prefixes_of
 from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
@@ -21,6 +22,7 @@ from ...label.subject_template import SubjectTemplate, TemplateSource
 from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
 from ..settings.gait_table import GaitTable
+from .agreeing_names import Agreeing, agreeing
 from .earlier import ABSENT, Earlier
 from .named_tracks import load_learnt
 from .segments_of_clusters import set_of_clusters
@@ -32,11 +34,12 @@ TEMPLATE = f"subject{ENDING}"
 
 
 class SessionTemplate(NamedTuple):
-    """A template, the files and trials that it was learnt from, and `SubjectTemplate.wider`."""
+    """A template, what it was learnt from, `SubjectTemplate.wider`, and what was left out of labelled trials."""
 
     template: Template
     sources: tuple[str, ...]
     wider: Template | None = None
+    findings: tuple[Finding, ...] = ()
 
 
 class Shown(NamedTuple):
@@ -175,8 +178,10 @@ def _learnt(shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0
         return None
     there = {name for one in useful for name in one.trial.names}
     known = tuple(name for name in names if name in there)
-    template = learn_template(*(one.trial for one in useful), names=known or None, relative_spread=spread)
-    return SessionTemplate(template, tuple(one.source for one in useful))
+    trials, sources = tuple(one.trial for one in useful), tuple(one.source for one in useful)
+    kept = Agreeing(trials) if spread else agreeing(trials, sources, known)
+    template = learn_template(*kept.trials, names=known or None, relative_spread=spread)
+    return SessionTemplate(template, sources, findings=kept.findings)
 
 
 def keep_templates(results: Path, settings: Settings, known: Mapping[str, SessionTemplate]) -> None:

@@ -16,9 +16,9 @@ from ...data.edits import Edit, is_named
 from ...data.marker_sides import sides_by_name
 from ...data.problems import Problem, ProblemKind
 from ...edit.probable_errors import name_probability
-from ...label import Exchanged, Mislabelled, SideSwap, Template, learn_template
+from ...label import Exchanged, Mislabelled, SideSwap, Template
 from ...report.words.problems import problem_text
-from ..naming.check_files import CheckedNames, check_names
+from ..naming.check_files import CheckedNames, check_by_itself, check_names
 from ..naming.subject_templates import without_prefix
 from .context import VERSIONS, Context
 
@@ -65,8 +65,9 @@ def _checked_names(
     if template is None and (len(named) < LEAST_MARKERS or named.n_frames < LEAST_S * named.rate):
         return None
     try:
-        own = learn_template(named) if template is None else template
-        return check_names(without_prefix(named, own.names), own, sides_by_name(own.names))
+        if template is not None:
+            return check_names(without_prefix(named, template.names), template, sides_by_name(template.names))
+        return check_by_itself(named, sides_by_name(named.names))
     except KinemarkError:
         if template is not None and len(named):
             raise

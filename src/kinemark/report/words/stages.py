@@ -19,6 +19,17 @@ def _displaced(found: Finding) -> str:
     ) + (f"{listed(each, MOST_DISPLACED) or '–'}.")
 
 
+def _exchanged(found: Finding) -> str:
+    said = fill(
+        "{marker_names} carry each other's names in frames {first} to {last} of {file}, or in all others: their "
+        "distances to other markers are steady with both exchanged there. The template learns ",
+        found,
+    )
+    return said + (
+        "nothing of these frames." if found.values["learnt"] else "neither, as nothing tells which is which."
+    )
+
+
 LABELLING_WORDS = {
     "labels_refused": Words(
         "The template does not fit: the best labelling scores {fit_share} of what the template scores on its own data "
@@ -80,6 +91,10 @@ LABELLING_WORDS = {
         "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "
         "segments are off, by up to {off_mm}. The template does not learn from it.",
         "Check its names with `kinemark label --check`; if a marker was moved, make a new template.",
+    ),
+    "template_names_exchanged": Words(
+        _exchanged,
+        "Look at these frames, and exchange both names where they are wrong.",
     ),
 }
 

@@ -1,0 +1,65 @@
+"""Labelled trials as a template learns from them: without samples whose names contradict the rest of the trials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Trajectories, make_finding
+from ...data.edits import is_named
+from ...data.finding import Finding
+from ...label import Exchanged
+from ...label.own_exchanges import find_own_exchanges, without_exchanged
+
+FEW = 0.1
+"""Share of the samples of two markers up to which those that contradict the others are taken for the wrong ones;
+chosen: which part is right nobody says, and names by the wrong one would be surely wrong."""
+
+
+class Agreeing(NamedTuple):
+    """Trials whose names agree, and what was left out of them."""
+
+    trials: tuple[Trajectories, ...]
+    findings: tuple[Finding, ...] = ()
+
+
+def agreeing(trials: Sequence[Trajectories], sources: Sequence[str], names: Sequence[str] = ()) -> Agreeing:
+    """Trials of one subject without the stretches in which two markers carry each other's names.
+
+    Where these are more than `FEW` of what there is of the two, neither is learnt.
+
+    Args:
+        trials: labelled. sources: what each is called. names: that are learnt; all where none is given.
+    """
+    own = [one.select([name for name in one.names if is_named(name) and name in (names or [name])]) for one in trials]
+    exchanged = find_own_exchanges(*own)
+    twos = {frozenset(one.markers) for found in exchanged for one in found}
+    both = {name for two in twos if _share(two, trials, exchanged) > FEW for name in two}
+    kept = (without_exchanged(one, found) for one, found in zip(trials, exchanged, strict=True))
+    findings = (
+        make_finding(
+            "template_names_exchanged", markers=one.markers, file=source, first=one.first + trial.first_frame,
+            last=one.stop - 1 + trial.first_frame, learnt=not both & set(one.markers),
+        )
+        for source, trial, found in zip(sources, trials, exchanged, strict=True)
+        for one in found
+    )  # fmt: skip
+    return Agreeing(tuple(_without(one, both) for one in kept), tuple(findings))
+
+
+def _share(two: frozenset[str], trials: Sequence[Trajectories], exchanged: Sequence[Sequence[Exchanged]]) -> float:
+    """Of the samples of two markers, those that are exchanged."""
+    n = wrong = 0
+    for trial, found in zip(trials, exchanged, strict=True):
+        seen = np.isfinite([trial[name].xyz[:, 0] for name in sorted(two) if name in trial.names]).sum(0)
+        n += int(np.sum(seen))
+        wrong += sum(int(np.sum(seen[one.first : one.stop])) for one in found if set(one.markers) == two)
+    return wrong / max(n, 1)
+
+
+def _without(trial: Trajectories, names: set[str]) -> Trajectories:
+    """Without these markers, if there are any."""
+    return replace(trial, paths=tuple(path for path in trial if path.name not in names)) if names else trial

@@ -45,10 +45,10 @@ USUAL_RADIAL = 0.06
 USUAL = np.append(USUAL_ERROR, USUAL_RADIAL)
 """θ₀ of turns, focal lengths and k; by definition."""
 
-LITTLE, CLOSE = 0.05, 1.0
+LITTLE, CLOSE = 0.03, 1.0
 """Of (6), a share of the sum of squares, and px, a standard deviation of the widest peak; chosen on scenes 147000 to
-147023 and 301000 to 301035 of the second generator, 0 to 3 px off: where lenses are missing and peaks are as narrow,
-0.108 and more would be taken, where none is mostly 0.02."""
+147023, 301000 to 301035 and 303000 to 303015 of the second generator, 0 to 3 px off: where lenses are missing in all
+cameras or some, and peaks are as narrow, 0.058 and more would be taken, where none is mostly less than 0.02."""
 
 LIKELY = np.arange(-0.3, 0.16, 0.03)
 """k that (1) is looked at with, without unit; chosen: wide lenses have -0.3."""

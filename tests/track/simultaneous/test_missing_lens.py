@@ -10,8 +10,8 @@ from kinemark.geometry import undistort
 from kinemark.geometry.camera import distort
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.report.words import advice_of, text_of
-from kinemark.track.simultaneous import diagnose, track_simultaneously
-from kinemark.track.simultaneous.adjusted_rig import with_radial
+from kinemark.track.simultaneous import adjusted_rig, diagnose, missing_lens, track_simultaneously
+from kinemark.track.simultaneous.adjusted_rig import rig_step, with_radial
 from kinemark.track.simultaneous.facts import tracked_images
 from kinemark.track.simultaneous.missing_lens import missing_lenses
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
@@ -154,3 +154,15 @@ def test_right_noise_of_many_pixels_is_believed():
     _, counts, found = tracked(one, one.detections, one.rig)
     assert "noise_overstated" not in found
     assert counts.two_found + counts.more_found > 0.98 * (counts.two + counts.more)  # 88 % else
+
+
+@pytest.mark.parametrize("off", [0.0, 1.0])
+def test_lenses_are_not_fitted_where_turns_leave_little(monkeypatch, off):
+    """Nor is anything fitted that has settled: most of the time of a short recording was spent so."""
+    steps = []
+    monkeypatch.setattr(missing_lens, "_fitted", None)
+    monkeypatch.setattr(adjusted_rig, "rig_step", lambda *given: steps.append(rig_step(*given)) or steps[-1])
+    whole = scene(147008)
+    one = make(whole._replace(calibration=off, seconds=40 / whole.rate))
+    assert missing_lenses(straight(one), bare(one.rig)) is None
+    assert 1 < len(steps) < missing_lens.ROUNDS and steps[-1].gain <= adjusted_rig.SETTLED < steps[0].gain

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -39,6 +40,23 @@ USUAL_ERROR = np.array([1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3])
 
 ROUNDS = 5
 """Of (2), in which the mixture narrows; chosen (see benchmarks/tracking_scenes.py)."""
+
+SETTLED = 1e-4
+"""Of the first sum of (2), what a round gains at least, or it is the last; chosen: fits of which cameras make a peak
+late gain 2e-3 and more in each round before (scenes 147004 to 147023 of the second generator)."""
+
+
+class RigStep(NamedTuple):
+    """What one round of (2) finds.
+
+    Attributes:
+        change: (C, n) of θ; gain: what it takes of the first sum, a share, where residuals change as J says.
+        sd: px, of the widest peak of two cameras' residuals; inf where some that have residuals have no peak.
+    """
+
+    change: Floats
+    gain: float
+    sd: float
 
 
 def adjusted_rig(images: Images, rig: Rig, frames: list[int]) -> Rig:
@@ -60,20 +78,36 @@ def fitted_rig(
         seen_by: the images with the ideal pixels of a rig. begin: (C, 4) that θ of (2) is likely, or (C, 5) with (3).
         usual: θ₀, as many.
     """
-    C, theta = len(rig), begin
+    theta = begin
     for _ in range(rounds):
         moved = _moved(rig, theta)
-        images = seen_by(moved)
-        some = residuals(images, fundamentals(moved.P), frames)
-        group = pair_of(some, C)
-        fit = mixture(some.off, group, C * C, some.window)
-        weight = np.where(peaked(fit)[group], np.sqrt(fit.weight / fit.variance[group]), 0.0)
-        J = _jacobian(images, moved, some, theta.shape[1]) * weight[:, None]
-        prior = 1 / np.tile(usual, C)
-        normal = J.T @ J + np.diag(prior**2)
-        pull = J.T @ (some.off * weight) - prior**2 * (theta - begin).ravel()
-        theta = theta + np.linalg.solve(normal, pull).reshape(theta.shape)
+        step = rig_step(seen_by(moved), moved, frames, theta - begin, usual)
+        theta = theta + step.change
+        if step.gain <= SETTLED:
+            break
     return _moved(rig, theta)
+
+
+def rig_step(images: Images, rig: Rig, frames: list[int], likely: Floats, usual: Floats) -> RigStep:
+    """One round of (2), from the images of some frames, as this rig sees them.
+
+    Args:
+        likely: (C, 4) how far θ is from what is likely, or (C, 5) with (3). usual: θ₀, as many.
+    """
+    C, n = likely.shape
+    some = residuals(images, fundamentals(rig.P), frames)
+    group = pair_of(some, C)
+    fit = mixture(some.off, group, C * C, some.window)
+    clear = peaked(fit)[group]
+    weight = np.where(clear, np.sqrt(fit.weight / fit.variance[group]), 0.0)
+    off = some.off * weight
+    J = _jacobian(images, rig, some, n) * weight[:, None]
+    prior = 1 / np.tile(usual, C)
+    pull = J.T @ off - prior**2 * likely.ravel()
+    change = np.linalg.solve(J.T @ J + np.diag(prior**2), pull)
+    gain = float(pull @ change / max(off @ off, np.finfo(float).tiny))
+    sd = float(np.sqrt(fit.variance[group].max(initial=0.0))) if clear.all() else np.inf
+    return RigStep(np.asarray(change.reshape(C, n), np.float64), gain, sd)
 
 
 def _jacobian(images: Images, rig: Rig, some: Residuals, n: int) -> Floats:

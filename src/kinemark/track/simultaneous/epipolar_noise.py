@@ -227,8 +227,11 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
 def _likeliest(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
     """(3) about 0, begun with a wide v, and with a narrow one where it became wider and that is likelier."""
     begin = (WINDOW / 4) ** 2
-    wide, narrow = (_mixture(off, group, window, np.zeros(n), v) for v in (begin, NARROW**2))
-    return _chosen((wide[0].variance > begin) & (narrow[1] > wide[1] + SURE), group, narrow[0], wide[0])
+    usual, said = _mixture(off, group, window, np.zeros(n), begin)
+    if not (wider := usual.variance > begin).any():
+        return usual
+    narrow, narrow_said = _mixture(off, group, window, np.zeros(n), NARROW**2)
+    return _chosen(wider & (narrow_said > said + SURE), group, narrow, usual)
 
 
 def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> tuple[Mixture, Floats]:
@@ -239,10 +242,9 @@ def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Flo
     squared = off * off
     for _ in range(ROUNDS):
         v, p = variance[group], share[group]
-        root = np.exp(-squared / (2 * WIDER**2 * v))
-        height = p / np.sqrt(2 * np.pi * v)
-        core = height * (1 - WIDER_SHARE) * root**WIDER**2
-        wider = height * WIDER_SHARE / WIDER * root
+        exponent, height = squared / (-2 * v), p / np.sqrt(2 * np.pi * v)
+        core = height * (1 - WIDER_SHARE) * np.exp(exponent)
+        wider = height * WIDER_SHARE / WIDER * np.exp(exponent / WIDER**2)
         whole = core + wider + (1 - p) / (2 * window)
         core, wider = core / whole, wider / whole
         count = np.asarray(np.bincount(group, core + wider, n), np.float64)

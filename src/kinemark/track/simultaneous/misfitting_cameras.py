@@ -160,7 +160,7 @@ def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
     step, cell = _steps(tracks, uv)[rows], cloud.frame[rows] * len(images.P) + c
     shares = _shares(images, cell, uv[rows])
-    here = max(float(_shares(images, cell, uv[rows] + t * step)[MIDDLE, MIDDLE]) for t in TIMES)
+    here = max(float(_shares(images, cell, uv[rows] + t * step, 2 * STEP)[MIDDLE, MIDDLE]) for t in TIMES)
     beside = np.where(_around(shares, MIDDLE, MIDDLE), 0.0, shares)
     u, v = (int(k) for k in np.unravel_index(int(beside.argmax()), shares.shape))
     at_a_time = beside[u, v] * inside.sum() / len(np.unique(cloud.frame[inside]))
@@ -191,9 +191,10 @@ def _around(shares: Floats, u: int, v: int) -> Bools:
     return np.asarray((np.abs(place - place[u]) <= BESIDE)[:, None] & (np.abs(place - place[v]) <= BESIDE))
 
 
-def _shares(images: Images, cell: Ints, uv: Floats) -> Floats:
-    """S (n, n) of points at uv (P, 2) px in cells (P) of `Images`, d by rows u and columns v, 0 at MIDDLE."""
-    own, row = images.near(cell, uv[:, 0], np.full(len(uv), STEP * MIDDLE))
+def _shares(images: Images, cell: Ints, uv: Floats, reach: float = STEP * MIDDLE) -> Floats:
+    """S (n, n) of points at uv (P, 2) px in cells (P) of `Images`, d by rows u and columns v, 0 at MIDDLE; of images
+    that lie as far as `reach` px in u."""
+    own, row = images.near(cell, uv[:, 0], np.full(len(uv), reach))
     n = 2 * MIDDLE + 3  # with an edge of nothing
     u, v = np.floor((images.uv[row] - uv[own]).T / STEP + (MIDDLE + 1.5)).astype(np.int64)
     within = (u > 0) & (v > 0) & (u < n - 1) & (v < n - 1)

@@ -194,6 +194,11 @@ TRIAL_WORDS = {
         "{moved_mm:0}: probably {markers:a lamp or reflection|lamps or reflections}, and counted among the markers.",
         "Cover them, or mask them under [masks]; if they are markers on something that does not move, all is well.",
     ),
+    "tracks_mirrored": Words(
+        "{markers:Track|Tracks} {marker_names} {markers:is a mirror image of another|are mirror images of others}, "
+        "as in a wet floor or a window: no {markers:marker|markers}, though counted among them.",
+        "Cover or dry what mirrors, or mask it under [masks]; delete {markers:this track|these tracks}.",
+    ),
     "tracks_confusable": Words(
         "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that "
         "they may have been exchanged.",

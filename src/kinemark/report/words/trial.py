@@ -149,9 +149,9 @@ TRIAL_WORDS = {
         "All else was read. Export the recording again where these parts are wanted.",
     ),
     "nothing_goes_on": Words(
-        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is "
-        "probably not the frame rate of the recording.",
-        RATE,
+        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is not the "
+        "frame rate of the recording, or too low for what was recorded, as a wheel that turns fast.",
+        f"{RATE} Where the rate is right, record at a higher one.",
     ),
     "too_few_frames": Words(
         "The recording has {frame_count} {frame_count:frame|frames}, and a track needs {least}: it is known by its "
@@ -160,7 +160,7 @@ TRIAL_WORDS = {
     ),
     "speeds_impossible": Words(
         "Markers move at {speed_m_s}, faster than people but sprinters and throwers: {rate_hz} is probably not the "
-        "frame rate of the recording.",
+        "frame rate, unless a ball, a racket or a machine was recorded.",
         RATE,
     ),
     "points_dropped_outside": Words(

@@ -14,9 +14,9 @@ FRAMES = 150
 TO_ONE_SIDE = Rig(tuple(camera(f"c{k}", (1500.0 * k - 2000, 3500.0, 1500 + 300 * k)) for k in range(4)))
 
 
-def moving(rng, n=10):
+def moving(rng, n=10, frames=FRAMES):
     """(n, F, 3) mm of markers that go about together, each with a motion of its own besides."""
-    t = np.arange(FRAMES)[:, None] / 100
+    t = np.arange(frames)[:, None] / 100
     way = 300 * np.sin(2 * np.pi * 0.5 * t + rng.uniform(0, 6, 3)) * [1, 1, 0]
     own = 60 * np.sin(2 * np.pi * (0.5 + rng.uniform(0, 1, (n, 1, 1))) * t + rng.uniform(0, 6, (n, 1, 3)))
     return rng.uniform([-300, -300, 100], [300, 300, 1700], (n, 3))[:, None] + way + own
@@ -29,9 +29,9 @@ def mirrored(xyz, normal, d):
 
 def tracks_of(xyz, rng, sd=1.0, seen=0.7):
     """Tracks with noise, in a random share of the frames."""
-    frame, number = np.nonzero((rng.random(xyz.shape[:2]) < seen).T)
+    frame, number = np.nonzero(((rng.random(xyz.shape[:2]) < seen) & np.isfinite(xyz[..., 0])).T)
     n = len(frame)
-    start = np.searchsorted(frame, np.arange(FRAMES + 1))
+    start = np.searchsorted(frame, np.arange(xyz.shape[1] + 1))
     noisy = xyz[number, frame] + rng.normal(0, sd, (n, 3))
     cloud = Cloud(100.0, start, noisy, np.tile(sd**2 * np.eye(3), (n, 1, 1)), np.full(n, 0.2), np.zeros((n, 4), int))
     return Tracks(cloud, number)
@@ -44,6 +44,18 @@ def test_images_in_a_plane_are_told_and_nothing_else(normal, d):
     tracks = tracks_of(np.concatenate([xyz, mirrored(xyz, normal, d)[:6]]), rng)
     rig = Rig(tuple(camera(f"c{k}", (400.0 * k, 3000 - 200 * k, 1500)) for k in range(4)))
     assert mirror_images(tracks, rig).tolist() == list(range(10, 16))
+
+
+def test_short_pieces_of_images_are_told_as_well():
+    """Also of three frames, none of which is looked at for pairs."""
+    rng = np.random.default_rng(313)
+    xyz = moving(rng, frames=1200)
+    images = mirrored(xyz, (0, 0, 1), 0.0)
+    pieces = np.full((4, 1200, 3), np.nan)
+    for k in range(4):
+        pieces[k, 300 * k + 4 : 300 * k + 7] = images[6, 300 * k + 4 : 300 * k + 7]
+    tracks = tracks_of(np.concatenate([xyz, images[:6], pieces]), rng, seen=1.0)
+    assert mirror_images(tracks, TO_ONE_SIDE).tolist() == list(range(10, 20))
 
 
 def test_images_in_two_mirrors_are_told():

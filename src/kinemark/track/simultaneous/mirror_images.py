@@ -82,14 +82,14 @@ def mirror_images(tracks: Tracks, rig: Rig) -> Ints:
     """
     some, found = _sampled(tracks), np.zeros(0, np.int64)
     while (plane := _mirror(some, rig.centres)) is not None:
-        images = _behind(some, plane)
-        found = np.concatenate([found, some.id[images]])
-        some = some.take(~images)
-    return np.sort(found)
+        images = np.union1d(some.id[_behind(some, plane)], _all_behind(tracks, plane))
+        found = np.union1d(found, images)
+        some = some.take(~np.isin(some.id, images))
+    return found
 
 
 def _sampled(tracks: Tracks) -> _Sampled:
-    """Tracks at `FRAMES` frames, those of most of them first."""
+    """Tracks at `FRAMES` frames, those of most of them first, and none that is in none of them."""
     cloud, n = tracks.cloud, len(tracks)
     looked_at = np.unique(np.linspace(0, max(cloud.n_frames - 1, 0), FRAMES).astype(int))
     xyz, variance = np.full((n, len(looked_at), 3), np.nan), np.full((n, len(looked_at)), np.nan)
@@ -99,7 +99,7 @@ def _sampled(tracks: Tracks) -> _Sampled:
     cameras = np.zeros((n, cloud.detection.shape[1]), bool)
     np.logical_or.at(cameras, tracks.id[rows], cloud.detection[rows] >= 0)
     seen = np.isfinite(variance).sum(1)
-    order = np.argsort(-seen, kind="stable")
+    order = np.argsort(-seen, kind="stable")[: int((seen > 0).sum())]
     return _Sampled(order, xyz[order], variance[order], cameras[order])
 
 
@@ -199,8 +199,15 @@ def _explained(some: _Sampled, plane: Plane) -> float:
 def _behind(some: _Sampled, plane: Plane) -> Bools:
     """(M) which tracks lie behind a plane."""
     height = plane.height(some.xyz)
-    seen = np.isfinite(height).sum(1)
-    return np.asarray((seen > 0) & ((height < -plane.off).sum(1) >= BEHIND * seen))
+    return np.asarray((height < -plane.off).sum(1) >= BEHIND * np.isfinite(height).sum(1))
+
+
+def _all_behind(tracks: Tracks, plane: Plane) -> Ints:
+    """The numbers of the tracks that lie behind a plane, by all their points."""
+    own = tracks.id >= 0
+    id, behind = tracks.id[own], plane.height(tracks.cloud.xyz[own]) < -plane.off
+    count = np.bincount(id, minlength=len(tracks))
+    return np.flatnonzero((count > 0) & (np.bincount(id, behind, len(tracks)) >= BEHIND * count))
 
 
 def _unit(v: Floats) -> Floats:

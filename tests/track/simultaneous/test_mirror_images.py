@@ -58,6 +58,14 @@ def test_short_pieces_of_images_are_told_as_well():
     assert mirror_images(tracks, TO_ONE_SIDE).tolist() == list(range(10, 20))
 
 
+def test_a_wall_shows_what_is_hidden_from_the_cameras():
+    """Most of what is behind it is no image of a marker that is seen itself."""
+    rng = np.random.default_rng(314)
+    xyz = moving(rng, 14)
+    tracks = tracks_of(np.concatenate([xyz[:4], mirrored(xyz, (0, 1, 0), -1500.0)]), rng)
+    assert mirror_images(tracks, TO_ONE_SIDE).tolist() == list(range(4, 18))
+
+
 def test_images_in_two_mirrors_are_told():
     rng = np.random.default_rng(302)
     xyz = moving(rng)

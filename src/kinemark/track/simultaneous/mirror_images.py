@@ -11,8 +11,9 @@ Two tracks tell a plane where their difference keeps its direction, which is n, 
 stands still does so as well, and so do the left and right of who moves alike with both. So a pair counts where it goes
 to and from the plane by many times what (1) leaves, and (1) leaves no more than the points are unsure by (2). A plane
 counts that as many as `PAIRS` images tell (3), that no camera which sees them stands behind (4), as some do behind the
-plane between left and right, and behind which most of what is seen is the image of something seen before it (5). All
-tracks behind such a plane are images, also where the marker itself is hidden.
+plane between left and right, and behind which what lies near the image of something seen before it mostly is that
+image (5): a wall shows as well what is hidden from the cameras, of which nothing is near. All tracks behind such a
+plane are images, also where the marker itself is hidden.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ move both sides alike, with markers 10 mm from alike and cameras to one side, 4.
 TRIED = 12
 """Pairs whose plane is tried, the surest first; chosen."""
 SHARE = 0.5
-"""Of points behind a plane that are images of seen ones (5); chosen: some of the markers themselves are hidden."""
+"""Of (5); chosen: left and right of a body are near each other's images, and hardly ever exact ones."""
 BEHIND = 0.9
 """Of a track's points that lie behind the plane; chosen."""
 
@@ -185,15 +186,15 @@ def _pairs_of(some: _Sampled, n: Floats, d: float) -> list[tuple[int, int]]:
 
 
 def _explained(some: _Sampled, plane: Plane) -> float:
-    """Share of the points of tracks behind a plane that are images of points before it (5)."""
+    """Of points of tracks behind a plane with a point before it near their image, those that it is exactly (5)."""
     images = _behind(some, plane)
-    markers, count, met = some.xyz[~images], 0, 0
+    markers, near, met = some.xyz[~images], 0, 0
     for one in plane.image(some.xyz[images]):
         off = np.linalg.norm(markers - one, axis=-1)
-        near = np.where(np.isfinite(off), off, np.inf).min(0, initial=np.inf)
-        count += int(np.isfinite(one[:, 0]).sum())
-        met += int((near < UNSURE * plane.off).sum())
-    return met / max(count, 1)
+        nearest = np.where(np.isfinite(off), off, np.inf).min(0, initial=np.inf)
+        near += int((nearest < 2 * UNSURE * plane.off).sum())
+        met += int((nearest < UNSURE * plane.off).sum())
+    return met / max(near, 1)
 
 
 def _behind(some: _Sampled, plane: Plane) -> Bools:

@@ -130,6 +130,8 @@ TRIAL_KINDS = (
          {"tracks": "count", "earlier_list": "text", "later_list": "text"}),
     Kind("tracks_still", "track", "info", "Tracks that stay within a limit while others move, by this in the median: "
          "probably lamps or reflections.", {"limit_mm": "mm", "moved_mm": "mm"}),
+    Kind("tracks_mirrored", "track", "amber", "Tracks that are mirror images of others in a plane behind which no "
+         "camera stands, as a wet floor or a window: they are no markers, and get no name."),
     Kind("tracks_confusable", "track", "amber", "Tracks came so near each other, for the rate, that they may have been "
          "exchanged: how many such decisions, and the share of all points; red where many times more.",
          {"decisions": "count", "points_share": "share"}),

@@ -124,6 +124,19 @@ def test_a_marker_surveyed_wrong_is_named_with_its_offset(seed):
     assert said["before_px"] is None  # no camera used it
 
 
+@pytest.mark.parametrize("seed", [0, 2, 4, 7])
+def test_a_point_that_no_camera_used_is_named_also_where_others_are_in_doubt(seed):
+    """One of 14 is mistyped by a digit: a tenth of its place."""
+    rng = np.random.default_rng([313, seed])
+    xyz = np.column_stack([rng.uniform(-900, 900, (14, 2)), rng.uniform(50, 1900, 14)])
+    rig, uv = seen(xyz=xyz, seed=seed)
+    wrong = xyz + rng.normal(0, 0.3, xyz.shape)
+    wrong[4] /= 10
+    fit = quality(rig, wrong, uv, points=NAMES[:14])
+    (said,) = (one for one in judge_control_points(fit).findings if one.kind == "control_points_displaced")
+    assert NAMES[4] in said.values["points_list"]
+
+
 def test_a_whole_rod_that_hangs_elsewhere_is_named():
     """A quarter of the points pull all cameras towards themselves; no point of them stands out."""
     rig, uv = seen(6)

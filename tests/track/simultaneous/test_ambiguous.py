@@ -84,11 +84,19 @@ def test_tracks_that_keep_their_courses_were_not_exchanged(sideways, found):
 def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():
     before = np.ones((2, 20))
     before[0, 9], before[1, 9] = 1.1 * METHOD.uncertain_sd, 0.9 * METHOD.uncertain_sd
-    (decision,) = _found_again(sightings(straight(), before=before), METHOD)
-    assert (decision.kind, decision.first, decision.last, decision.tracks) == ("swap", 9, 9, (0,))
     rows = np.arange(80).reshape(2, 20, 2)
-    rows[0, 9, 1] = -1  # one image alone finds nothing again
+    rows[:, 5:9] = -1
+    (decision,) = _found_again(sightings(straight(), before=before, rows=rows), METHOD)
+    assert (decision.kind, decision.first, decision.last, decision.tracks) == ("swap", 9, 9, (0,))
+    rows[0, 9:, 1] = -1  # one image alone finds nothing again
     assert _found_again(sightings(straight(), before=before, rows=rows), METHOD) == []
+
+
+def test_a_track_that_is_seen_in_every_frame_was_not_lost():
+    """At a low rate the place of any track is hardly known from one frame to the next."""
+    before = np.full((2, 20), 1.1 * METHOD.uncertain_sd)
+    before[:, 0] = 1.0
+    assert _found_again(sightings(straight(), before=before), METHOD) == []
 
 
 @pytest.mark.parametrize("rate", [50.0, 200.0])

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
+from support.laboratory import observe, ring
 from support.scenes.bodies import walker
 from support.scenes.imaging import Optics, images
 from support.scenes.placements import off, rig
@@ -34,3 +36,15 @@ def walks_past(seed, kind="walk", rate=100.0, frames=450, gone=(150, 300)):
 def test_nothing_is_said_of_cameras_which_a_subject_leaves(seed, other):
     detections, calibrated = walks_past(seed, **other)
     assert diagnose(detections, calibrated, track_simultaneously(detections, calibrated, METHOD)) == []
+
+
+def test_a_wheel_that_turns_too_fast_for_the_rate_need_not_be_of_another_rate():
+    """Ten turns a second at 50 Hz, radius .3 m."""
+    rng, rig = np.random.default_rng(312), ring(6)
+    angle = 2 * np.pi * 10 * np.arange(100) / 50 + rng.uniform(0, 6, (8, 1))
+    r = rng.uniform(180, 300, (8, 1))
+    xyz = np.stack([r * np.cos(angle), 0 * angle, 900 + r * np.sin(angle)], -1)
+    detections = observe(rig, xyz, noise=0.1, rate=50.0)[0]
+    found = diagnose(detections, rig, track_simultaneously(detections, rig, Simultaneous()))
+    (said,) = (one for one in found if one.kind == "nothing_goes_on")
+    assert "or too low for what was recorded" in text_of(said) and "record at a higher one" in advice_of(said)

@@ -272,9 +272,12 @@ def _survey(fit: ControlFit, wrong: Displaced | None, highest: int) -> list[Find
         return []
     everyone = list(range(len(fit.rig)))
     before, after = scatter(fit, everyone)[0], scatter(wrong.rest, everyone)[0]
-    harmless = bool(refused_everywhere(fit)[wrong.rows].all())
-    if not harmless and after > MUCH_LESS * before:
+    refused = refused_everywhere(fit)[wrong.rows]
+    if after > MUCH_LESS * before:  # those that cameras used may as well be right
+        wrong, refused = Displaced(wrong.rows[refused], wrong.offset[refused], wrong.rest), refused[refused]
+    if not len(wrong.rows):
         return []
+    harmless = bool(refused.all())
     far = np.linalg.norm(wrong.offset, axis=1)
     most = far > far.max() / 2
     return [

@@ -14,6 +14,7 @@ from ...data.edits import Claim
 from ...io.stated_names_csv import StatedName, read_stated_names
 from ...reconstruct import LeastSquares, image_errors
 from ...track.simultaneous import Simultaneous
+from ...track.simultaneous.mirror_images import mirror_images
 from ..keys import world_key
 from ..sources import Recording
 from ..trial_rig import TrialRig
@@ -67,7 +68,8 @@ def name_trial(
     first = of.first_frame
     claimed = claimed_tracks(numbered(tracks, first), claims, detections, world=world_key(of.rig))
     stated = _stated(of)
-    found = name_tracks(tracks, templates, how=label, stated=stated, first_frame=first, claimed=claimed)
+    images = mirror_images(tracks, cameras.rig).tolist()
+    found = name_tracks(tracks, templates, how=label, stated=stated, first_frame=first, claimed=claimed, images=images)
     tracker = of.settings.track
     if label.second_pass and isinstance(tracker, Simultaneous):
         fixed = _spoken(claimed, stated, len(tracks.cloud))

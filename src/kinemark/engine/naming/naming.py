@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -40,6 +40,7 @@ def name_tracks(
     stated: Sequence[StatedName] = (),
     first_frame: int = 1,
     claimed: ClaimedTracks | None = None,
+    images: Collection[int] = (),
 ) -> NamedTracks:
     """The tracks joined to markers, with names where evidence or statements give them.
 
@@ -52,11 +53,13 @@ def name_tracks(
         stated: what a person said of this trial.
         first_frame: number of the first frame in the recording.
         claimed: its trajectories, a point's row as its residual, with what was claimed; made of the tracks where None.
+        images: numbers of tracks that are images in a mirror, and no markers unless somebody said so.
     """
     points, claims = claimed or ClaimedTracks(numbered(tracks, first_frame), {})
     facts = facts_of(points, stated)
     known = facts.of | claims  # what was claimed is later
-    points, labels, switches, undecided = _labelled(points, by, how, known)
+    no_markers = dict.fromkeys(_made_of(points, tracks, images))
+    points, labels, switches, undecided = _labelled(points, by, how, no_markers | known)
     done = named(points, labels, unsure=how.unsure)
     joined = rows_of(done, len(tracks.cloud))
     ghosts = ghost_tracks(tracks, joined, sum(not name.startswith("*") for name in done.names))
@@ -84,6 +87,14 @@ def numbered(tracks: Tracks, first_frame: int) -> Trajectories:
     """Tracks as trajectories in which a point's row stands as its residual."""
     rows = np.arange(len(tracks.cloud), dtype=np.float64)
     return replace(trajectories_of(tracks, rows), first_frame=first_frame)
+
+
+def _made_of(points: Trajectories, tracks: Tracks, which: Collection[int]) -> Iterator[str]:
+    """Names of the trajectories, a point's row as its residual, that are made of these tracks."""
+    for path in points:
+        rows = path.residual[np.isfinite(path.residual)].astype(np.int64)
+        if len(rows) and np.isin(tracks.id[rows], list(which)).all():
+            yield path.name
 
 
 class _Named(NamedTuple):

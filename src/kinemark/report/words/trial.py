@@ -149,9 +149,9 @@ TRIAL_WORDS = {
         "All else was read. Export the recording again where these parts are wanted.",
     ),
     "nothing_goes_on": Words(
-        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is "
-        "probably not the frame rate of the recording.",
-        RATE,
+        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is not the "
+        "frame rate of the recording, or too low for what was recorded, as a wheel that turns fast.",
+        f"{RATE} Where the rate is right, record at a higher one.",
     ),
     "too_few_frames": Words(
         "The recording has {frame_count} {frame_count:frame|frames}, and a track needs {least}: it is known by its "
@@ -160,7 +160,7 @@ TRIAL_WORDS = {
     ),
     "speeds_impossible": Words(
         "Markers move at {speed_m_s}, faster than people but sprinters and throwers: {rate_hz} is probably not the "
-        "frame rate of the recording.",
+        "frame rate, unless a ball, a racket or a machine was recorded.",
         RATE,
     ),
     "points_dropped_outside": Words(
@@ -193,6 +193,11 @@ TRIAL_WORDS = {
         "{markers:Track|Tracks} {marker_names} {markers:stays|stay} within {limit_mm:1} while the others move by "
         "{moved_mm:0}: probably {markers:a lamp or reflection|lamps or reflections}, and counted among the markers.",
         "Cover them, or mask them under [masks]; if they are markers on something that does not move, all is well.",
+    ),
+    "tracks_mirrored": Words(
+        "{markers:Track|Tracks} {marker_names} {markers:is a mirror image of another|are mirror images of others}, "
+        "as in a wet floor or a window: no {markers:marker|markers}, though counted among them.",
+        "Cover or dry what mirrors, or mask it under [masks]; delete {markers:this track|these tracks}.",
     ),
     "tracks_confusable": Words(
         "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that "

@@ -19,7 +19,7 @@ A rate that is wrong changes all speeds by one factor, which no image tells; onl
 are is seen (4). Half of the true rate goes unnoticed.
 A rig without any lens term may be of cameras that have none, or of a calibration that left them out (`missing_lens`):
 where the terms were lost they are used; else it should be calibrated again (12). Noise that is stated OVERSTATED times
-as large as it is counts as unstated (13).
+as large as it is counts as unstated (13). A wet floor shows markers once more, below it (`mirror_images`) (14).
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from .detection_index import Images, read_images
 from .initiate import LEAST_FRAMES
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
+from .mirror_images import mirror_images
 from .misfitting_cameras import image_offset
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult
@@ -97,6 +98,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
         + _overstated(detections, result)
         + _learned_delays(rig, result)
         + _too_fast(result, detections.rate)
+        + _mirrored(result)
     )
 
 
@@ -164,6 +166,12 @@ def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
         )
         for c in np.flatnonzero(ms.line).tolist()
     ]
+
+
+def _mirrored(result: TrackingResult) -> list[Finding]:
+    """About tracks that are images in a mirror (14)."""
+    images = mirror_images(result.tracks, result.rig)
+    return [make_finding("tracks_mirrored", markers=[f"*{k + 1}" for k in images])] if len(images) else []
 
 
 def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[Finding]]:

@@ -17,10 +17,12 @@ they stand and how long their lenses are makes up for a part of it, and k alone 
 The other way round, images may be free of distortion when they come, as some programs and cameras take it out before.
 Where a rig states lens terms and is clearly better in both ways without them and with no other change (4), they are
 left out, and all is tracked and solved without them: they would bend straight images. A calibration that is off may
-be so by chance; with turns and focal lengths fitted to either, its own lenses are then the better ones (5).
+be so by chance; with turns and focal lengths fitted to either, its own lenses are then the better ones (5). Terms that
+move images by less than `BENT` were not taken out of them, whatever fits better (6): of a long lens they are hardly
+determined, and large by chance.
 
 Most rigs that state no lenses have none, and k need not be fitted to say so: where turns and focal lengths alone leave
-a narrow peak of residuals in all pairs of cameras, and one more step with k would take little of them (6), no lens is
+a narrow peak of residuals in all pairs of cameras, and one more step with k would take little of them (7), no lens is
 missing.
 """
 
@@ -32,7 +34,8 @@ import numpy as np
 
 from ...data import Detections, Rig
 from ...data.array_types import Floats
-from ...numerics.finite import finite_median
+from ...geometry import undistort
+from ...numerics.finite import finite_mean, finite_median
 from .adjusted_rig import USUAL_ERROR, fitted_rig, rig_step, with_radial
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
@@ -46,7 +49,7 @@ USUAL = np.append(USUAL_ERROR, USUAL_RADIAL)
 """θ₀ of turns, focal lengths and k; by definition."""
 
 LITTLE, CLOSE = 0.03, 1.0
-"""Of (6), a share of the sum of squares, and px, a standard deviation of the widest peak; chosen on scenes 147000 to
+"""Of (7), a share of the sum of squares, and px, a standard deviation of the widest peak; chosen on scenes 147000 to
 147023, 301000 to 301035 and 303000 to 303015 of the second generator, 0 to 3 px off: where lenses are missing in all
 cameras or some, and peaks are as narrow, 0.058 and more would be taken, where none is mostly less than 0.02."""
 
@@ -64,6 +67,10 @@ by (3) lost terms 0.04 to 0.98, and 15 of 16 rigs that were calibrated without t
 MORE = 2.0
 """Of (2) and (3), what n of (1) gains by each camera's k, a number; chosen on scenes 148000 to 148003 of the second
 generator, 0 to 3 px off: lost lenses that are known to .15 gain 2.2 and more, cameras without a lens 0.8 at most."""
+
+BENT = 0.5
+"""px by which lens terms move images of the median camera, RMS (6); chosen: wrong ones of lenses of 600 mm did by up to
+0.3, those of seven scenes of the second generator by 0.3 to 1.1."""
 
 ROUNDS = 12
 """Of the fit, chosen: a camera whose images make a peak late is as it should be after ten."""
@@ -96,7 +103,7 @@ def missing_lenses(detections: Detections, rig: Rig) -> MissingLenses | None:
     if any(camera.distortion.any() for camera in rig):
         return _taken_out(detections, images, rig, frames)
     flat = _turned(images, rig, frames)
-    if _no_more_by_lenses(images, flat, frames):  # (6)
+    if _no_more_by_lenses(images, flat, frames):  # (7)
         return None
     bent = _fitted(detections, images, rig, frames)
     k = np.array([camera.distortion[0] for camera in bent])
@@ -114,13 +121,20 @@ def _taken_out(detections: Detections, images: Images, rig: Rig, frames: list[in
     """No lenses, where images agree clearly better without those that the file states; else None."""
     none = np.zeros(len(rig))
     plain = with_radial(rig, none)
-    if not _better(detections, images, plain, rig, frames):  # (4)
+    if _bent(detections, rig) < BENT or not _better(detections, images, plain, rig, frames):  # (6), (4)
         return None
     straight = images.seen_by(detections, plain, frames)
     own, others = _turned(images, rig, frames), _turned(straight, plain, frames)
     if not _better(detections, images, others, own, frames, 1.0, 0.0):  # (5)
         return None
     return MissingLenses(none, True, float(np.sqrt(_variance(images, rig, frames))))
+
+
+def _bent(detections: Detections, rig: Rig) -> float:
+    """px by which the lens terms of the median camera move its images, RMS."""
+    seen = [(camera, detections.uv[detections.camera == c]) for c, camera in enumerate(rig)]
+    moved = [np.linalg.norm(undistort(camera, uv) - uv, axis=1) for camera, uv in seen if len(uv)]
+    return finite_median(np.array([np.sqrt(finite_mean(off**2)) for off in moved]), 0.0)
 
 
 def _fitted(detections: Detections, images: Images, rig: Rig, frames: list[int]) -> Rig:
@@ -140,7 +154,7 @@ def _turned(images: Images, rig: Rig, frames: list[int]) -> Rig:
 
 
 def _no_more_by_lenses(images: Images, flat: Rig, frames: list[int]) -> bool:
-    """(6), of a rig whose turns and focal lengths are fitted."""
+    """(7), of a rig whose turns and focal lengths are fitted."""
     step = rig_step(images, flat, frames, np.zeros((len(flat), len(USUAL))), USUAL)
     return step.gain < LITTLE and step.sd < CLOSE
 

@@ -28,7 +28,7 @@ from .view_pairs import FEWEST_COMMON, Pair
 FOCI = np.geomspace(0.45, 4.0, 14)
 """Focal lengths that are tried, in image widths; chosen (see benchmarks/bundle.py)."""
 JUDGES = 60  # points that a beginning is judged by at most; chosen for speed
-BY_STICKS, BY_POINTS = 3, 4  # beginnings of a pair that are tried, at most, by (1) and (2); chosen
+BY_POINTS = 4  # beginnings of a pair that are tried, at most, by (2); chosen
 CHECK_CAMERAS = 3  # further cameras that a beginning is judged by; chosen for speed
 
 
@@ -58,7 +58,7 @@ def _width(optics: UnknownOptics) -> float:
     return float(optics.camera.size.max())
 
 
-def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floats) -> list[Seed]:
+def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floats, *, best: int = 3) -> list[Seed]:
     """The most likely focal lengths of a pair by (1), from sticks seen at uv (C, F, K, 2)."""
     K, (i, j) = len(along), (int(along.argmin()), int(along.argmax()))
     good = pair.good.reshape(-1, K)
@@ -74,7 +74,7 @@ def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floa
     median = np.median(length, axis=1)
     spread = np.median(np.abs(length - median[:, None]), axis=1) + behind  # (1)
     size = float(np.ptp(along)) / np.exp(median)
-    chosen = _minima(spread.reshape(len(FOCI), len(FOCI)))[:BY_STICKS]
+    chosen = _minima(spread.reshape(len(FOCI), len(FOCI)))[:best]
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], size[g] * t[g], float(spread[g])) for g in chosen]
 
 

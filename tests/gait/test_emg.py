@@ -164,6 +164,15 @@ def test_rest_that_was_stored_coarsely_is_rest():
     assert np.isfinite(found.envelope).all() and found.on[strong].mean() > 0.9 and found.on[~strong].mean() < 0.1
 
 
+@pytest.mark.parametrize("step", [60.0, 120.0])
+def test_rest_at_an_end_that_was_stored_coarsely_is_rest(step):
+    """An envelope is drawn there: the device did send."""
+    _, strong, x = recorded()
+    x = scipy.signal.sosfiltfilt(scipy.signal.butter(4, 20, "high", fs=1000.0, output="sos"), x)
+    found = emg(step * np.round(x / step), rate=1000.0)
+    assert np.isfinite(found.envelope).all() and found.on[strong].mean() > 0.8 and found.on[~strong].mean() < 0.1
+
+
 def test_a_loose_electrode_says_nothing_of_its_muscle():
     rng = np.random.default_rng(0)
     t = np.arange(4000) / 1000.0

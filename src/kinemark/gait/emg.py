@@ -46,10 +46,10 @@ STEEP = 0.8
 drifts far above zero."""
 DEAD_S = 0.1
 """Of one value in a channel, above which nothing was recorded there, s; chosen: noise never keeps it."""
-CHANGES = 0.7
+CHANGES = 0.8
 """Share of the samples beside such a stretch that differ from the one before; chosen: noise below the steps in which a
 channel was stored keeps its values on and off, and is rest. Of 237 channels in steps of half to eight times their noise
-at rest, rest of one seemed a failure, at an end; with 0.6 that of two, with ends where all count that of 81."""
+at rest, rest of one seemed a failure at most; where ends always counted, that of 81 at their ends."""
 CUT_OFF = 0.5
 """Share of samples at the limits from which on the others tell nothing; chosen: an electrode is loose."""
 STUCK = 3

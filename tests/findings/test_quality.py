@@ -398,6 +398,16 @@ def test_a_short_piece_that_was_left_without_a_name_is_no_marker_that_is_missing
     assert completeness(beside.select(names[:6])) == pytest.approx(490 / 500)
 
 
+def test_a_piece_without_a_name_where_a_named_marker_is_missing_is_no_other_marker():
+    """It is that one's: not more are worn than are there at once."""
+    there = np.ones((6, 100), bool)
+    there[4, :60] = there[5, 60:] = False
+    xyz = np.where(there[..., None], 1.0 + np.arange(6)[:, None, None], np.nan) * np.ones(3)
+    beside = Trajectories(tuple(map(MarkerTrajectory.measured, ("A", "B", "C", "D", "E", "*1"), xyz)), 50.0)
+    assert markers_worn(beside) == 5
+    assert completeness(beside) == pytest.approx(440 / 500)
+
+
 @pytest.mark.parametrize(("frames", "grade"), [(1, None), (39, "amber"), (300, "red")])
 def test_tracks_that_came_near_for_long_are_never_green(frames, grade):
     """Of 1200 points; either of two tracks could have had the other's images for so many frames, two points a frame."""

@@ -164,6 +164,17 @@ def test_rest_that_was_stored_coarsely_is_rest():
     assert np.isfinite(found.envelope).all() and found.on[strong].mean() > 0.9 and found.on[~strong].mean() < 0.1
 
 
+def test_rest_at_an_end_that_was_stored_coarsely_is_rest():
+    """An envelope is drawn there: the device did send, and the muscle's strength grows over a tenth of a second."""
+    t, strong, _ = recorded()
+    rise = np.hanning(200) / np.hanning(200).sum()
+    x = np.random.default_rng(0).normal(0, 4.0 + 96.0 * np.convolve(strong, rise, "same"))
+    x = scipy.signal.sosfiltfilt(scipy.signal.butter(4, 20, "high", fs=1000.0, output="sos"), x)
+    found = emg(60 * np.round(x / 60), rate=1000.0)
+    rest = (t < 0.3) | (t > 3.4)
+    assert np.isfinite(found.envelope).all() and not found.on[rest].any() and found.on[strong].mean() > 0.8
+
+
 def test_a_loose_electrode_says_nothing_of_its_muscle():
     rng = np.random.default_rng(0)
     t = np.arange(4000) / 1000.0

@@ -31,6 +31,8 @@ OUT_OF_VIEW, OUT_S = 0.3, 0.25
 chosen: markers that are lost while the cameras see as much as ever are missing."""
 PARTS, FEWEST_A_PART = 10, 5
 """Of a path, and samples of each, by which is told whether it moves; chosen: a median of five is free of outliers."""
+MOST_AT_ONCE = 0.9
+"""Share of the frames that have no more markers than are worn; chosen: in the others are ghosts."""
 LEFT_OVER = 0.5
 """Share of the images of two cameras and of all that must belong to a point for completeness to be known; chosen: else
 there may be as many markers again as were found."""
@@ -90,7 +92,7 @@ def markers_worn(trajectories: Trajectories) -> int:
         return int(seen[_named(trajectories)].any(axis=1).sum()) + _nameless_worn(trajectories)
     at_once = seen.sum(axis=0)
     at_once = at_once[at_once > 0]
-    return max(round(float(np.quantile(at_once, 0.9))), 1) if at_once.size else 0
+    return max(round(float(np.quantile(at_once, MOST_AT_ONCE))), 1) if at_once.size else 0
 
 
 def _named(trajectories: Trajectories) -> Bools:
@@ -99,10 +101,15 @@ def _named(trajectories: Trajectories) -> Bools:
 
 
 def _nameless_worn(trajectories: Trajectories) -> int:
-    """Markers beside the named ones: short pieces and ghosts that were left without a name are none."""
-    seen = present(trajectories)
-    at_once = seen[~_named(trajectories)].sum(axis=0)[seen.any(axis=0)]
-    return round(float(np.median(at_once))) if at_once.size else 0
+    """Markers beside the named ones: short pieces and ghosts that were left without a name are none, nor is a piece of
+    a marker that has its name elsewhere: so there are never more at once than are worn."""
+    seen, named = present(trajectories), _named(trajectories)
+    seen = seen[:, seen.any(axis=0)]
+    if not seen.size:
+        return 0
+    lasting = np.median(seen[~named].sum(axis=0))
+    room = np.quantile(seen.sum(axis=0), MOST_AT_ONCE) - seen[named].any(axis=1).sum()
+    return max(round(float(min(lasting, room))), 0)
 
 
 def in_view(trajectories: Trajectories) -> tuple[int, int]:

@@ -162,6 +162,23 @@ def test_whichever_trial_is_named_by_hand_names_the_others(tmp_path, by):
     assert share_right(first.trajectories, motion("walk01")) == 1.0
 
 
+@pytest.mark.parametrize("kind", ["range_of_motion", "static", "motion"])
+def test_naming_that_has_only_begun_stops_no_trial(tmp_path, kind):
+    """Three names make no template: the other trials stay without names, and are else as they were."""
+    truth = motion("walk01")
+    rows = [
+        f"walk01,20,{x:.1f},{y:.1f},{z:.1f},{n}" for n, (x, y, z) in zip(truth.names, truth.xyz[:, 19], strict=True)
+    ]
+    (tmp_path / "names.csv").write_text("\n".join(["trial,frame,x_mm,y_mm,z_mm,name", *rows[3:6]]))
+    folder = session_of(tmp_path, "walk01", "walk02", label='names = "names.csv"')
+    file = folder / "session.toml"
+    file.write_text(file.read_text().replace('"motion"', f'"{kind}"', 1))
+    done = run(folder, to="quality")
+    assert set(truth.names[3:6]) <= set(done["walk01"].trajectories.names)
+    assert "labels_without_template" in kinds(done["walk02"].quality)
+    assert len(done["walk02"].trajectories) == 15
+
+
 def test_a_template_of_another_size_needs_both_heights(tmp_path):
     folder = session_of(tmp_path, "walk01", label="template_height_mm = 1700")
     with pytest.raises(KinemarkError, match=r"template_height_mm is given without height_mm"):

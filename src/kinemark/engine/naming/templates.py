@@ -19,11 +19,12 @@ from ...io.trial import read_trial
 from ...label import Labelling, Template, learn_template
 from ...label.from_set import STATIC_SPREAD, figure_template, static_bystanders, static_template
 from ...label.subject_template import SubjectTemplate, TemplateSource
+from ...label.template import names_in
 from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
 from ..settings.gait_table import GaitTable
 from .agreeing_names import Agreeing, agreeing
-from .earlier import ABSENT, Earlier
+from .earlier import ABSENT, NAMED_BY_HAND, Earlier
 from .named_tracks import load_learnt
 from .segments_of_clusters import set_of_clusters
 from .subject_templates import of_subject
@@ -112,7 +113,11 @@ def session_template(
     given = [_shown(root, file, subject, names) for file in label.template if not is_template(file)]
     moved, still = _shown_earlier(earlier, subject)
     still += [_shown(root, file, subject, names) for file in label.static]
-    own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set, settings.gait)
+    moved = moved if label.scale else given + moved
+    # Files are asked for enough names; trials in which somebody has begun to name are left alone.
+    own = _learnt(moved, names) if _enough(moved, names) or (given and not label.scale) else None
+    if own is None and (_enough(still, names) or label.static):
+        own = _of_static(still, names, marker_set, settings.gait)
     best = max(_of_others(root, label, given, names, marker_set), key=lambda one: len(one.template), default=None)
     return best if own is None or (best and len(best.template) > len(own.template)) else own
 
@@ -165,6 +170,12 @@ def _kept(path: Path) -> SessionTemplate:
     """A template that was kept in a file."""
     kept = load_template(path)
     return SessionTemplate(kept.template, (path.name,), kept.wider)
+
+
+def _enough(shown: Sequence[Shown], names: Sequence[str]) -> bool:
+    """Whether trials show as many markers, of these names where they have any, as make a template."""
+    there = set(names_in([one.trial for one in shown]))
+    return len(there & set(names) or there) >= NAMED_BY_HAND
 
 
 def _with_names(shown: Sequence[Shown]) -> list[Shown]:

@@ -25,8 +25,9 @@ marker in its group, high enough to part it from its glow and from its neighbour
 gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
 lower one and 5 σ above the ground.
 
-Compression that loses noise leaves σ no more than rounding does, and beside markers that moved remains that come and
-go, as many as (2) allows. Peaks then count where they stand out in the middle of the gap (4).
+Compression that loses noise leaves σ no more than rounding does, and around markers remains that come and go, as many
+as (2) allows. Groups then do not count in (3) that lie within BLOCK of one more than twice as bright (4): dim markers
+lie anywhere.
 """
 
 from __future__ import annotations
@@ -51,6 +52,7 @@ SHARE = 0.4  # of the peak's contrast; chosen: a little below half way, where th
 
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
+BLOCK = 8  # px, to which compression spreads what it leaves of an edge; by definition of JPEG and of H.264
 
 
 class LevelGap(NamedTuple):
@@ -120,8 +122,9 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     if stretch is None:
         return none
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
-    erased = sigma <= math.sqrt(ROUNDING)  # (4)
-    peaks = found[(stretch[0] + stretch[1]) // 2 if erased else stretch[0]] - b
+    peaks = found[stretch[0]] - b
+    if sigma <= math.sqrt(ROUNDING):  # (4)
+        peaks = peaks[~_remains(_standing_out(images, b, low, bright)[0], peaks)]
     peak = float(np.median(peaks))
     c = float(
         np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)
@@ -164,6 +167,18 @@ def _standing_out(
     groups, peak = groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
     real = blurred(images, groups)
     return groups.keep(real), peak[real]
+
+
+def _remains(groups: PixelGroups, peak: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(G) which groups may be what compression left of a brighter one (4), by the contrast (G) of their peaks."""
+    out = np.zeros(len(peak), np.bool_)
+    sides = ((groups.left, groups.right), (groups.top, groups.bottom))
+    for rows in np.split(np.arange(len(peak)), np.flatnonzero(np.diff(groups.frame)) + 1):
+        beside = 2 * peak[rows, None] < peak[rows]
+        for low, high in sides:
+            beside &= (low[rows] - high[rows, None] <= BLOCK) & (low[rows, None] - high[rows] <= BLOCK)
+        out[rows] = beside.any(1)
+    return out
 
 
 def _stable_stretch(c: NDArray[np.float64], numbers: NDArray[np.int64], n: int) -> tuple[int, int] | None:

@@ -25,9 +25,10 @@ marker in its group, high enough to part it from its glow and from its neighbour
 gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
 lower one and 5 σ above the ground.
 
-Compression that loses noise leaves σ no more than rounding does, and beside markers that moved remains that come and
-go, as many as (2) allows. Peaks then count where they stand out in the middle of the gap (4). So they do where the
-ground is brighter in some images than in others, as under lamps that flicker: noise of the bright ones is above (1).
+Compression that loses noise leaves σ no more than rounding does, and around markers remains that come and go, as many
+as (2) allows. Groups then do not count in (3) that lie within BLOCK of one more than twice as bright (4): dim markers
+lie anywhere. Where the ground is brighter in some images than in others, as under lamps that flicker, noise of the
+bright ones is above (1), and peaks count where they stand out in the middle of the gap (5).
 """
 
 from __future__ import annotations
@@ -56,6 +57,7 @@ at; chosen: lamps that flicker by 35 % change the ground by 4.5 σ, and what noi
 
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
+BLOCK = 8  # px, to which compression spreads what it leaves of an edge; by definition of JPEG and of H.264
 
 
 class LevelGap(NamedTuple):
@@ -125,8 +127,10 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     if stretch is None:
         return none
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
-    misjudged = sigma <= math.sqrt(ROUNDING) or _flicker(images) > FLICKERS * sigma  # (4)
-    peaks = found[(stretch[0] + stretch[1]) // 2 if misjudged else stretch[0]] - b
+    flickers = _flicker(images) > FLICKERS * max(sigma, math.sqrt(ROUNDING))  # (5)
+    peaks = found[(stretch[0] + stretch[1]) // 2 if flickers else stretch[0]] - b
+    if sigma <= math.sqrt(ROUNDING) and not flickers:  # (4)
+        peaks = peaks[~_remains(_standing_out(images, b, low, bright)[0], peaks)]
     peak = float(np.median(peaks))
     c = float(
         np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)
@@ -175,6 +179,18 @@ def _standing_out(
     groups, peak = groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
     real = blurred(images, groups)
     return groups.keep(real), peak[real]
+
+
+def _remains(groups: PixelGroups, peak: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(G) which groups may be what compression left of a brighter one (4), by the contrast (G) of their peaks."""
+    out = np.zeros(len(peak), np.bool_)
+    sides = ((groups.left, groups.right), (groups.top, groups.bottom))
+    for rows in np.split(np.arange(len(peak)), np.flatnonzero(np.diff(groups.frame)) + 1):
+        beside = 2 * peak[rows, None] < peak[rows]
+        for low, high in sides:
+            beside &= (low[rows] - high[rows, None] <= BLOCK) & (low[rows, None] - high[rows] <= BLOCK)
+        out[rows] = beside.any(1)
+    return out
 
 
 def _stable_stretch(c: NDArray[np.float64], numbers: NDArray[np.int64], n: int) -> tuple[int, int] | None:

@@ -43,6 +43,12 @@ def seen_on(rig, seed, markers=30):
     return Detections.build(rig.names, RATE, counts, np.concatenate(uv)), int((of >= 2).sum())
 
 
+def with_first_turned(rig, axes, degrees):
+    """The same, its first camera turned from where it is calibrated."""
+    turn = Rotation.from_euler(axes, degrees, degrees=True).as_matrix()
+    return replace(rig, cameras=(replace(rig[0], R=turn @ rig[0].R, t=turn @ rig[0].t), *rig.cameras[1:]))
+
+
 def told(rig, detections):
     result = track_simultaneously(detections, rig, DEFAULT)
     kinds = {(f.kind, f.cameras) for f in diagnose(detections, rig, result) if f.kind.startswith("camera_")}
@@ -62,7 +68,13 @@ def test_a_camera_that_sees_another_side_is_not_accused(n, seed):
 def test_a_camera_that_was_turned_elsewhere_is_told(n, seed):
     rig = all_round(n, seed)
     detections, _ = seen_on(rig, seed)
-    elsewhere = Rotation.from_euler("yz", [9, 7], degrees=True).as_matrix()
-    first = replace(rig[0], R=elsewhere @ rig[0].R, t=elsewhere @ rig[0].t)
-    kinds, _ = told(replace(rig, cameras=(first, *rig.cameras[1:])), detections)
+    kinds, _ = told(with_first_turned(rig, "yz", [9, 7]), detections)
     assert kinds == {("camera_fits_nothing", ("cam1",))}
+
+
+def test_a_camera_that_was_bumped_is_told_by_the_few_markers_that_it_shares():
+    """At a time these are one or two, but they are many tracks'."""
+    rig = all_round(5, 33)
+    detections, _ = seen_on(rig, 33, markers=20)
+    kinds, _ = told(with_first_turned(rig, "y", 0.5), detections)
+    assert kinds == {("camera_shifted", ("cam1",))}

@@ -17,9 +17,13 @@ the noise of the others by epipolar lines (`epipolar_noise`), in the median came
 
     |d| > APART · σ,   or, where it lies nowhere,   σ < AGREEING                                          (3)
 
-About a subject who hides the cameras from each other few points have a third image, and S tells of chance: other
-markers of who stands in one place keep beside a point. S' counts where it is MARKERS and more at a time. A camera lies
-nowhere only if no camera of the tracks is its partner (`epipolar_noise` (7)).
+About a subject who hides the cameras from each other few points have a third image, and S tells of chance: another
+marker of who stands in one place keeps beside a point. Of tracks with h points each that have such an image, S' counts
+where
+
+    (Σ h)² / Σ h²,  how many tracks make it,  is MARKERS and more                                         (4)
+
+A camera lies nowhere only if no camera of the tracks is its partner (`epipolar_noise` (7)).
 
 As images that are up to a frame late or early are where the points were or will be, S(0) is the highest at such times:
 delays are learned. A camera that was bumped along the lines of the others has a high Q_c, and is suspected where it
@@ -62,8 +66,8 @@ to 0.37 px, of calibrations that were 2.5 to 4 px off it was 16 or less, with σ
 TIMES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 """Frames, at which S(0) is looked for; chosen: what `learned_delays` can learn."""
 MARKERS = 2.5
-"""At a time, of S'; chosen on four-second walks and stands of 30 markers before three and four cameras all round, each
-marker hidden by the body from those behind it: one marker's neighbours made 0.3 to 1.6 of good cameras."""
+"""Of (4); chosen on three-second walks and stands before three to six cameras, each marker hidden by the body from
+those behind it: one marker's neighbours made 1.0 to 1.6 of good cameras, bumped and moved ones had 3.3 to 10.9."""
 LEAST_POINTS, LEAST_MARKERS, MOST_POINTS = 100, 5, 5000
 """Points in view, and tracks, from which on S tells, chosen: of one marker that hides, another's image is beside; and
 points that are looked at, chosen: more say the same."""
@@ -95,7 +99,7 @@ def _agreement(c: int, others: list[int], n: Floats, chance: Floats, possible: F
 
 
 class Peaks(NamedTuple):
-    """Of a camera S(0), and S' of (2); whether S' is clear of S'' and of enough markers; the d of S' (2) px."""
+    """Of a camera S(0), and S' of (2); whether S' is clear of S'' and of enough tracks; the d of S' (2) px."""
 
     here: float
     beside: float
@@ -163,9 +167,18 @@ def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:
     here = max(float(_shares(images, cell, uv[rows] + t * step, 2 * STEP)[MIDDLE, MIDDLE]) for t in TIMES)
     beside = np.where(_around(shares, MIDDLE, MIDDLE), 0.0, shares)
     u, v = (int(k) for k in np.unravel_index(int(beside.argmax()), shares.shape))
-    at_a_time = beside[u, v] * inside.sum() / len(np.unique(cloud.frame[inside]))
-    clear = at_a_time >= MARKERS and beside[u, v] > STANDS_OUT * np.where(_around(beside, u, v), 0.0, beside).max()
-    return Peaks(here, float(beside[u, v]), bool(clear), STEP * (np.array([u, v]) - MIDDLE))
+    d = STEP * (np.array([u, v]) - MIDDLE)
+    many = _tracks_beside(images, cell, uv[rows] + d, tracks.id[rows]) >= MARKERS
+    clear = many and beside[u, v] > STANDS_OUT * np.where(_around(beside, u, v), 0.0, beside).max()
+    return Peaks(here, float(beside[u, v]), bool(clear), d)
+
+
+def _tracks_beside(images: Images, cell: Ints, uv: Floats, id: Ints) -> float:
+    """(4) of points (P) of tracks with an image at uv (P, 2) px."""
+    own, row = images.near(cell, uv[:, 0], np.full(len(uv), 1.5 * STEP))
+    there = np.unique(own[np.abs(images.uv[row, 1] - uv[own, 1]) < 1.5 * STEP])
+    h = np.bincount(id[there]).astype(float)
+    return float(h.sum() ** 2 / max((h**2).sum(), 1.0))
 
 
 def _projected(P: Floats, xyz: Floats) -> Floats:

@@ -5,8 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
 
-from kinemark.data import Trajectories
+from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.label.own_exchanges import find_own_exchanges, without_exchanged
 from kinemark.synth import walking, with_markers
 
@@ -93,3 +95,31 @@ def test_a_few_frames_few_markers_and_gaps_do_no_harm():
     assert find_own_exchanges(replace(trial, paths=tuple(map(lambda p, k: p.only(k), trial, kept)))) == ((),)
     nowhere = [p.only(np.zeros(trial.n_frames, bool)) for p in trial]
     assert find_own_exchanges(replace(trial, paths=tuple(nowhere))) == ((),)
+
+
+def with_tool(trial, seed):
+    """A symmetric tool of four markers beside, which turns slowly."""
+    rng, n = np.random.default_rng(seed), trial.n_frames
+    turn = gaussian_filter1d(rng.normal(size=(n, 3)), 50.0, axis=0)
+    places = Rotation.from_rotvec(turn / turn.std())
+    arms = 80.0 * np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
+    at = trial.xyz[0] + [300.0, 0.0, 0.0]
+    tool = (MarkerTrajectory.measured(f"TOOL{k}", at + places.apply(arm)) for k, arm in enumerate(arms))
+    return replace(trial, paths=(*trial.paths, *tool))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_opposite_markers_of_a_tool_that_turns_are_not_called_exchanged(seed):
+    """By chance some distances to the body are steadier the other way round, but names never change at once."""
+    assert find_own_exchanges(with_tool(walk(seed % 3, 15), seed)) == ((),)
+
+
+def test_names_that_are_exchanged_across_a_gap_are_found():
+    trial = walk(2)
+    a, b = near_two(trial, 3)
+    wrong = exchanged(trial, a, b, 240, 400)
+    kept = np.ones(400, bool)
+    kept[220:255] = False
+    paths = tuple(p.only(kept) if p.name in (a, b) else p for p in wrong)
+    ((found,),) = find_own_exchanges(replace(wrong, paths=paths))
+    assert set(found.markers) == {a, b} and 220 <= found.first <= 255 and found.stop == 400

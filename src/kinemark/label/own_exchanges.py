@@ -9,6 +9,9 @@ are put right; where names are right, those that tell anything vary more. With �
 over the K markers k of the least min (u_ak, u'_ak) of those that tell, |u_ak − u'_ak| > 0.05: both ways round choose
 the same ones. So a posture that is new speaks for no exchange. The part is sought among windows, and then to a frame.
 Which of the two ways round is right is not told: of the two parts the shorter one counts as exchanged.
+
+Markers that drift on the skin, or a tool's that is symmetric, make distances steadier by chance. But names of markers
+that are seen do not drift: where the part begins and ends within a trial, they change at once (`turned_names`).
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..numerics.vectors import lengths
 from .check import Exchanged
+from .turned_names import names_turn
 
 LEAST = 0.1
 """g from which on an exchange is said; chosen: in none of 53 files of twelve laboratories and programs g is above
@@ -41,12 +45,16 @@ TELLS = 0.05
 """Of (1); chosen: markers on the plane of symmetry of two tell nothing of them."""
 FLOOR = 0.001
 """ε of (1), as a share of the body's size; chosen: one and a half millimetres."""
+MATES = 24
+"""Nearest markers to either that count for (1); chosen: the steadiest are near, and of 180 points all take 10 s."""
 NEAR = 8
 """Nearest markers with which one may be exchanged; chosen, as in `exchange`."""
 FRAMES = 300
 """Frames of all trials that are looked at; chosen, as many as a template does."""
 WINDOW_S, WINDOWS = 0.2, 32
 """Length of windows, s, and the most; chosen: of 0.5 s, 84 of 102 exchanges were found, and 97 of 0.2 s."""
+SLACK = 15
+"""Frames by which the ends of a part may be off; chosen: mostly they are by two at most, but by more beside gaps."""
 FEWEST = 3
 """Samples of a part, and of the rest; chosen: two tell no spread."""
 MOST = 10
@@ -54,24 +62,38 @@ MOST = 10
 
 
 class _Looked(NamedTuple):
-    """Places (F, L, 3) mm in frames (F) of trials (F)."""
+    """Places (F, L, 3) mm in frames (F) of trials (F); all places of each trial, and its rate, Hz."""
 
     y: Floats
     trial: Ints
     frame: Ints
+    every: tuple[Floats, ...]
+    rates: tuple[float, ...]
+
+    def exchange(self, two: tuple[int, int], own: Bools) -> list[tuple[int, int, int]]:
+        """Of two markers in frames (F); gives the stretches: trial, first and last-plus-one frame."""
+        stretches = list(_stretches(self, own))
+        here, both = np.flatnonzero(own)[:, None], np.array(two)
+        self.y[here, both] = self.y[here, both[::-1]]
+        for k, first, stop in stretches:
+            self.every[k][first:stop, two] = self.every[k][first:stop, two[::-1]]
+        return stretches
 
 
 class _Two(NamedTuple):
-    """Two markers, their distances (F, 2, L) mm, and ε², mm²."""
+    """Two markers, their distances (F, 2, K) mm to those that are near either, and ε², mm²."""
 
     markers: tuple[int, int]
     distance: Floats
     floor: float
 
     @classmethod
-    def of(cls, y: Floats, markers: tuple[int, int], floor: float) -> _Two:
-        """Of places (F, L, 3) mm."""
-        return cls(markers, lengths(y[:, markers, None] - y[:, None]), floor)
+    def of(cls, y: Floats, markers: tuple[int, int], mean: Floats, floor: float) -> _Two:
+        """Of places (F, L, 3) mm, whose mean distances are (L, L)."""
+        near = mean[list(markers)].min(0)
+        near[list(markers)] = np.inf
+        mates = np.argsort(near, kind="stable")[: min(MATES, len(near) - 2)]
+        return cls(markers, lengths(y[:, markers, None] - y[:, None, mates]), floor)
 
 
 def find_own_exchanges(*trials: Trajectories) -> tuple[tuple[Exchanged, ...], ...]:
@@ -86,15 +108,13 @@ def find_own_exchanges(*trials: Trajectories) -> tuple[tuple[Exchanged, ...], ..
     looked = _looked_at(trials, names)
     seconds = sum(one.n_frames / one.rate for one in trials)
     for _ in range(MOST):
-        best = _best(looked.y, seconds)
+        best = _best(looked, seconds)
         if best is None:
             break
         (a, b), own, gain = best
         nats = 2 * STEADIEST * gain * len(own) / own.sum()
-        for k, first, stop in _stretches(looked, own, trials):
+        for k, first, stop in looked.exchange((a, b), own):
             found[k].append(Exchanged((names[a], names[b]), first, stop, float(nats)))
-        two = np.array([a, b])
-        looked.y[np.ix_(own, two)] = looked.y[np.ix_(own, two[::-1])]
     return tuple(tuple(sorted(each, key=lambda one: (one.first, one.markers))) for each in found)
 
 
@@ -113,29 +133,29 @@ def _looked_at(trials: Sequence[Trajectories], names: Sequence[str]) -> _Looked:
     every = np.unique(np.linspace(0, n.sum() - 1, min(FRAMES, int(n.sum()))).round().astype(np.int64))
     trial = np.searchsorted(np.cumsum(n), every, side="right")
     frame = every - (np.cumsum(n) - n)[trial]
-    y = np.full((len(every), len(names), 3), np.nan)
-    for k, one in enumerate(trials):
-        rows = np.flatnonzero(trial == k)
+    full = [np.full((one.n_frames, len(names), 3), np.nan) for one in trials]
+    for xyz, one in zip(full, trials, strict=True):
         for path in one:
-            y[rows, names.index(path.name)] = path.xyz[frame[rows]]
-    return _Looked(y, trial, frame)
+            xyz[:, names.index(path.name)] = path.xyz
+    y = np.concatenate([xyz[frame[trial == k]] for k, xyz in enumerate(full)])
+    return _Looked(y, trial, frame, tuple(full), tuple(one.rate for one in trials))
 
 
-def _best(y: Floats, seconds: float) -> tuple[tuple[int, int], Bools, float] | None:
+def _best(looked: _Looked, seconds: float) -> tuple[tuple[int, int], Bools, float] | None:
     """The two whose exchange makes distances steadiest, in which frames (F), and g; None where none makes enough."""
+    y = looked.y
     mean = _mean_distances(y)
     floor = (FLOOR * float(mean[np.isfinite(mean)].max(initial=0.0))) ** 2
-    windows = min(WINDOWS, max(2, int(seconds / WINDOW_S)))
-    edges = np.linspace(0, len(y), windows + 1).round().astype(np.int64).tolist()
-    spans = np.array([(i, j) for i in edges[1:-1] for j in edges[1:] if i < j])
+    spans = _windows(len(y), seconds)
     pairs = _near(mean)
-    gains = [_gains(_Two.of(y, markers, floor), spans) for markers in pairs]
+    gains = [_gains(_Two.of(y, markers, mean, floor), spans) for markers in pairs]
     best, most = None, LEAST
     for k in sorted(range(len(pairs)), key=lambda k: -gains[k].max())[:REFINED]:
         if gains[k].max() > NEARLY:
-            span, gain = _to_a_frame(_Two.of(y, pairs[k], floor), spans[gains[k].argmax()])
+            span, gain = _to_a_frame(_Two.of(y, pairs[k], mean, floor), spans[gains[k].argmax()])
             poses = seconds / POSE_S * np.isfinite(y[:, pairs[k], 0]).any(1).mean()
-            if gain > most and 2 * STEADIEST * gain * poses > LEAST_NATS:
+            told = gain > most and 2 * STEADIEST * gain * poses > LEAST_NATS
+            if told and _turn(looked, pairs[k], span):
                 best, most = (pairs[k], span), gain
     if best is None:
         return None
@@ -143,6 +163,13 @@ def _best(y: Floats, seconds: float) -> tuple[tuple[int, int], Bools, float] | N
     own[slice(*best[1])] = True
     there = np.isfinite(y[:, best[0], 0]).any(1)
     return best[0], own if 2 * (own & there).sum() <= there.sum() else ~own, most
+
+
+def _windows(n: int, seconds: float) -> Ints:
+    """(S, 2) spans of n frames, each of one window or more."""
+    windows = min(WINDOWS, max(2, int(seconds / WINDOW_S)))
+    edges = np.linspace(0, n, windows + 1).round().astype(np.int64).tolist()
+    return np.array([(i, j) for i in edges[1:-1] for j in edges[1:] if i < j])
 
 
 def _mean_distances(y: Floats) -> Floats:
@@ -171,7 +198,6 @@ def _gains(two: _Two, spans: Ints) -> Floats:
     inside = sums[spans[:, 1]] - sums[spans[:, 0]]
     outside = sums[-1] - inside
     told = (np.minimum(inside[:, 0], outside[:, 0]) >= FEWEST).all(1)  # (S, L)
-    told[:, two.markers] = False
     own, other = (_spreads(outside + part, two.floor) for part in (inside, inside[:, :, ::-1]))
     tells = told[:, None] & (np.abs(own - other) > TELLS)
     rank = np.where(tells, np.minimum(own, other), np.inf)
@@ -199,10 +225,31 @@ def _to_a_frame(two: _Two, span: Ints) -> tuple[tuple[int, int], float]:
     return (first, stop), gain
 
 
-def _stretches(looked: _Looked, own: Bools, trials: Sequence[Trajectories]) -> Iterator[tuple[int, int, int]]:
+def _turn(looked: _Looked, two: tuple[int, int], span: tuple[int, int]) -> bool:
+    """Whether names turn where a span of frames begins and ends, but for the ends of trials; a whole trial's need not.
+
+    In a trial alone they turn at least once.
+    """
+    edges = np.r_[0, np.flatnonzero(np.diff(looked.trial)) + 1, len(looked.y)]
+    edge = [int(np.abs(edges - end).argmin()) for end in span]
+    at_edge = [abs(int(edges[k]) - end) < SLACK for k, end in zip(edge, span, strict=True)]
+    turns = [_turns_at(looked, two, end) for end in span]
+    whole = len(looked.every) > 1 and edge[0] != edge[1]
+    return all(a or b for a, b in zip(turns, at_edge, strict=True)) and (any(turns) or whole)
+
+
+def _turns_at(looked: _Looked, two: tuple[int, int], end: int) -> bool:
+    """Whether names turn near a frame, in its trial."""
+    k = int(looked.trial[min(end, len(looked.trial) - 1)])
+    own = np.flatnonzero(looked.trial == k)
+    first, last = looked.frame[np.clip([end - SLACK, end + SLACK - 1], own[0], own[-1])].tolist()
+    return names_turn(looked.every[k], two, (first, last), looked.rates[k])
+
+
+def _stretches(looked: _Looked, own: Bools) -> Iterator[tuple[int, int, int]]:
     """Trial, first and last-plus-one frame of each run of frames (F) that are exchanged."""
-    for k, trial in enumerate(trials):
+    for k, xyz in enumerate(looked.every):
         rows = np.flatnonzero(looked.trial == k)
-        there, frame = own[rows], [*looked.frame[rows].tolist(), trial.n_frames]
+        there, frame = own[rows], [*looked.frame[rows].tolist(), len(xyz)]
         changes = np.flatnonzero(np.diff(np.r_[False, there, False].astype(int)))
         yield from ((k, frame[first], frame[stop]) for first, stop in changes.reshape(-1, 2).tolist())

@@ -84,7 +84,7 @@ def test_a_gap_is_listed_with_the_error_that_is_expected_of_filling_it(studio):
 def test_the_way_that_is_best_is_filled_at_once_when_it_is_chosen(studio, monkeypatch):
     rows = judged(studio)
     monkeypatch.setattr(module.POOL, "submit", lambda *_: pytest.fail("worked out again"))
-    row = rows[0]
+    row = next(row for row in rows if " + " not in row["method"])
     done = studio.act(kind="gap", marker=row["marker"], first=row["first"], last=row["last"], method=row["method"])
     assert done.status == 200 and done.json()["paths"]["names"] == [row["marker"]]
     assert studio.act(kind="undo").json()["changed"] == [row["marker"]]  # and is drawn as it was
@@ -224,6 +224,8 @@ def test_the_quick_ways_to_fill_a_gap_do_not_wait_for_what_is_looked_at(studio, 
     ticks, meanwhile, end = judged_meanwhile(monkeypatch)
     rows = studio.page.get(f"{studio.trial}/gaps").json()["gaps"]
     studio.page.get(f"{studio.trial}/gaps/{rows[0]['marker']}/{rows[0]['first']}")
+    while not ticks:  # a busy machine begins it late
+        time.sleep(0.005)
     meanwhile.clear()
     found = studio.page.get(f"{studio.trial}/gaps/{rows[1]['marker']}/{rows[1]['first']}").json()
     end.set()

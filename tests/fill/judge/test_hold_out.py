@@ -37,6 +37,15 @@ class TestHiding:
             missing = np.isnan(copy.xyz[:3, start - 3 : start + 5, 0])
             assert missing.tolist() == [[k in (3, 4, 7) for k in range(8)], [2 <= k < 6 for k in range(8)], [False] * 8]
 
+    @pytest.mark.parametrize(("frames", "also"), [(36, False), (400, True)])
+    def test_short_trials_have_no_room_for_what_is_missing_beside_a_gap(self, frames, also):
+        gap, beside = Gap(0, 20, 22), Gap(1, 23, 24)
+        hidden = moving(frames).hidden([gap, beside])
+        hold_out = draw_hold_out_gaps(hidden, [gap], per_gap=3, seed=1)
+        own = [test for test in hold_out.tests if test.own]
+        others = [each for test in own for each in hold_out.copies[test.copy] if each.marker == 1]
+        assert own and bool(others) == also
+
     def test_windows_are_known_and_do_not_overlap_in_a_copy(self):
         motion = moving(900, soft=3.0)
         gaps = [Gap(k, 100 * k + 20, 100 * k + 50) for k in range(8)]

@@ -92,11 +92,13 @@ def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_har
     assert _found_again(sightings(straight(), before=before, rows=rows), METHOD) == []
 
 
-def test_a_track_that_is_seen_in_every_frame_was_not_lost():
+@pytest.mark.parametrize(("tracks", "found"), [(1, 0), (2, 2)])
+def test_a_marker_alone_is_exchanged_with_none(tracks, found):
     """At a low rate the place of any track is hardly known from one frame to the next."""
     before = np.full((2, 20), 1.1 * METHOD.uncertain_sd)
     before[:, 0] = 1.0
-    assert _found_again(sightings(straight(), before=before), METHOD) == []
+    seen = sightings(straight(), before=before)
+    assert len(_found_again(seen.take(np.flatnonzero(seen.id < tracks)), METHOD)) == found
 
 
 @pytest.mark.parametrize("rate", [50.0, 200.0])

@@ -172,13 +172,11 @@ def _off_course(seen: Associations) -> Floats:
 def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known.
 
-    At a low rate the place of any track is hardly known from one frame to the next: such a one was not lost.
+    At a low rate that is so of any track from one frame to the next, and a marker alone is exchanged with none.
     """
-    placed = np.flatnonzero((seen.detection >= 0).sum(0) >= 2)
-    placed = placed[np.lexsort([seen.frame[placed], seen.id[placed]])]
-    follows = (np.diff(seen.id[placed]) == 0) & (np.diff(seen.frame[placed]) == 1)
-    again = placed[~np.concatenate([np.zeros(min(len(placed), 1), bool), follows])]
-    again = np.sort(again[seen.before[again] > method.uncertain_sd])
+    alone = np.bincount(seen.frame)[seen.frame] == 1 if len(seen.frame) else np.zeros(0, np.bool_)
+    placed = (seen.before > method.uncertain_sd) & ((seen.detection >= 0).sum(0) >= 2)
+    again = np.flatnonzero(placed & ~alone)
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
         for who, a, b, sd in _runs(seen.id[again][:, None], seen.frame[again], seen.before[again])

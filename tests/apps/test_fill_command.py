@@ -20,6 +20,7 @@ from support.filling import GAP, segment, trial_of, with_gap
 from support.laboratory import observe, ring
 from support.motions import body
 from support.schema import check_quality
+from support.sessions import OF_FILE
 from support.shared import shared_data
 from support.trials import made_trial
 
@@ -98,17 +99,7 @@ def test_the_command_prints_what_became_of_every_gap(file, tmp_path, capsys):
 
 # A session
 
-SETTINGS = """\
-name = "gaps"
-rate_hz = 100.0
-[calibration]
-file = "rig.toml"
-[[trials]]
-name = "one"
-detections = "one.csv"
-[fill]
-method = "rigid_body"
-"""
+SETTINGS = OF_FILE + '[fill]\nmethod = "rigid_body"\n'
 
 
 @pytest.fixture

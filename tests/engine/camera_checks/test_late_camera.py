@@ -12,17 +12,9 @@ from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.rig_toml import write_rig_toml
 from support.laboratory import observe, ring
 from support.motions import dance
+from support.sessions import OF_FILE
 
 FRAMES, LATE = 100, 5
-SETTINGS = """\
-name = "late"
-rate_hz = 100.0
-[calibration]
-file = "rig.toml"
-[[trials]]
-name = "one"
-detections = "one.csv"
-"""
 
 
 def later(seen):
@@ -39,7 +31,7 @@ def trial(tmp_path_factory):
     folder, rig = tmp_path_factory.mktemp("late"), ring(6)
     write_rig_toml(folder / "rig.toml", rig)
     write_detections_csv(folder / "one.csv", later(observe(rig, dance(n=12, frames=FRAMES), noise=0.1)[0]))
-    (folder / "session.toml").write_text(SETTINGS)
+    (folder / "session.toml").write_text(OF_FILE)
     return Session.open(folder).trial("one")
 
 

@@ -22,7 +22,7 @@ from kinemark.findings.sensitivity_figures import sensitivity_figures
 from kinemark.geometry import project
 from kinemark.io.model_toml import load_model
 from kinemark.io.tdf import read_tdf
-from kinemark.report.sensitivity_text import sensitivity_summary
+from kinemark.report.terminal_summary import sensitivity_summary
 from kinemark.report.theme import FAINT, HUES, INK
 from kinemark.sensitivity import (
     Kinematics,

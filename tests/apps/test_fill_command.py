@@ -15,7 +15,7 @@ from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.trc import read_trc
-from kinemark.report.filling_text import filling_summary
+from kinemark.report.terminal_summary import filling_summary
 from support.filling import GAP, segment, trial_of, with_gap
 from support.laboratory import observe, ring
 from support.motions import body

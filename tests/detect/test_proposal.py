@@ -13,7 +13,7 @@ from kinemark.detect import KissScanning, detect_frames, propose
 from kinemark.engine.detection.proposals import propose_detection
 from kinemark.engine.settings import method_of
 from kinemark.io.images import open_images, write_png
-from kinemark.report.proposal_text import proposal_text
+from kinemark.report.terminal_summary import proposal_text
 from kinemark.report.words import text_of
 from support.shared import shared_data
 from support.studies import STUDIES

@@ -11,7 +11,7 @@ from kinemark.engine.session import Session
 from kinemark.io.c3d import read_c3d
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.report.label_table import unsure_table
+from kinemark.report.tables import unsure_table
 from support.laboratory import observe, ring
 from support.motions import swarm
 

@@ -14,8 +14,8 @@ from kinemark.findings.calibration_quality import calibration_figures
 from kinemark.findings.trial_findings import _judged
 from kinemark.geometry import project_all
 from kinemark.report.calibration_page import calibration_page
-from kinemark.report.calibration_text import calibration_summary
 from kinemark.report.figures_calibration import lost_figure
+from kinemark.report.terminal_summary import calibration_summary
 from kinemark.report.words import headline_of, text_of
 from support.calibrations import POINTS, RIG, of_control_points, seen
 from support.drawings import checked

@@ -18,7 +18,7 @@ from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
 from kinemark.report.filling_page import filling_page, gap_table
-from kinemark.report.filling_text import filling_summary
+from kinemark.report.terminal_summary import filling_summary
 from support.filling import GAP, segment, swaying, trial_of, with_gap
 from support.findings import found
 from support.laboratory import observe, ring

@@ -8,8 +8,8 @@ import pytest
 from kinemark.data.model_markers import DEVICE, INSIDE
 from kinemark.data.subject_measures import LETTER, SIDES, LegMeasures, SubjectMeasures
 from kinemark.gait import lower_limbs, marker_points, with_static_offsets
+from kinemark.gait.gait_methods import PlugInGait
 from kinemark.gait.gait_trial import gait_of, inputs_of
-from kinemark.gait.plug_in_gait import PlugInGait
 from kinemark.gait.static_axes import axes_shown, with_knees, with_static_axes
 from kinemark.gait.static_checks import static_doubts
 from kinemark.gait.uncertainty import GaitErrors, gait_uncertainty

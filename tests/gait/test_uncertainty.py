@@ -8,8 +8,8 @@ import pytest
 from kinemark.data import Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.gait import Physical, analyse_gait, lower_limbs, marker_points, with_static_offsets
+from kinemark.gait.gait_methods import PlugInGait
 from kinemark.gait.gait_trial import gait_of, inputs_of
-from kinemark.gait.plug_in_gait import PlugInGait
 from kinemark.gait.uncertainty import GaitErrors, _spread, gait_uncertainty, with_uncertainty
 from kinemark.io.c3d.subject_measures import measures_of
 from kinemark.synth import WalkingBody, gait_laboratory, walking

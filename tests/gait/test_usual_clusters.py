@@ -9,8 +9,8 @@ from kinemark.data import KinemarkError
 from kinemark.data.laboratory_axes import level_axes, turned
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.gait.clusters import usual_clusters
 from kinemark.gait.marker_leaps import marker_leaps
-from kinemark.gait.usual_clusters import usual_clusters
 from kinemark.io.c3d import write_c3d
 from support.clustered import MEASURES, called, clusters, laboratory
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from kinemark.report.ambiguous_table import SILENT, grouped
-from kinemark.report.ambiguous_table import ambiguous_table as plain_table
+from kinemark.report.tables import SILENT, grouped
+from kinemark.report.tables import ambiguous_table as plain_table
 from kinemark.report.templating import environment
-from kinemark.report.words import decisions as words
+from kinemark.report.words import reasons as words
 
 
 def ambiguous_table(decisions, *, listed):

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.findings.cameras import upwards
-from kinemark.report.motion3d import GREATEST, motion
-from kinemark.report.scene3d import scene
+from kinemark.report.scene3d import GREATEST, motion, scene
 from support.captures import RATE, capture, ring, walk
 from support.drawings import checked
 from support.many_tracks import fragments

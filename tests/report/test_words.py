@@ -25,7 +25,7 @@ from kinemark.report.words import (
     text_of,
     with_words,
 )
-from kinemark.report.words.error_sources import EVIDENCE
+from kinemark.report.words.reasons import EVIDENCE
 from kinemark.report.words.template import Words, fill, listed, shown
 from kinemark.sensitivity.ranked_sources import Evidence
 from support.captures import capture, judge, ring, walk

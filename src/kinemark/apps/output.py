@@ -45,7 +45,9 @@ SelfContained = Annotated[
 ]
 NO_EMPTY = Parameter(negative_iterable=())
 """Of all commands: several values have no option that empties them (--empty-size-px)."""
-FailOn = Literal["red", "amber", "never"]
+FailOn = Annotated[
+    Literal["red", "amber", "never"], Parameter(help="a verdict as bad as this ends the command with status 3.")
+]
 Set = Annotated[
     list[str] | None,
     Parameter(

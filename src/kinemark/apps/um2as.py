@@ -288,7 +288,6 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
         session: a folder with a session.toml, or such a file.
         trial: its name.
         camera: stop after this one; all without it.
-        json: print the figures for a machine.
     """
     from ..engine.digitising.files import digitise_trial
     from ..engine.session import Session

@@ -24,10 +24,8 @@ from .identified_markers import Identified, called, identified, identified_match
 from .image_markers import ImageMarkers, clicked, find_markers, nearest_free, threshold_of
 from .machine import advance, begin, question_of
 from .other_views import OtherViews, propose
-from .question_text import words
 from .replay import Replay, given
-from .semi_automatic import SemiAutomatic
-from .stage import DIGITISE
+from .semi_automatic import DIGITISE, SemiAutomatic
 from .state import (
     AskedQuestion,
     DigitisedFrame,
@@ -36,6 +34,7 @@ from .state import (
     MarkerStatus,
     PlaceProposal,
     Question,
+    words,
 )
 
 __all__ = [

@@ -13,8 +13,7 @@ from ..data import KinemarkError
 from ..data.answers import Answer
 from ..data.array_types import Floats
 from .machine import ImageSource, Proposer, advance, begin, question_of
-from .semi_automatic import SemiAutomatic
-from .stage import DIGITISE
+from .semi_automatic import DIGITISE, SemiAutomatic
 from .state import DigitisingPhase, DigitisingState, MarkerStatus, Question
 
 Operator = Callable[[Question, DigitisingState], Answer]

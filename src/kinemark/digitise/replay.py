@@ -13,8 +13,7 @@ from collections.abc import Sequence
 from ..data import KinemarkError
 from ..data.answers import Accept, Answer, Given
 from .drive import Operator
-from .question_text import words
-from .state import DigitisingPhase, DigitisingState, Question
+from .state import DigitisingPhase, DigitisingState, Question, words
 
 
 class Replay:

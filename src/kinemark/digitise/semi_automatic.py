@@ -1,11 +1,14 @@
-"""The parameters of semi-automatic digitising."""
+"""Semi-automatic digitising: the method and its parameters; it is called as `drive` says."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from ..data.method import ONE, Method, check_parameters, parameter
+from ..data.method import ONE, Method, Stage, check_parameters, parameter
+
+DIGITISE = Stage("digitise", "kinemark.digitise", default="semi_automatic", meaning="markers named by an operator")
+
 
 FIRST = 2
 """Frames that are digitised by hand, since two places are what extrapolation needs; by definition."""

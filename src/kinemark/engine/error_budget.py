@@ -21,8 +21,7 @@ from ..sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank
 from ..sensitivity.joints import kinematics_of
 from .open_trial import OpenTrial
 from .progress import Progress, silent
-from .session import Session
-from .session_index import update_index
+from .session import Session, update_index
 
 
 class ErrorBudgetResult(NamedTuple):

@@ -16,20 +16,20 @@ from ..data.progress import listening
 from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
-from ..io.formats import endings
+from ..io.formats import check_new_trial, endings
 from ..io.gaps_csv import is_gaps_csv
 from ..io.notes import FileNote, file_note_text, read_notes
 from ..io.number_text import read_text
 from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
-from ..report.filling_text import filling_summary
+from ..report.terminal_summary import filling_summary
 from ..report.words import with_words
 from .folders import FILLED, check_folder
 from .identities import identity_of_file
 from .progress import Progress, Watch, silent
 from .put_aside import put_aside
 from .settings.method_tables import method_of
-from .settings.overrides import overridden
+from .settings.read import overridden
 
 
 class FilledFile(NamedTuple):
@@ -86,10 +86,7 @@ def fill_file(
     def reader(file: Path) -> Trial:
         return read_trial(file, rate_hz=rate_hz, length_unit=length_unit, partial=partial)
 
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
-    if target.suffix.lower() not in endings("trajectories"):
-        raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
+    check_new_trial(target)
     trial = reader(source)
     if not len(trial.trajectories):
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")

@@ -10,6 +10,7 @@ import numpy as np
 from ..data import Detections, KinemarkError, Rig
 from ..data.trial import UP
 from ..io.detections_csv import NamedDetections
+from ..io.files import check_new
 from ..io.formats import FORMATS, UNKNOWN_RATE, Content, ReadOptions, endings, read_file, write_file
 from ..io.notes import FileNote, read_notes
 from ..io.tdf import Tdf
@@ -46,8 +47,7 @@ def convert(
     Raises:
         KinemarkError: the target exists, its format does not hold what the source has, or the source is damaged.
     """
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(target)
     if rate_hz is not None and not 0 < rate_hz < np.inf:
         raise KinemarkError(f"--rate-hz is {rate_hz}, wanted a number above 0.")
     have, odd = _contents(source, ReadOptions(rate_hz, length_unit, partial, what))

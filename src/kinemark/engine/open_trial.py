@@ -15,7 +15,7 @@ from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
 from ..edit import cropped
 from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
-from .calibration.calibrated import Calibrated
+from .calibration.task import Calibrated
 from .editing.stage import stage_before_edits
 from .graph import Graph
 from .naming import ABSENT, Earlier, before

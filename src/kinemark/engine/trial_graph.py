@@ -46,7 +46,7 @@ from ..report.page import write_report
 from ..report.trial_quality import quality
 from ..track import matches_itself
 from .angles.stage import ANGLE_FILES, compute_angles, found_by_angles, model_key
-from .calibration.calibrated import Calibrated
+from .calibration.task import Calibrated
 from .camera_checks.pixel_axes import pixel_axes
 from .camera_checks.start_times import with_start_times
 from .camera_checks.swapped_cameras import swapped_cameras

@@ -16,7 +16,7 @@ from ..edit import Edited
 from ..fill import Filled, FilledGap
 from ..fill.fill_recording import STATIC
 from ..track import to_trajectories
-from .calibration.calibrated import Calibrated
+from .calibration.task import Calibrated
 from .camera_checks.start_times import in_time
 from .graph import Records
 from .naming import Earlier

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from ..detect.centroids_method import grey_scale
+from ..io.files import check_new
 from ..io.images import ImageSource, open_images
 from ..io.video import write_video
 
@@ -50,8 +51,7 @@ def write_white_pixels(
     """
     if target.suffix.lower() != ".mkv":
         raise KinemarkError(f"{target} does not end in .mkv, the format that loses nothing. Name it so.")
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(target)
     if not 0 <= threshold < 255:
         raise KinemarkError(f"The threshold is {threshold:g} grey levels; wanted is 0 to below 255.")
     images = open_images(source)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..report.drawing_library import ASSETS
 from .calibration import calibrate
-from .calibration.calibrated import Calibrated
+from .calibration.task import Calibrated
 from .progress import Cancel, Progress, Watch, silent
 from .settings import Settings
 

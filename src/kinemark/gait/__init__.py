@@ -14,12 +14,11 @@ from .estimated_measures import estimated_measures, mass_on_plates
 from .foot_events import foot_events
 from .functional_hip import FunctionalHip, functional_hip, with_functional_hips
 from .gait_cycles import gait_curves
+from .gait_methods import Physical, PlugInGait
 from .gait_trial import GaitTrial, analyse_gait, marker_points
 from .inverse_dynamics import GroundContact, JointLoad, five_point, five_point_slope, joint_loads, spline_acceleration
 from .lower_limb import Leg, LowerLimbs, lower_limbs
-from .physical import Physical
 from .plate_contacts import Contact, contacts
-from .plug_in_gait import PlugInGait
 from .progression import progression
 from .reaction import Reaction, reaction
 from .segment_inertia import INERTIAS, SegmentInertia

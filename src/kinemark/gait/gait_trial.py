@@ -10,6 +10,7 @@ import numpy as np
 
 from ..data import Signal, Signals, Trial
 from ..data.array_types import Bools, Floats
+from ..data.method import Stage
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
@@ -25,8 +26,10 @@ from .progression import progression, way_walked
 from .reaction import Reaction, reaction
 from .segment_inertia import SegmentInertia
 from .segments import Z_UP
-from .stage import GAIT
 from .upper_body import UPPER_BODY_AXES, upper_body_angles
+
+GAIT = Stage("gait", "kinemark.gait", default="physical", meaning="angles, moments and powers of walking")
+"""Called as `function(trial, measures, method=…)` with a `Trial` whose markers have names, and give a `GaitTrial`."""
 
 MOMENT_AXES = {
     "Ankle": ("plantarflexion", "abduction", "rotation"),

@@ -49,6 +49,12 @@ def write_text(path: Path | str, text: str) -> None:
         beside.write_text(text, encoding="utf-8", newline="\n")
 
 
+def check_new(path: Path) -> None:
+    """Raises KinemarkError where the file is there already: nothing is overwritten."""
+    if path.exists():
+        raise KinemarkError(f"{path} exists, and nothing is overwritten. Name another file or remove it.")
+
+
 def read_bytes(path: Path | str, *, most: int = 2 << 30) -> bytes:
     """The whole of a file.
 

@@ -26,6 +26,7 @@ from ..data.typed import typed
 from .c3d import read_c3d, write_c3d
 from .detections_csv import NamedDetections, read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
+from .files import check_new
 from .motive_csv import is_motive, read_motive_csv
 from .named_points_csv import layout_of, read_named_detections
 from .nexus_csv import is_nexus, read_nexus_csv
@@ -244,6 +245,13 @@ FORMATS: dict[str, Format] = {
 def endings(content: Content) -> tuple[str, ...]:
     """The endings of the formats that hold this."""
     return tuple(ending for ending, one in FORMATS.items() if content in one.write)
+
+
+def check_new_trial(path: Path) -> None:
+    """Raises KinemarkError where a file is there already, or has not the ending of a format of trajectories."""
+    check_new(path)
+    if path.suffix.lower() not in endings("trajectories"):
+        raise KinemarkError(f"{path} wants one of the endings {', '.join(endings('trajectories'))}.")
 
 
 def holds(found: Any) -> str:

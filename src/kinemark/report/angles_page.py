@@ -11,8 +11,7 @@ from ..kinematics.chain import Points
 from .drawing import Figure
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_angles import cycle_figure, joint_figure
-from .formatting import number, percent
-from .identity_text import identity_text
+from .formatting import identity_text, number, percent
 from .stick import stick_data
 from .tables import Table
 from .templating import render, write_text

@@ -12,8 +12,7 @@ from ..data import Trajectories
 from ..data.array_types import Floats
 from ..findings.gaps import largest_error
 from .figures_gaps import gap_figure
-from .formatting import count, measure, millimetres, number
-from .identity_text import identity_text
+from .formatting import count, identity_text, measure, millimetres, number
 from .tables import Table, Tile
 from .templating import render, write_text
 from .words import frames_text, open_gap_text

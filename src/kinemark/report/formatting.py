@@ -1,9 +1,10 @@
-"""Numbers and lists as a reader wants them."""
+"""Numbers, lists and who was recorded, as a reader wants them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 
 def number(value: float | None, decimals: int | None = None) -> str:
@@ -61,3 +62,12 @@ def span_of_frames(first: int, last: int) -> str:
 def degrees(value: float | None, decimals: int = 2) -> str:
     """An angle with its sign, or a dash."""
     return "–" if value is None else f"{number(value, decimals)}°"
+
+
+def identity_text(identity: Mapping[str, Any] | None) -> str:
+    """`Subject S01 · recorded 2026-05-03`, from the plain data of an `Identity`; it says what nobody stated."""
+    stated = identity or {}
+    who = f"Subject {stated['subject']}" if stated.get("subject") else "Subject not stated"
+    if stated.get("date"):
+        return f"{who} · recorded {stated['date']}"
+    return f"{who} · file of {stated['file_date']}" if stated.get("file_date") else f"{who} · date not stated"

@@ -9,8 +9,7 @@ from typing import Any
 from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_gait import KINEMATICS, KINETICS, PLANES, UNITS, emg_figures, panels_figure, trunk_figure
-from .formatting import measure, number
-from .identity_text import identity_text
+from .formatting import identity_text, measure, number
 from .tables import Table
 from .templating import render, write_text
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from .formatting import measure, number, percent
-from .identity_text import identity_text
+from .formatting import identity_text, measure, number, percent
 from .templating import render, write_text
 
 NAV = {"calibration": "Calibration", "trials": "Trials"}

@@ -11,19 +11,28 @@ from ..data.array_types import GreyLevels
 from ..findings.cameras import upwards
 from ..findings.trial_findings import LONG_GAP_S, inconsistent_cameras
 from ..track.simultaneous import Simultaneous
-from .ambiguous_table import ambiguous_table
-from .digitised import digitised_line, digitised_table
 from .drawing import Figure
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
 from .figures_cameras import detections_figure, offset_figure, residual_figure, timing_figure, views_figure
 from .figures_detections import spots_figure
-from .formatting import number
-from .identity_text import identity_text
-from .label_table import label_line, label_table, unsure_table
+from .formatting import identity_text, number
 from .scene3d import scene
-from .tables import calibration_table, camera_table, marker_table, spots_table, step_table, tiles
+from .tables import (
+    ambiguous_table,
+    calibration_table,
+    camera_table,
+    digitised_line,
+    digitised_table,
+    label_line,
+    label_table,
+    marker_table,
+    spots_table,
+    step_table,
+    tiles,
+    unsure_table,
+)
 from .templating import render, write_text
 from .theme import empty
 

@@ -1,13 +1,15 @@
-"""The tables and key figures of the report, as plain texts."""
+"""The tables and key figures of the report, as plain texts, and the lines above them."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .formatting import count, measure, number, percent
+from .words import reason_text
+from .words.template import listed
 
 MOST_ROWS = 200
 """Of a table on a page; chosen (see benchmarks/pages.py)."""
@@ -205,3 +207,132 @@ def _recording_tiles(quality: dict[str, Any]) -> list[Tile]:
             f"{number(timing['frames_per_s'], 0)} frames a second",
         ),
     ]
+
+
+MOST_UNSURE = 100
+"""Rows of unsure tracks that are shown; chosen for the page's size."""
+
+
+def label_line(labels: Mapping[str, Any]) -> str:
+    """By what the markers were named, and how well it fits."""
+    if labels["refused"]:
+        return "Nothing is named: the template does not fit (see what needs attention)."
+    parts = []
+    if labels["sources"]:
+        parts.append(f"Named by {listed(labels['sources'])}.")
+    if labels["fit"] is not None:
+        parts.append(f"The trial scores {number(labels['fit'], 2)} of what these score on their own data.")
+    if labels.get("undecided"):
+        parts.append(f"Not told apart: {'; '.join(listed(pair) for pair in labels['undecided'])}.")
+    if labels.get("stated"):
+        parts.append(f"{count(labels['stated'], 'track')} named by hand.")
+    if labels.get("ghosts_removed"):
+        parts.append(f"{count(labels['ghosts_removed'], 'track')} taken for ghosts and left out.")
+    return " ".join(parts)
+
+
+def label_table(labels: Mapping[str, Any]) -> Table:
+    """A row a marker; those that are missing or not sure are marked."""
+    head = ["marker", "probability", "state", "samples", "pieces", "runner-up"]
+    markers = labels["markers"]
+    rows = [
+        [
+            one["name"],
+            percent(one["probability"]),
+            one["state"],
+            number(one["samples"]),
+            number(one["pieces"]),
+            one["runner_up"] or "–",
+        ]
+        for one in markers
+    ]
+    marked = [one["state"] in ("missing", "unsure") for one in markers]
+    return Table(head, rows, marked=marked, absent="No marker has a name.")
+
+
+def unsure_table(labels: Mapping[str, Any], first_frame: int) -> Table:
+    """A row for each track whose name is not sure, so that it has none; `first_frame` is the recording's."""
+    unsure: Sequence[Mapping[str, Any]] = labels["unsure"]
+    rows = [
+        [
+            one["name"],
+            percent(one["probability"]),
+            one["runner_up"] or "no marker",
+            f"{number(one['first_frame'] + first_frame)}–{number(one['last_frame'] + first_frame)}",
+            number(one["samples"]),
+        ]
+        for one in unsure[:MOST_UNSURE]
+    ]
+    more = f"And {len(unsure) - MOST_UNSURE} more, in quality.json." if len(unsure) > MOST_UNSURE else ""
+    return Table(["probably", "probability", "or", "frames", "samples"], rows, absent="None.", note=more)
+
+
+MOST_DECISIONS = 200  # shown; chosen for the page's size
+MOST_TIMES = 6
+"""Of one row; the others are counted; chosen."""
+
+SILENT = "This method of tracking does not tell which of its decisions were close; the method simultaneous does."
+
+Decisions = Sequence[dict[str, Any]]
+
+
+def ambiguous_table(decisions: Decisions, *, listed: bool) -> Table:
+    """A row for each reason about the same markers, the earliest first; `listed`: whether the tracking tells any."""
+    rows = [_decision(own) for own in grouped(decisions)] if listed else []
+    more = f"And {len(rows) - MOST_DECISIONS} more, in quality.json." if len(rows) > MOST_DECISIONS else ""
+    head = ["trajectories", "possible", "times", "when (s)", "what was seen"]
+    return Table(head, rows[:MOST_DECISIONS], absent="None." if listed else SILENT, note=more, texts=True)
+
+
+def grouped(decisions: Decisions) -> list[Decisions]:
+    """Decisions of one kind about the same trajectories that were close for the same reason."""
+    groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for decision in decisions:
+        key = decision["kind"], *decision["trajectories"], decision["reason"]
+        groups.setdefault(key, []).append(decision)
+    return list(groups.values())
+
+
+def _decision(own: Decisions) -> list[str]:
+    """The cells of one group."""
+    first = own[0]
+    times = [number(decision["time_s"], 2) for decision in own[:MOST_TIMES]]
+    when = ", ".join(times) + (f" … {number(own[-1]['time_s'], 2)}" if len(own) > MOST_TIMES else "")
+    return [" ".join(first["trajectories"]), first["kind"], str(len(own)), when, reason_text(own)]
+
+
+REASONS = {
+    "first_two_frames": "in the first two frames",
+    "not_found": "markers not found",
+    "ambiguous": "ambiguous",
+    "reference": "reference",
+}
+
+
+def digitised_line(digitising: dict[str, Any]) -> str:
+    """One sentence; `digitising` is that of quality.json, which is empty where files were digitised elsewhere."""
+    cameras = digitising["cameras"].values()
+    images = sum(camera["frames"] * camera["markers"] for camera in cameras)
+    corrected, absent = (sum(camera[key] for camera in cameras) for key in ("corrected", "not_present"))
+    return (
+        f"An operator digitised this trial: {count(digitising['questions'], 'question')} for {number(images)} images "
+        f"of markers ({percent(digitising['questions'] / max(images, 1))}), {count(corrected, 'place')} corrected, "
+        f"{number(absent)} not present."
+    )
+
+
+def digitised_table(digitising: dict[str, Any]) -> Table:
+    """A row a camera."""
+    head = ["camera", "frames", "markers", "questions", *REASONS.values()]
+    head += ["proposals taken", "without a question", "corrected", "not present"]
+    keys = ("proposals_confirmed", "proposals_taken_unasked", "corrected", "not_present")
+    rows = [
+        [
+            name,
+            *(number(camera[key]) for key in ("frames", "markers", "questions")),
+            *(number(camera["questions_by_reason"][key]) for key in REASONS),
+            *(number(camera[key]) for key in keys),
+        ]
+        for name, camera in digitising["cameras"].items()
+    ]
+    return Table(head, rows)

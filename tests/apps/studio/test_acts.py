@@ -115,7 +115,7 @@ def test_what_acts_bring_kept_by_the_page_is_what_it_would_be_given_anew(studio,
         for name, path in now.items():
             assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(held[name], path, strict=True)), (act, name)
     assert (sent[0], sent[2], sent[4]) == (0, 10, 1), "no samples but those that are others"
-    monkeypatch.setattr("kinemark.apps.studio.changed_paths.MOST_SAMPLES", 0)
+    monkeypatch.setattr("kinemark.apps.studio.acts.MOST_SAMPLES", 0)
     assert studio.act(kind="undo").json()["paths"] is None  # then it asks
 
 

@@ -11,7 +11,7 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.routing import BaseRoute
 
-from kinemark.apps.studio import limits
+from kinemark.apps.studio import guard as limits
 from kinemark.apps.studio.guard import HEADERS
 from support.asgi import HOST
 from support.studio import Studio, file_in

@@ -12,7 +12,7 @@ from kinemark.engine.naming.segments_of_clusters import set_of_clusters
 from kinemark.engine.naming.subject_templates import Known, subject_template
 from kinemark.engine.naming.template_files import save_template
 from kinemark.engine.naming.templates import session_template
-from kinemark.engine.settings.gait_table import GaitTable
+from kinemark.engine.settings.tables import GaitTable
 from kinemark.gait.clusters import SEGMENTS
 from kinemark.io.trial import write_trial
 from kinemark.label import Labelling, label

@@ -9,7 +9,7 @@ from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Trajectories, Trial
 from kinemark.engine.naming.subject_templates import Known, of_subject, templates_of_subjects
 from kinemark.io.c3d import Parameter, prefixes_of, read_document, with_parameters
-from kinemark.io.c3d.subject import with_prefixes
+from kinemark.io.c3d.about import with_prefixes
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.synth import walking, with_markers
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from kinemark.apps.commands.listings import schema as schema_command
 from kinemark.engine.settings import SETTABLE, Settings, session_schema
-from kinemark.engine.settings.overrides import overridden
+from kinemark.engine.settings.read import overridden
 from kinemark.findings.schema import quality_schema
 from support.calibrations import BY_POINTS, BY_WAND, HEAD, L_FRAME, TAIL
 

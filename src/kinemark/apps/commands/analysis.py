@@ -47,12 +47,9 @@ def angles(
         static: trial that shows the points which clusters of markers carry.
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
-        self_contained: put the drawing library into the page, for mailing.
-        fail_on: a verdict as bad as this ends the command with status 3.
-        json: print the figures for a machine.
     """
     from ...engine.angles.of_trial import angles_of_file
-    from ...report.angles_text import angle_summary
+    from ...report.terminal_summary import angle_summary
 
     result = angles_of_file(
         trial, model=model, folder=output, static=static, functional=functional, settings=settings,
@@ -80,7 +77,6 @@ def velocities(
     Args:
         trial: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
         output: the CSV file; an existing one is not replaced.
-        json: print the figures for a machine.
     """
     from ...engine.derivative_files import derivatives_of_file
 
@@ -125,11 +121,9 @@ def sensitivity(
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
         markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
             model wants; the trial's own names where none is given.
-        self_contained: put the drawing library into the page, for mailing.
-        json: print the figures for a machine.
     """
     from ...engine.error_budget import error_budget
-    from ...report.sensitivity_text import sensitivity_summary
+    from ...report.terminal_summary import sensitivity_summary
     from ...sensitivity import ErrorBudget
 
     try:
@@ -176,9 +170,6 @@ def gait(
         output: folder of the results; beside the first walk, its name and _gait, where none is given.
         exports: for other programs, as "trc,mot,sto,gcd".
         settings: how gait is computed.
-        self_contained: put the drawing library into the page, for mailing.
-        fail_on: a verdict as bad as this ends the command with status 3.
-        json: print the figures for a machine.
     """
     from ...engine.folders import trials_in
     from ...engine.gait.files import gait_of_files
@@ -228,8 +219,6 @@ def gait_compare(
         second: gait.json of the second, or its folder.
         output: folder of the results.
         same_markers: they stayed on the subject in between, with one static trial.
-        self_contained: put the drawing library into the page, for mailing.
-        json: print the figures for a machine.
     """
     from ...engine.gait.comparison import compare_gait
     from ...report.gait_text import comparison_summary
@@ -250,7 +239,6 @@ def gait_reference(
         controls: the gait.json of each, one a subject.
         output: file of the band, JSON; an existing one is not replaced.
         source: where the controls are from, as the report will say it.
-        json: print for a machine what was written, and of what.
     """
     from ...engine.gait.reference import reference_of_files
 

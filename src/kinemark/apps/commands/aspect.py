@@ -26,7 +26,6 @@ def aspect(
         images: a video, or images as 'bar/%04d.png'; several, each of a camera.
         threshold: of white pixels; each image's own without it.
         inverted: the threshold's type.
-        json: print the figures for a machine.
     """
     from ...data import KinemarkError
     from ...detect import Centroids

@@ -42,7 +42,6 @@ def audit(
             file with it, and kinemark edits undo takes it back.
         every: also list what is not worth a look.
         by: who mends; the user of the machine where not given.
-        json: print it for a machine.
     """
     from ...engine.audit import Audit, audit_files
     from ...engine.folders import trials_in

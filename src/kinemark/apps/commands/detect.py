@@ -6,6 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ...data import KinemarkError
+from ...io.files import check_new
 from ..output import Json, Rate, print_result
 
 
@@ -29,10 +30,9 @@ def detect(
             invalid spots with their reason.
         trial: of the pictures; the session's first with images where none is given.
         frames: of the pictures, as 10,40,80; five spread over the trial where none are given.
-        json: print the proposed parameters for a machine, or how many spots the pictures have.
     """
     from ...engine.detection.proposals import learn_session_masks, propose_detection
-    from ...report.proposal_text import proposal_text
+    from ...report.terminal_summary import proposal_text
     from ...report.words import with_words
 
     if sum((propose, masks is not None, pictures is not None)) != 1:
@@ -65,8 +65,7 @@ def _show(source: Path, page: Path, trial: str | None, frames: str, *, json: boo
     from ...engine.detection.frames import detected_frames
     from ...report.field_pictures import FieldPicture, write_fields_page
 
-    if page.exists():
-        raise KinemarkError(f"{page} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(page)
     found = detected_frames(source, trial, _numbers(frames))
     rows = [[FieldPicture(one.camera, f, one.image, one.blobs, one.tall) for one in row] for f, row in found.frames]
     write_fields_page(page, rows, heading=found.trial, below=f"What is detected · Session {found.session}")
@@ -106,7 +105,6 @@ def white_pixels(
         target: the video, ending in .mkv; an existing one is not replaced.
         threshold: grey level of 8 bits above which a pixel is white.
         inverted: the markers are dark on bright ground.
-        json: print the figures for a machine.
     """
     from ...engine.white_pixels import write_white_pixels
 

@@ -15,8 +15,33 @@ from ...data import KinemarkError
 from ...data.edits import Undo, counting
 from ...data.typed import typed
 from ...io.notes import file_note_figures, file_note_text
+from ..edits_output import (
+    applied_figures,
+    applied_text,
+    entry_figures,
+    entry_line,
+    fault_lines,
+    print_entry,
+    print_said,
+)
 from ..output import NO_EMPTY, Json, print_result
-from .edits_said import By, Why, claim, erase, event, exchange, finish, gap, image, put, retrack, review, smooth, trim
+from .edits_said import (
+    NOTHING,
+    Edited,
+    Saying,
+    claim,
+    erase,
+    event,
+    exchange,
+    finish,
+    gap,
+    image,
+    put,
+    retrack,
+    review,
+    smooth,
+    trim,
+)  # fmt: skip
 
 edits = App(name="edits", help=__doc__, default_parameter=NO_EMPTY)
 for said in (claim, exchange, erase, gap, put, image, review, smooth, trim, finish, event, retrack):
@@ -24,15 +49,9 @@ for said in (claim, exchange, erase, gap, put, image, review, smooth, trim, fini
 
 
 @edits.command(name="list")
-def list_entries(trial: Path, *, json: Json = False) -> None:
-    """List what was said of a trial: who, when, what, and whether it was undone.
-
-    Args:
-        trial: SESSION/NAME or a file.
-        json: print it for a machine.
-    """
+def list_entries(trial: Edited, *, json: Json = False) -> None:
+    """List what was said of a trial: who, when, what, and whether it was undone."""
     from ...engine.editing.files import journal_at
-    from ..edits_output import entry_figures, entry_line, fault_lines
 
     text = journal_at(trial).read()
     counts = {entry.id for entry in counting(text.entries)}
@@ -44,13 +63,11 @@ def list_entries(trial: Path, *, json: Json = False) -> None:
 
 
 @edits.command
-def matches(trial: Path, *, track: str, json: Json = False) -> None:
+def matches(trial: Edited, *, track: str, json: Json = False) -> None:
     """Say which markers a piece of track may be: those that are missing then are filled, and compared with it.
 
     Args:
-        trial: SESSION/NAME or a file.
         track: the piece, as it is called now, such as '*12'.
-        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
 
@@ -72,10 +89,8 @@ def check(trial: Path, *, json: Json = False) -> None:
 
     Args:
         trial: SESSION/NAME or a file; a session's trial is processed as far as it must be.
-        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
-    from ..edits_output import applied_figures, applied_text, fault_lines
 
     editing = open_editing(trial)
     applied, text = editing.edited().applied, editing.journal.read()
@@ -89,16 +104,13 @@ def check(trial: Path, *, json: Json = False) -> None:
 
 
 @edits.command
-def show(trial: Path, entry: int, *, json: Json = False) -> None:
+def show(trial: Edited, entry: int, *, json: Json = False) -> None:
     """Show one entry with all that it was said of, and what became of it.
 
     Args:
-        trial: SESSION/NAME or a file.
         entry: its number, from `kinemark edits list`.
-        json: print it for a machine.
     """
     from ...engine.editing.files import open_editing
-    from ..edits_output import applied_figures, applied_text, entry_figures, entry_line
 
     editing = open_editing(trial)
     found = next((one for one in editing.journal.entries if one.id == entry), None)
@@ -117,39 +129,26 @@ def show(trial: Path, entry: int, *, json: Json = False) -> None:
 
 
 @edits.command
-def undo(trial: Path, entry: int | None = None, *, why: Why = "", by: By = "", json: Json = False) -> None:
+def undo(trial: Edited, entry: int | None = None, *, saying: Saying = NOTHING) -> None:
     """Take an entry back; it stays in the journal.
 
     Args:
-        trial: SESSION/NAME or a file.
         entry: its number; the last that counts where none is given.
-        why: in your words.
-        by: who says it.
-        json: print it for a machine.
     """
     from ...engine.editing.files import journal_at
-    from ..edits_output import print_entry
 
-    print_entry(journal_at(trial).undo(entry, why=why, by=by), json)
+    print_entry(journal_at(trial).undo(entry, why=saying.why, by=saying.by), saying.json)
 
 
 @edits.command
-def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None:
-    """Take the last undo back.
-
-    Args:
-        trial: SESSION/NAME or a file.
-        why: in your words.
-        by: who says it.
-        json: print it for a machine.
-    """
+def redo(trial: Edited, *, saying: Saying = NOTHING) -> None:
+    """Take the last undo back."""
     from ...engine.editing.files import journal_at
-    from ..edits_output import print_entry
 
     journal = journal_at(trial)
-    entry = journal.redo(why=why, by=by)
-    if json:
-        print_entry(entry, json)
+    entry = journal.redo(why=saying.why, by=saying.by)
+    if saying.json:
+        print_entry(entry, json=True)
         return
     of = {one.id: edit.of for one in journal.entries for edit in one.edits if isinstance(edit, Undo)}
     print_result(f"entry {of[of[entry.id]]} done again, by entry {entry.id}")
@@ -165,7 +164,6 @@ def list_problems(
         trial: SESSION/NAME or a file; a session's trial is processed as far as it must be.
         fill: fill its gaps too, for what error is to be expected in each.
         every: also those that are not worth a look.
-        json: print it for a machine, with the edits that each alternative would say.
     """
     from ...engine.editing.files import open_editing
     from ...engine.problems import filled_gaps, problems
@@ -177,41 +175,26 @@ def list_problems(
 
 
 @edits.command
-def accept(trial: Path, problem: str, alternative: int = 1, *, why: Why = "", by: By = "", json: Json = False) -> None:
+def accept(trial: Edited, problem: str, alternative: int = 1, *, saying: Saying = NOTHING) -> None:
     """Take an alternative of a problem.
 
     Args:
-        trial: SESSION/NAME or a file.
         problem: its id, from `kinemark edits problems`.
         alternative: its number, from 1.
-        why: in your words.
-        by: who says it.
-        json: print it for a machine.
     """
-    from ...engine.editing.files import open_editing
     from ...engine.problems import filled_gaps, problems
-    from ..edits_output import print_said
     from ..problems_output import chosen_edits
 
-    editing = open_editing(trial, by=by)
+    editing = saying.of(trial)
     found = problems(editing, gaps=filled_gaps(editing) if problem.startswith("gap-") else ())
-    print_said(editing.say(*chosen_edits(found, problem, alternative), why=why, head=found.head), json)
+    print_said(editing.say(*chosen_edits(found, problem, alternative), why=saying.why, head=found.head), saying.json)
 
 
 @edits.command
-def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None:
-    """Stand for the trial with all that was said of it until now.
+def sign(trial: Edited, *, saying: Saying = NOTHING) -> None:
+    """Stand for the trial with all that was said of it until now."""
 
-    Args:
-        trial: SESSION/NAME or a file.
-        why: in your words.
-        by: who says it.
-        json: print it for a machine.
-    """
-    from ...engine.editing.files import open_editing
-    from ..edits_output import print_entry
-
-    print_entry(open_editing(trial, by=by).sign(why=why), json)
+    print_entry(saying.of(trial).sign(why=saying.why), saying.json)
 
 
 @edits.command
@@ -221,7 +204,6 @@ def apply(source: Path, *, output: Annotated[Path, Parameter(name=("--output", "
     Args:
         source: the file, whose journal is in the folder edits beside it.
         output: the file to write; an existing one is not replaced.
-        json: print for a machine what was written, and what could not be kept.
     """
     from ...engine.editing.files import open_editing, write_edited
 

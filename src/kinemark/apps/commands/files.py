@@ -32,7 +32,6 @@ def info(
     Args:
         files: files, sessions, or folders, for all C3D, TRC, TDF and TDC files in them.
         system: say instead what Kinemark runs on: versions, threads, and whether its compiled library is used.
-        json: print it for a machine.
     """
     if system == bool(files):
         raise KinemarkError("Say what is wanted: files, or --system.")
@@ -75,7 +74,6 @@ def convert(
         what: which part, where the names do not tell.
         up: turn trajectories and force plates so that this axis goes up, as y for OpenSim; as in the source where none
             is given.
-        json: print for a machine what was written, and what was odd or could not be kept.
     """
     notes = convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial, up=up)
     if json:
@@ -105,7 +103,6 @@ def starts(
         flash: look in the session's images for the one that a flash lights as a whole, in every camera.
         trial: of the session; its first with images where none is given.
         most_s: seconds that two cameras may be apart, by their markers.
-        json: print the figures for a machine.
     """
     from ...engine.camera_checks.start_files import starts_by_flash, starts_of_files
 

@@ -42,7 +42,10 @@ def fill(
     rate_hz: Rate = None,
     length_unit: LengthUnit = None,
     partial: Partial = False,
-    fail_on: FailOn = "never",
+    fail_on: Annotated[
+        FailOn,
+        Parameter(help="a verdict as bad as this ends the command with status 3; red where no gap could be filled."),
+    ] = "never",
     json: Json = False,
 ) -> None:
     """Fill the gaps of a trial's markers, each with an expected error; what was measured stays as it was.
@@ -63,9 +66,6 @@ def fill(
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
         table: CSV file with a row a gap of all files, for statistics; an earlier table is replaced, and no other file.
-        self_contained: as of other commands; this page always is, since its drawings need no library.
-        fail_on: a verdict as bad as this ends the command with status 3; red where no gap could be filled.
-        json: print what became of every gap for a machine.
     """
     from ...engine.fill_files import (
         check_table,

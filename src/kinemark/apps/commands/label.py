@@ -73,7 +73,6 @@ def label(
         up: the axis that points upwards, for that: x, y or z.
         check: write nothing; list exchanged markers, swapped sides and stretches with a wrong name in files that have
             names; status 3 where there are any.
-        json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
     from ...engine.clusters_said import clusters_of
     from ...engine.folders import trials_in

@@ -13,7 +13,6 @@ def methods(stage: str | None = None, *, json: Json = False) -> None:
 
     Args:
         stage: calibrate, detect, match, reconstruct, track, fill, digitise, angles or smooth; all where none is given.
-        json: print them for a machine, with all that is known of each parameter.
     """
     from ...engine.settings import methods_figures, methods_text
 
@@ -38,7 +37,6 @@ def cite(*words: str, bibtex: bool = False, json: Json = False) -> None:
     Args:
         words: only works whose authors, year or title hold all of these.
         bibtex: write entries for LaTeX.
-        json: print them for a machine.
     """
     from ...engine.bibliography import as_bibtex, as_text, chosen
 

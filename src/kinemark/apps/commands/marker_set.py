@@ -15,11 +15,7 @@ marker_set = App(name="marker-set", help=__doc__)
 
 @marker_set.command(name="list")
 def list_sets(*, json: Json = False) -> None:
-    """List the marker sets that come with Kinemark.
-
-    Args:
-        json: print them for a machine.
-    """
+    """List the marker sets that come with Kinemark."""
     from ...engine.naming.marker_set_files import list_text, listed
 
     print_result(listed() if json else list_text())
@@ -32,7 +28,6 @@ def show(name: str, *, figure: Path | None = None, json: Json = False) -> None:
     Args:
         name: one of `kinemark marker-set list`, or a TOML file.
         figure: draw it there, front and back: an SVG, or an HTML page with tables; an existing file is not replaced.
-        json: print it for a machine.
     """
     from ...engine.naming.marker_set_files import draw_set, set_figures, set_text
 
@@ -60,7 +55,6 @@ def learn(
         output: the TOML file to write; an existing file is not replaced.
         markers: names that belong to the set, as LASI,RASI,SACR; all where none is given, but for
             points that were computed of others, such as segments' axes.
-        json: print the set for a machine.
     """
     from ...engine.naming.marker_set_files import set_figures, set_from_file, set_text
 

@@ -35,7 +35,6 @@ def init(
         role: RECORDING=ROLE where the program guesses wrong, as "dance/{camera}.avi=wand"; may be repeated.
         yes: ask nothing; what is not known is written as comments that say what is wanted.
         dry_run: print the file instead of writing it.
-        json: print what was found for a machine; asks nothing.
     """
     from ...engine.first_session import answered, propose_session, session_text, write_first_session
     from ...engine.first_session.session_text import existing

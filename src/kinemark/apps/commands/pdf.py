@@ -21,7 +21,6 @@ def pdf(
             or every page that lies in it.
         sources: and others.
         output: folder of the PDFs; each lies beside its page where it is not given.
-        json: print for a machine which page became which PDF.
     """
     from ..pdf import print_pdf
 

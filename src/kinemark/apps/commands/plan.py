@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ...engine.plan_settings import PlanSettings
+from ...engine.camera_plan import PlanSettings
 from ..output import Json, SelfContained, print_result
 from ..progress import progress
 
@@ -26,11 +26,9 @@ def plan(
     Args:
         folder: of the results.
         settings: what is asked for.
-        self_contained: put the drawing library into the page, for mailing.
-        json: print the figures for a machine.
     """
     from ...engine.camera_plan import camera_plan
-    from ...report.plan_text import plan_summary
+    from ...report.terminal_summary import plan_summary
 
     with progress() as tell:
         result = camera_plan(folder, settings=settings or PlanSettings(), self_contained=self_contained, progress=tell)

@@ -30,14 +30,10 @@ def run(
     Args:
         session: a folder with a session.toml, or such a file.
         trials: names of the trials to process; all where none is given.
-        set: methods and parameters instead of the file's, as track.method=kiss_tracking; `kinemark methods` lists them.
         to: stop after this stage, such as detect, track or fill.
         frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
         results: folder for everything computed; results in the session's folder where none is given.
         threads: how many cameras are looked at side by side; as many as there are processors where none is given.
-        self_contained: put the drawing library into each page, for mailing.
-        fail_on: a verdict as bad as this ends the command with status 3.
-        json: print the figures for a machine.
     """
     from ...engine.session import Session
 
@@ -84,7 +80,6 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
     Args:
         session: a folder with a session.toml, or such a file.
         trials: names of the trials; all where none is given.
-        json: print it for a machine.
     """
     from ...engine.session import Session
 
@@ -112,13 +107,9 @@ def calibrate(
 
     Args:
         session: a folder with a session.toml, or such a file.
-        set: methods and parameters instead of the file's, as calibrate.method=dlt.
-        self_contained: put the drawing library into the page, for mailing.
-        fail_on: a verdict as bad as this ends the command with status 3.
-        json: print the figures for a machine.
     """
     from ...engine.session import Session
-    from ...report.calibration_text import calibration_summary
+    from ...report.terminal_summary import calibration_summary
 
     opened = Session.open(session, overrides=set or (), self_contained=self_contained)
     with progress() as tell:

@@ -20,8 +20,6 @@ def demo(folder: Path = Path("demo"), *, self_contained: SelfContained = False, 
 
     Args:
         folder: where the session goes.
-        self_contained: put the drawing library into each page, for mailing.
-        json: print the figures for a machine.
     """
     from ..demo import demo as run_demo
 
@@ -38,7 +36,6 @@ def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")
     Args:
         folder: a new or empty folder.
         scene: what is simulated.
-        json: print for a machine what was written, and of what.
     """
     scene = scene or Scene()
     with progress() as tell:

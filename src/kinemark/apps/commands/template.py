@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from ...data import KinemarkError
+from ...io.files import check_new
 from ...io.marker_sets import read_marker_set
 from ..output import Json, print_note, print_result
 
@@ -45,14 +45,12 @@ def learn(
         subject: name of the subject.
         height_mm: of the subject, mm.
         heights_mm: of the other subjects, mm, one for each file.
-        json: print what it holds for a machine.
     """
     from ...engine.clusters_said import clusters_of
     from ...engine.naming.subject_templates import Known, subject_template, template_figures, template_text
     from ...engine.naming.template_files import save_template
 
-    if output.exists():
-        raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(output)
     worn = read_marker_set(marker_set) if marker_set else None
     names = tuple(filter(None, markers.split(",")))
     known = Known(
@@ -69,7 +67,6 @@ def show(file: Path, *, json: Json = False) -> None:
 
     Args:
         file: NAME.template.h5.
-        json: print it for a machine.
     """
     from ...engine.naming.subject_templates import template_figures, template_text
     from ...engine.naming.template_files import load_template
@@ -86,7 +83,6 @@ def grow(file: Path, trial: Path, *trials: Path, json: Json = False) -> None:
         file: NAME.template.h5, which is replaced.
         trial: labelled, and looked through.
         trials: and others.
-        json: print what it holds for a machine.
     """
     from ...engine.naming.subject_templates import template_figures, template_text, with_trial
     from ...engine.naming.template_files import load_template, save_template

@@ -1,10 +1,19 @@
-"""Acts of the page as edits of the journal: said, or only looked at."""
+"""Acts of the page as edits of the journal, said or only looked at; what they change, in as few samples as can be.
+
+An edit leaves most samples as they are, and often all: a track that was named is the same under another name. So each
+trajectory that is new or others than before is said by one of before, its base, and by the frames in which it differs
+from that. Where fills are shown all frames are sent: they may have been judged again since the page has them.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Collection, Sequence
+
 import numpy as np
 
-from ...data import KinemarkError, Origin
+from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
+from ...data.array_types import Bools
 from ...data.edit_outcomes import Applied
 from ...data.edits import AddEvent, Claim, Edit, Signed, Trim, Undo
 from ...edit import Edited
@@ -12,36 +21,83 @@ from ...engine.editing import makers as make
 from ...engine.editing.editing import Editing, Said
 from ...engine.editing.journal import StaleJournal, last_undo
 from ...report.words import edit_text
-from .acts_messages import (
-    Act,
-    AlternativeAct,
-    ClaimAct,
-    EraseAct,
-    EventAct,
-    ExchangeAct,
-    FinishAct,
-    GapAct,
-    ImageAct,
-    PutAct,
-    RedoAct,
-    ReviewAct,
-    SeveralAct,
-    SidesAct,
-    SignAct,
-    SmoothAct,
-    TrackAgainAct,
-    TrimAct,
-    UndoAct,
-)
-from .changed_paths import bases_of, changed_by, shown_now, span_of
+from . import acts_messages as m
 from .desk import OpenDocument
-from .edit_messages import ActBody, ActDone, Join, Outcome, Preview
+from .edit_messages import ActBody, ActDone, ChangedPaths, Join, Outcome, Preview
 from .gap_work import work_of
+from .gaps import chosen_fills, may_show_fills
 from .header import header, next_undo, pairs_of
 from .images import mosaic_of
-from .paths import differing, part
+from .paths import differing, forget_others, part, whole_part
 from .problems import alternative_edits, verdict_on
 from .turns import Rank
+
+MOST_SAMPLES = 200_000
+"""Of trajectories that are in the answer to an act; chosen: 20 markers of 10 000 frames are 4.5 MB of text."""
+
+
+def changed_by(before: Edited, after: Edited) -> tuple[list[str], list[str]]:
+    """Markers of other samples, or of gaps that are to be filled otherwise; and those that are there no more."""
+    changed, removed = differing(before.trajectories, after.trajectories)
+    old, new = Counter(before.choices), Counter(after.choices)
+    refilled = {choice.marker for choice in [*(old - new), *(new - old)]} - {*changed}
+    return changed + [name for name in after.trajectories.names if name in refilled], removed
+
+
+def shown_now(
+    document: OpenDocument, before: Edited, changed: Sequence[str], removed: Sequence[str]
+) -> ChangedPaths | None:
+    """Trajectories as the page shows them, so that it need not ask again; None where it must."""
+    bases = bases_of(before.trajectories, document.now.trajectories, changed, removed)
+    filled = may_show_fills(document, before, {*bases.values()}) or may_show_fills(document, document.now, {*changed})
+    first, stop = (0, document.now.trajectories.n_frames) if filled else span_of(before, document.now, bases)
+    if len(changed) * (stop - first) > MOST_SAMPLES:
+        return None
+    if not filled and stop - first < document.now.trajectories.n_frames:
+        return ChangedPaths(bases=[*bases.values()], **dict(part(changed, document.now.trajectories, first, stop)))
+    shown, pending = chosen_fills(document, set(changed))
+    forget_others(document, (document.editing.trajectories, document.now.trajectories, shown))
+    return None if pending else ChangedPaths(bases=[""] * len(shown), **dict(whole_part(document, shown)))
+
+
+def bases_of(
+    before: Trajectories, after: Trajectories, changed: Sequence[str], removed: Collection[str]
+) -> dict[str, str]:
+    """By each changed trajectory the one of before that it is told by, empty for none.
+
+    That is the one of its name, else one with the same samples that is there no more; none for one without samples.
+    """
+    there, gone = {*before.names}, {_mark(path): path.name for path in before if path.name in removed}
+    own = (after[name] for name in changed)
+    return {p.name: (p.name if p.name in there else gone.get(_mark(p), "")) if p.origin.any() else "" for p in own}
+
+
+def span_of(before: Edited, after: Edited, bases: dict[str, str]) -> tuple[int, int]:
+    """First frame and last-plus-one, from 0, in which any trajectory is other than its base."""
+    old, differs = before.trajectories, np.zeros(after.trajectories.n_frames, bool)
+    if old.n_frames != len(differs) or old.first_frame != after.trajectories.first_frame:
+        return 0, len(differs)
+    for name, base in bases.items():
+        path = after.trajectories[name]
+        differs |= others(old[base], path) if base else path.origin != Origin.MISSING
+    at = np.flatnonzero(differs)
+    return (int(at[0]), int(at[-1]) + 1) if len(at) else (0, 0)
+
+
+def others(one: MarkerTrajectory, other: MarkerTrajectory) -> Bools:
+    """(F) whether two trajectories have different samples."""
+    xyz, cov = _unlike(one.xyz, other.xyz).any(1), _unlike(one.cov, other.cov).any((1, 2))
+    return np.asarray((one.origin != other.origin) | xyz | cov)
+
+
+def _unlike(one: np.ndarray, other: np.ndarray) -> Bools:
+    return np.zeros(one.shape, bool) if one is other else (one != other) & ~(np.isnan(one) & np.isnan(other))
+
+
+def _mark(path: MarkerTrajectory) -> tuple[bytes, bytes]:
+    """By which trajectories of nearly the same samples are found."""
+    return path.origin.tobytes(), path.xyz[path.origin != Origin.MISSING][:1].tobytes()
+
 
 STALE = "Somebody else has said something of this trial since. It is shown anew: look, and decide again."
 
@@ -87,7 +143,7 @@ def seen_anew(before: Edited, document: OpenDocument, said: ActDone) -> ActDone:
     return said.model_copy(update=now)
 
 
-def preview(document: OpenDocument, said: Act) -> Preview:
+def preview(document: OpenDocument, said: m.Act) -> Preview:
     """What an act would give; nothing is written."""
     with document.lock:
         document.refresh()
@@ -100,7 +156,7 @@ def preview(document: OpenDocument, said: Act) -> Preview:
     return Preview(outcomes=outcomes, changed=changed, removed=removed, paths=shown, join=_join(document.editing, said))
 
 
-def previewed(document: OpenDocument, said: Act) -> Edited:
+def previewed(document: OpenDocument, said: m.Act) -> Edited:
     """The trial with an act that is not said."""
     return document.editing.preview(edits_of(document, said))
 
@@ -113,64 +169,64 @@ def outcome(one: Applied) -> Outcome:
     )
 
 
-def edits_of(document: OpenDocument, said: Act) -> tuple[Edit, ...]:
+def edits_of(document: OpenDocument, said: m.Act) -> tuple[Edit, ...]:
     """The edits that an act says.
 
     Raises:
         KinemarkError: it cannot be.
     """
     match said:
-        case SeveralAct():
+        case m.SeveralAct():
             return tuple(edit for one in said.acts for edit in edits_of(document, one))
-        case AlternativeAct():
+        case m.AlternativeAct():
             return alternative_edits(document, said.problem, said.key)
-        case ReviewAct():
+        case m.ReviewAct():
             return (verdict_on(document, said.problem, right=said.right),)
-        case SidesAct():
+        case m.SidesAct():
             return _sides(document, said)
-        case UndoAct() | RedoAct() | SignAct():
+        case m.UndoAct() | m.RedoAct() | m.SignAct():
             return (_of_journal(document, said),)
         case _:
             return _of_trial(document.editing, said)
 
 
-def _of_trial(of: Editing, said: Act) -> tuple[Edit, ...]:
+def _of_trial(of: Editing, said: m.Act) -> tuple[Edit, ...]:
     """Edits of identities and of the whole."""
     match said:
-        case ClaimAct():
+        case m.ClaimAct():
             return make.claim(of, said.track, said.name, first=said.first, last=said.last, at=said.at)
-        case ExchangeAct():
+        case m.ExchangeAct():
             return make.exchange(of, said.a, said.b, first=said.first, last=said.last)
-        case TrimAct():
+        case m.TrimAct():
             return (make.made(Trim, said.first, said.last),)
-        case FinishAct():
+        case m.FinishAct():
             return make.finish(of, first=said.first, last=said.last)
-        case TrackAgainAct():
+        case m.TrackAgainAct():
             return (make.track_again(of),)
-        case EventAct():
+        case m.EventAct():
             return (make.made(AddEvent, said.label, said.side, said.time_s),)
         case _:
             return (_of_marker(of, said),)
 
 
-def _of_marker(of: Editing, said: Act) -> Edit:
+def _of_marker(of: Editing, said: m.Act) -> Edit:
     """Edits of one marker's values."""
     match said:
-        case EraseAct():
+        case m.EraseAct():
             return make.erase(of, said.marker, said.first, said.last)
-        case PutAct():
+        case m.PutAct():
             return _put(of, said)
-        case GapAct():
+        case m.GapAct():
             return make.gap(of, said.marker, said.first, said.last, said.method)
-        case SmoothAct():
+        case m.SmoothAct():
             return make.smooth(of, said.marker, said.first, said.last, said.cutoff_hz, function=said.function)
-        case ImageAct():
+        case m.ImageAct():
             return make.image(of, said.camera, said.frame, said.u, said.v, said.marker)
         case _:
             raise KinemarkError(f"{said.kind} is no act of this trial.")
 
 
-def _put(of: Editing, said: PutAct) -> Edit:
+def _put(of: Editing, said: m.PutAct) -> Edit:
     """A place, or clicks that show one."""
     if said.xyz is not None:
         return make.put(of, said.marker, said.frame, said.xyz, sd_mm=said.sd or make.PUT_SD)
@@ -178,7 +234,7 @@ def _put(of: Editing, said: PutAct) -> Edit:
     return make.put_in_images(of, said.marker, said.frame, images)
 
 
-def _sides(document: OpenDocument, said: SidesAct) -> tuple[Claim, ...]:
+def _sides(document: OpenDocument, said: m.SidesAct) -> tuple[Claim, ...]:
     """Every left and right pair exchanged, of those that are there; in a stretch some are only one of both."""
     pairs = pairs_of(document)
     if not pairs:
@@ -190,7 +246,7 @@ def _sides(document: OpenDocument, said: SidesAct) -> tuple[Claim, ...]:
     return tuple(claim for one in claims for claim in one)
 
 
-def _seen(document: OpenDocument, marker: str, said: SidesAct) -> bool:
+def _seen(document: OpenDocument, marker: str, said: m.SidesAct) -> bool:
     """Whether a marker has a sample in the frames of an exchange."""
     now = document.now.trajectories
     frames = np.flatnonzero(now[marker].origin != Origin.MISSING) + now.first_frame
@@ -198,11 +254,11 @@ def _seen(document: OpenDocument, marker: str, said: SidesAct) -> bool:
     return len(frames if said.last is None else frames[frames <= said.last]) > 0
 
 
-def _of_journal(document: OpenDocument, said: UndoAct | RedoAct | SignAct) -> Edit:
+def _of_journal(document: OpenDocument, said: m.UndoAct | m.RedoAct | m.SignAct) -> Edit:
     """Undo, redo and signature."""
-    if isinstance(said, SignAct):
+    if isinstance(said, m.SignAct):
         return Signed(document.head)
-    if isinstance(said, UndoAct):
+    if isinstance(said, m.UndoAct):
         of = next_undo(document.text) if said.of is None else said.of
         if of is None:
             raise KinemarkError("There is nothing to undo.")
@@ -213,9 +269,9 @@ def _of_journal(document: OpenDocument, said: UndoAct | RedoAct | SignAct) -> Ed
     return Undo(last.id)
 
 
-def _join(of: Editing, said: Act) -> Join | None:
+def _join(of: Editing, said: m.Act) -> Join | None:
     """How well a claimed track goes on the marker of that name (KISS 4.3)."""
-    if not isinstance(said, ClaimAct) or said.name is None:
+    if not isinstance(said, m.ClaimAct) or said.name is None:
         return None
     found = of.connection(said.track, said.name)
     if found is None:

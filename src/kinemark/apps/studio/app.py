@@ -17,7 +17,6 @@ from ...engine.editing.journal import StaleJournal
 from ...version import __version__
 from . import (
     angle_routes,
-    aspect_routes,
     camera_routes,
     detect_routes,
     digitise_routes,
@@ -25,18 +24,15 @@ from . import (
     home_routes,
     image_routes,
     live,
-    new_session_routes,
     page_routes,
     standing,
-    target_routes,
     trial_routes,
     um2as_routes,
-    way_routes,
 )
 from .desk import Desk, NotRun
 from .digitise import AnsweredMeanwhile
+from .guard import Limits
 from .kept import Kept
-from .limits import Limits
 from .messages import Refusal
 from .shelf import NotThere
 
@@ -56,16 +52,9 @@ def studio_app(desk: Desk) -> FastAPI:
     app.state.detecting, app.state.digitising = Kept[OpenDetection](), Kept[OpenDigitising]()
     for part in (
         home_routes, trial_routes, image_routes, detect_routes, digitise_routes, export_routes, live, page_routes,
+        camera_routes, angle_routes, standing, um2as_routes,
     ):  # fmt: skip
         app.include_router(part.router)
-    app.include_router(new_session_routes.router)
-    app.include_router(camera_routes.router)
-    app.include_router(angle_routes.router)
-    app.include_router(standing.router)
-    app.include_router(um2as_routes.router)
-    app.include_router(aspect_routes.router)
-    app.include_router(way_routes.router)
-    app.include_router(target_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

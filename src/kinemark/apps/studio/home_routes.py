@@ -1,4 +1,4 @@
-"""Home: what may be opened, and files that are dropped there."""
+"""What may be opened, files that are dropped, and sessions that are made from recordings."""
 
 from __future__ import annotations
 
@@ -12,10 +12,13 @@ from starlette.concurrency import run_in_threadpool
 
 from ...data import KinemarkError
 from ...engine.editing.editing import Editing
+from ...engine.first_session import write_first_session
 from .desk import Desk
 from .home import home
 from .messages import Dropped, Home
-from .shelf import ENDINGS, Place
+from .new_session import folder_of, form, lacking, new_folders, said_of
+from .new_session_messages import MadeSession, NewFolders, ProposedSession, SaidOfRecordings
+from .shelf import ENDINGS, Place, session_names
 
 LONGEST_NAME = 120
 """Characters of a dropped file's name; chosen, as file systems take 255 bytes."""
@@ -80,3 +83,27 @@ def kept_name(folder: Path, name: str) -> Path:
     while (found := folder / f"{stem}{'' if k == 1 else f' {k}'}{ending}").exists():
         k += 1
     return found
+
+
+@router.get("/recordings")
+def get_folders(desk: TheDesk) -> NewFolders:
+    """Folders that hold recordings and no session."""
+    return NewFolders(folders=[folder for _, folder in new_folders(desk.shelf).values()])
+
+
+@router.post("/recordings/{folder}/proposal")
+def post_proposal(folder: str, desk: TheDesk, body: SaidOfRecordings) -> ProposedSession:
+    """What a folder's recordings propose, with what was said; nothing is written."""
+    return form(folder, folder_of(desk.shelf, folder), body)
+
+
+@router.post("/recordings/{folder}/session")
+def post_session(folder: str, desk: TheDesk, body: SaidOfRecordings) -> MadeSession:
+    """Write the first session.toml, never over one that is there."""
+    place = folder_of(desk.shelf, folder)
+    proposal, wrong = said_of(place, body)
+    if why := lacking(proposal, wrong):
+        raise KinemarkError(why)
+    write_first_session(proposal)
+    trials = [Place(place, name).id for name in session_names(place)]
+    return MadeSession(session=Place(place).id, trials=trials)

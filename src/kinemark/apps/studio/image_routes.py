@@ -8,8 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from ...data import KinemarkError
-from .detections import MOST_FRAMES, seen_between
-from .images import seen
+from .images import MOST_FRAMES, seen, seen_between
 from .trial_routes import BINARY, Document
 
 KEPT = "private, max-age=3600"

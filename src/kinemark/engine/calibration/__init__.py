@@ -1,8 +1,8 @@
 """How a session's `[calibration]` becomes calibrated cameras, and how good they are."""
 
-from .calibrated import Calibrated
 from .from_known_points import rig_of_dlt
 from .results import EarlierCalibration, LastCalibration, calibrate, earlier_calibrations, last_calibration
+from .task import Calibrated
 
 __all__ = [
     "Calibrated",

@@ -36,10 +36,9 @@ from ..progress import SILENT, Watch, check_threads
 from ..recordings import files_of, masks_key
 from ..settings import Settings
 from ..store import Store
-from .calibrated import Calibrated
 from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
 from .from_moved_target import from_single_marker, from_wand
-from .task import RigWithEvidence, Task
+from .task import Calibrated, RigWithEvidence, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
 LOCK = ".calibration.lock"

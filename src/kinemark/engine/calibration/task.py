@@ -1,12 +1,13 @@
-"""What every way of calibrating is given and gives."""
+"""What every way of calibrating is given and gives, and a calibrated session."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...calibrate.quality import Evidence
-from ...data import KinemarkError, Rig
+from ...data import KinemarkError, Rig, Step
 from ...data.progress import listening
 from ..progress import Watch
 from ..recordings import Recorded, recorded
@@ -43,3 +44,22 @@ class Task(NamedTuple):
         """What the cameras recorded of a target, called `what` in progress; with the session's masks or without."""
         with listening(self.watch.of(what)):
             return recorded(self.root, self.settings, seen, self.names, masked=masked, threads=self.threads)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibrated:
+    """A session's calibration.
+
+    Attributes:
+        rig: the cameras.
+        figures: how good they are; what calibration.json holds.
+        steps: how they were made.
+        computed: whether this had to be computed; else it was unchanged.
+        folder: where it is on disk.
+    """
+
+    rig: Rig
+    figures: dict[str, Any]
+    steps: tuple[Step, ...]
+    computed: bool
+    folder: Path

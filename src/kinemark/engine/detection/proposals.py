@@ -8,6 +8,7 @@ import numpy as np
 
 from ...data import KinemarkError
 from ...detect.proposal import DetectionProposal, propose
+from ...io.files import check_new
 from ...io.images import ImageSource, open_images
 from ...io.masks_toml import write_masks
 from ...numerics.evenly import evenly
@@ -64,8 +65,7 @@ def learn_session_masks(source: Path, target: Path) -> int:
     Raises:
         KinemarkError: the session has no `[masks]`, or the target exists.
     """
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(target)
     session = Session.open(source)
     masks = masks_of(session.root, session.settings, session.settings.cameras.names)
     if masks is None:

@@ -7,9 +7,11 @@ which is never changed: `files.write_edited` writes another one. What is said go
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Lock
 from typing import NamedTuple
 
 from ...data import Detections, KinemarkError, Rig, Trajectories, Trial
@@ -30,8 +32,36 @@ from ..trial_inputs import TrialInputs, detections_of, last_tracked, measured_of
 from . import makers
 from .journal import Journal, hash_of_entry
 from .makers import PUT_SD
-from .replays import Replays
 from .stage import applied_entries, check_methods, claims_are_facts, unsigned
+
+MOST_VERSIONS = 16
+"""Versions that are kept; chosen: as far as people undo and redo while they look."""
+
+
+class Replays:
+    """Versions of a trial that were replayed already: undo, redo and preview come back to them at once.
+
+    They share all markers that an edit does not touch, so several cost little more than one. Entries are known by
+    identity, as a journal gives the same record for the same line.
+    """
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[tuple[int, ...], tuple[Sequence[Entry], Edited]] = OrderedDict()
+        self._lock = Lock()
+
+    def of(self, entries: Sequence[Entry], replay: Callable[[Sequence[Entry]], Edited]) -> Edited:
+        """The version with these entries, replayed where it is not known."""
+        key = tuple(map(id, entries))
+        with self._lock:
+            found = self._known.get(key)
+        if found is None:
+            found = entries, replay(entries)  # the entries are kept, so that their ids stay their own
+        with self._lock:
+            self._known[key] = found
+            self._known.move_to_end(key)
+            while len(self._known) > MOST_VERSIONS:
+                self._known.popitem(last=False)
+        return found[1]
 
 
 class Said(NamedTuple):

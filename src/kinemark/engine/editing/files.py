@@ -10,7 +10,7 @@ import numpy as np
 from ...data import KinemarkError, MarkerTrajectory, Trajectories
 from ...edit import Edited
 from ...fill import fill
-from ...io.formats import FORMATS, endings
+from ...io.formats import FORMATS, check_new_trial
 from ...io.notes import FileNote, read_notes
 from ...io.trial import write_trial
 from ..open_trial import OpenTrial
@@ -58,10 +58,7 @@ def write_edited(editing: Editing, target: Path) -> tuple[FileNote, ...]:
     """
     if editing.source is None:
         raise KinemarkError(f"{editing.name} is a trial of a session: kinemark run applies its edits.")
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
-    if target.suffix.lower() not in endings("trajectories"):
-        raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
+    check_new_trial(target)
     edited = editing.edited()
     check_methods(edited.choices)
     before, after = editing.source.trajectories, _filled_as_chosen(edited)

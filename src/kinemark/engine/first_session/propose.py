@@ -29,12 +29,13 @@ from .folder_files import (
     is_picture,
     is_video,
     other_file,
+    role_of,
     streams_of,
     tdf_with_rig,
+    trial_name,
 )
 from .labelled_trials import judged_labelled
 from .proposal import TRIALS, FoundRecording, Reason, Role, SessionProposal
-from .roles import role_of, trial_name
 
 LOOKED_AT = 60
 """Frames of a camera in which fields are looked for; chosen: one or two seconds, in which something moves."""

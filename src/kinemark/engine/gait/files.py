@@ -8,11 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ...data import KinemarkError
 from ...data.gait_curves import GaitCurves, GaitReference
+from ...data.marker_sides import without_subject
 from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
-from ...gait.clusters import Clusters
+from ...gait.clusters import Clusters, usual_clusters, with_wands
 from ...io.c3d import write_c3d
 from ...io.files import write_text
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
@@ -24,7 +27,6 @@ from ...report.drawing_library import assets_for
 from ...report.gait_page import write_gait_page
 from ...report.words import with_words
 from ..identities import identity_of_file
-from .clusters import with_stated_clusters, with_usual_clusters
 from .doubts import feet_otherwise
 from .exports import export_files, exports_of, write_exports
 from .settings import GaitSettings
@@ -42,6 +44,42 @@ from .walks import (
     with_gait,
     with_hips,
 )
+
+
+def with_stated_clusters(static: Recorded, stated: Clusters) -> Recorded:
+    """A standing trial with clusters whose markers are called as its file does, or as the gait model does.
+
+    Args:
+        static: whose markers of the model have the model's names. stated: markers by segment.
+    """
+    model = {without_subject(own): marker for marker, own in static.standard.known.items()}
+    clusters = {
+        segment: tuple(model.get(plain := without_subject(name), plain) for name in own)
+        for segment, own in stated.items()
+    }
+    return replace(static, clusters=clusters)
+
+
+def with_usual_clusters(static: Recorded, walks: Sequence[Recorded], settings: GaitSettings) -> Recorded:
+    """A standing trial with the clusters that the walks want and whose names tell them, besides those it has.
+
+    Args:
+        static: with the clusters that were stated. walks: not completed. settings: say by which method; by Plug-in
+            Gait's there are no clusters.
+    """
+    if settings.method == "plug_in_gait" or not walks:
+        return static
+    shared = set.intersection(*(set(_seen(walk)) for walk in walks))
+    names = [name for name in _seen(walks[0]) if name in shared]
+    stood = {name: xyz for name, xyz in static.points.items() if np.isfinite(xyz).any()}
+    found = usual_clusters(names, with_wands(stood), static.clusters)
+    return replace(static, clusters={**static.clusters, **found}, by_names=tuple(found)) if found else static
+
+
+def _seen(walk: Recorded) -> list[str]:
+    """Markers that are anywhere."""
+    return [name for name, xyz in walk.points.items() if np.isfinite(xyz).any()]
+
 
 PAGE, FIGURES = "gait.html", "gait.json"
 CURVES, TIME_DISTANCE, KEY_VALUES = "curves.csv", "time_distance.csv", "key_values.csv"

@@ -16,7 +16,7 @@ from ...io.files import write_text
 from ...report.words import sentences_of
 from ..keys import code_key, digest, file_key
 from ..settings import Settings
-from ..settings.gait_table import GaitTable
+from ..settings.tables import GaitTable
 from .files import FIGURES, PAGE, gait_of_files
 
 FOLDER = "gait"

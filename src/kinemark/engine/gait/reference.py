@@ -8,6 +8,7 @@ from pathlib import Path
 from ...data import KinemarkError
 from ...data.gait_curves import GaitReference
 from ...gait.gait_cycles import reference_of
+from ...io.files import check_new
 from ...io.gait_reference import control_curves, control_numbers, write_reference
 
 
@@ -25,8 +26,7 @@ def reference_of_files(controls: Sequence[Path], *, output: Path, source: str) -
         raise KinemarkError(f"{twice[0]} is given twice, and would count as two subjects. Give each control once.")
     if output.resolve() in paths:
         raise KinemarkError(f"{output} is one of the controls. Give another -o: what you gave is never overwritten.")
-    if output.exists():
-        raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(output)
     band = reference_of([control_curves(p) for p in controls], source, [control_numbers(p) for p in controls])
     write_reference(output, band)
     return band

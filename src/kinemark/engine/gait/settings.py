@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...data.array_types import Floats
-from ...gait.physical import Physical
-from ...gait.plug_in_gait import PlugInGait
+from ...gait.gait_methods import Physical, PlugInGait
 from ...gait.standard_trial import Up
 from ...gait.static_axes import AxesShown, axes_shown
 from ...gait.uncertainty import GaitErrors

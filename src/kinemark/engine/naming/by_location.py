@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...data import KinemarkError, Trajectories
-from ...io.formats import endings
+from ...io.formats import check_new_trial
 from ...io.notes import FileNote, read_notes
 from ...io.trial import read_trial, write_trial
 from ...label import Labels, label_by_location, named
@@ -45,10 +45,7 @@ def label_file_by_location(
     """
     if up not in ("x", "y", "z"):
         raise KinemarkError(f'The axis that points upwards is "{up}"; wanted: x, y or z.')
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
-    if target.suffix.lower() not in endings("trajectories"):
-        raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
+    check_new_trial(target)
     trial, known = read_trial(source), put_aside(read_trial(shown)).rest
     points = put_aside(trial, keep=set(known.names))
     found = label_by_location(points.rest, known, up=up)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...data import KinemarkError, Trajectories
 from ...findings.labels import displaced_finding
-from ...io.formats import endings
+from ...io.formats import check_new_trial
 from ...io.notes import FileNote, read_notes
 from ...io.track_names import TrackName
 from ...io.trial import read_trial, write_trial
@@ -23,7 +23,7 @@ from ...label.subject_template import SubjectTemplate
 from ...report.words import advice_of, text_of
 from ..fill_files import own_name
 from ..put_aside import PutAside, put_aside, put_back
-from .stated_tracks import stated_tracks
+from .statements import stated_tracks
 from .subject_templates import Known, subject_template
 
 
@@ -84,10 +84,7 @@ def label_file(
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists or has an unknown ending,
             a statement is of no track, or the template does not fit; nothing is written then.
     """
-    if target.exists():
-        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
-    if target.suffix.lower() not in endings("trajectories"):
-        raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
+    check_new_trial(target)
     trial = read_trial(source)
     own = {*_names_of(template), *(one.track for one in stated)}
     points = PutAside(trial.trajectories) if computed else put_aside(trial, keep=own)

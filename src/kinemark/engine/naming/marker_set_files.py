@@ -11,6 +11,7 @@ import numpy as np
 
 from ...data import KinemarkError, MarkerSet
 from ...data.nearest_word import guess, some_names
+from ...io.files import check_new
 from ...io.marker_sets import marker_sets, read_marker_set, write_marker_set
 from ...io.trial import read_trial
 from ...label.learn_set import learn_marker_set
@@ -137,5 +138,4 @@ def _in_words(found: MarkerSet) -> MarkerSet:
 
 
 def _check_free(path: Path) -> None:
-    if path.exists():
-        raise KinemarkError(f"{path} exists, and nothing is overwritten. Name another file or remove it.")
+    check_new(path)

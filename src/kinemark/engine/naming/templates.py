@@ -22,7 +22,7 @@ from ...label.subject_template import SubjectTemplate, TemplateSource
 from ...label.template import names_in
 from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
-from ..settings.gait_table import GaitTable
+from ..settings.tables import GaitTable
 from .agreeing_names import Agreeing, agreeing
 from .earlier import ABSENT, NAMED_BY_HAND, Earlier
 from .named_tracks import load_learnt

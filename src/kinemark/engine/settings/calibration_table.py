@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from ...calibrate.reference_marker import REACH, TOLERANCE
-from .table import Strict
+from .tables import Strict
 
 Unit = Literal["mm", "cm", "m", "in"]
 

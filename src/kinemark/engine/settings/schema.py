@@ -15,7 +15,7 @@ from ...label import LABEL
 from .calibration_table import WAYS
 from .method_tables import COMMON, SETTABLE, methods_of_way
 from .session_file import Settings
-from .subject_table import SubjectTable
+from .tables import SubjectTable
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

@@ -20,9 +20,7 @@ from ...reconstruct import RECONSTRUCT, LeastSquares
 from ...track import TRACK, matches_itself
 from ...track.simultaneous import Simultaneous
 from ...track.stage import CLOUD
-from .angle_table import AngleTable
 from .calibration_table import CalibrationTable, Places, one_of
-from .gait_table import GaitTable
 from .method_tables import (
     COMMON,
     calibrate_method,
@@ -32,8 +30,7 @@ from .method_tables import (
     methods_of_cameras,
     whole_of,
 )
-from .subject_table import SubjectTable, check_subject_of, check_subjects
-from .table import Strict
+from .tables import AngleTable, GaitTable, Strict, SubjectTable, check_subject_of, check_subjects
 
 A_METHOD = WithJsonSchema({"type": "object"})
 """Stands in the model's schema for what `schema.method_schema` says of a stage."""

@@ -1,5 +1,6 @@
 """C3D, the format in which laboratories exchange recordings: see `docs/reference/files-c3d.md`."""
 
+from .about import prefixes_of, subject_of
 from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .header import HeaderEvent
@@ -8,7 +9,6 @@ from .parameters import Group, Parameter
 from .points import modeled_points
 from .reading import decode_document, read_document
 from .storing import document_of, stored, write_c3d
-from .subject import prefixes_of, subject_of
 from .to_trial import read_c3d, trial_of
 from .writing import encode_document, write_document
 

@@ -15,7 +15,7 @@ import numpy as np
 from ...data import Trial
 from ...version import __version__
 from ..notes import FileNote
-from .about import subjects_in, with_about
+from .about import subjects_in, with_about, with_prefixes
 from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
@@ -26,7 +26,6 @@ from .rotations import with_rotations
 from .sample_table import with_table
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
-from .subject import with_prefixes
 from .to_trial import events_of
 from .writing import with_counts, write_document
 

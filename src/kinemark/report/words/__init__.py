@@ -13,12 +13,10 @@ from ...data import Finding
 from .calibration import CALIBRATION_WORDS
 from .cameras import CAMERA_WORDS
 from .control_points import CONTROL_POINT_WORDS
-from .decisions import reason_text
 from .edits import EDIT_WORDS, edit_text, entry_text
-from .error_sources import SOURCE_ADVICE, evidence_text
 from .gait import GAIT_WORDS
-from .open_gaps import frames_text, open_gap_text
 from .plans import PLAN_WORDS
+from .reasons import SOURCE_ADVICE, evidence_text, frames_text, open_gap_text, reason_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
 from .trial import TRIAL_WORDS

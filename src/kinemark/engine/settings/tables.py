@@ -1,21 +1,131 @@
-"""`[gait]`: one gait report of a session's walks."""
+"""Tables of `session.toml`: `[angles]`, `[gait]` and `[label.subjects.NAME]`, and what all tables have in common."""
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Iterable
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ...data import KinemarkError
+from ...data.nearest_word import are, guess
 from ...data.subject_measures import SubjectMeasures
 from ...gait.clusters import SEGMENTS, segment_name
 from ...gait.standard_trial import Up
 from ...io.measures_toml import measures_of_table
+from ...label import Labelling
+from ..angles.settings import AngleSettings
 from ..gait.exports import exports_of
 from ..gait.settings import GaitSettings
-from .table import Strict
+
+
+class Strict(BaseModel):
+    """A table of the file; a key that it does not know is an error, not a silence."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Height = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+APART = ("template", "static", "markers", "height_mm", "template_height_mm")
+"""What `[label]` says of one subject, and each of several says for itself."""
+
+
+class SubjectTable(Strict):
+    """A subject, called by the table's name, which stands before its markers, as in `A:LKNE`."""
+
+    marker_set: str | None = Field(
+        default=None, description="that this subject wears: a shipped set or a TOML file; the session's where absent"
+    )
+    template: tuple[str, ...] = Field(
+        default=(),
+        description="labelled trials that move, or a .template.h5; of a file of several subjects the markers with this "
+        "one's name before theirs",
+    )
+    static: tuple[str, ...] = Field(default=(), description="labelled static trials, likewise")
+    markers: tuple[str, ...] = Field(default=(), description="names to learn, without the subject's")
+    height_mm: Height | None = Field(default=None, description="height of the subject, mm, as [label] has it")
+    template_height_mm: Height | None = Field(default=None, description="height of the one whom the files are of, mm")
+
+    @model_validator(mode="after")
+    def together(self) -> SubjectTable:
+        """The height of another subject says nothing without that of this one."""
+        self.labelling(Labelling())
+        return self
+
+    def labelling(self, common: Labelling) -> Labelling:
+        """What `[label]` would say of this subject alone."""
+        return replace(common, **{key: getattr(self, key) for key in APART})
+
+
+def check_subjects(subjects: Iterable[str], common: Labelling, most: int) -> None:
+    """Refuse names that cannot stand before a marker's or in a file's, too many, and what is each subject's own.
+
+    Raises:
+        ValueError: there is such a thing.
+    """
+    names = list(subjects)
+    if wrong := [name for name in names if not name.replace("-", "").replace("_", "").isalnum()]:
+        raise ValueError(f"label.subjects: {wrong[0]!r} is no name of a subject; letters, digits, - and _ are")
+    if len(names) > most:
+        raise ValueError(f"label.subjects: there are {len(names)} subjects, and at most {most} are told apart")
+    if common_to := [key for key in APART if getattr(common, key)]:
+        raise ValueError(f"label.{common_to[0]}: is of one subject; give it in [label.subjects.{names[0]}]")
+
+
+def check_subject_of(trial: str, subject: str | None, subjects: Iterable[str]) -> None:
+    """Refuse a trial of one who is none of the subjects.
+
+    Raises:
+        ValueError: it is.
+    """
+    known = list(subjects)
+    if subject is not None and subject not in known:
+        raise ValueError(
+            f"trial {trial!r} is of {subject!r}, who is none of label.subjects{guess(subject, known)}; "
+            f"there {are(known)}"
+        )
+
+
+Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class AngleTable(Strict):
+    """What `kinemark angles` is told otherwise; the session's static trial shows what clusters carry."""
+
+    model: str = Field(description="name of a model, or its TOML file beside session.toml")
+    side: Literal["right", "left"] | None = Field(
+        default=None, description="of the limb; as the model or the markers' names say where absent"
+    )
+    inverse_cosines: bool = Field(default=False, description="angles as the thesis UM²AS takes them")
+    lock_deg: Annotated[float, Field(ge=0, lt=90)] = Field(
+        default=10.0, description="how near to gimbal lock a frame is flagged, deg"
+    )
+    smoothing: str = Field(default="none", description="of the markers before: none, butterworth or woltring")
+    cutoff_hz: Number | None = Field(default=None, description="of the smoothing, Hz; by the data where absent")
+    marker_sd_mm: Number | None = Field(
+        default=None, description="standard deviation of markers whose own is not known, mm"
+    )
+    cycle: tuple[str, ...] = Field(default=(), description='beginning and end of each cycle, s, as "0-2.5"')
+    cycle_event: str | None = Field(default=None, description="events from one of which to the next a cycle goes")
+    cycle_side: str | None = Field(default=None, description="of these events")
+
+    @model_validator(mode="after")
+    def together(self) -> AngleTable:
+        """What does not go together is refused when the file is read."""
+        try:
+            self.settings()
+        except KinemarkError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+    def settings(self) -> AngleSettings:
+        """The same as `kinemark angles` takes it."""
+        said = {name: getattr(self, name) for name in type(self).model_fields if name != "model"}
+        return AngleSettings(**said)
+
 
 Millimetres = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 

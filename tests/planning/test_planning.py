@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, Rig, make_finding
-from kinemark.engine.camera_plan import PlanSettings, camera_plan
+from kinemark.engine.camera_plan import camera_plan
+from kinemark.engine.plan_settings import PlanSettings
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.planning import Planning, Room, Sensor, plan_cameras, predict, walks
 from kinemark.planning.sight import run_together

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 from ..data import KinemarkError
 from ..data.edit_outcomes import Applied
 from ..data.edits import Entry
-from ..io.edits_jsonl import JournalText
 from .output import print_result
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
     from ..engine.editing.editing import Said
+    from ..io.edits_jsonl import JournalText
 
 
 def span_of(text: str | None) -> tuple[int | None, int | None]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ...engine.camera_plan import PlanSettings
+from ...engine.plan_settings import PlanSettings
 from ..output import Json, SelfContained, print_result
 from ..progress import progress
 

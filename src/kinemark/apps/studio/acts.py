@@ -163,10 +163,7 @@ def previewed(document: OpenDocument, said: m.Act) -> Edited:
 
 def outcome(one: Applied) -> Outcome:
     """What became of an edit, for the page."""
-    words = edit_text(one.edit)
-    return Outcome(
-        kind=one.edit.kind, words=words, outcome=one.outcome, share=one.share, samples=one.samples, reason=one.reason
-    )
+    return Outcome.like(one, kind=one.edit.kind, words=edit_text(one.edit))
 
 
 def edits_of(document: OpenDocument, said: m.Act) -> tuple[Edit, ...]:

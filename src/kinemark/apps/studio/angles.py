@@ -198,15 +198,8 @@ def basis_of(document: OpenDocument, trial: Trial, said: a.AngleChoice) -> Basis
         stated["cycle"] = ()
     settings = replace(settings, **stated)
     chain, _ = sided_model(known[name], settings.side, names)
-    choice = a.AngleChoice(
-        model=name, side=chain.side, inverse_cosines=settings.inverse_cosines, smoothing=_smoothing(settings),
-        cutoff_hz=settings.cutoff_hz, cycle_event=settings.cycle_event, cycle_side=settings.cycle_side,
-    )  # fmt: skip
+    choice = a.AngleChoice.like(settings, model=name, side=chain.side)
     return Basis(trial, chain, _template(document, chain), settings, choice)
-
-
-def _smoothing(settings: AngleSettings) -> Any:
-    return settings.smoothing
 
 
 def _template(document: OpenDocument, chain: Model) -> Template | None:
@@ -269,16 +262,8 @@ def _curve(result: TrialAngles, j: int, turn: int, motion: Any) -> a.AngleCurve:
             mean=packed(cycles.mean[j, :, turn]), spread=packed(cycles.spread[j, :, turn]),
             each=packed(cycles.deg[:, j, :, turn]), n=len(cycles.deg),
         )  # fmt: skip
-    return a.AngleCurve(
-        turn=turn,
-        name=motion.name,
-        positive=motion.positive,
-        negative=motion.negative,
-        normal=motion.normal,
-        deg=packed(angles.deg[j, :, turn]),
-        sd=packed(angles.sd[j, :, turn]),
-        cycles=over,
-    )
+    deg, sd = packed(angles.deg[j, :, turn]), packed(angles.sd[j, :, turn])
+    return a.AngleCurve.like(motion, turn=turn, deg=deg, sd=sd, cycles=over)
 
 
 def packed(values: ArrayLike | Floats) -> str:

@@ -27,12 +27,8 @@ def history(document: OpenDocument) -> History:
 
 
 def _row(entry: Entry, applied: list[Applied], counts: bool) -> HistoryRow:
-    return HistoryRow(
-        id=entry.id,
-        at=entry.at,
-        by=entry.by,
-        why=entry.why,
-        version=entry.version,
+    return HistoryRow.like(
+        entry,
         hash=hash_of_entry(entry),
         kinds=[edit.kind for edit in entry.edits],
         words="; ".join(map(edit_text, entry.edits)),

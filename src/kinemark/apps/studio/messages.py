@@ -6,7 +6,7 @@ What is said of editing is in `edit_messages`.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -21,6 +21,12 @@ class Message(BaseModel):
     """A record of the contract; nothing besides its fields is understood."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @classmethod
+    def like(cls, record: object, **other: Any) -> Self:
+        """What a record has by the names of the fields, and other fields as they are given."""
+        own = {name: getattr(record, name) for name in cls.model_fields if name not in other and hasattr(record, name)}
+        return cls(**own, **other)
 
 
 class Refusal(Message):

@@ -186,33 +186,12 @@ def lacking(proposal: SessionProposal, wrong: dict[str, str]) -> str:
 
 
 def _row(one: FoundRecording) -> RecordingRow:
-    return RecordingRow(
-        id=_id(one),
-        file=one.path,
-        content=one.content,
-        cameras=list(one.cameras),
-        role=one.role,
-        why=reason_text(one.why),
-        name=one.name,
-        frames=one.frames,
-        rate=one.rate,
-        size=one.size,
-        unequal=one.unequal,
-    )
+    return RecordingRow.like(one, id=_id(one), file=one.path, why=reason_text(one.why))
 
 
 def asked_row(question: Question, answer: str, wrong: str) -> Asked:
     """A question as the page shows it."""
-    return Asked(
-        key=question.key,
-        words=question_text(question),
-        least=question.least,
-        most=question.most,
-        choices=list(question.choices),
-        optional=question.optional,
-        answer=answer,
-        wrong=wrong,
-    )
+    return Asked.like(question, words=question_text(question), answer=answer, wrong=wrong)
 
 
 def _id(one: FoundRecording) -> str:

@@ -71,18 +71,10 @@ def listed(document: OpenDocument) -> Problems | None:
     asked = document.head
     with suppress(Cancelled), document.looking:
         if document.head == asked:
-            return _listed(document, _found(document))
+            found = _found(document)
+            rows = [_problem(document, one) for one in found.items]
+            return Problems.like(found, problems=rows, worth_looking=len(found.asked), head=document.head)
     return None
-
-
-def _listed(document: OpenDocument, found: core.Problems) -> Problems:
-    return Problems(
-        problems=[_problem(document, one) for one in found.items],
-        errors=found.errors,
-        errors_left=found.errors_left,
-        worth_looking=len(found.asked),
-        head=document.head,
-    )
 
 
 def alternative_edits(document: OpenDocument, problem: str, key: str) -> tuple[Edit, ...]:
@@ -142,20 +134,9 @@ def _stands(one: core.Problem, before: Looked, document: OpenDocument) -> bool:
 
 
 def _problem(document: OpenDocument, one: core.Problem) -> Problem:
-    return Problem(
-        id=one.id,
-        kind=one.kind,
-        words=one.words,
-        tracks=list(one.tracks),
-        first=one.first,
-        last=one.last,
-        frame=one.frame,
-        wrong=finite(one.wrong),
-        at_stake=one.at_stake,
-        cost_mm=_off(one),
-        cost=one.cost,
-        alternatives=[_alternative(one, way) for way in one.alternatives],
-        images=_cameras(document, one),
+    ways = [_alternative(one, way) for way in one.alternatives]
+    return Problem.like(
+        one, wrong=finite(one.wrong), cost_mm=_off(one), alternatives=ways, images=_cameras(document, one)
     )
 
 
@@ -174,22 +155,13 @@ def _assumed(one: core.Problem) -> bool:
 
 def _alternative(of: core.Problem, way: core.Alternative) -> Alternative:
     key = key_of(way)
-    return Alternative(
+    return Alternative.like(
+        way,
         key=key,
-        action=way.action,
-        words=way.words,
-        consequence=_consequence(way),
-        probability=finite(way.probability),
-        cost=finite(way.cost),
-        jump_mm=finite(way.jump_mm),
-        images=way.images,
+        consequence=f"explains {way.images} images" if way.images is not None else "",
+        **{name: finite(getattr(way, name)) for name in ("probability", "cost", "jump_mm")},
         act=AlternativeAct(kind="alternative", problem=of.id, key=key) if way.edits else None,
     )
-
-
-def _consequence(way: core.Alternative) -> str:
-    """What comes of it besides what its words say."""
-    return f"explains {way.images} images" if way.images is not None else ""
 
 
 def _cameras(document: OpenDocument, one: core.Problem) -> list[str]:

@@ -1,4 +1,4 @@
-"""Joint angles through time, as kinematics finds them: all joints together, with their sequences and gimbal lock.
+"""Joint angles, what each is called and its normal range, and cycles of them.
 
 A trial holds them as `signals`, a quantity a joint.
 """
@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from .array_types import Bools, Floats
 from .arrays import column, set_columns
+from .models import JointMotion, Model
 from .signals import Signal, Signals
 
 
@@ -74,3 +76,50 @@ class Angles:
         named = axes or self.sequence
         rows = zip(self.joints, named, self.deg, self.cov, strict=True)
         return Signals(tuple(Signal(n, "angle", "deg", tuple(a), self.rate, v, c) for n, a, v, c in rows))
+
+
+class NamedAngle(NamedTuple):
+    """One angle that a model gives a name to: its joint, its place in the sequence, and its words."""
+
+    joint: int
+    turn: int
+    motion: JointMotion
+
+
+def named_angles(model: Model) -> tuple[NamedAngle, ...]:
+    """The degrees of freedom of a model, in the order of its joints."""
+    return tuple(
+        NamedAngle(j, t, motion)
+        for j, joint in enumerate(model.joints)
+        for t, motion in enumerate(joint.motions)
+        if motion is not None
+    )
+
+
+def outside(angles: Angles, model: Model) -> Bools:
+    """(J, F, 3) whether an angle is beyond its normal range; False where the range or the angle is unknown."""
+    out = np.zeros(angles.deg.shape, np.bool_)
+    for j, t, motion in named_angles(model):
+        if motion.normal is not None:
+            low, high = motion.normal
+            with np.errstate(invalid="ignore"):
+                out[j, :, t] = (angles.deg[j, :, t] < low) | (angles.deg[j, :, t] > high)
+    return out
+
+
+class Cycles(NamedTuple):
+    """The angles of J joints over N cycles.
+
+    Attributes:
+        deg: (N, J, 101, 3) deg; sd: (N, J, 101, 3) deg, propagated from the markers.
+        mean: (J, 101, 3) deg over the cycles; spread: (J, 101, 3) deg, standard deviation of a cycle, NaN with one
+            alone; noise: (J, 101, 3) deg, standard deviation of the mean by the measurement.
+        spans: (N, 2) s where each begins and ends.
+    """
+
+    deg: Floats
+    sd: Floats
+    mean: Floats
+    spread: Floats
+    noise: Floats
+    spans: Floats

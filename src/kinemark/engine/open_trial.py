@@ -15,18 +15,50 @@ from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
 from ..edit import cropped
 from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
+from .calibration import calibrate
 from .calibration.task import Calibrated
 from .editing.stage import stage_before_edits
 from .graph import Graph
 from .naming import ABSENT, Earlier, before
-from .naming.absent_files import check_files_of_names
+from .naming.earlier import check_files_of_names
 from .progress import Cancel, Progress, Watch, check_threads, silent
-from .settings import TrialEntry
+from .settings import Settings, TrialEntry
 from .sources import Frames, Recording, TrialSource, identifies, source_of
 from .store import Store
 from .trial_graph import REPORT, trial_graph
 from .trial_inputs import TrialInputs, detections_of, edits_of, filled_of, tracks_of, trial_rig
-from .workspace import Workspace
+
+
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """Where a session is.
+
+    Attributes:
+        root: its folder.
+        settings: what its `session.toml` says.
+        results: where everything computed goes.
+    """
+
+    root: Path
+    settings: Settings
+    results: Path
+
+    @property
+    def assets(self) -> Path | None:
+        """Folder of what pages share; None where each page is to hold it."""
+        return None if self.settings.report.self_contained else self.results / ASSETS
+
+    def calibrate(
+        self, *, progress: Progress = silent, cancel: Cancel | None = None, threads: int | None = None
+    ) -> Calibrated:
+        """The calibrated cameras, read or computed, and how good they are; writes what `calibration` says.
+
+        Raises:
+            KinemarkError: the calibration is absent or unusable, or has fewer than two cameras.
+            Cancelled: `cancel` was set.
+        """
+        return calibrate(self.root, self.results, self.settings, watch=Watch(progress, cancel), threads=threads)
+
 
 PREVIEW = "preview"
 """Folder, in that of a trial, of what was computed of a stretch of its frames."""

@@ -6,7 +6,6 @@ drives. Nothing that the user gave is changed; everything computed goes below `r
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -14,17 +13,17 @@ from pathlib import Path
 from typing import Any
 
 from ..data import KinemarkError, Rig
+from ..io.files import read_json
 from ..report.index_page import IndexRow, index_row, write_index
 from ..version import __version__
 from .digitising.files import Digitising
 from .gait.of_session import gait_headline, gait_page, read_gait, update_gait
 from .naming.templates import keep_templates, templates_of_trial
-from .open_trial import OpenTrial, earlier_trials
+from .open_trial import OpenTrial, Workspace, earlier_trials
 from .progress import Cancel, Progress, silent
 from .session_name import FILE
 from .settings import ADVICE, ReportTable, Settings, TrialEntry, read_settings
 from .sources import Frames, OperatedImages
-from .workspace import Workspace
 
 INDEX = "index.html"
 LISTED = {"report.html": "report", "gaps.html": "gaps", "sensitivity.html": "sensitivity", "quality.json": "figures"}
@@ -57,11 +56,8 @@ def _index_row(results: Path, name: str) -> IndexRow:
 
 def _figures(path: Path) -> dict[str, Any] | None:
     """What a file of figures holds; None where it is absent or of another version."""
-    try:
-        found = json.loads(path.read_text("utf-8"))
-        return found if "verdict" in found else None
-    except (OSError, ValueError):
-        return None
+    found = read_json(path)
+    return found if "verdict" in found else None
 
 
 @dataclass(frozen=True, slots=True)

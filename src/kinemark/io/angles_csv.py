@@ -14,9 +14,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..data import Angles
-from ..data.cycles import Cycles
+from ..data.angles import Cycles, NamedAngle, named_angles, outside
 from ..data.models import Model
-from ..data.normal_ranges import NamedAngle, named_angles, outside
 from .csv_table import cell, write_table
 from .number_text import plain
 

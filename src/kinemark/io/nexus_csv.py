@@ -23,8 +23,7 @@ import numpy as np
 from ..data import Analog, Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ..data.array_types import Floats
 from .c3d.points import distinct
-from .frame_numbers import first_frame
-from .number_text import bad_line, numbers
+from .number_text import bad_line, first_frame, numbers
 from .trajectories_csv import csv_rows
 from .units import USUAL_UNITS, mm_per
 

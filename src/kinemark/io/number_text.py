@@ -1,4 +1,4 @@
-"""Text files of numbers: reading their lines and cells, naming the line that is wrong."""
+"""Numbers in text, also those of frames."""
 
 from __future__ import annotations
 
@@ -85,3 +85,21 @@ def whole(path: Path | str, lines: Sequence[int], values: Floats, name: str) -> 
 def plain(value: float) -> str:
     """The shortest text that reads back as the same number; empty for NaN."""
     return "" if value != value else repr(float(value))
+
+
+def first_frame(path: Path | str, lines: Sequence[int], numbers: Floats) -> tuple[int, tuple[str, ...]]:
+    """The number of the first frame, and what is odd about the numbers (F), which stand in these lines.
+
+    Raises:
+        KinemarkError: frames are missing between others, or a number is none.
+    """
+    if not len(numbers) or np.isnan(numbers).all():
+        return 1, ()
+    frame = whole(path, lines, numbers, "the frame")
+    steps = np.diff(frame)
+    if steps.size and (steps == steps[0]).all() and steps[0] > 1:
+        return int(frame[0]), (f"only every {steps[0]}th frame is numbered; they are read as one after the other",)
+    if (jump := np.flatnonzero(steps != 1)).size:
+        line = lines[int(jump[0]) + 1]
+        raise bad_line(path, line, "the frame does not follow the one before. Export every frame.")
+    return int(frame[0]), ()

@@ -20,8 +20,7 @@ from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
 from .files import write_text
-from .frame_numbers import first_frame
-from .number_text import bad_line, plain, read_text
+from .number_text import bad_line, first_frame, plain, read_text
 from .trc_table import AGAIN, HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL_UNITS, mm_per
 

@@ -1,9 +1,8 @@
 """Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
 
-from ..data.cycles import Cycles
+from ..data.angles import Cycles, NamedAngle, named_angles, outside
 from ..data.derivatives import MarkerDerivatives
 from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
-from ..data.normal_ranges import NamedAngle, named_angles, outside
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import cycles, resampled, spans_of

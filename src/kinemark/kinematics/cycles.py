@@ -17,8 +17,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Angles, Events, KinemarkError
+from ..data.angles import Cycles
 from ..data.array_types import Floats
-from ..data.cycles import Cycles
 
 POINTS = 101  # of a cycle, 0 to 100 %; conventional in gait analysis
 

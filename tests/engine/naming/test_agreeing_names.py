@@ -7,8 +7,8 @@ import pytest
 
 from kinemark.data import Trial
 from kinemark.data.marker_sides import sides_by_name
-from kinemark.engine.naming.agreeing_names import agreeing
 from kinemark.engine.naming.check_files import check_by_itself
+from kinemark.engine.naming.labelled_trials import agreeing
 from kinemark.engine.naming.subject_templates import Known, subject_template
 from kinemark.io.trial import write_trial
 from kinemark.report.words import advice_of, text_of

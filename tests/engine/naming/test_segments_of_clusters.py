@@ -8,7 +8,7 @@ import pytest
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.clusters_said import clusters_of
-from kinemark.engine.naming.segments_of_clusters import set_of_clusters
+from kinemark.engine.naming.labelled_trials import set_of_clusters
 from kinemark.engine.naming.subject_templates import Known, subject_template
 from kinemark.engine.naming.template_files import save_template
 from kinemark.engine.naming.templates import session_template

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import getpass
-import json
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
 from ...engine.session_name import FILE
 from ...engine.store import STEPS, Store
+from ...io.files import read_json
 from ...io.trial import read_trial
 from ...version import __version__
 from .messages import Home, Last, SessionCard, TrialCard, TrialState
@@ -169,8 +169,5 @@ def read_once(path: Path) -> Trial | None:
 
 def figures(path: Path) -> dict[str, Any]:
     """What a file of figures holds; nothing where it is absent or of another version."""
-    try:
-        found = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) and "verdict" in found else {}
+    found = read_json(path)
+    return found if "verdict" in found else {}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from ...data.models import JointMotion
 from ...findings.angles import angle_figures
 from ...io.angles_csv import write_angles_csv, write_cycles_csv
 from ...io.c3d import write_c3d
-from ...io.files import write_text
+from ...io.files import write_json
 from ...io.model_toml import load_model
 from ...io.notes import FileNote, read_notes
 from ...io.trial import read_trial
@@ -120,7 +119,7 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path, *, self_
     )
     if result.cycles is not None:
         write_cycles_csv(folder / "cycles.csv", result.cycles, model)
-    write_text(folder / "angles.json", json.dumps(result.figures, indent=1) + "\n")
+    write_json(folder / "angles.json", result.figures)
     write_angles_page(
         folder / "angles.html",
         figures=result.figures,

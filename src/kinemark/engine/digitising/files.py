@@ -39,7 +39,7 @@ from ...digitise import (
     result,
 )
 from ...io.answers_csv import append_answer, read_answers
-from ...io.files import write_text
+from ...io.files import write_json
 from ...io.images import ImageSource
 from ...io.um2as import files_of_set, read_da_set, write_da
 
@@ -262,7 +262,7 @@ def write_digitised(folder: Path, uv: Floats, figures: Mapping[str, Any]) -> Non
     """`{trial}.da1` … and `digitising.json` in the trial's folder of results."""
     for c, own in enumerate(uv):
         write_da(folder / f"{folder.name}.da{c + 1}", own)
-    write_text(folder / FIGURES, json.dumps(figures, indent=1) + "\n")
+    write_json(folder / FIGURES, figures)
 
 
 def read_figures(folder: Path) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +16,7 @@ from ...findings.plain import plain
 from ...gait.comparison import LEAST_POINTS, Condition, Difference, difference, stretches
 from ...gait.key_values import KEYS, Key
 from ...io.csv_table import cell, write_table
-from ...io.files import write_text
+from ...io.files import write_json
 from ...io.gait_reference import read_json
 from ...report.drawing_library import assets_for
 from ...report.gait_comparison_page import ComparedCurve, write_comparison_page
@@ -68,7 +67,7 @@ def compare_gait(
         }
     )
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "comparison.json", json.dumps(figures, indent=1) + "\n")
+    write_json(folder / "comparison.json", figures)
     _write_csv(folder / "comparison.csv", figures)
     assets = None if self_contained else assets_for(folder)
     write_comparison_page(folder / "comparison.html", figures=figures, curves=curves, assets=assets)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
 from ...gait.clusters import Clusters, usual_clusters, with_wands
 from ...io.c3d import write_c3d
-from ...io.files import write_text
+from ...io.files import write_json
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
 from ...io.gait_reference import read_reference
 from ...io.measures_toml import read_measures
@@ -242,7 +241,7 @@ def _written(
     write_curves_csv(folder / CURVES, found.curves)
     write_time_distance_csv(folder / TIME_DISTANCE, {one.name: one.strides for one in found.trials})
     write_key_values_csv(folder / KEY_VALUES, {one.name: one.keys for one in found.trials})
-    write_text(folder / FIGURES, json.dumps(figures, indent=1) + "\n")
+    write_json(folder / FIGURES, figures)
     write_gait_page(
         folder / PAGE, figures=figures, curves=found.curves, reference=band,
         assets=None if self_contained else assets_for(folder),

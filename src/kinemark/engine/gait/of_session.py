@@ -5,14 +5,13 @@ It is made after the trials, and again when one of their files or `[gait]` chang
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ...data import KinemarkError
-from ...io.files import write_text
+from ...io.files import read_json, write_json
 from ...report.words import sentences_of
 from ..keys import code_key, digest, file_key
 from ..settings import Settings
@@ -72,10 +71,7 @@ def update_gait(root: Path, results: Path, settings: Settings, *, self_contained
 
 def read_gait(results: Path) -> dict[str, Any] | None:
     """The figures of the session's gait, or the reason why there are none; None where nothing is there."""
-    try:
-        return dict(json.loads((results / FOLDER / FIGURES).read_text("utf-8")))
-    except (OSError, ValueError):
-        return None
+    return read_json(results / FOLDER / FIGURES) or None
 
 
 def gait_page(results: Path) -> Path | None:
@@ -105,5 +101,5 @@ def _files(results: Path, names: Sequence[str]) -> list[Path]:
 def _kept(path: Path, figures: dict[str, Any]) -> dict[str, Any]:
     """The figures, written."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps(figures, indent=1) + "\n")
+    write_json(path, figures)
     return figures

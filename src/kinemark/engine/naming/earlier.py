@@ -8,6 +8,7 @@ somebody names.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -75,3 +76,21 @@ def template_files_key(root: Path, settings: Settings) -> str:
     files = [*label.template, *label.static, *([label.names] if label.names else [])]
     files += [file for one in settings.label_subjects.values() for file in (*one.template, *one.static)]
     return digest(file_key(*(root / file for file in files)))
+
+
+def check_files_of_names(root: Path, settings: Settings, entry: TrialEntry) -> None:
+    """Raises KinemarkError, which names all, where files of `[label]` for a trial are not in the session's folder."""
+    absent = [file for file in dict.fromkeys(_named(settings, entry)) if not (root / file).is_file()]
+    if absent:
+        verb, they = ("is not a file", "it") if len(absent) == 1 else ("are no files", "them")
+        raise KinemarkError(
+            f"[label] names {', '.join(absent)}, which {verb} in {root}. Correct the path, or leave {they} out."
+        )
+
+
+def _named(settings: Settings, entry: TrialEntry) -> Iterator[str]:
+    """The files by which the markers of a trial's subjects are named."""
+    apart = [settings.of_subject(name) for name in settings.subjects_of(entry)] or [settings]
+    for label in (one.label for one in apart):
+        if label is not None:
+            yield from (*label.template, *label.static, *((label.names,) if label.names else ()))

@@ -23,8 +23,7 @@ from ...label.pooled import contradiction, pooled, template_of_subjects
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ...report.words import advice_of, text_of
 from ..put_aside import computed_in, put_aside
-from .agreeing_names import agreeing
-from .segments_of_clusters import set_of_clusters
+from .labelled_trials import agreeing, set_of_clusters
 from .template_files import is_template, load_template
 
 LEAST_MM, MOST_MM = 100.0, 5000.0

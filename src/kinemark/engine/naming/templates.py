@@ -23,10 +23,9 @@ from ...label.template import names_in
 from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
 from ..settings.tables import GaitTable
-from .agreeing_names import Agreeing, agreeing
 from .earlier import ABSENT, NAMED_BY_HAND, Earlier
+from .labelled_trials import Agreeing, agreeing, set_of_clusters
 from .named_tracks import load_learnt
-from .segments_of_clusters import set_of_clusters
 from .subject_templates import of_subject
 from .template_files import ENDING, is_template, load_template, save_template
 

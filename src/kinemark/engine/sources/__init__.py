@@ -5,14 +5,12 @@ when it is asked, so that it can be sent to another process.
 """
 
 from ..settings import is_da
-from .beside import beside_key, recorded_beside
-from .detection_file import DetectionFile
+from .detection_file import DetectionFile, NamedDetectionFile, names_markers
 from .excerpt import frame_of
 from .images import Images
-from .named_file import NamedDetectionFile, names_markers
 from .operated import DigitisedFiles, OperatedImages
 from .recording import Frames, Recording
-from .trial_source import OperatorIdentities, TrialSource
+from .trial_source import OperatorIdentities, TrialSource, beside_key, recorded_beside
 
 __all__ = [
     "Frames",

@@ -14,7 +14,6 @@ it the menu knows which of them are out of date.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -26,7 +25,7 @@ import numpy as np
 from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
 from ...geometry import to_dlt
-from ...io.files import write_text
+from ...io.files import read_json, write_json
 from ...io.um2as import ENDINGS, read_da, read_msr, write_cp, write_da, write_msr, write_rf
 from ..calibration.from_known_points import is_cp
 from ..digitising.control_balls import ControlBalls, snapped
@@ -65,13 +64,13 @@ def basis(session: Session, trial: str, of: Sequence[str]) -> dict[str, str]:
 
 def remember(folder: Path, files: Sequence[Path], made_of: Mapping[str, str]) -> None:
     """Keep what files in this folder were made of, which a screen has just written."""
-    known = _known(folder) | {path.name: {"file": file_key(path), "of": dict(made_of)} for path in files}
-    write_text(folder / MADE, json.dumps(known, indent=1) + "\n")
+    known = read_json(folder / MADE) | {path.name: {"file": file_key(path), "of": dict(made_of)} for path in files}
+    write_json(folder / MADE, known)
 
 
 def changed(folder: Path, files: Sequence[Path], now: Mapping[str, str]) -> str:
     """What of it is otherwise now, in words; empty where nothing is, or nothing is known."""
-    known = _known(folder)
+    known = read_json(folder / MADE)
     for path in files:
         one = known.get(path.name)
         if one is None or one["file"] != file_key(path):
@@ -79,14 +78,6 @@ def changed(folder: Path, files: Sequence[Path], now: Mapping[str, str]) -> str:
         if other := [words for words, key in now.items() if one["of"].get(words) != key]:
             return f"{other[0]} was changed since: do it again."
     return ""
-
-
-def _known(folder: Path) -> dict[str, Any]:
-    """What was kept; nothing where it cannot be read."""
-    try:
-        return dict(json.loads((folder / MADE).read_text("utf-8")))
-    except (OSError, ValueError):
-        return {}
 
 
 FOLDER = "um2as"

@@ -1,16 +1,23 @@
-"""Labelled trials as a template learns from them: without samples whose names contradict the rest of the trials."""
+"""What labelled trials show of a subject: without names that contradict the rest, and which markers sit on one segment.
+
+A static trial alone does not tell which distances keep. A session that has clusters has said it: each cluster keeps its
+shape, and so do, to skin, the landmarks of its segment, which the walks may lack.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Trajectories, make_finding
+from ...data import MarkerSet, Trajectories, make_finding
 from ...data.edits import is_named
 from ...data.finding import Finding
+from ...data.marker_sides import without_subject
+from ...data.model_markers import model_names
+from ...gait.clusters import SEGMENTS, landmarks_of
 from ...label import Exchanged
 from ...label.own_exchanges import find_own_exchanges, without_exchanged
 
@@ -63,3 +70,31 @@ def _share(two: frozenset[str], trials: Sequence[Trajectories], exchanged: Seque
 def _without(trial: Trajectories, names: set[str]) -> Trajectories:
     """Without these markers, if there are any."""
     return replace(trial, paths=tuple(path for path in trial if path.name not in names)) if names else trial
+
+
+RIGIDITY = 0.03
+"""Standard deviation of the distances on a segment, as a share of each; chosen: thigh's and shank's of the shipped
+sets."""
+
+
+def set_of_clusters(
+    clusters: Mapping[str, Sequence[str]], shown: Sequence[str], *, markers: Mapping[str, str] | None = None
+) -> MarkerSet | None:
+    """All markers of a static trial, those of a segment together; None where the trial shows no cluster.
+
+    Args:
+        clusters: markers by segment, one of `gait.clusters.SEGMENTS`, with the subject's name or without it.
+        shown: names in the static trial.
+        markers: the recording's names by the gait model's, of those that `model_names` does not know.
+    """
+    named = [name for name in shown if not name.startswith("*")]
+    full = {without_subject(name): name for name in reversed(named)} | {name: name for name in named}
+    if not any(full.keys() >= set(cluster) for cluster in clusters.values()):
+        return None
+    own = {**model_names(named), **(markers or {})}
+    segments = {}
+    for segment in SEGMENTS:
+        wanted = [*clusters.get(segment, ()), *(own[name] for name in landmarks_of(segment) if name in own)]
+        if len(there := dict.fromkeys(full[name] for name in wanted if name in full)) > 1:
+            segments[segment] = tuple(there)
+    return MarkerSet(tuple(named), segments, name="of clusters", rigidity=dict.fromkeys(segments, RIGIDITY))

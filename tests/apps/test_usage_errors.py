@@ -15,6 +15,7 @@ from kinemark.apps.cli import app
         (["angles", "a.c3d"], "kinemark angles wants --model: um2as, isb_upper_limb, isb_shoulder, or a TOML file"),
         (["angles", "a.c3d", "--model"], "kinemark angles: --model wants a value."),
         (["marker-set", "show"], "kinemark marker-set show wants NAME"),
+        (["edits", "erase"], "kinemark edits erase wants TRIAL: SESSION/NAME or a file."),
         (["run", "x", "--sett", "y"], "Did you mean --set?"),
         (["gait", "x", "--emg-to", "y"], 'Choose from: "trial", "strides"'),
     ],
@@ -24,7 +25,7 @@ def test_what_is_missing_is_named_as_the_help_names_it(typed, said, capsys):
         app(typed)
     words = " ".join(capsys.readouterr().err.split())
     assert ended.value.code == 2 and said in words
-    command = " ".join(["kinemark", *(typed[:2] if typed[0] == "marker-set" else typed[:1])])
+    command = " ".join(["kinemark", *(typed[:2] if typed[0] in ("marker-set", "edits") else typed[:1])])
     assert words.endswith(f"What there is: {command} --help")
 
 

@@ -64,13 +64,13 @@ def audit(
 
 
 def _figures(one: Audit) -> dict[str, object]:
-    from ..problems_output import problems_figures
+    from ..edits_output import problems_figures
 
     return problems_figures(one.found) | {"mended": [problem.words for problem in one.mended], "computed": [*one.aside]}
 
 
 def _text(one: Audit, every: bool) -> str:
-    from ..problems_output import problems_text
+    from ..edits_output import problems_text
 
     said = [f"mended: {problem.words}" for problem in one.mended]
     if one.aside:

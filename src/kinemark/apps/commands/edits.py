@@ -167,7 +167,7 @@ def list_problems(
     """
     from ...engine.editing.files import open_editing
     from ...engine.problems import filled_gaps, problems
-    from ..problems_output import problems_figures, problems_text
+    from ..edits_output import problems_figures, problems_text
 
     editing = open_editing(trial)
     found = problems(editing, gaps=filled_gaps(editing) if fill else ())
@@ -183,7 +183,7 @@ def accept(trial: Edited, problem: str, alternative: int = 1, *, saying: Saying 
         alternative: its number, from 1.
     """
     from ...engine.problems import filled_gaps, problems
-    from ..problems_output import chosen_edits
+    from ..edits_output import chosen_edits
 
     editing = saying.of(trial)
     found = problems(editing, gaps=filled_gaps(editing) if problem.startswith("gap-") else ())

@@ -22,14 +22,12 @@ from ...report.words.first_session import ROLES, reason_text
 from . import camera_messages as c
 from .cameras import balls_of, control, say, session_cameras, set_threshold, state_numbers, white_pixels
 from .export_routes import SANDBOX
-from .home_routes import desk_of
+from .home_routes import PNG, desk_of
 from .live import TheLive
 from .messages import Job
 from .new_session import asked_row
 from .shelf import NotThere
 
-PNG = {200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}}}
-"""What OpenAPI says of an image."""
 router = APIRouter(prefix="/api/sessions/{session}")
 
 
@@ -82,7 +80,7 @@ def get_control(balls: Balls) -> c.Control:
     return control(balls)
 
 
-@router.get("/control/{camera}/image", response_class=Response, responses=PNG)  # type: ignore[arg-type]
+@router.get("/control/{camera}/image", response_class=Response, responses=PNG)
 def get_control_image(balls: Balls, camera: str) -> Response:
     """A camera's image of the control balls."""
     return Response(png_bytes(balls.image(camera)), media_type="image/png")
@@ -140,7 +138,7 @@ def get_found(folder: Folder, kind: str, camera: str, frame: int) -> c.FoundInIm
     )
 
 
-@router.get("/targets/{kind}/{camera}/{frame}/image", response_class=Response, responses=PNG)  # type: ignore[arg-type]
+@router.get("/targets/{kind}/{camera}/{frame}/image", response_class=Response, responses=PNG)
 def get_image(folder: Folder, kind: str, camera: str, frame: int) -> Response:
     """The image."""
     settings = Session.open(folder).settings

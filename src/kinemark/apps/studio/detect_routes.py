@@ -13,14 +13,11 @@ from ...engine.session_name import FILE
 from . import detect_messages as m
 from .desk import Desk
 from .detect import detection, draft_of, found_in, why_there
-from .home_routes import TheDesk, desk_of
+from .home_routes import PNG, TheDesk, desk_of
 from .image_routes import KEPT as FOR_AN_HOUR
 from .kept import Kept, stamp_of
 from .shelf import Place
 
-PNG: dict[int | str, dict[str, object]] = {
-    200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}}
-}
 router = APIRouter(prefix="/api/trials/{trial}")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import secrets
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
 from starlette.concurrency import run_in_threadpool
@@ -23,6 +23,14 @@ from .shelf import ENDINGS, Place, session_names
 LONGEST_NAME = 120
 """Characters of a dropped file's name; chosen, as file systems take 255 bytes."""
 router = APIRouter(prefix="/api")
+
+
+def bytes_of(kind: str) -> dict[int | str, dict[str, Any]]:
+    """What OpenAPI says of an answer that is no JSON, by its media type."""
+    return {200: {"content": {kind: {"schema": {"type": "string", "format": "binary"}}}}}
+
+
+BINARY, PNG, JPEG = map(bytes_of, ("application/octet-stream", "image/png", "image/jpeg"))
 
 
 def desk_of(request: Request) -> Desk:

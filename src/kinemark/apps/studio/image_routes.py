@@ -8,19 +8,16 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from ...data import KinemarkError
+from .home_routes import BINARY, JPEG, PNG
 from .images import MOST_FRAMES, seen, seen_between
-from .trial_routes import BINARY, Document
+from .trial_routes import Document
 
 KEPT = "private, max-age=3600"
 """Images of a frame never change while the page is open."""
 router = APIRouter(prefix="/api/trials/{trial}")
 
 
-def _image(kind: str) -> dict[int | str, dict[str, object]]:
-    return {200: {"content": {kind: {"schema": {"type": "string", "format": "binary"}}}}}
-
-
-@router.get("/mosaic/{frame}", response_class=Response, responses=_image("image/jpeg"))
+@router.get("/mosaic/{frame}", response_class=Response, responses=JPEG)
 def get_mosaic(document: Document, frame: int, ahead: bool = False) -> Response:
     """The images of all cameras in a frame, by its number; `ahead` of being looked at, nothing where not made yet."""
     if ahead:
@@ -29,7 +26,7 @@ def get_mosaic(document: Document, frame: int, ahead: bool = False) -> Response:
     return Response(seen(document).jpeg(frame - 1), media_type="image/jpeg", headers={"Cache-Control": KEPT})
 
 
-@router.get("/cameras/{camera}/{frame}", response_class=Response, responses=_image("image/png"))
+@router.get("/cameras/{camera}/{frame}", response_class=Response, responses=PNG)
 def get_crop(
     document: Document,
     camera: str,
@@ -44,7 +41,7 @@ def get_crop(
     return Response(png, media_type="image/png", headers={"Cache-Control": KEPT})
 
 
-@router.get("/detections", response_class=Response, responses=BINARY)  # type: ignore[arg-type]
+@router.get("/detections", response_class=Response, responses=BINARY)
 def get_detections(document: Document, first: int, last: int) -> Response:
     """What was detected in some frames, as `DetectionsHeader` says."""
     if not 0 <= last - first < MOST_FRAMES:

@@ -17,7 +17,7 @@ from .desk import OpenDocument
 from .gaps import candidates, chosen_fills, gap_table
 from .header import header
 from .history import history, versions_apart
-from .home_routes import TheDesk, desk_of
+from .home_routes import BINARY, TheDesk, desk_of
 from .images import mosaic_of, mosaics_of
 from .labels import labels
 from .live import TheLive
@@ -25,8 +25,6 @@ from .paths import COLUMNS, DEFAULT, encoded, forget_others
 from .problems import listed
 from .shelf import NotThere
 
-BINARY = {200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}}
-"""What OpenAPI says of columns."""
 router = APIRouter(prefix="/api/trials/{trial}")
 
 
@@ -46,7 +44,7 @@ def get_header(document: Document) -> m.TrialHeader:
     return header(document, mosaic_of(document))
 
 
-@router.get("/paths", response_class=Response, responses=BINARY)  # type: ignore[arg-type]
+@router.get("/paths", response_class=Response, responses=BINARY)
 def get_paths(
     request: Request,
     document: Document,

@@ -17,6 +17,7 @@ from cyclopts import App, Parameter
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..data.errors import users_mistake
 from ..data.typed import typed
 from .terminal import Terminal, pointed, say
 
@@ -312,10 +313,8 @@ def _semi_automatic(markers: list[str], reference: str | None, **options: Any) -
     from ..digitise import SemiAutomatic
 
     names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
-    try:
+    with users_mistake():
         return SemiAutomatic(tuple(names), reference, **options)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
 
 
 def _square(aspect_ratio: float) -> Floats:
@@ -361,10 +360,8 @@ def _image_markers(images: Path, frame: int, threshold: float, inverted: bool, w
 def _centroids(threshold: float, inverted: bool, white_pixels: bool) -> Centroids:
     from ..detect import Centroids
 
-    try:
+    with users_mistake():
         method = Centroids(threshold=threshold, inverted=inverted)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
     if not white_pixels:
         return method
     return replace(method, centroid="white", max_discs=1, correct_occlusion=False)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 from .finding import Finding
 
@@ -20,3 +21,12 @@ class KinemarkError(Exception):
     def __init__(self, message: str = "", *, findings: Iterable[Finding] = ()) -> None:
         super().__init__(message)
         self.findings = tuple(findings)
+
+
+@contextmanager
+def users_mistake() -> Iterator[None]:
+    """What is wrong with values in this block is the user's, not the caller's: a ValueError becomes a KinemarkError."""
+    try:
+        yield
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from error

@@ -12,6 +12,7 @@ from pathlib import Path
 from tomlkit import TOMLDocument
 
 from ..data import KinemarkError
+from ..data.errors import users_mistake
 from ..report.words.first_session import question_text
 from .first_session import (
     FoundRecording,
@@ -78,10 +79,8 @@ def change_way(root: Path, path: str, role: Role, answers: Mapping[str, str]) ->
         raise KinemarkError(f"{path} cannot calibrate this session by {role}. Look at the list again.")
     for key, text in answers.items():
         if text.strip():
-            try:
+            with users_mistake():
                 one = answered(one, key, text)
-            except ValueError as error:
-                raise KinemarkError(f"{error}.") from error
     if wanted := [ask for ask in one.open if ask.key.startswith("calibration.")]:
         raise KinemarkError(f"Asked is: {question_text(wanted[0])}")
     points_of_measured(one)

@@ -8,6 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...data.errors import users_mistake
 from ...engine.angles.settings import AngleSettings
 from ...engine.clusters_said import clusters_of
 from ...engine.gait.settings import GaitSettings
@@ -126,10 +127,8 @@ def sensitivity(
     from ...report.terminal_summary import sensitivity_summary
     from ...sensitivity import ErrorBudget
 
-    try:
+    with users_mistake():
         asked = ErrorBudget(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
     with progress() as tell:
         found = error_budget(
             session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,

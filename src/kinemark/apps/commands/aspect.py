@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ...data.errors import users_mistake
 from ..output import Json, print_result
 
 
@@ -27,14 +28,11 @@ def aspect(
         threshold: of white pixels; each image's own without it.
         inverted: the threshold's type.
     """
-    from ...data import KinemarkError
     from ...detect import Centroids
     from ...engine.bar_aspect import bar_aspect_of_file
 
-    try:
+    with users_mistake():
         method = Centroids(threshold=threshold, inverted=inverted)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
     found = {str(one): bar_aspect_of_file(one, method=method) for one in images}
     if json:
         print_result({name: one.figures() for name, one in found.items()})

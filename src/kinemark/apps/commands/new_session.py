@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from ...data import KinemarkError
+from ...data.errors import users_mistake
 from ...data.typed import typed
 from ...engine.session_name import FILE
 from ..output import Json, print_result
@@ -108,12 +108,10 @@ def _changed(
 ) -> SessionProposal:
     """With what one KEY=VALUE says."""
     key, equals, value = text.rpartition("=") if "{" in text else text.partition("=")
-    try:
+    with users_mistake():
         if not equals:
             raise ValueError(f"{text!r} is not of the form KEY=VALUE")
         return change(proposal, key.strip(), value)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
 
 
 def _with_role(proposal: SessionProposal, path: str, role: str) -> SessionProposal:

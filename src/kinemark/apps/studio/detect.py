@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...data import KinemarkError, Validity
+from ...data.errors import users_mistake
 from ...data.method import Method, parameters_of
 from ...detect import Centroids
 from ...detect.centroids_method import grey_scale
@@ -57,10 +58,8 @@ def found_in(opened: OpenDetection, frame: int, said: m.DetectDraft) -> m.Detect
 def why_there(opened: OpenDetection, body: m.WhyBody) -> m.PlaceWhy:
     """Why there is a marker or none at a place; raises a KinemarkError where there is no such place."""
     found = opened.detected(body.camera, body.frame, draft_of(body.draft))
-    try:
+    with users_mistake():
         said = why(found, body.u, body.v, v_offset=opened.sources[body.camera].v_offset(body.frame - 1))
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
     return m.PlaceWhy(words=said.words, parameter=said.parameter, value=said.value)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from ...data import KinemarkError
+from ...data.errors import users_mistake
 from ...engine.first_session import (
     FoundRecording,
     Question,
@@ -121,14 +122,12 @@ def said_of(folder: Path, said: SaidOfRecordings) -> tuple[SessionProposal, dict
     """
     proposal, wrong = propose_session(folder), dict[str, str]()
     paths = {_id(one): one.path for one in proposal.recordings}
-    try:
+    with users_mistake():
         for key, role in said.roles.items():
             proposal = with_role(proposal, paths.get(key, ""), role)
         names = {paths.get(key, ""): name for key, name in said.names.items()}
         field: Any = {None: None, "whole": False}.get(said.fields, said.fields)
         proposal = with_facts(proposal, name=said.name, date=said.date, rate=said.rate, interlaced=field, names=names)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
     for key, text in said.answers.items():
         if text.strip() and key in [one.key for one in proposal.questions]:
             try:

@@ -18,6 +18,7 @@ import numpy as np
 
 from ...data import KinemarkError
 from ...data.array_types import Bools, Floats, GreyLevels, Ints
+from ...data.errors import users_mistake
 from ...data.masks import Masks
 from ...data.method import Method
 from ...detect import Blobs, Centroids, combined_masks, detect_frames
@@ -197,13 +198,11 @@ class OpenDetection:
         if unknown := [name for name in (*draft.cameras, *draft.masks) if name not in self.sources]:
             raise KinemarkError(f"There is no camera {unknown[0]}; there are {', '.join(self.sources)}.")
         table = with_draft(self.table, draft)
-        try:
+        with users_mistake():
             every = method_of("detect", {key: value for key, value in table.items() if key != "cameras"})
             of_cameras = methods_of_cameras(
                 {k: v for k, v in table.items() if k != "cameras"}, table.get("cameras", {})
             )
-        except ValueError as error:
-            raise KinemarkError(f"{error}.") from error
         return {name: of_cameras.get(name, every) for name in self.sources}
 
     def detected(self, camera: str, frame: int, draft: Draft) -> InFrame:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError
+from ...data.errors import users_mistake
 from ...detect import Centroids
 from ...digitise import ImageMarkers, find_markers
 from ...geometry.camera import in_image
@@ -77,11 +78,9 @@ class ControlBalls:
         names = self.settings.cameras.names
         own = methods_of(self.settings, names).get(camera, self.settings.detect)
         method = own if isinstance(own, Centroids) else Centroids()
-        try:
+        with users_mistake():
             method = method if threshold is None else replace(method, threshold=threshold)
             return method if inverted is None else replace(method, inverted=inverted)
-        except ValueError as error:
-            raise KinemarkError(f"{error}.") from error
 
     def source(self, camera: str) -> ImageSource:
         """The images of a camera; raises KinemarkError where it or they are not there."""

@@ -25,6 +25,7 @@ from ...data.edits import (
     is_named,
     live,
 )
+from ...data.errors import users_mistake
 from ...data.nearest_word import guess, some_names
 from ...edit import stretch_of
 from ...edit.values import Footage, solve
@@ -237,7 +238,7 @@ def review(of: Editing, number: int, *, right: bool) -> Verdict:
     ends = decision.first + start, decision.last + start
     beside = ends[0] - REVIEWED_BESIDE, ends[1] + REVIEWED_BESIDE
     names = [of.trajectories.names[track] for track in decision.tracks if track >= 0]
-    try:
+    with users_mistake():
         where = tuple(
             stretch_of(
                 of.trajectories, name, first=ends[0], last=ends[1], within=beside, detections=of.detections,
@@ -245,8 +246,6 @@ def review(of: Editing, number: int, *, right: bool) -> Verdict:
             )
             for name in names
         )  # fmt: skip
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
     return Verdict(decision.kind, where, right)
 
 
@@ -295,10 +294,8 @@ def _shortest(trajectories: Trajectories) -> str:
 
 def made(kind: type[EditKind], *values: object) -> EditKind:
     """An edit, with the user's mistakes as errors of theirs."""
-    try:
+    with users_mistake():
         return kind(*values)
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
 
 
 def known(of: Editing, marker: str) -> str:

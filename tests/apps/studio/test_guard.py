@@ -11,7 +11,6 @@ pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip
 from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.routing import BaseRoute
 
-from kinemark.apps.studio import guard as limits
 from kinemark.apps.studio.guard import HEADERS
 from support.asgi import HOST
 from support.studio import Studio, file_in
@@ -152,7 +151,7 @@ def test_huge_bodies_are_refused_however_they_come(studio, folder, monkeypatch):
         "POST", f"{studio.trial}/acts", chunks=[part] * 8, **{"content-type": "application/json"}
     )
     assert answer.status == 413
-    monkeypatch.setattr(limits, "MOST_FILE_BYTES", 500_000)
+    monkeypatch.setattr("kinemark.apps.studio.guard.MOST_FILE_BYTES", 500_000)
     answer = studio.page.request("POST", "/api/files?name=a.c3d", chunks=[part] * 8)
     assert answer.status == 413 and files(folder) == before
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -58,7 +59,7 @@ def raw_batches(path: Path, info: VideoInfo, n: int) -> Iterator[Image]:
         return
     width, height = info.size
     memory = batch_memory(n * width * height)
-    with path.open("rb", buffering=0) as file:
+    with suppress(OSError), path.open("rb", buffering=0) as file:
         reader = _Reader(file.fileno(), *found, width * height)
         for done in range(0, info.n_frames, n):
             images = memory.batch((min(n, info.n_frames - done), height, width), np.dtype(np.uint8))
@@ -78,7 +79,7 @@ def _first_frame(path: Path) -> tuple[Layout, int] | None:
                 return None
             packet = next(container.demux(video_stream(path, container)))
             shown = [grey(frame, str(path)).tobytes() for frame in packet.decode()]
-            start = (packet.pos or 0) + layout.block
+            start = max(packet.pos or 0, 0) + layout.block
             file.seek(start)
             return (layout, start) if shown == [file.read(packet.size)] else None
     except (av.FFmpegError, OSError):
@@ -145,16 +146,13 @@ def _ebml(head: bytes) -> Element:
     name = 9 - head[0].bit_length()
     digits = 9 - head[name].bit_length()
     content = name + digits
-    size = int.from_bytes(head[name:content], "big") & ((1 << 7 * digits) - 1)
+    size = int.from_bytes(head[name:content], "big") & ((1 << 7 * min(digits, 8)) - 1)
     if head[:name] in (b"\x1f\x43\xb6\x75", b"\xa0"):
         return Element(content, content)
-    if head[:name] in (
-        b"\xa3",
-        b"\xa1",
-    ):  # with the track, the time and flags, the number of frames where they are laced
-        laced = head[content + 3] & 6 != 0
-        return Element(content + 4 + laced, content + size, head[content : content + 1])
-    return Element(content, content + size)
+    if head[:name] not in (b"\xa3", b"\xa1"):
+        return Element(content, content + size)
+    laced = head[content + 3] & 6 != 0  # then the number of frames follows the track, the time and these flags
+    return Element(content + 4 + laced, content + size, head[content : content + 1])
 
 
 LAYOUTS = {

@@ -7,6 +7,7 @@ a point at v in a bottom field lies at v + ½ in the lines of the top field: tha
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,9 +22,11 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Ints
+from .batch_memory import batch_memory
 from .exact_video import frames_at, key_frames_near
 from .files import read_bytes, replacing
 from .pixels import MOST_PIXELS, Image, check_pixels, grey, plane
+from .raw_video import raw_batches
 from .video import VideoInfo, decode_video, probe_video
 
 Interlaced = Literal[False, "top", "bottom"]
@@ -41,8 +44,7 @@ MAGIC = (
     (b"P6", "ppm"),
 )
 BATCH_BYTES = 24 << 20
-"""Of frames that are given together, so that those of large images take no more memory; chosen: from 32 MiB on the C
-library takes fresh memory for each batch, which costs as much time as reading it."""
+"""Of frames that are given together, so that those of large images take no more memory; chosen for that."""
 COARSENESS = "5"
 """Of the quantiser of JPEG, from 2, the finest, to 31; chosen."""
 NUMBER = re.compile(r"%(0\d+)?d")
@@ -153,10 +155,20 @@ class ImageSource:
         """
         if n < 1:
             raise ValueError(f"n is {n}, wanted at least 1")
-        frames = self.frames()
+        few, done = min(n, max(1, BATCH_BYTES // math.prod(self.size))), 0
+        if self.video and not self.interlaced and self.every == 1:
+            for batch in raw_batches(self.paths[0], self.video, few):
+                done += len(batch)
+                yield batch
+        if done < self.n_frames:
+            yield from self._decoded(n, done)
+
+    def _decoded(self, n: int, done: int) -> Iterator[Image]:
+        """The batches after so many frames that are done, by a decoder."""
+        frames = islice(self.frames(), done, None)
         for first in frames:
             few = min(n, max(1, BATCH_BYTES // first.nbytes))
-            batch = np.empty((few, *first.shape), first.dtype)
+            batch = batch_memory(few * first.nbytes).batch((few, *first.shape), first.dtype)
             batch[0], found = first, 1
             for image in islice(frames, few - 1):  # copied once, from where the decoder left it
                 batch[found] = image

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from kinemark.data import MarkerTrajectory
+from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.label import cut_truth, label, label_switching, learn_template, score_labels, score_switches, shredded
 from kinemark.label.breaks import find_breaks
 from kinemark.label.cutting import cut
@@ -35,6 +35,27 @@ def test_tracks_that_go_over_to_another_marker_are_cut_there_and_named(kind, see
     for one in found.switches:
         names = [m for _, m in parts.changes[one.track]]
         assert {one.before, one.after} <= {parts.truth[one.track], *names}
+
+
+@pytest.mark.parametrize("at", [80, 220])  # most of the track is none, or most is the marker
+@pytest.mark.parametrize("again", [-8, 12])  # the marker's own track begins so many frames later
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_track_that_is_a_marker_in_a_part_alone_is_cut_where_its_own_begins(at, again, backwards):
+    trial = walk(7)
+    a, b = trial.names.index("LKNE"), trial.names.index("LTHI")
+    xyz, frame = trial.xyz.copy(), np.arange(trial.n_frames)
+    xyz[a, at:] = (0.4 * xyz[a] + 0.6 * xyz[b])[at:]  # merged
+    xyz = np.concatenate([xyz, np.where(frame[:, None] >= at + again, trial.xyz[a], np.nan)[None]])
+    stray = Trajectories(
+        tuple(MarkerTrajectory.measured(f"*{k}", one[::-1] if backwards else one) for k, one in enumerate(xyz)),
+        trial.rate,
+    )
+    found = label_switching(stray, template())
+    own = [k for k, name in enumerate(found.labels.names) if name == "LKNE"]
+    assert {found.of[k] for k in own} == {a, len(trial)} and {found.labels.state[k] for k in own} == {"sure"}
+    part = found.tracks.xyz[next(k for k in own if found.of[k] == a), :, 0]
+    assert abs(int(np.isfinite(part).sum()) - min(at, at + again)) <= 5
+    assert found.switches == () and len(found.tracks) == len(stray) + 1
 
 
 @pytest.mark.parametrize("seed", [4, 5, 6])
@@ -72,7 +93,7 @@ def test_tracks_of_one_marker_are_not_cut(pieces, seed):
 def test_where_no_cut_stays_nothing_is_named_a_second_time(monkeypatch):
     named = []
     monkeypatch.setattr("kinemark.label.switching.label", lambda *a, **more: named.append(1) or label(*a, **more))
-    monkeypatch.setattr("kinemark.label.switching._turns", lambda *_: [(3, 150)])  # a marker's whole track
+    monkeypatch.setattr("kinemark.label.switching._turns", lambda *_: [(3, 150, False)])  # a marker's whole track
     assert label_switching(walk(7), template()).switches == ()
     assert len(named) == 2  # whole and cut
 

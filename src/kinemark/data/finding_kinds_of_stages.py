@@ -30,6 +30,9 @@ LABELLING = (
          {"found": "count", "renamed": "count", "joined": "count", "put_aside": "count", "ghosts": "count"}),
     Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",
          {"statements": "count"}),
+    Kind("stated_names_exchanged", "label", "amber", "Two markers, of which a person stated one, carry each other's "
+         "names by the distances to the others: those of the template, or else of the trial's other frames. What was "
+         "stated is kept; by a template other trials do not learn from these samples.", {"template": "flag"}),
     Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "
          "template says, so that the template does not learn from it: the share of the distances within segments that "
          "are off, and the most.", {"pairs_share": "share", "off_mm": "mm"}),

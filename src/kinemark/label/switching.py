@@ -1,7 +1,8 @@
 """Labelling with tracks that go over from one marker to another: they are cut there, and all is named anew.
 
-A cut is kept where its two sides are named in the end, and otherwise than each other. One behind a gap of which nothing
-tells whose it is stays as well where one of its sides is not sure: each has a name that is as sure as it is by itself.
+A cut is kept where its two sides are named in the end, and otherwise than each other. Where a track breaks off, and
+where it is a marker in a part alone, one side may also have no name. A cut behind a gap of which nothing tells whose it
+is stays as well where one of its sides is not sure: each has a name that is as sure as it is by itself.
 """
 
 from __future__ import annotations
@@ -91,10 +92,11 @@ def label_switching(
     found = named(cuts)
     for _ in range(ROUNDS):
         turns = _turns(found.tracks, found.labels, template, stated)
-        new = {(int(found.of[t]), frame) for t, frame in turns} - cuts
+        new = {(int(found.of[t]), frame) for t, frame, _ in turns} - cuts
         if not new:
             break
         cuts |= new
+        breaks |= new & {(int(found.of[t]), frame) for t, frame, alone in turns if alone}
         found = named(cuts)
     while len(kept := _kept(found, cuts, breaks, hidden.open)) < len(cuts):  # ends, as there are fewer each time
         cuts = kept
@@ -142,8 +144,8 @@ def _sides(found: CutLabels, one: _Cut) -> tuple[tuple[str | None, bool], tuple[
 
 def _turns(
     tracks: Trajectories, labels: Labels, template: Template, stated: Mapping[str, str | None]
-) -> list[tuple[int, int]]:
-    """(track, frame) before which tracks should be cut; none where the template does not fit."""
+) -> list[tuple[int, int, bool]]:
+    """As `find_turns` has them; none where the template does not fit."""
     if labels.refused is not None:
         return []
     number: dict[str | None, int] = {name: a for a, name in enumerate(template.names)}

@@ -20,6 +20,7 @@ from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
 from .claims import ClaimedTracks
 from .named_tracks import NamedTracks
+from .stated_exchanges import stated_exchanges
 from .statements import facts_of, labels_of_facts
 from .templates import SessionTemplate, markers_of, prefix_of
 
@@ -75,11 +76,13 @@ def name_tracks(
     findings += [said for one in by.values() for said in one.findings]
     kept = _without(joined, ghosts)
     names = renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
+    by_hand = stated_exchanges(done, by, known.values())
     contradicts = {s: found for s, one in by.items() if (found := _contradicts(markers_of(done, s), one, s))}
     accepted = not by or (not labels.refused and figures["sure_share"] >= ACCEPTED)
     return NamedTracks(
         Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
-        (*findings, *contradicts.values()), learnt_of(_without_subjects(done, contradicts), accepted),
+        (*findings, *by_hand.findings, *contradicts.values()),
+        learnt_of(_without_subjects(by_hand.learnt, contradicts), accepted),
     )  # fmt: skip
 
 

@@ -30,6 +30,14 @@ def _exchanged(found: Finding) -> str:
     )
 
 
+def _stated_exchanged(found: Finding) -> str:
+    by_template = found.values["template"]
+    said = fill("{marker_names} carry each other's names by their distances to other markers, in {frames}", found)
+    said += "" if by_template else ", or in all others"
+    said += ". They were stated by hand, and are kept"
+    return said + ("; other trials do not learn them." if by_template else ".")
+
+
 LABELLING_WORDS = {
     "labels_refused": Words(
         "The template does not fit: the best labelling scores {fit_share} of what the template scores on its own data "
@@ -86,6 +94,10 @@ LABELLING_WORDS = {
     "stated_names_lost": Words(
         "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
         "State them where the marker is tracked.",
+    ),
+    "stated_names_exchanged": Words(
+        _stated_exchanged,
+        "Look at these frames. Where the names are wrong, take back what was stated, or state them the other way.",
     ),
     "trial_contradicts_template": Words(
         "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "

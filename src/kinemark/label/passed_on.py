@@ -5,9 +5,9 @@ takes the next one's, and so on, to a label that no marker has. By another subje
 should, and that one marker more has a name outweighs that all lie worse. So the chain of labels a₀ … a_n is
 undone: the marker of a₀ has no name, and that of each a_i the name a_{i−1}. The name a_i is compared with it in
 labellings that keep it, with as many names, or with one more, worth what names are worth in the median, s, less what an
-absent and an extra marker cost:
+absent and an extra marker cost, c, the more so where the trial has none otherwise:
 
-    d_i = max( max over k ≠ i of S(as it is, without a_k),  S(as it is) − s + 8 ) − S(undone)                      (1)
+    d_i = max( max over k ≠ i of S(as it is, without a_k),  S(as it is) − s + c ) − S(undone)                      (1)
 
 nats, with S the sum of `arrange` (1). The least over all chains with a_i counts. Which chains are likely follows from
 what markers are worth by the names as they are: a step from a to b gains
@@ -36,16 +36,16 @@ EACH = 2
 """Chains that are tried from a label, by their first step; chosen."""
 LIKELY = -8.0
 """Nats by (2) below which a chain is not tried; chosen: by (1) it would lose as much, which makes no name doubtful."""
-ODD = 8.0
-"""Of (1), nats: what it costs that a marker is absent and another is extra; chosen of 4, 6, 8 and 10 by the log score
-of 1 669 labels of 28 shreds by other subjects' templates, each with as many markers absent as there are extra ones,
-and three rows of benchmarks/labelling.py."""
+ODD, FIRST = 8.0, 4.0
+"""c of (1), nats, and what is added to it where the trial has no absent label otherwise, and where it has no marker
+without name; chosen of 4, 6, 8 and 10, and of 0 to 6, by the log score of 1 962 labels of 33 shreds by other subjects'
+templates, 28 of them with as many markers absent as there are extra ones, and four rows of benchmarks/labelling.py."""
 EVEN, SLOPE = -6.0, 0.5
 """Nats (1) at which a name is at most as likely as not, and by how many logits a nat; chosen on the same labels, of
-which 46 are wrong: all but one of seven that were sure and wrong are not sure by it, and 11 of 1 446 right ones."""
+which 46 are wrong: all but one of seven that were sure and wrong are not sure by it, and 6 of 1 736 right ones."""
 CLEARLY = 4.0
 """Nats by which a labelling with a chain undone must score more; chosen: of the same labels that lost so much by (1)
-24 were wrong, and three that were sure right."""
+16 were wrong, and seven right."""
 
 
 class Undone(NamedTuple):
@@ -103,7 +103,8 @@ def undone(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> Und
     for share in (0.0, TEMPER):
         chains |= likely_chains(_gains(nats_of(markers, now, shapes, pairs, share), holder))
     without = {int(a): score(np.where(now == a, -1, now)) for a in now[now >= 0]}
-    one_more = float(np.median(list(without.values()))) + ODD if chains else 0.0
+    odd = ODD + FIRST * (int((holder >= 0).all()) + int((now >= 0).all()))
+    one_more = float(np.median(list(without.values()))) + odd if chains else 0.0
     lost, best, gain = np.full(L, np.inf), now, -np.inf
     for chain in chains:
         other = now.copy()

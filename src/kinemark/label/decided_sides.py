@@ -30,7 +30,7 @@ from .anatomy import Anatomy
 from .asymmetry import sides_are_turned
 from .evidence import WRONG_HAND, PairScore, Single, hands
 from .exchange import FRAMES, Exchanger, best_moves
-from .side_pairs import other_sides
+from .side_pairs import mirrored
 from .stretches import FREE, Stretches
 from .sweeps import places
 from .template import Template
@@ -62,7 +62,7 @@ def decided_sides(stretches: Stretches, label: Ints, template: Template, pairs: 
         label: (T) of the trial, −1 for none.
     """
     every, none = np.arange(len(template)), np.zeros(len(label), bool)
-    other = other_sides(template.names, template.distance)
+    other = mirrored(template.names)
     stated = np.isin(every, stretches.fixed)
     other = np.where(stated | stated[other], every, other)
     present = np.isin(every, label)

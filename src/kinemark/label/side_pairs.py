@@ -13,12 +13,6 @@ from ..data.marker_sides import sides_by_name
 
 LEAST_SHARE = 0.05
 """Of the body's size: how far the mirror image of a marker may be from its partner; chosen."""
-POSSIBLE = 0.2
-"""The same where evidence of the trial then judges the image; chosen: of a hand whose five fingers bend each for itself
-some mean places differ by more than 0.15."""
-FEWEST = 8
-"""Markers without sides in their names, of which an image is judged so; chosen: of four, one of them absent, any
-exchange loses little, and what tells is measured otherwise (`margin`)."""
 AXES = 5
 """Of the space in which mean distances are embedded; chosen: a body that moves needs more than three."""
 LEAST_PAIRED = 0.7
@@ -32,20 +26,6 @@ def mirrored(names: tuple[str, ...]) -> Ints:
     for one, other in sides_by_name(names):
         out[[number[one], number[other]]] = number[other], number[one]
     return out
-
-
-def other_sides(names: tuple[str, ...], mean: Floats) -> Ints:
-    """(L) the label of each marker's other side by the names; where no name has a side, by the body's symmetry.
-
-    A hand or a tool whose markers are numbered is its own mirror image as well as a body with left and right names.
-
-    Args:
-        names: (L). mean: (L, L) distances, mm, NaN where unknown.
-    """
-    other, every = mirrored(names), np.arange(len(names))
-    without = (other == every).all() and len(names) >= FEWEST
-    partner = mirror_partners(mean, POSSIBLE) if without else None
-    return other if partner is None else np.where(np.array(partner) >= 0, partner, every)
 
 
 def sides_by_shape(names: Sequence[str], mean: Floats, xyz: Floats) -> tuple[tuple[str, str], ...]:
@@ -69,20 +49,17 @@ def sides_by_shape(names: Sequence[str], mean: Floats, xyz: Floats) -> tuple[tup
     return tuple(pairs)
 
 
-def mirror_partners(mean: Floats, share: float = LEAST_SHARE) -> list[int] | None:
+def mirror_partners(mean: Floats) -> list[int] | None:
     """Of M markers the partner of each in the body's mirror image, itself for one in the middle; None without symmetry.
 
     The mean distances are embedded in a space (classical scaling) whose axes each stay as they are or change their sign
     when left and right do. Of all ways to change signs the one counts whose image lies nearest to the markers and in
     which most of them have a partner.
-
-    Args:
-        mean: (M, M) mm, NaN where unknown. share: of the greatest distance, within which an image is its partner.
     """
     if not np.isfinite(mean).all() or len(mean) < 4:
         return None
     x = _embedded(mean)
-    reach = share * float(mean.max())
+    reach = LEAST_SHARE * float(mean.max())
     best, found = np.inf, None
     for signs in itertools.product((1.0, -1.0), repeat=x.shape[1]):
         d = np.linalg.norm((x * signs)[:, None] - x[None], axis=-1)

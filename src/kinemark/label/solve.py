@@ -13,6 +13,7 @@ from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .limbs import near_turns, score_with_sides
+from .passed_on import passed_back
 from .pool import pooled
 from .side_pairs import mirrored
 from .stretches import FREE, Stretches
@@ -189,7 +190,9 @@ def _from_settled(
     doubted = bool(np.any(template.doubt))
     for _ in range(ARRANGINGS if doubted else 1):
         before = found.label
-        label = arranged(stretches, before, template, pairs) if doubted else before
+        label = before
+        if doubted:
+            label = passed_back(stretches, arranged(stretches, before, template, pairs), template, pairs)
         found = _pooled(stretches, label, template, pairs, least_fit)
         if (found.label == before).all():  # as it would be once more
             break

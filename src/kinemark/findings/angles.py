@@ -20,9 +20,9 @@ JUMP_DEG = 90.0
 """Change of an angle from one frame to the next, both out of gimbal lock, that no joint makes; chosen: a pitcher's arm
 turns by 70° in a hundredth of a second."""
 LEAP_DEG, LEAP_RATIO = 5.0, 8.0
-"""The same of a change that stands alone: so large, and so many times the changes about it. A joint needs some frames to
-begin a motion and to end it. Of 2500 angles between markers of seven recordings, with a tennis serve at 50 Hz and acrobatics,
-one in a hundred had any; chosen."""
+"""The same of a change that stands alone: so large, and so many times the changes about it. A joint needs some frames
+to begin a motion and to end it. Of 2500 angles between markers of seven recordings, among them a tennis serve at 50 Hz
+and acrobatics, one in a hundred had any; chosen."""
 ABOUT = (-5, -4, -3, -2, 2, 3, 4, 5)
 """Which changes are about one, counted from it; those next to it may be the way back. Half must be known. Chosen."""
 LEAST_BEYOND_DEG = 0.5

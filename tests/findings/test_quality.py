@@ -283,6 +283,25 @@ def test_a_camera_that_was_diagnosed_is_not_blamed_twice():
     assert [one.kind for one in trial_findings(figures, [moved])] == ["camera_moved"]
 
 
+def test_images_of_points_outside_the_volume_blame_no_calibration():
+    rig = ring()
+    figures = judge(rig, capture(rig, walk()))
+    for camera in figures["cameras"]:
+        camera["used_of_valid_share"] = 0.2
+    left = {"points": 900, "margin_mm": 100.0, "least_mm_list": [0, 0, 0], "greatest_mm_list": [1, 1, 1], "unit": "m"}
+    for share, kinds in (0.8, []), (0.1, ["detections_unused"]):
+        outside = make_finding("points_dropped_outside", points_share=share, **left)
+        assert {one.kind for one in trial_findings(figures, [outside])} == {"points_dropped_outside", *kinds}
+
+
+def test_a_camera_that_saw_nothing_is_told_once():
+    rig = ring()
+    figures = judge(rig, capture(rig, walk()))
+    figures["cameras"][2]["detections"] = 0
+    noted = make_finding("camera_without_images", cameras=[rig.names[2]])
+    assert [one.kind for one in trial_findings(figures, [noted])] == ["camera_sees_nothing"]
+
+
 def odd_cases():
     rig = ring()
     unknown = Rig(tuple(replace(c, size=np.zeros(2), cov=np.full((15, 15), np.nan)) for c in ring()))

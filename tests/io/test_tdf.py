@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, same
+from kinemark.engine.formats import convert
 from kinemark.geometry import project
 from kinemark.io.tdf import TDF_PARTS, Tdf, read_tdf
 from support.shared import shared_data
@@ -256,7 +257,8 @@ def test_a_block_that_cannot_be_read_keeps_none_of_the_others(tmp_path, broken, 
     blocks[broken] = (kind, *{"another format": (9, data), "cut off": (form, data[:8]), "noise": (form, noise)}[how])
     path = write(tmp_path / "a.tdf", *blocks)
     found = read_tdf(path)
-    assert any(f"type {kind} " in note for note in found.notes)
+    (said,) = (note for note in found.notes if note.startswith("unreadable"))
+    assert f"(block {kind}), as it " in said and str(path) not in said and "parts" not in said
     lost = {2: "rig", 4: "detections", 5: "trajectories", 7: "plates", 9: "analog", 11: "analog", 16: "events"}[kind]
     for part in set(TDF_PARTS) - {lost, "plates"}:
         assert same(getattr(found, part), getattr(whole, part)), part
@@ -294,3 +296,9 @@ def test_the_date_labels_and_comments_of_a_file_are_kept(tmp_path, gait):
         "plate 2": "plate",
         "up": "+Y",
     }
+
+
+def test_a_conversion_that_lacks_a_block_says_why_it_is_not_there(tmp_path):
+    path = write(tmp_path / "a.tdf", *((kind, 9 if kind == 5 else form, data) for kind, form, data in WHOLE))
+    with pytest.raises(KinemarkError, match=r"\.c3d can hold trajectories.*the tracks \(block 5\), as it has format 9"):
+        convert(path, tmp_path / "a.c3d")

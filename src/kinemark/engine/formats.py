@@ -59,7 +59,9 @@ def convert(
         another = f"Choose another ending: {', '.join(others) or 'none fits'}."
         raise KinemarkError(
             f"{source} has {', '.join(have) or 'nothing to convert'}; {suffix or 'a file without an ending'} can hold "
-            f"{' or '.join(held) or 'none of it'}. " + ("Say which with --what." if len(fits) > 1 else another)
+            f"{' or '.join(held) or 'none of it'}. "
+            + ("Say which with --what." if len(fits) > 1 else another)
+            + "".join(f" In the source: {note}." for note in odd)
         )
     content = have[fits[0]]
     turning: tuple[FileNote, ...] = ()

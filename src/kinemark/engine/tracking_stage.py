@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Iterable, Iterator, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..data import Detections, Finding, KinemarkError, Matches, Rig, Tracks
+from ..data import Cloud, Detections, Finding, KinemarkError, Matches, Rig, Tracks
 from ..digitise import identified_matches, identified_tracks
 from ..findings.cameras import residuals
 from ..geometry.ideal_pixels import check_cameras
@@ -85,16 +85,28 @@ def _left_outside(
     inputs: TrialInputs, matches: Matches, detections: Detections, operated: OperatorIdentities, tracks: Tracks
 ) -> Iterator[Finding]:
     """About named markers outside the control volume, which would else look as if nobody had seen them."""
+    out = _outside(inputs, matches, detections, len(tracks.cloud))
+    if out is not None:
+        gone = set(identified_tracks(out, operated.marker).id.tolist()) - set(tracks.id.tolist())
+        names = [operated.names[m] for m in sorted(gone)]
+        yield _told_outside(inputs, out, len(tracks.cloud), names)
+
+
+def _outside(inputs: TrialInputs, matches: Matches, detections: Detections, kept: int) -> Cloud | None:
+    """The points that were left out as they lie outside the control volume, where so many were kept; None if none."""
     method: Any = inputs.settings.reconstruct  # every one has a volume
     rig = inputs.rig
-    if not method.within_volume or np.isnan(rig.volume).any() or len(tracks.cloud) == len(matches.frame):
-        return
+    if not method.within_volume or np.isnan(rig.volume).any() or kept == len(matches.frame):
+        return None
     whole = reconstruct(matches, detections, rig, method=replace(method, within_volume=False))
     out = ~inside_volume(whole.xyz, rig.volume, margin=method.volume_margin)
-    if out.any():
-        gone = set(identified_tracks(whole, operated.marker).id[out].tolist()) - set(tracks.id.tolist())
-        names = [operated.names[m] for m in sorted(gone)]
-        yield points_left_out(whole.xyz[out], len(tracks.cloud), method.volume_margin, rig.volume, names)
+    return whole.keep(out) if out.any() else None
+
+
+def _told_outside(inputs: TrialInputs, out: Cloud, kept: int, names: Iterable[str] = ()) -> Finding:
+    """About these points, beside which so many were kept; the names are those of which nothing is left."""
+    method: Any = inputs.settings.reconstruct
+    return points_left_out(out.xyz, kept, method.volume_margin, inputs.rig.volume, names)
 
 
 def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
@@ -167,6 +179,9 @@ def from_points(inputs: TrialInputs, records: Records) -> Tracked:
     else:
         tracks = track(records["reconstruct"], method=method)
     found += diagnose_tracks(records["detect"], inputs.rig, tracks)
+    out = _outside(inputs, records["match"], records["detect"], len(records["reconstruct"]))
+    if out is not None:
+        found.append(_told_outside(inputs, out, len(records["reconstruct"])))
     return Tracked(tracks, (), tuple(found), TrialRig.given(inputs.rig))
 
 

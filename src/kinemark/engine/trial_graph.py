@@ -141,7 +141,7 @@ def _to_tracks(name: str, s: Settings, source: TrialSource, calibrated: Calibrat
         places = ("detect", "match")
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         method = with_angle_model(s.track, source.of.root)
-        stages.append(tracks.stage(from_points, ("detect", "reconstruct"), method, (kept,)))
+        stages.append(tracks.stage(from_points, ("detect", "match", "reconstruct"), method, (kept,)))
     return [*stages, *retrack_stage(source, name, calibrated.rig, s.track, s.reconstruct)]
 
 

@@ -74,14 +74,15 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
     """
     diagnosed = [found for found in noted if found.stage == "track"]
     named = {name for found in diagnosed for name in found.cameras}
+    blind = {camera["name"] for camera in figures["cameras"] if not camera["detections"]}
     found = chain(
         _nothing(figures, diagnosed=bool(diagnosed)),
         *(check(figures) for check in CAMERA_CHECKS),
-        _unused(figures, named),
+        () if _dropped_share(noted) > 1 - USED_SHARE else _unused(figures, named),
         *(check(figures) for check in MARKER_CHECKS),
         () if any(found.kind == NAMELESS for found in noted) else _unnamed(figures),
         _absent(figures, {name for found in noted for name in found.markers if found.kind == OUTSIDE}),
-        noted,
+        (one for one in noted if one.kind != WITHOUT_IMAGES or not blind.issuperset(one.cameras)),
         _close_decisions(figures),
         _confusable(figures),
         _not_square(figures),
@@ -232,7 +233,13 @@ def _few_cameras(figures: Figures) -> Findings:
         yield make_finding("two_camera_points", points_share=few)
 
 
-OUTSIDE = "points_dropped_outside"
+OUTSIDE, WITHOUT_IMAGES = "points_dropped_outside", "camera_without_images"
+
+
+def _dropped_share(noted: Sequence[Finding]) -> float:
+    """Share of the tracked points that lie outside the volume: their images are used, though not kept."""
+    shares: list[Any] = [found.values["points_share"] for found in noted if found.kind == OUTSIDE]
+    return max(shares, default=0.0)
 
 
 def _absent(figures: Figures, outside: set[str]) -> Findings:

@@ -189,7 +189,8 @@ def load_any(path: Path | str, kinds: Mapping[str, type]) -> Any:
             return whole_record(path, file, kinds)
     except (OSError, KeyError, ValueError, TypeError, RuntimeError, IndexError, OverflowError) as error:
         raise KinemarkError(
-            f"{path} is not a whole Kinemark record ({error}). Delete it and run the stage that writes it again."
+            f"{path} is not a whole Kinemark record ({error}). Copy or export it again; if a run wrote it, delete it "
+            "and run again."
         ) from error
 
 

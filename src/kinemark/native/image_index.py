@@ -195,7 +195,7 @@ def _numpy_candidates(
     own, detection = own[free[detection]], detection[free[detection]]
     x, y, noise = images.uv[detection, 0] - uv[0, own], images.uv[detection, 1] - uv[1, own], variance[detection]
     a, b, d = S[0, own] + noise, S[1, own], S[2, own] + noise
-    det = a * d - b * b
+    det = np.maximum(a * d - b * b, noise * (a + d - noise))  # |S + r I| ≥ r (tr S + r), whatever rounding left
     squared = (d * x * x - 2 * b * x * y + a * y * y) / det  # (2)
     within = np.flatnonzero(squared < gate)
     return own[within], detection[within], squared[within], det[within]

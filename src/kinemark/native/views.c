@@ -118,7 +118,8 @@ API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int32_t *order
             if (!is_free[r])
                 continue;
             double a = S[i] + variance[r], b = S[n + i], d = S[2 * n + i] + variance[r];
-            double area = a * d - b * b, off = (d * x * x - 2 * b * x * y + a * y * y) / area; /* (2) */
+            double least = variance[r] * (a + d - variance[r]); /* |S + r I| ≥ r (tr S + r), whatever rounding left */
+            double area = fmax(a * d - b * b, least), off = (d * x * x - 2 * b * x * y + a * y * y) / area; /* (2) */
             if (!(off < gate))
                 continue;
             if (found < room) {

@@ -392,3 +392,16 @@ def test_a_jump_is_noticed_and_a_steady_trial_has_none():
     jumping = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
     said = found(trial_angles(jumping, model=UM2AS).figures, "angle_jumps")
     assert said and {frame for one in said for frame in one.frames} == {(120, 121), (140, 141)}
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_a_marker_that_leaps_alone_is_noticed_by_what_the_angle_does_about_it(back):
+    """A leap far below what an arm may turn, where the angle hardly moves before and after: a step, and a spike."""
+    trial, _ = eating(hole=False)
+    xyz = trial.trajectories.xyz.copy()
+    xyz[4, 120 : 121 if back else None] += [0, 0, 60.0]
+    paths = tuple(replace(p, xyz=x) for p, x in zip(trial.trajectories, xyz, strict=True))
+    leaping = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+    said = found(trial_angles(leaping, model=UM2AS).figures, "angle_jumps")
+    assert said and {frame for one in said for frame in one.frames} == {(120, 121), *([(121, 122)] * back)}
+    assert all(one.values["most_deg"] < 45 for one in said)

@@ -103,6 +103,19 @@ def test_all_candidates_are_found_however_many():
 
 
 @needs_kernel
+def test_what_is_known_along_a_line_alone_keeps_the_area_that_its_images_give_it():
+    """So long a covariance loses in rounding what it is across: |S| came out zero or negative."""
+    along = np.random.default_rng(8).normal(size=(15, 3))
+    state = motion.KalmanStates(np.concatenate([WALK.xyz[:, 4].T, np.zeros((6, 15))]), np.zeros((9, 9, 15)))
+    state.cov[:3, :3] = 1e20 * np.einsum("ti,tj->ijt", along, along)
+    expected = association.predict_images(IMAGES.P, state)
+    pairs = association.TrackImagePairs(
+        *both(association.candidates, IMAGES, IMAGES.usable, np.full(15, 4), expected, 4.0, relative=1e-3)
+    )
+    assert len(pairs.own) and np.isfinite(pairs.log_det).all() and (pairs.squared >= 0).all()
+
+
+@needs_kernel
 def test_images_without_a_camera_are_no_candidates():
     less = IMAGES.without(np.array([1, 3]))
     state = motion.KalmanStates(

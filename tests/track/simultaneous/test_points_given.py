@@ -67,7 +67,7 @@ def test_markers_that_a_third_camera_never_sees_are_kept(rate):
     assert len(result.tracks.cloud) > 0.97 * (seen == 2).sum()
 
 
-@pytest.mark.parametrize(("unit", "mm"), [("m", 1000.0), ("cm", 10.0), (None, 1.0)])
+@pytest.mark.parametrize(("unit", "mm"), [("m", 1000.0), ("cm", 10.0), ("in", 25.4), (None, 1.0)])
 def test_a_volume_in_another_unit_is_named_and_the_frame_rate_is_not_blamed(unit, mm):
     xyz = dance(n=8, frames=40)
     volume = np.stack([xyz.min((0, 1)) - 200, xyz.max((0, 1)) + 200]) / mm
@@ -78,7 +78,7 @@ def test_a_volume_in_another_unit_is_named_and_the_frame_rate_is_not_blamed(unit
     result = track_simultaneously(detections, rig, METHOD, volume_margin=0.0)
     assert len(result.outside) > 200 and len(result.tracks.cloud) <= 2
     found = diagnose_points(result, METHOD, 0.0, rig.volume)[0]
-    assert found.values["unit"] == unit
+    assert found.values["unit"] == unit and found.severity == "red"
     assert ("probably not written in mm" in text_of(found)) == (unit is not None)
     assert "nothing_goes_on" not in [one.kind for one in diagnose(detections, rig, result)]
 

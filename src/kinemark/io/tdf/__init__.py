@@ -17,7 +17,7 @@ import numpy as np
 from ...data import Analog, Detections, Events, ForcePlate, KinemarkError, Rig, Trajectories, same
 from ...data.trial import UP
 from . import calibration_blocks, signal_blocks
-from .cursor import Cursor, TdfFile, open_tdf
+from .cursor import Cursor, TdfFile, UnreadableBlock, open_tdf
 
 __all__ = ["TDF_PARTS", "Tdf", "read_tdf"]
 
@@ -27,6 +27,13 @@ TDF_PARTS = ("rig", "detections", "trajectories", "plates", "analog", "events")
 RIG, DETECTIONS, TRAJECTORIES, PLATES, WRENCHES, EMG, EVENTS = 2, 4, 5, 7, 9, 11, 16  # codes of blocks; of the format
 KINDS = (RIG, DETECTIONS, TRAJECTORIES, PLATES, WRENCHES, EMG, EVENTS)
 NAMES = {
+    RIG: "the calibration of the cameras (block 2)",
+    DETECTIONS: "the 2D points of the cameras (block 4)",
+    TRAJECTORIES: "the tracks (block 5)",
+    PLATES: "the force plates (block 7)",
+    WRENCHES: "the forces of the plates (block 9)",
+    EMG: "the EMG (block 11)",
+    EVENTS: "the events (block 16)",
     3: "the 2D points of a calibration (block 3)",
     6: "the setup of the cameras (block 6)",
     8: "the 2D points of a calibration of plates (block 8)",
@@ -36,7 +43,7 @@ NAMES = {
     14: "general-purpose channels (block 14)",
     15: "the calibration of general-purpose channels (block 15)",
 }
-"""What blocks hold whose layout is not read; of the format."""
+"""What blocks hold; of the format. Those that are not in KINDS have a layout that is not read."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,16 +102,16 @@ def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:
     Raises:
         KinemarkError: a block that is asked for cannot be read, or none can.
     """
-    failed: list[KinemarkError] = []
+    failed: dict[int, UnreadableBlock] = {}
 
     def block(kind: int, part: str, read: Callable[[Cursor], Any]) -> Any:
         cursor = file.blocks.get(kind) if parts is None or part in parts else None
         try:
             return None if cursor is None else read(cursor)
-        except KinemarkError as error:
+        except UnreadableBlock as error:
             if parts is not None:
                 raise
-            failed.append(error)
+            failed[kind] = error
             return None
 
     trajectories = block(TRAJECTORIES, "trajectories", signal_blocks.trajectories)
@@ -120,14 +127,14 @@ def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:
         events=block(EVENTS, "events", signal_blocks.events) or Events(),
     )
     if failed and same(found, Tdf()):
-        raise failed[0]
+        raise next(iter(failed.values()))
     if parts is not None:
         return found
     unread = [
         f"{NAMES.get(kind, f'the block of type {kind}')} is not read" for kind in file.blocks if kind not in KINDS
     ]
     odd = [note for kind in KINDS if kind in file.blocks for note in file.blocks[kind].notes]
-    lost = [f"unreadable: {error}" for error in failed]
+    lost = [f"unreadable: {NAMES[kind]}, as it {error.why}" for kind, error in failed.items()]
     return replace(found, about=_about(file), notes=(*lost, *odd, *unread))
 
 

@@ -27,6 +27,16 @@ Chosen."""
 EARLIEST = 631_152_000  # s after 1970 before which no such file was made: 1990; chosen
 
 
+class UnreadableBlock(KinemarkError):
+    """A block that cannot be read; `why` goes on from "it"."""
+
+    def __init__(self, block: str, why: str) -> None:
+        super().__init__(
+            f"{block} {why}. Export the recording again, or leave this part out with the parameter `parts`."
+        )
+        self.why = why
+
+
 @dataclass(slots=True)
 class Cursor:
     """A place in one block; every read is checked against the block's end. `notes` has what was odd in it."""
@@ -46,7 +56,7 @@ class Cursor:
         """
         size = np.dtype(dtype).itemsize * n
         if n < 0 or self.at + size > len(self.data):
-            raise self.bad(f"has {len(self.data) - self.at} bytes left where {n} values of {dtype} are promised")
+            raise self.bad(f"has {len(self.data) - self.at} bytes left where {max(size, n)} are promised")
         self.at += size
         return np.frombuffer(self.data[self.at - size : self.at], dtype)
 
@@ -82,11 +92,9 @@ class Cursor:
         if self.format not in formats:
             raise self.bad(f"has format {self.format}; the formats read are {', '.join(map(str, formats))}")
 
-    def bad(self, what: str) -> KinemarkError:
+    def bad(self, why: str) -> UnreadableBlock:
         """The error that says what is wrong with this block."""
-        return KinemarkError(
-            f"{self.name} {what}. Export the recording again, or leave this part out with the parameter `parts`."
-        )
+        return UnreadableBlock(self.name, why)
 
 
 def _text(raw: bytes) -> str:

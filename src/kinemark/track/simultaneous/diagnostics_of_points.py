@@ -17,10 +17,13 @@ from .continuations import continuations
 from .simultaneous_method import Simultaneous
 from .tracker import TrackingResult
 
-UNITS = {"m": 1000.0, "cm": 10.0}
+UNITS = {"m": 1000.0, "cm": 10.0, "in": 25.4}
 """mm in the units in which a volume may have been written by mistake; by definition."""
 HELD = 0.5
 """Share of the points left out that the volume must hold in another unit for that to be said; chosen: most."""
+KEPT_RED = 0.3
+"""Share of the points that must lie in the volume: with fewer what is given is not what was seen; chosen, as for images
+that are not used."""
 HALL_MM = 30_000.0
 """As large as a volume may be in another unit for that to be said; chosen: a hall. One of metres that a subject
 left is not too small for anybody."""
@@ -58,13 +61,13 @@ def diagnose_points(
 def points_left_out(
     outside: Floats, kept: int, margin: float, volume: Floats | None, markers: Iterable[str] = ()
 ) -> Finding:
-    """About points (N, 3) mm outside a volume (2, 3) mm, beside which so many were kept; red where none was.
+    """About points (N, 3) mm outside a volume (2, 3) mm, beside which so many were kept; red where few were.
 
     `markers` are those of which nothing was kept.
     """
     return make_finding(
         "points_dropped_outside",
-        severity=red_if(not kept),
+        severity=red_if(kept < KEPT_RED * (len(outside) + kept)),
         markers=markers,
         points=len(outside),
         points_share=len(outside) / (len(outside) + kept),
@@ -76,8 +79,10 @@ def points_left_out(
 
 
 def _written_in(outside: Floats, volume: Floats) -> str | None:
-    """The unit in which the volume would hold most of the points that it leaves out."""
-    for unit, mm in UNITS.items():
-        if np.ptp(volume, 0).max() * mm <= HALL_MM and inside_volume(outside, volume * mm).mean() > HELD:
-            return unit
-    return None
+    """The unit in which the volume would hold the most of the points that it leaves out, if that is most of them."""
+    held = {
+        unit: inside_volume(outside, volume * mm).mean()
+        for unit, mm in UNITS.items()
+        if np.ptp(volume, 0).max() * mm <= HALL_MM
+    }
+    return max((unit for unit, share in held.items() if share > HELD), key=held.__getitem__, default=None)

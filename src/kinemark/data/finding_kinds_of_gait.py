@@ -9,6 +9,11 @@ GAIT_KINDS = (
          "where other trials have some.", {"trial": "text", "file": "text"}),
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
+    Kind("gait_bodies_differ", "gait", "amber", "The body in a file is another than in the standing trial or the "
+         "first walk, or its markers were put on anew: distances within segments differ, RMS and greatest; which most.",
+         {"trial": "text", "other": "text", "pairs_list": "text", "most_mm": "mm", "rms_mm": "mm"}),
+    Kind("gait_static_moves", "gait", "amber", "The subject bends the legs in the standing trial; how much shorter "
+         "they get.", {"trial": "text", "by_mm": "mm"}),
     Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",
          {"side": "text", "strides": "count"}),
     Kind("gait_angles_with_gaps", "gait", "amber", "Strides of a side in which more than a tenth of some angle is not "

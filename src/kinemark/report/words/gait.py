@@ -209,6 +209,17 @@ GAIT_WORDS = {
         "The files state different subjects: {subjects_list}. They are averaged as one person's.",
         "Give walks and standing trial of one person, or correct the name in the files.",
     ),
+    "gait_bodies_differ": Words(
+        "{trial} shows another body than {other}, or markers that were put on anew in between: distances within "
+        "segments differ by {rms_mm:0} RMS and up to {most_mm:0} ({pairs_list}). Angles follow the markers of both.",
+        "Give walks and standing trial of one person in the same markers. If they are, see in both what these markers "
+        "are called, and whether the files' units are true.",
+    ),
+    "gait_static_moves": Words(
+        "{trial}: the subject does not stand, the legs get up to {by_mm:0} shorter. Ankle and foot angles count from "
+        "the mean of that.",
+        "Give a trial in which the subject stands still: --static.",
+    ),
     "gait_few_strides": Words(
         "{strides} {strides:stride|strides} of the {side} side: how strides differ is hardly known.",
         "Give several walks together.",

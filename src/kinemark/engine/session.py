@@ -14,6 +14,7 @@ from typing import Any
 
 from ..data import KinemarkError, Rig
 from .digitising.files import Digitising
+from .editing.journal import journals_of_no_trial
 from .gait.of_session import read_gait, update_gait
 from .naming.templates import keep_templates, templates_of_trial
 from .open_trial import OpenTrial, earlier_trials
@@ -122,6 +123,11 @@ class Session(Workspace):
                 update_index(self.results, self.settings)
                 self._keep_template()
         return done
+
+    @property
+    def journals_of_no_trial(self) -> tuple[Path, ...]:
+        """Files of edits that are applied to nothing, as no trial has their name."""
+        return journals_of_no_trial(self.root, self.names)
 
     @property
     def gait(self) -> dict[str, Any] | None:

@@ -67,6 +67,10 @@ ALL = ("ASI", "THI", "KNE", "TIB", "ANK", "HEE", "TOE")
         ([("LHEE", "LTOE")], "foot", ("LHEE", "LTOE")),
         ([("RTIB", "RKNE")], "leg", ("RTIB", "RKNE")),
         ([("RTHI", "RKNE")], "leg", ("RTHI", "RKNE")),
+        ([("RTIB", "RANK")], "leg", ("RTIB", "RANK")),
+        ([("LKNE", "LANK")], "leg", ("LKNE", "LANK")),
+        ([("RHEE", "RANK")], "leg", ("RANK", "RHEE")),
+        ([("LTOE", "LANK")], "leg", ("LANK", "LTOE")),
     ],
 )
 def test_exchanged_names_are_told_however_the_subject_walks(pairs, how, markers):

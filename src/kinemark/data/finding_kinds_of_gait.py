@@ -23,7 +23,7 @@ GAIT_KINDS = (
          "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
     Kind("gait_markers_exchanged", "gait", "red", "Markers of a trial cannot be where their names say. how: sides "
          "(left and right of all markers, or left-handed axes), pelvis (its front and back), across (with the other "
-         "side), foot (heel and toe) or leg (a wand and its joint).", {"trial": "text", "how": "text"}),
+         "side), foot (heel and toe) or leg (two markers that follow each other).", {"trial": "text", "how": "text"}),
     Kind("gait_markers_move_apart", "gait", "amber", "Markers of one segment do not keep their distance; width of the "
          "middle 95 % of the worst.", {"trial": "text", "pairs_list": "text", "most_mm": "mm"}),
     Kind("gait_plate_doubtful", "gait", "amber", "A plate, or all, cannot be as the file says. what: beside (the "

@@ -49,7 +49,7 @@ def said(tmp_path, change):
         (lambda trial: trial, None),
         (lambda trial: exchanged(trial, "LKNE", "RKNE"), ("gait_markers_exchanged", "red")),
         (lambda trial: exchanged(trial, "RHEE", "RTOE"), ("gait_markers_exchanged", "red")),
-        (lambda trial: exchanged(trial, "RTIB", "RANK"), ("gait_bodies_differ", "amber")),
+        (lambda trial: exchanged(trial, "RTIB", "RANK"), ("gait_markers_exchanged", "red")),
         (lambda trial: scaled(trial, 0.001), ("gait_bodies_differ", "amber")),
     ],
 )

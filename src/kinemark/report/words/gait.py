@@ -123,7 +123,7 @@ EXCHANGED = {
     "pelvis": "{trial}: the front of the pelvis is where its back should be ({markers})",
     "across": "{trial}: {markers} are each on the other side of the body",
     "foot": "{trial}: {markers} are exchanged: the foot would point backwards",
-    "leg": "{trial}: {markers} are exchanged: the wand is beyond the joint",
+    "leg": "{trial}: {markers} are exchanged: from pelvis to toe they would follow each other in the wrong order",
 }
 FOR_EXCHANGED = {
     "sides": "Exchange left and right in the names; or, if the file comes from axes that are left-handed, turn the "

@@ -24,6 +24,7 @@ from ..gait.static_checks import FeetTaken, StaticDoubt
 from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
+from ..numerics.finite import finite_mean
 from ..version import __version__
 from .gait_doubts import of_doubts
 from .gait_muscles import of_muscles
@@ -381,8 +382,8 @@ def _verdict(
         statements.append(
             make_finding(
                 "gait_measured", left_strides=count["left"], right_strides=count["right"],
-                speed=float(np.nanmean([s.values["speed"] for s in strides])) / 1000,
-                cadence=float(np.nanmean([s.values["cadence"] for s in strides])),
+                speed=finite_mean(np.array([s.values["speed"] for s in strides])) / 1000,
+                cadence=finite_mean(np.array([s.values["cadence"] for s in strides])),
             )
         )  # fmt: skip
     knee = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), None)

@@ -180,7 +180,7 @@ def _figures(
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
-    subject = next((stated[walk.name] for walk in walks if stated[walk.name]), "")
+    subject = settings.subject or next((stated[walk.name] for walk in walks if stated[walk.name]), "")
     feet = None if still is None else feet_otherwise(still.given, still.points, flat_foot=settings.flat_foot)
     return with_words(
         gait_figures(

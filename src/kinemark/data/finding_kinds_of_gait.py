@@ -28,7 +28,8 @@ GAIT_KINDS = (
          "middle 95 % of the worst.", {"trial": "text", "pairs_list": "text", "most_mm": "mm"}),
     Kind("gait_plate_doubtful", "gait", "amber", "A plate, or all, cannot be as the file says. what: beside (the "
          "centre of pressure is that share of the foot's length aside of it), backward (it goes that share forward), "
-         "weight (that share off the stated one) or time (of its events against the markers').",
+         "weight (that share off the stated one), saturated (that share of the samples under load) or time (of its "
+         "events against the markers').",
          {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),

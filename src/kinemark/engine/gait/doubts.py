@@ -14,7 +14,7 @@ from ...gait.foot_events import marker_events
 from ...gait.gait_trial import GaitTrial
 from ...gait.marker_doubts import MarkerDoubts, marker_doubts
 from ...gait.marker_leaps import MarkerLeaps, marker_leaps
-from ...gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts, weight_doubts
+from ...gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
 from ...gait.static_checks import FeetTaken, feet_taken
 from ...io.c3d.subject_measures import measures_of
 
@@ -68,4 +68,5 @@ def doubted_plates(
         *plate_doubts(gait.reactions, gait.contacts, points),
         *weight_doubts(weighed, mass_kg, gait.contacts),
         *late,
+        *saturation_doubts(trial.plates, trial.analog),
     )

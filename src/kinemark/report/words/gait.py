@@ -135,11 +135,13 @@ DOUBTFUL = {
     "backward": "the centre of pressure does not go forward below the foot ({by_share} of its length)",
     "weight": "by the plates the body weighs {by_share} more than by the measures",
     "time": "its events come {late_ms:0} after those of the markers",
+    "saturated": "a channel is cut off at its limit, in {by_share} of the samples under load",
 }
 FOR_DOUBTFUL = {
     "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
     "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",
+    "saturated": "Set the plate's amplifier to a wider range and record again; what is cut off is lost.",
     "time": "Check when cameras and plates begin, and the rate of the channels.",
 }
 

@@ -4,6 +4,8 @@ import pytest
 
 from kinemark.apps.cli import app, error_text
 from kinemark.data import KinemarkError
+from kinemark.data.edits import Trim
+from kinemark.engine.editing.journal import Journal
 from kinemark.engine.formats import convert
 from kinemark.engine.session import Session
 from kinemark.engine.settings import read_settings
@@ -159,3 +161,21 @@ def test_a_mistyped_folder_does_not_lead_to_a_session_of_the_folder_above_it(tmp
     (tmp_path / "bare").mkdir()
     with pytest.raises(KinemarkError, match=r"kinemark init .*bare"):
         Session.open(tmp_path / "bare")
+
+
+def test_a_session_file_with_a_byte_order_mark_is_read(tmp_path):
+    """As Windows' editor writes one."""
+    (tmp_path / "session.toml").write_bytes(b"\xef\xbb\xbf" + WHOLE.replace("\n", "\r\n").encode())
+    assert read_settings(tmp_path / "session.toml").name == "n"
+
+
+def test_what_was_said_of_a_trial_that_was_renamed_is_not_passed_over(tmp_path, capsys):
+    root = session_of(tmp_path, "walk01")
+    Journal.of(root, "walk01").append([Trim(2, 9)])
+    assert not Session.open(root).journals_of_no_trial
+    file = root / "session.toml"
+    file.write_text(file.read_text().replace('name = "walk01"', 'name = "gait01"'))
+    Journal.of(root, "empty").path.touch()
+    app(["status", str(root)], result_action="return_value")
+    told = " ".join(capsys.readouterr().err.split())
+    assert "walk01.jsonl has what people said of a trial 'walk01'" in told and "empty" not in told

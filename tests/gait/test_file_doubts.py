@@ -16,7 +16,7 @@ from kinemark.gait.estimated_measures import mass_on_plates
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.marker_doubts import MarkerDoubts, marker_doubts
 from kinemark.gait.plate_contacts import Contact
-from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts, weight_doubts
+from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
 from kinemark.gait.reaction import Reaction
 from kinemark.io.c3d.subject_measures import measures_of
 from kinemark.io.trial import read_trial
@@ -67,6 +67,10 @@ ALL = ("ASI", "THI", "KNE", "TIB", "ANK", "HEE", "TOE")
         ([("LHEE", "LTOE")], "foot", ("LHEE", "LTOE")),
         ([("RTIB", "RKNE")], "leg", ("RTIB", "RKNE")),
         ([("RTHI", "RKNE")], "leg", ("RTHI", "RKNE")),
+        ([("RTIB", "RANK")], "leg", ("RTIB", "RANK")),
+        ([("LKNE", "LANK")], "leg", ("LKNE", "LANK")),
+        ([("RHEE", "RANK")], "leg", ("RANK", "RHEE")),
+        ([("LTOE", "LANK")], "leg", ("LANK", "LTOE")),
     ],
 )
 def test_exchanged_names_are_told_however_the_subject_walks(pairs, how, markers):
@@ -342,3 +346,18 @@ def test_who_reads_is_told_what_to_do():
     texts = " ".join(one["text"] + " " + one["advice"] for one in said)
     assert "LHEE" in texts and "point backwards" in texts and "before those of the markers" in texts
     assert "RKNE–RANK" in texts and "{" not in texts
+
+
+@pytest.mark.parametrize("factor", [1.0, -1.0])
+def test_a_plate_that_is_cut_off_at_its_limit_is_told_though_nobody_states_the_mass(factor):
+    walk = channels(factor, slice(None))(lab().walk)
+    assert saturation_doubts(walk.plates, walk.analog) == ()
+    vertical = walk.plates[1].channels[2]
+
+    def cut(block):
+        x, k = block.values.copy(), block.names.index(vertical)
+        x[k] = np.clip(x[k], 0.8 * x[k].min(), 0.8 * x[k].max())
+        return replace(block, values=x)
+
+    found = saturation_doubts(walk.plates, [cut(block) if vertical in block.names else block for block in walk.analog])
+    assert [(one.plate, one.what) for one in found] == [(1, "saturated")] and 0.2 < found[0].value < 0.9

@@ -9,6 +9,11 @@ GAIT_KINDS = (
          "where other trials have some.", {"trial": "text", "file": "text"}),
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
+    Kind("gait_bodies_differ", "gait", "amber", "The body in a file is another than in the standing trial or the "
+         "first walk, or its markers were put on anew: distances within segments differ, RMS and greatest; which most.",
+         {"trial": "text", "other": "text", "pairs_list": "text", "most_mm": "mm", "rms_mm": "mm"}),
+    Kind("gait_static_moves", "gait", "amber", "The subject bends the legs in the standing trial; how much shorter "
+         "they get.", {"trial": "text", "by_mm": "mm"}),
     Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",
          {"side": "text", "strides": "count"}),
     Kind("gait_angles_with_gaps", "gait", "amber", "Strides of a side in which more than a tenth of some angle is not "
@@ -18,12 +23,13 @@ GAIT_KINDS = (
          "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
     Kind("gait_markers_exchanged", "gait", "red", "Markers of a trial cannot be where their names say. how: sides "
          "(left and right of all markers, or left-handed axes), pelvis (its front and back), across (with the other "
-         "side), foot (heel and toe) or leg (a wand and its joint).", {"trial": "text", "how": "text"}),
+         "side), foot (heel and toe) or leg (two markers that follow each other).", {"trial": "text", "how": "text"}),
     Kind("gait_markers_move_apart", "gait", "amber", "Markers of one segment do not keep their distance; width of the "
          "middle 95 % of the worst.", {"trial": "text", "pairs_list": "text", "most_mm": "mm"}),
     Kind("gait_plate_doubtful", "gait", "amber", "A plate, or all, cannot be as the file says. what: beside (the "
          "centre of pressure is that share of the foot's length aside of it), backward (it goes that share forward), "
-         "weight (that share off the stated one) or time (of its events against the markers').",
+         "weight (that share off the stated one), saturated (that share of the samples under load) or time (of its "
+         "events against the markers').",
          {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),

@@ -67,7 +67,7 @@ def _is_trial(path: Path) -> bool:
     if not file.is_file():
         return False
     try:
-        trials = toml_table(file.read_text("utf-8"), str(file)).get("trials", [])
+        trials = toml_table(file.read_text("utf-8-sig"), str(file)).get("trials", [])
         return path.name in [trial.get("name") for trial in trials]
     except (KinemarkError, OSError, ValueError, AttributeError, TypeError):
         # whoever opens the session says what is wrong with it

@@ -17,6 +17,7 @@ from ..io.files import read_json
 from ..report.index_page import IndexRow, index_row, write_index
 from ..version import __version__
 from .digitising.files import Digitising
+from .editing.journal import journals_of_no_trial
 from .gait.of_session import gait_headline, gait_page, read_gait, update_gait
 from .naming.templates import keep_templates, templates_of_trial
 from .open_trial import OpenTrial, Workspace, earlier_trials
@@ -157,6 +158,11 @@ class Session(Workspace):
                 update_index(self.results, self.settings)
                 self._keep_template()
         return done
+
+    @property
+    def journals_of_no_trial(self) -> tuple[Path, ...]:
+        """Files of edits that are applied to nothing, as no trial has their name."""
+        return journals_of_no_trial(self.root, self.names)
 
     @property
     def gait(self) -> dict[str, Any] | None:

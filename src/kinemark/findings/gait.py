@@ -24,6 +24,7 @@ from ..gait.static_checks import FeetTaken, StaticDoubt
 from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
+from ..numerics.finite import finite_mean
 from ..version import __version__
 from .gait_doubts import of_doubts
 from .gait_muscles import of_muscles
@@ -38,7 +39,7 @@ from .gait_numbers import (
     ways_walked,
 )
 from .gait_strides import of_strides
-from .gait_subjects import of_subjects
+from .gait_subjects import BodyOfTrial, of_bodies, of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -145,6 +146,7 @@ def gait_figures(
     stated: Mapping[str, str] | None = None,
     feet: FeetTaken | None = None,
     files: Mapping[str, str] | None = None,
+    bodies: Sequence[BodyOfTrial] = (),
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -156,11 +158,12 @@ def gait_figures(
         hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
         stated: the subject that each file states, by its name. files: of the trials, by their names. feet: how the
-            static trial's own program took them, where it is the other way.
+            static trial's own program took them, where it is the other way. bodies: that the files show.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
         *of_subjects(stated or {}),
+        *of_bodies(bodies),
         *_of_files(measures, estimated, heels, renamed or {}),
         *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *([] if axes is None else _of_axes(axes)),
@@ -379,8 +382,8 @@ def _verdict(
         statements.append(
             make_finding(
                 "gait_measured", left_strides=count["left"], right_strides=count["right"],
-                speed=float(np.nanmean([s.values["speed"] for s in strides])) / 1000,
-                cadence=float(np.nanmean([s.values["cadence"] for s in strides])),
+                speed=finite_mean(np.array([s.values["speed"] for s in strides])) / 1000,
+                cadence=finite_mean(np.array([s.values["cadence"] for s in strides])),
             )
         )  # fmt: skip
     knee = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), None)

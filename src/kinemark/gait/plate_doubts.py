@@ -12,7 +12,8 @@ which a raised heel does not shorten.
 b stays below the foot, also where that bears on its edge. a goes forward from the first fifth of the contact to the
 last (2). Feet that strike with the toes, or bear on the heel alone, have little of that, so a plate is doubted where
 the pressure goes backward, or hardly moves at all. The contacts' impulses weigh the body (`estimated_measures`), and
-events from markers and plates are at one time (3).
+events from markers and plates are at one time (3). A channel that stands still where it is farthest from its rest, and
+moves in fine steps elsewhere, is at the limit of its amplifier (4).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ..data import Analog, ForcePlate
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES
@@ -48,7 +50,16 @@ LATE_SHARE = 0.03
 ALIKE_S = 0.15
 """Within which an event from markers and one from a plate are the same, s; chosen: less than half a step."""
 
-PlateFault = Literal["beside", "backward", "weight", "time"]
+FINE = 100
+"""Steps between rest and limit from which (4) tells; chosen: coarser channels stand still on their peaks as well."""
+CUT_SHARE = 0.1
+"""Of the samples under load at the limit (4); chosen: in 38 public files with plates it was up to 0.043."""
+CUT_SAMPLES = 10
+"""So many are at the limit (4) at least; chosen: a plate on which nobody steps has a few samples of noise."""
+CARRYING = {1: slice(2, 3), 2: slice(2, 5), 3: slice(4, 8), 4: slice(2, 5), 5: slice(0, 8)}
+"""Channels that carry the weight, by the type of plate; of the file format. Others are far from their limits."""
+
+PlateFault = Literal["beside", "backward", "weight", "time", "saturated"]
 
 
 class PlateDoubt(NamedTuple):
@@ -103,6 +114,26 @@ def time_doubts(seen: Sequence[FootEvent], measured: Sequence[FootEvent]) -> tup
     least = max(LATE_S, LATE_SHARE * float(np.median(strides))) if strides else LATE_S
     alike = len(means) == 2 and np.ptp(means) < LATE_S and min(map(abs, means)) > least
     return (PlateDoubt(None, "time", float(np.mean(means))),) if alike else ()
+
+
+def saturation_doubts(plates: Sequence[ForcePlate], analog: Sequence[Analog]) -> tuple[PlateDoubt, ...]:
+    """Plates of which a channel is cut off at its limit (4), by the share of the samples under load there."""
+    channels = {name: block.values[k] for block in analog for k, name in enumerate(block.names)}
+    each = [[name for name in one.channels[CARRYING.get(one.type, slice(0))] if name in channels] for one in plates]
+    shares = [max((_cut(channels[name]) for name in names), default=0.0) for names in each]
+    return tuple(PlateDoubt(k, "saturated", share) for k, share in enumerate(shares) if share > CUT_SHARE)
+
+
+def _cut(x: Floats) -> float:
+    """Share of a channel's samples (N) under load that are at its limit (4); 0 where it is too coarse to tell."""
+    x = x[np.isfinite(x)]
+    steps = np.diff(np.unique(x))
+    if not len(steps):
+        return 0.0
+    away = np.abs(x - np.median(x))
+    under = away > LOADED * away.max()
+    there = int((x == x[away.argmax()]).sum())
+    return there / int(under.sum()) if there >= CUT_SAMPLES and away.max() >= FINE * steps.min() else 0.0
 
 
 def _same(plate: FootEvent, marker: FootEvent, strike: bool) -> bool:

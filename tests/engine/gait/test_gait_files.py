@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trial
+from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.reference import reference_of_files
@@ -414,3 +414,12 @@ def test_the_trunk_has_its_place_on_the_page_and_is_printed_with_moments_and_pow
     places = [page.index(f'<section id="{name}">') for name in ("kinematics", "trunk", "kinetics")]
     assert places == sorted(places) and '<a href="#trunk">' in page
     assert "#trunk + #kinetics { break-before: auto; }" in page
+
+
+def test_one_stride_that_ends_with_the_recording_has_no_speed_and_gives_no_warning(tmp_path):
+    whole = read_trial(shared_data("mocap3d/pig_gait_child/HC030A05.c3d"))
+    paths = tuple(MarkerTrajectory.measured(p.name, p.xyz[:120]) for p in whole.trajectories)
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", Trajectories(paths, whole.trajectories.rate)))
+    found = gait_of_files([tmp_path / "walk.c3d"], settings=QUICK)  # warnings are errors here
+    said = {one["kind"]: one["values"] for one in found.figures["verdict"]["statements"]}
+    assert said["gait_measured"]["speed"] is None and said["gait_measured"]["right_strides"] == 1

@@ -6,11 +6,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..output import FailOn, Json, SelfContained, Set, exit_by_verdict, print_errors, print_result
+from ..output import FailOn, Json, SelfContained, Set, exit_by_verdict, print_errors, print_note, print_result
 from ..progress import progress
 
 if TYPE_CHECKING:  # all stages come with a session, and --help does without: they are imported where they are used
     from ...engine.open_trial import OpenTrial
+    from ...engine.session import Session
 
 
 def run(
@@ -50,9 +51,19 @@ def run(
         if opened.gait is not None and frames is None:
             print_result(f"\n{_gait(opened.gait, opened.results)}")
         print_errors({name: trial.failed for name, trial in done.items() if trial.failed is not None})
+    _note_edits_of_no_trial(opened)
     if any(trial.failed for trial in done.values()):
         sys.exit(1)
     exit_by_verdict([trial.quality["verdict"]["grade"] for trial in done.values() if trial.done("quality")], fail_on)
+
+
+def _note_edits_of_no_trial(session: Session) -> None:
+    """What was said of trials that the session does not have, as after one was renamed."""
+    for path in session.journals_of_no_trial:
+        print_note(
+            f"{path} has what people said of a trial {path.stem!r}, which the session does not have: it is applied to "
+            f"nothing. If the trial is called otherwise now, give the file its name: {path.with_name('NAME.jsonl')}"
+        )
 
 
 def _gait(figures: dict[str, Any], results: Path) -> str:
@@ -88,6 +99,7 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
     if json:
         print_result(found)
         return
+    _note_edits_of_no_trial(opened)
     for name, stages in found.items():
         done = ", ".join(stage for stage, there in stages.items() if there) or "nothing"
         left = ", ".join(stage for stage, there in stages.items() if not there)

@@ -146,7 +146,7 @@ class OpenDetection:
             KinemarkError: the session cannot be read, or the trial has no images.
         """
         self.session = Session.open(root)
-        self.table: dict[str, Any] = tomllib.loads((root / FILE).read_text("utf-8")).get("detect", {})
+        self.table: dict[str, Any] = tomllib.loads((root / FILE).read_text("utf-8-sig")).get("detect", {})
         entry = self.session.trial(trial).entry
         if entry.images is None:
             raise KinemarkError(f"{trial} has no images: its detections were made elsewhere.")

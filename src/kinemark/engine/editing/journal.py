@@ -156,6 +156,16 @@ def _is(kind: type, entry: Entry) -> bool:
     return any(isinstance(edit, kind) for edit in entry.edits)
 
 
+def journals_of_no_trial(root: Path, trials: Sequence[str]) -> tuple[Path, ...]:
+    """Journals in a session's folder that say something, and are of none of its trials, as after one was renamed.
+
+    Args:
+        root: the session's folder. trials: names of its trials.
+    """
+    found = sorted((root / FOLDER).glob("*.jsonl"))
+    return tuple(path for path in found if path.stem not in trials and path.stat().st_size)
+
+
 def _check_undo(entries: Sequence[Entry], edits: Sequence[Edit]) -> None:
     """Raises a KinemarkError where an undo is of no entry, or of one that does not count any more."""
     known, counts = ({entry.id for entry in some} for some in (entries, counting(entries)))

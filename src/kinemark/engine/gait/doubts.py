@@ -14,7 +14,7 @@ from ...gait.foot_events import marker_events
 from ...gait.gait_trial import GaitTrial
 from ...gait.marker_doubts import MarkerDoubts, marker_doubts
 from ...gait.marker_leaps import MarkerLeaps, marker_leaps
-from ...gait.plate_doubts import PlateDoubt, plate_doubts, time_doubts, weight_doubts
+from ...gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
 from ...gait.static_checks import FeetTaken, feet_taken
 from ...io.c3d.subject_measures import measures_of
 
@@ -38,9 +38,15 @@ def doubted_markers(trial: Trial, points: Mapping[str, Floats]) -> tuple[MarkerD
     Args:
         trial: by the model's names. points: (F, 3) mm of its markers.
     """
-    worn = {without_subject(p.name) for p in trial.trajectories if (p.origin == Origin.MEASURED).any()}
+    worn = worn_points(trial, points)
     leaps = marker_leaps(points, tuple(n for n in MODEL_MARKERS if n in worn), rate=trial.trajectories.rate)
-    return marker_doubts({name: xyz for name, xyz in points.items() if name in worn}), leaps
+    return marker_doubts(worn), leaps
+
+
+def worn_points(trial: Trial, points: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Those of the points (F, 3) mm by the model's names that markers of the trial have shown."""
+    worn = {without_subject(p.name) for p in trial.trajectories if (p.origin == Origin.MEASURED).any()}
+    return {name: xyz for name, xyz in points.items() if name in worn}
 
 
 def doubted_plates(
@@ -62,4 +68,5 @@ def doubted_plates(
         *plate_doubts(gait.reactions, gait.contacts, points),
         *weight_doubts(weighed, mass_kg, gait.contacts),
         *late,
+        *saturation_doubts(trial.plates, trial.analog),
     )

@@ -14,6 +14,7 @@ from ...data.gait_curves import GaitCurves, GaitReference
 from ...data.marker_sides import without_subject
 from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
+from ...findings.gait_subjects import BodyOfTrial
 from ...gait.clusters import Clusters, usual_clusters, with_wands
 from ...io.c3d import write_c3d
 from ...io.files import write_json
@@ -26,6 +27,7 @@ from ...report.drawing_library import assets_for
 from ...report.gait_page import write_gait_page
 from ...report.words import with_words
 from ..identities import identity_of_file
+from .bodies import bodies_of
 from .doubts import feet_otherwise
 from .exports import export_files, exports_of, write_exports
 from .settings import GaitSettings
@@ -149,12 +151,12 @@ def gait_of_files(
     whole, still = _walks_and_standing(walks, static, read, clusters, settings)
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
-    if functional is not None:
-        moved = read(functional, still)
+    moved = None if functional is None else read(functional, still)
+    if moved is not None:
         known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     files = {names[path.resolve()]: str(path) for path in walks}
-    figures = _figures(whole, still, found, known, static, band, settings, files)
+    figures = _figures(whole, still, found, known, static, band, settings, files, bodies_of(whole, still, moved))
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
     figures["identity"] = identity_of_file(whole[0].given, walks[0])
     notes = _written(into, whole, found, figures, band, self_contained=self_contained)
@@ -211,11 +213,11 @@ def _c3d(folder: Path, name: str) -> Path:
 
 def _figures(
     walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
-    band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str],
+    band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str], bodies: Sequence[BodyOfTrial],
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
-    subject = next((stated[walk.name] for walk in walks if stated[walk.name]), "")
+    subject = settings.subject or next((stated[walk.name] for walk in walks if stated[walk.name]), "")
     feet = None if still is None else feet_otherwise(still.given, still.points, flat_foot=settings.flat_foot)
     return with_words(
         gait_figures(
@@ -223,7 +225,7 @@ def _figures(
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
-            stated=stated, files=files, feet=feet,
+            stated=stated, files=files, feet=feet, bodies=bodies,
         )
     )  # fmt: skip
 

@@ -34,6 +34,7 @@ class GaitSettings:
         emg_to: what 100 % of an EMG envelope are, where no trial of greatest contractions is given: "trial", its
             greatest value of each walk, or "strides", the mean of the strides' greatest values, over all walks.
         up: the axis of the laboratory that goes up; as the markers show where "auto".
+        subject: whose gait it is, where files have the markers of several, as A of A:LASI.
     """
 
     method: Literal["physical", "plug_in_gait"] = "physical"
@@ -50,6 +51,7 @@ class GaitSettings:
     uncertainty: bool = True
     emg_to: Literal["trial", "strides"] = "trial"
     up: Up = "auto"
+    subject: str = ""
 
     @property
     def made(self) -> Physical | PlugInGait:

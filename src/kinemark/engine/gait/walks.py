@@ -37,6 +37,7 @@ from ...io.c3d.subject_measures import measures_of
 from ...numerics.finite import finite_median
 from .doubts import doubted_markers, doubted_plates
 from .emg import emg_of, greatest_contractions
+from .one_subject import of_one_subject
 from .settings import GaitSettings
 
 WIDTH_MM = 2.0
@@ -113,16 +114,18 @@ def recorded(
     Args:
         name: of the file. trial: that it holds.
         markers: the trial's names by the model's, of those that are stated, with the subject's name or without it.
-        settings: say which axis is up. like: the standing trial, whose axis counts where clusters carry the pelvis, or
-            where this trial does not show one.
+        settings: say which axis is up, and whose gait it is. like: the standing trial, whose axis counts where clusters
+            carry the pelvis, or where this trial does not show one.
 
     Raises:
-        KinemarkError: a stated marker is not there, or no axis is up; the message begins with the name.
+        KinemarkError: a stated marker is not there, no axis is up, or nobody says which of several subjects it is; the
+            message begins with the name.
     """
-    names = trial.trajectories.names
-    plain = {without_subject(own): own for own in reversed(names)}
-    there = {marker: full for marker, own in markers.items() if (full := own if own in names else plain.get(own))}
     try:
+        trial = of_one_subject(trial, settings.subject, markers)
+        names = trial.trajectories.names
+        plain = {without_subject(own): own for own in reversed(names)}
+        there = {marker: full for marker, own in markers.items() if (full := own if own in names else plain.get(own))}
         found = standard_trial(trial, markers=there, up=settings.up)
         hidden = like is not None and ("pelvis" in like.clusters or not shows_up(marker_points(found.trial)))
         if like is not None and hidden and settings.up == "auto":

@@ -23,6 +23,7 @@ from ...label.pooled import contradiction, pooled, template_of_subjects
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ...report.words import advice_of, text_of
 from ..put_aside import computed_in, put_aside
+from .impossible_names import impossible_names
 from .labelled_trials import agreeing, set_of_clusters
 from .template_files import is_template, load_template
 
@@ -149,6 +150,8 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     points = [trial.trajectories if known.computed else _markers_of(trial, known) for trial in read]
     own = [of_subject(one, known.subject, prefixes_of(trial.source)) for one, trial in zip(points, read, strict=True)]
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
+    for said in impossible_names(trials, [file.name for file in files]):
+        known.say(f"{text_of(said)} {advice_of(said)}")
     known = _by_clusters(trials[0], known) if known.clusters else known
     trials = trials if known.static else _agreeing(trials, files, known)
     kind = "static" if known.static else "labelled"

@@ -24,6 +24,7 @@ from ..put_aside import put_aside
 from ..settings import Settings, TrialEntry
 from ..settings.tables import GaitTable
 from .earlier import ABSENT, NAMED_BY_HAND, Earlier
+from .impossible_names import impossible_names
 from .labelled_trials import Agreeing, agreeing, set_of_clusters
 from .named_tracks import load_learnt
 from .subject_templates import of_subject
@@ -154,7 +155,8 @@ def _of_static(
     if not useful or marker_set is None:
         return _learnt(useful, names, spread=STATIC_SPREAD)
     still, sources = useful[0].trial, (useful[0].source, f"marker set {marker_set.name}")
-    return SessionTemplate(static_template(still, marker_set), sources, static_bystanders(still, marker_set))
+    found = tuple(impossible_names([still], sources[:1]))
+    return SessionTemplate(static_template(still, marker_set), sources, static_bystanders(still, marker_set), found)
 
 
 def _shown(root: Path, file: str, subject: str, names: Sequence[str]) -> Shown:
@@ -191,7 +193,7 @@ def _learnt(shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0
     trials, sources = tuple(one.trial for one in useful), tuple(one.source for one in useful)
     kept = Agreeing(trials) if spread else agreeing(trials, sources, known)
     template = learn_template(*kept.trials, names=known or None, relative_spread=spread)
-    return SessionTemplate(template, sources, findings=kept.findings)
+    return SessionTemplate(template, sources, findings=(*kept.findings, *impossible_names(trials, sources)))
 
 
 def keep_templates(results: Path, settings: Settings, known: Mapping[str, SessionTemplate]) -> None:

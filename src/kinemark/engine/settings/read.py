@@ -132,7 +132,7 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
                 f"{path} is not there. Make one from your recordings: kinemark init {typed(path.parent)}, or one to "
                 "look at: kinemark simulate FOLDER"
             )
-        return Settings.model_validate(_with(toml_table(path.read_text("utf-8"), str(path)), overrides))
+        return Settings.model_validate(_with(toml_table(path.read_text("utf-8-sig"), str(path)), overrides))
     except UnicodeDecodeError as error:
         raise KinemarkError(f"{path} is not UTF-8 text: {error.reason}. {ADVICE}") from error
     except OSError as error:

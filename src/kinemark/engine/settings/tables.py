@@ -180,6 +180,7 @@ class GaitTable(Strict):
     )
     mvc: str | None = Field(default=None, description="name of the trial whose greatest EMG is 100 %")
     up: Up = Field(default="auto", description="the axis that goes up; as the markers show where absent")
+    subject: str = Field(default="", description="whose gait it is, where the session has several subjects")
 
     @field_validator("measures")
     @classmethod

@@ -123,7 +123,7 @@ EXCHANGED = {
     "pelvis": "{trial}: the front of the pelvis is where its back should be ({markers})",
     "across": "{trial}: {markers} are each on the other side of the body",
     "foot": "{trial}: {markers} are exchanged: the foot would point backwards",
-    "leg": "{trial}: {markers} are exchanged: the wand is beyond the joint",
+    "leg": "{trial}: {markers} are exchanged: from pelvis to toe they would follow each other in the wrong order",
 }
 FOR_EXCHANGED = {
     "sides": "Exchange left and right in the names; or, if the file comes from axes that are left-handed, turn the "
@@ -135,11 +135,13 @@ DOUBTFUL = {
     "backward": "the centre of pressure does not go forward below the foot ({by_share} of its length)",
     "weight": "by the plates the body weighs {by_share} more than by the measures",
     "time": "its events come {late_ms:0} after those of the markers",
+    "saturated": "a channel is cut off at its limit, in {by_share} of the samples under load",
 }
 FOR_DOUBTFUL = {
     "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
     "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",
+    "saturated": "Set the plate's amplifier to a wider range and record again; what is cut off is lost.",
     "time": "Check when cameras and plates begin, and the rate of the channels.",
 }
 
@@ -208,6 +210,17 @@ GAIT_WORDS = {
     "gait_subjects_differ": Words(
         "The files state different subjects: {subjects_list}. They are averaged as one person's.",
         "Give walks and standing trial of one person, or correct the name in the files.",
+    ),
+    "gait_bodies_differ": Words(
+        "{trial} shows another body than {other}, or markers that were put on anew in between: distances within "
+        "segments differ by {rms_mm:0} RMS and up to {most_mm:0} ({pairs_list}). Angles follow the markers of both.",
+        "Give walks and standing trial of one person in the same markers. If they are, see in both what these markers "
+        "are called, and whether the files' units are true.",
+    ),
+    "gait_static_moves": Words(
+        "{trial}: the subject does not stand, the legs get up to {by_mm:0} shorter. Ankle and foot angles count from "
+        "the mean of that.",
+        "Give a trial in which the subject stands still: --static.",
     ),
     "gait_few_strides": Words(
         "{strides} {strides:stride|strides} of the {side} side: how strides differ is hardly known.",

@@ -104,6 +104,11 @@ LABELLING_WORDS = {
         "segments are off, by up to {off_mm}. The template does not learn from it.",
         "Check its names with `kinemark label --check`; if a marker was moved, make a new template.",
     ),
+    "template_names_impossible": Words(
+        "In {file}, {markers} cannot be where their names say: they are on the other side of the body, or would follow "
+        "each other along the leg in another order. What is named by this file has the same wrong names.",
+        "Exchange their names in that file, and name the trial again.",
+    ),
     "template_names_exchanged": Words(
         _exchanged,
         "Look at these frames, and exchange both names where they are wrong.",

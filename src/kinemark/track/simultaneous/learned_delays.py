@@ -76,19 +76,19 @@ def track_simultaneously(
         sure = tuple(one for one in suspected if is_lost(one, result.tracks, result.images, detections, rig))
         beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
         untried = [one for one in beside if one not in tried]
-        if hidden := _hidden_misfits(tried - {*sure}, tried, detections, rig):
-            suspected = _with(sure, hidden[0])
+        if not sure and (hidden := _hidden_misfits(tried, detections, rig)):
+            suspected = (hidden[0],)
         elif sure == suspected and not untried:
-            doubtful = {one.camera for one in tried - {*sure} if one.whole(detections.n_frames)}
+            doubtful = {one.camera for one in tried if one.whole(detections.n_frames) and not sure}
             result = result._replace(unfitting=suspected, lenses=lenses, doubtful=tuple(sorted(doubtful)))
             return _with_put_right(result, detections, rig, method, errors, volume_margin)
         else:
             suspected = sure if sure != suspected else _with(sure, untried[0])
 
 
-def _hidden_misfits(kept: set[Stretch], tried: set[Stretch], detections: Detections, rig: Rig) -> list[Stretch]:
-    """Cameras that fit nowhere, untried, behind stretches of others, or their own, in which these are not lost."""
-    cameras, n = {one.camera for one in kept if not one.whole(detections.n_frames)}, detections.n_frames
+def _hidden_misfits(tried: set[Stretch], detections: Detections, rig: Rig) -> list[Stretch]:
+    """Cameras that fit nowhere, untried, behind stretches of others, or their own, in which none is lost."""
+    cameras, n = {one.camera for one in tried if not one.whole(detections.n_frames)}, detections.n_frames
     found = unfitting_stretches(detections, rig, cameras) if cameras else ()
     return [one for one in found if one.whole(n) and one not in tried]
 

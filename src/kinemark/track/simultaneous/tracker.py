@@ -108,7 +108,7 @@ class TrackingResult(NamedTuple):
             were lost; None where none is missing.
         rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
             were put right. put_right: these cameras, and how far their images lay beside.
-        doubtful: cameras, numbers, that seem to fit the others nowhere, and were not left out.
+        doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
     """
 
     tracks: Tracks

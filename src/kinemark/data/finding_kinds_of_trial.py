@@ -102,6 +102,8 @@ TRIAL_KINDS = (
          {"left_out": "flag"}),
     Kind("camera_fits_nothing", "track", "amber", "A camera's images fit nothing that the others see.",
          {"left_out": "flag"}),
+    Kind("camera_in_doubt", "track", "amber", "A camera's images hardly fit those of the others, and too few points "
+         "have images of three cameras to tell which is wrong; points that two cameras see may be no markers."),
     Kind("nothing_goes_on", "track", "amber", "Cameras agree in single frames, but no marker goes on to the next: the "
          "frame rate may be wrong.", {"rate_hz": "Hz"}),
     Kind("too_few_frames", "track", "amber", "The recording has fewer frames than any track needs.",

@@ -72,6 +72,33 @@ def test_a_camera_that_was_turned_elsewhere_is_told(n, seed):
     assert kinds == {("camera_fits_nothing", ("cam1",))}
 
 
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_camera_that_sees_another_side_of_many_markers_is_not_left_out(seed):
+    """Most pairs of images near each other's lines are by chance."""
+    rig = all_round(3, seed)
+    detections, by_two = seen_on(rig, seed, markers=45)
+    kinds, points = told(rig, detections)
+    assert not {"camera_fits_nothing", "camera_in_doubt"} & {kind for kind, _ in kinds}
+    assert points > 0.95 * by_two
+
+
+@pytest.mark.parametrize(("seed", "axis"), [(4, "x"), (5, "y")])
+def test_a_turned_camera_of_three_is_left_out_though_markers_that_stand_fit_it_by_chance(seed, axis):
+    """No camera was told, and of 5 half of the points or more were of no marker."""
+    rig = all_round(3, seed)
+    detections, by_two = seen_on(rig, seed, markers=45)
+    kinds, points = told(with_first_turned(rig, axis, 1.0), detections)
+    assert kinds == {("camera_fits_nothing", ("cam1",))}
+    assert points < 0.5 * by_two
+
+
+def test_where_three_cameras_do_not_tell_which_is_wrong_one_is_in_doubt():
+    rig = all_round(3, 2)
+    detections, _ = seen_on(rig, 2, markers=45)
+    kinds, _ = told(with_first_turned(rig, "yz", [9, 7]), detections)
+    assert kinds == {("camera_in_doubt", ("cam1",))}
+
+
 def test_a_camera_that_was_bumped_is_told_by_the_few_markers_that_it_shares():
     """At a time these are one or two, but they are many tracks'."""
     rig = all_round(5, 33)

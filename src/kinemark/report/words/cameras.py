@@ -233,6 +233,11 @@ CAMERA_WORDS = {
         "State standard deviations in px, and no variances or sizes of images; or leave the noise out.",
     ),
     "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
+    "camera_in_doubt": Words(
+        "The images of {cameras} hardly fit those of the other cameras, and too few points are seen by three cameras "
+        "to tell which of them is wrong: points that two cameras see may be no markers.",
+        "Track once more without it and compare; calibrate again where its points go and others do not come.",
+    ),
     "camera_fits_nothing": Words(
         _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
     ),

@@ -38,7 +38,7 @@ from .initiate import LEAST_FRAMES
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
 from .mirror_images import mirror_images
-from .misfitting_cameras import image_offset
+from .misfitting_cameras import image_offset, is_confirmed
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult
 
@@ -86,6 +86,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
             or late.get(c)
             or _shifted(result, c, name, parts[c], most)
             or _in_no_track(result, c, name)
+            or _doubtful(result, c, name)
         )
     found += _calibration_off(rig, usual, late)
     told = {*lost, *np.flatnonzero(_valid_counts(detections).sum(1) == 0).tolist()}
@@ -304,6 +305,13 @@ def _in_no_track(result: TrackingResult, c: int, name: str) -> list[Finding]:
     should = _in_view(result, c, _expected(result, c), 2).sum()
     has = (result.images.usable & (result.images.camera == c)).sum()
     return [make_finding("camera_fits_nothing", cameras=[name], left_out=False)] if has > should / 2 > FEW / 2 else []
+
+
+def _doubtful(result: TrackingResult, c: int, name: str) -> list[Finding]:
+    """About a camera that hardly fits the others, and that too few points confirm."""
+    if c not in result.doubtful or is_confirmed(c, result.tracks, result.images):
+        return []
+    return [make_finding("camera_in_doubt", cameras=[name])]
 
 
 def _parts_of_recording(result: TrackingResult, c: int) -> Parts:

@@ -76,10 +76,21 @@ def track_simultaneously(
         sure = tuple(one for one in suspected if is_lost(one, result.tracks, result.images, detections, rig))
         beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
         untried = [one for one in beside if one not in tried]
-        if sure == suspected and not untried:
-            result = result._replace(unfitting=suspected, lenses=lenses)
+        if not sure and (hidden := _hidden_misfits(tried, detections, rig)):
+            suspected = (hidden[0],)
+        elif sure == suspected and not untried:
+            doubtful = {one.camera for one in tried if one.whole(detections.n_frames) and not sure}
+            result = result._replace(unfitting=suspected, lenses=lenses, doubtful=tuple(sorted(doubtful)))
             return _with_put_right(result, detections, rig, method, errors, volume_margin)
-        suspected = sure if sure != suspected else _with(sure, untried[0])
+        else:
+            suspected = sure if sure != suspected else _with(sure, untried[0])
+
+
+def _hidden_misfits(tried: set[Stretch], detections: Detections, rig: Rig) -> list[Stretch]:
+    """Cameras that fit nowhere, untried, behind stretches of others, or their own, in which none is lost."""
+    cameras, n = {one.camera for one in tried if not one.whole(detections.n_frames)}, detections.n_frames
+    found = unfitting_stretches(detections, rig, cameras) if cameras else ()
+    return [one for one in found if one.whole(n) and one not in tried]
 
 
 def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]:

@@ -10,7 +10,7 @@ Then S(d) is the share of the points in its view that have an image at d px from
 of these markers make a peak of S where they lie, those of others a floor all over. With S' the highest of S farther
 than BESIDE from 0, and S'' the next that is as far from that, the camera lies beside by the d of S', or nowhere, where
 
-    S' > STANDS_OUT · max(S'', S(0)),   or   S(0) < STANDS_OUT · S' < STANDS_OUT² · S''                    (2)
+    S' > STANDS_OUT · max(S'', S(0)),   or   S(0) < S' < STANDS_OUT · S''                                  (2)
 
 and is left out where the others agree: where the whole calibration is off, each of them seems to lie beside. With σ
 the noise of the others by epipolar lines (`epipolar_noise`), in the median camera,
@@ -28,6 +28,9 @@ A camera lies nowhere only if no camera of the tracks is its partner (`epipolar_
 As images that are up to a frame late or early are where the points were or will be, S(0) is the highest at such times:
 delays are learned. A camera that was bumped along the lines of the others has a high Q_c, and is suspected where it
 lies beside by (2) of the tracks that its own images have led astray.
+
+What is suspected and not left out stays in doubt where it has no partner, and hardly a point of it has images of two
+others (5): two images nearly meet wherever cameras stand.
 """
 
 from __future__ import annotations
@@ -60,14 +63,20 @@ BESIDE = 5.0
 """px in either axis, up to which boxes are one peak; chosen: boxes that overlap less than a third."""
 STANDS_OUT = 2.0
 """Of (2); chosen on scenes 160000 to 160029: S(0) of good cameras was 2.8 to 98 times S', of bumped ones 0.0 to 0.2."""
-APART, AGREEING = 20.0, 0.5
+APART, AGREEING = 20.0, 0.8
 """Of (3), and px; chosen on scenes 177000 to 178004: of cameras bumped by 12 px |d| / σ was 27 and more with σ of 0.28
-to 0.37 px, of calibrations that were 2.5 to 4 px off it was 16 or less, with σ of 0.73 to 1.81 px."""
+to 0.37 px, of calibrations that were 2.5 to 4 px off it was 16 or less, with σ of 0.73 to 1.81 px. Before three
+cameras all round with files .1 to .6 px off, one of them wrong, the two others have σ up to 0.76, and files 1 to 2 px
+off mostly 0.8 and more."""
 TIMES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 """Frames, at which S(0) is looked for; chosen: what `learned_delays` can learn."""
 MARKERS = 2.5
 """Of (4); chosen on three-second walks and stands before three to six cameras, each marker hidden by the body from
 those behind it: one marker's neighbours made 1.0 to 1.6 of good cameras, bumped and moved ones had 3.3 to 10.9."""
+CONFIRMED = 0.15
+"""Of (5), the share of a camera's points that is enough; chosen on three-second walks and stands before three cameras:
+cameras turned by 1 to 3° or of other files had 0.0 to 0.1, mostly; right ones that were suspected 0.2 to 0.8, or 0.0
+where nothing is in view of three."""
 LEAST_POINTS, LEAST_MARKERS, MOST_POINTS = 100, 5, 5000
 """Points in view, and tracks, from which on S tells, chosen: of one marker that hides, another's image is beside; and
 points that are looked at, chosen: more say the same."""
@@ -129,11 +138,9 @@ def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
         return None
     if peaks.clear:
         return peaks.offset if peaks.beside > STANDS_OUT * peaks.here else None
-    if peaks.here >= STANDS_OUT * peaks.beside:
+    if peaks.here >= peaks.beside:
         return None
-    frames = sampled_frames(images)
-    some = residuals(images, fundamentals(images.P), frames)
-    others = np.delete(partners(some, len(images.P), len(frames))[c], c)
+    others = np.delete(_partners(images)[c], c)
     seen = (np.delete(tracks.cloud.detection, c, axis=1) >= 0).any(0)  # two cameras that are exchanged may be partners
     return None if (others & seen).any() else np.full(2, np.nan)
 
@@ -151,6 +158,19 @@ def stands_apart(offset: Floats | None, others: Images) -> bool:
     sd = np.sqrt(np.median(variance[np.isfinite(variance)])) if np.isfinite(variance).any() else np.inf
     far = float(np.linalg.norm(offset))
     return bool(sd < AGREEING if np.isnan(far) else far > APART * sd)
+
+
+def is_confirmed(c: int, tracks: Tracks, images: Images) -> bool:
+    """Whether enough of the points of a camera have images of two others, by (5), or one of these is its partner."""
+    own = tracks.cloud.detection[tracks.cloud.detection[:, c] >= 0]
+    confirmed = not len(own) or ((own >= 0).sum(1) > 2).mean() > CONFIRMED
+    return bool(confirmed or _partners(images)[c].any())
+
+
+def _partners(images: Images) -> Bools:
+    """(C, C) `partners` of the cameras of these images."""
+    frames = sampled_frames(images)
+    return partners(residuals(images, fundamentals(images.P), frames), len(images.P), len(frames))
 
 
 def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:

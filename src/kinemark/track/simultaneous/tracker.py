@@ -108,6 +108,7 @@ class TrackingResult(NamedTuple):
             were lost; None where none is missing.
         rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
             were put right. put_right: these cameras, and how far their images lay beside.
+        doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
     """
 
     tracks: Tracks
@@ -123,6 +124,7 @@ class TrackingResult(NamedTuple):
     unfitting: tuple[Stretch, ...] = ()
     lenses: MissingLenses | None = None
     put_right: tuple[ImageOffset, ...] = ()
+    doubtful: tuple[int, ...] = ()
 
 
 def track_once(

@@ -20,6 +20,7 @@ Who does not fit in the whole recording has no best parts (`misfitting_cameras`)
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -85,11 +86,12 @@ class Stretch(NamedTuple):
         return self.first == 0 and self.stop == n_frames
 
 
-def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]:
+def unfitting_stretches(detections: Detections, rig: Rig, kept: Collection[int] = ()) -> tuple[Stretch, ...]:
     """Where cameras fit the others no more, by camera and time.
 
     Args:
-        detections: what they saw. rig: the cameras.
+        detections: what they saw. rig: the cameras. kept: those that are lost in no part by (2), as is known, though
+            they may fit nowhere.
     """
     detections = detections.keep(detections.valid)
     C, n = len(rig), detections.n_frames
@@ -104,6 +106,7 @@ def unfitting_stretches(detections: Detections, rig: Rig) -> tuple[Stretch, ...]
     found = [_fit(images, F, counts[:, frames], frames) for frames in looked_at]
     by_part = [np.stack(each) for each in zip(*found, strict=True)]
     lost = _lost(*by_part)
+    lost[[*kept]] = False
     runs = [Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in true_runs_of_rows(lost)]
     in_all, chance, possible = (each.sum(0) for each in by_part)
     whole = misfitting(in_all, chance, possible, np.flatnonzero(~lost.any(1)))

@@ -17,6 +17,7 @@ from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
 from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
+from ...numerics.small_sample import variance_factor
 from .camera_step import CameraStep
 from .lens_prior import LensPrior
 from .parameter_covariance import joint_covariance
@@ -167,7 +168,7 @@ def completed(
             f"{int(kept.sum())} image points fit each other, and the cameras and places have more unknowns than they "
             f"give equations ({-nu + 1} too few). Record more, or fit fewer lens terms."
         )
-    joint = covariance * chi2 / nu * max(nu, 3) / (max(nu, 3) - 2)
+    joint = covariance * chi2 / nu * variance_factor(nu)
     residual = residuals(state, seen.uv)
     xyz = np.where(np.asarray(kept.any(0))[:, None], all_points(state.parts), np.nan)
     residual = np.where(np.isnan(xyz[:, :1]), np.nan, residual)

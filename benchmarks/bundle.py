@@ -190,7 +190,7 @@ def speed(cameras: int = 8, poses: int = 1500, rounds: int = 3) -> None:
     sticks_seen = least_time(lambda: calibrate_sticks(rig.names, sizes(rig), scene.uv, along=ALONG), rounds)
     print(f"  from known markers and image sizes to the same             {sticks_seen:7.2f}")
     begun, sticks = disturbed(rig, scene.xyz, np.random.default_rng(1))
-    flat, method = scene.uv.reshape(cameras, 2 * n, 2), Bundle(reject=np.inf)
+    flat, method = scene.uv.reshape(cameras, 2 * n, 2), Bundle(reject=np.inf, usual_lens=False)
     ours = bundle(begun, (sticks,), flat, method=method)
     fastest = least_time(lambda: bundle(begun, (sticks,), flat, method=method), rounds)
     rival = Rival(begun, sticks, flat, method.freedom)
@@ -277,7 +277,7 @@ def metrics() -> list[Metric]:
     """Three rounds of **walk**, and **speed** with 4 cameras and 300 poses."""
     off = walk_errors(3)
     rig = ring(4, distortion=(-0.12, 0, 0, 0, 0))
-    scene, method = waved(rig, 300), Bundle(reject=np.inf)
+    scene, method = waved(rig, 300), Bundle(reject=np.inf, usual_lens=False)
     begun, sticks = disturbed(rig, scene.xyz, np.random.default_rng(1))
     flat = scene.uv.reshape(4, -1, 2)
     ours = least_time(lambda: bundle(begun, (sticks,), flat, method=method), 3)

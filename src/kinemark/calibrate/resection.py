@@ -10,9 +10,8 @@ lowers χ² = Σ r_iᵀ Q_i⁻¹ r_i (2) until it no longer falls. The parameter
     Σ = A⁻¹ · χ² / ν · ν / (ν − 2),    ν = 2 n − p                        (3)
 
 χ² / ν measures how much larger the true errors are than Q says, which need only be right in proportion. It is
-itself uncertain: an error divided by its root is distributed as t with ν degrees of freedom, whose
-variance is ν / (ν − 2), so the last factor keeps the stated variance true on average when points are few. For ν
-below 3 that variance does not exist, and the factor stays at that of ν = 3.
+itself uncertain, so the last factor keeps the stated variance true on average when points are few. For ν below 3 it is
+another (`numerics.small_sample`).
 
 The lens of a linearised camera is known in pixels, and its focal length is not. With f ← m f for both focal lengths and
 
@@ -36,6 +35,7 @@ from ..data.array_types import Bools, Floats
 from ..geometry import parameter_jacobian, project
 from ..numerics.levenberg_marquardt import damped_step, minimise
 from ..numerics.scaled import scaled_inverse
+from ..numerics.small_sample import variance_factor
 
 STEPS = 100  # tries at most; chosen, more than DLT starts take
 SETTLED = 1e-13  # share of χ²; conventional: some hundred roundings
@@ -150,7 +150,7 @@ def _covariance(
     B = directions(camera, free, tied)
     inverse = scaled_inverse(B.T @ J.T @ J @ B)
     nu = len(J) - B.shape[1]
-    cov = B @ inverse @ B.T * (chi2 / max(nu, 1) * max(nu, 3) / (max(nu, 3) - 2))  # (3)
+    cov = B @ inverse @ B.T * (chi2 / max(nu, 1) * variance_factor(nu))  # (3)
     if tied and start.cov.any():
         along = B @ inverse @ B.T @ J.T @ J - np.eye(15)  # (5)
         cov = cov + along @ lens_covariance(start, camera) @ along.T

@@ -27,7 +27,11 @@ def trends(lens, seed, noise=0.2, **method):
     inside = ((uv > 0) & (uv < true[0].size)).all(-1)
     uv = np.where(inside[..., None], uv, np.nan)
     fit = calibrate_sticks(
-        true.names, [c.size for c in true], uv.reshape(4, -1, 2, 2), along=ALONG, method=Bundle(**method)
+        true.names,
+        [c.size for c in true],
+        uv.reshape(4, -1, 2, 2),
+        along=ALONG,
+        method=Bundle(usual_lens=False, **method),
     )
     residual = np.where(fit.kept[..., None], fit.residual, np.nan)
     evidence = Evidence(

@@ -17,7 +17,9 @@ from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
 from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
+from ...numerics.small_sample import variance_factor
 from .camera_step import CameraStep
+from .lens_prior import LensPrior
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
@@ -48,6 +50,10 @@ class Bundle(Method):
     square_pixels: bool = parameter(
         True, meaning="pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted"
     )
+    usual_lens: bool = parameter(
+        True, meaning="lens terms that are not fitted, and the pixels' shape, may differ from what is taken as much as "
+        "is usual of lenses; else, and where no lens term is fitted, they are exact",
+    )  # fmt: skip
     reject: float = parameter(
         5.0, unit="standard deviations", low=3, high=math.inf, meaning="outliers: points so far off are left out"
     )
@@ -61,7 +67,11 @@ class Bundle(Method):
         free[[2, 3]] = self.principal_point
         free[[4, 5, 8][: self.radial]] = True
         free[[6, 7]] = self.tangential
-        return Freedom(free, self.square_pixels)
+        if not (self.usual_lens and self.radial):
+            return Freedom(free, self.square_pixels)
+        known = np.append(self.square_pixels, ~free[4:9])
+        free[4:9] = True
+        return Freedom(free, False, prior=LensPrior.of(known))
 
 
 class BundleFit(NamedTuple):
@@ -124,7 +134,7 @@ def bundle(
         )
     seen, origin = observed(uv, cov), origin_near(all_points(parts))
     near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
-    state, kept = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
+    state, kept, free = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
     fit = completed(state, seen, free, kept, what="bundle adjustment")
     joint = joint_about(fit.rig, fit.joint, -origin)
     return fit._replace(rig=rig_about(fit.rig, -origin), xyz=fit.xyz + origin, joint=joint)
@@ -132,8 +142,9 @@ def bundle(
 
 def adjusted(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
-) -> tuple[BundleState, Bools]:
-    """The state near `state` that fits best, and which points (C, N) it was fitted to."""
+) -> tuple[BundleState, Bools, tuple[Freedom, ...]]:
+    """The state near `state` that fits best, which points (C, N) it was fitted to, and `freedoms` weighed by these."""
+    freedoms = tuple(freedom.about(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True))
     state, scale = solve_robust(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
@@ -150,14 +161,14 @@ def completed(
     covariance, gauge = joint_covariance(
         state, normal_equations(state, used, freedoms), freedoms, np.asarray(kept.any(0))
     )
-    chi2 = cost(state, used, None)
+    chi2 = cost(state, used, freedoms)
     nu = equations(state, kept) - unknowns(state, freedoms, kept) + gauge
     if nu < 1:
         raise KinemarkError(
             f"{int(kept.sum())} image points fit each other, and the cameras and places have more unknowns than they "
             f"give equations ({-nu + 1} too few). Record more, or fit fewer lens terms."
         )
-    joint = covariance * chi2 / nu * max(nu, 3) / (max(nu, 3) - 2)
+    joint = covariance * chi2 / nu * variance_factor(nu)
     residual = residuals(state, seen.uv)
     xyz = np.where(np.asarray(kept.any(0))[:, None], all_points(state.parts), np.nan)
     residual = np.where(np.isnan(xyz[:, :1]), np.nan, residual)

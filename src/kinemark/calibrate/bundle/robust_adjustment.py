@@ -10,6 +10,8 @@ where no point is wrong. With it
 1. Cauchy's weights (c = `SOFT` s) hold wrong points at bay; s falls as the fit improves, until it settles.
 2. Points beyond `reject` s are left out, and the rest is fitted by plain least squares. Points that are near again
    return. This is repeated until nothing changes.
+
+What is usual of lenses (`lens_prior`) is weighed by s.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ TINY = 1e-9  # px or standard deviations; keeps the scale of perfect images abov
 
 def unknowns(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:
     """How many parameters of cameras and used bodies there are."""
-    cameras = sum(f.columns(c).shape[1] for f, c in zip(freedoms, state.cameras, strict=True))
+    cameras = sum(f.unknowns(c) for f, c in zip(freedoms, state.cameras, strict=True))
     return cameras + sum(int(seen.sum()) * part.degrees for part, seen in _used_bodies(state.parts, used))
 
 
@@ -62,6 +64,7 @@ def solve_robust(
     seen = seen._replace(used=used)
     scale = noise_scale(normalised_residuals(state, seen), state, freedoms, used) if used.any() else np.inf
     for _ in range(ROUNDS if used.any() else 0):
+        freedoms = tuple(f.weighed(scale) for f in freedoms)
         state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, tolerance=ROUGH)
         before, scale = scale, noise_scale(normalised_residuals(state, seen), state, freedoms, used)
         if scale > SETTLED * before:
@@ -71,18 +74,19 @@ def solve_robust(
 
 def solve_without_outliers(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float, scale: float
-) -> tuple[BundleState, Bools]:
-    """Step 2, from s: the state, and which points (C, N) were kept."""
+) -> tuple[BundleState, Bools, tuple[Freedom, ...]]:
+    """Step 2, from s: the state, which points (C, N) were kept, and `freedoms` weighed by s."""
     kept = _near(state, seen, supported(state.parts, seen.used), reject * scale)
     for _ in range(ROUNDS):
+        freedoms, before = tuple(f.weighed(scale) for f in freedoms), scale
         state = solve(state, seen._replace(used=kept), freedoms)
         d = normalised_residuals(state, seen)
         scale = noise_scale(d, state, freedoms, kept)
         again = _near(state, seen, seen.used & (kept | (d <= reject * scale)), reject * scale)
-        if (again == kept).all():
+        if (again == kept).all() and (scale > SETTLED * before or not any(f.prior for f in freedoms)):
             break
         kept = again
-    return state, kept
+    return state, kept, freedoms
 
 
 def _near(state: BundleState, seen: ImageObservations, used: Bools, limit: float) -> Bools:

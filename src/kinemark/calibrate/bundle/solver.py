@@ -11,7 +11,7 @@ the second (Cauchy's, `numerics.robust`) for as long as points may be wrong; the
 
 A camera's free parameters act through a matrix T, d parameters = T δ: a unit vector each (3), but where pixels keep
 their shape fy follows fx (4), and where the lens is held in pixels its terms follow the focal length, k_n ∝ f²ⁿ and
-p ∝ f (5), since x = px / f.
+p ∝ f (5), since x = px / f. Of what is usual of lenses (`lens_prior`), each counts as one more residual.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from ...numerics.levenberg_marquardt import Damping, minimise
 from ...numerics.robust import cauchy_loss, cauchy_weight
 from ...numerics.schur import BlockEquations, block_step
 from ..resection import moved
+from .lens_prior import LensPrior
 from .parts import Part, all_points, complete, slices
 
 STEPS = 200  # tries at most; chosen, far more than `benchmarks/bundle.py start` ever takes
@@ -41,11 +42,27 @@ EVERYTHING = np.ones(15, np.bool_)  # all of `data.PARAMETERS`; by definition
 
 
 class Freedom(NamedTuple):
-    """What may change in a camera: free (15) of `data.PARAMETERS`; fy with fx (4); the lens with the focus (5)."""
+    """What may change in a camera: free (15) of `data.PARAMETERS`; fy with fx (4); the lens with the focus (5).
+
+    `prior` is what is known of it beforehand; None: nothing.
+    """
 
     free: Bools
     square: bool = True
     lens_in_pixels: bool = False
+    prior: LensPrior | None = None
+
+    def about(self, camera: Camera) -> Freedom:
+        """What is known beforehand is known about this camera."""
+        return self._replace(prior=self.prior and self.prior.about(camera))
+
+    def weighed(self, scale: float) -> Freedom:
+        """What is known beforehand, for images whose standard deviations are to be multiplied by `scale`."""
+        return self._replace(prior=self.prior and self.prior.weighed(scale))
+
+    def unknowns(self, camera: Camera) -> int:
+        """How many parameters there are more than things known of them beforehand."""
+        return self.columns(camera).shape[1] - (self.prior.known if self.prior else 0)
 
     def columns(self, camera: Camera) -> Floats:
         """T (15, q)."""
@@ -111,12 +128,15 @@ def normalised_residuals(state: BundleState, seen: ImageObservations) -> Floats:
     return np.where(there & ~np.isfinite(d), np.inf, d)
 
 
-def cost(state: BundleState, seen: ImageObservations, soft: float | None = None) -> float:
+def cost(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], soft: float | None = None
+) -> float:
     """(1) with what is known beforehand; infinite where a used point is behind its camera."""
     if not all(_finite_camera(camera) for camera in state.cameras):
         return float("inf")
     with np.errstate(all="ignore"):
         total = sum(part.prior()[2] for part in state.parts)
+        total += sum(f.prior.cost(camera) for f, camera in zip(freedoms, state.cameras, strict=True) if f.prior)
         xyz = all_points(state.parts)
         for camera, uv, whiten, used in zip(state.cameras, *seen, strict=True):
             r = (whiten[used] @ (uv[used] - project(camera, xyz[used]))[..., None])[..., 0]
@@ -137,6 +157,11 @@ def normal_equations(
     T = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
     at = np.cumsum([0] + [t.shape[1] for t in T])
     U, g = np.zeros((at[-1], at[-1])), np.zeros(at[-1])
+    for c, (freedom, camera) in enumerate(zip(freedoms, state.cameras, strict=True)):
+        if freedom.prior:
+            free = slice(at[c], at[c + 1])
+            normal, pull = freedom.prior.equations(camera)
+            U[free, free], g[free] = T[c].T @ normal @ T[c], T[c].T @ pull
     V, W, h = [], [], []
     for part, rows in zip(state.parts, slices(state.parts), strict=True):
         xyz, tangents = part.xyz, part.tangents()
@@ -187,7 +212,7 @@ class _Adjustment:
 
     def cost(self, state: BundleState) -> float:
         """(1)."""
-        return cost(state, self.seen, self.soft)
+        return cost(state, self.seen, self.freedoms, self.soft)
 
     def equations(self, state: BundleState) -> BlockEquations:
         """One block a body."""

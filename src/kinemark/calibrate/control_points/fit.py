@@ -25,6 +25,7 @@ from .checks import check_extent, check_points, labels
 from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
 from .left_out import leave_one_out
 from .mistaken import mistaken_points
+from .shared_survey import with_shared_survey
 
 __all__ = [
     "CameraMethod",
@@ -115,8 +116,8 @@ def calibrate_control_points(
         KinemarkError: a camera sees fewer than six points, or points that repeat or lie in a plane, or too few that
             fit together; or the places are not in mm.
     """
-    fits, centres, _ = _fits(names, sizes, xyz, uv, cov, method, lenses, diameter, labels(points, len(xyz)))
-    return _rig(fits, centres, xyz)
+    fits, centres, spread = _fits(names, sizes, xyz, uv, cov, method, lenses, diameter, labels(points, len(xyz)))
+    return _rig(fits, centres, spread, xyz)
 
 
 def control_point_quality(
@@ -162,7 +163,7 @@ def _examined(
     local = xyz - origin_near(xyz)
     left = leave_one_out(fits, local, uv, cov, method=method)
     return ControlFit(
-        rig=_rig(fits, uv, xyz),
+        rig=_rig(fits, uv, cov, xyz),
         points=points,
         xyz=xyz,
         uv=uv,
@@ -254,7 +255,7 @@ def _corrected_fit(
     return fitted, centres
 
 
-def _rig(fits: list[FittedCamera], centres: Floats, xyz: Floats) -> Rig:
+def _rig(fits: list[FittedCamera], centres: Floats, spread: Floats, xyz: Floats) -> Rig:
     known = xyz[np.isfinite(xyz).all(1)]
     volume = np.stack([known.min(0), known.max(0)]) if len(known) else np.full((2, 3), np.nan)
     out = (np.isfinite(centres[..., 0]).sum(1) - np.array([f.kept.sum() for f in fits], int)) if fits else []
@@ -263,7 +264,9 @@ def _rig(fits: list[FittedCamera], centres: Floats, xyz: Floats) -> Rig:
     words = f"control points: {'DLT' if linear else 'DLT and least squares'}, {len(known)} points"
     words += "; lenses as linearised" if any(f.tied for f in fits) else ""
     words += f"; left out: {', '.join(left_out)}" if left_out else ""
-    return Rig(tuple(camera_about(f.camera, -origin_near(xyz)) for f in fits), words, volume)
+    origin = origin_near(xyz)
+    cameras = with_shared_survey(fits, xyz - origin, centres, spread)
+    return Rig(tuple(camera_about(camera, -origin) for camera in cameras), words, volume)
 
 
 def _stated(cov: Floats) -> bool:

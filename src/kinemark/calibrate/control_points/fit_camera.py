@@ -37,6 +37,7 @@ from ...data.method import Method, parameter
 from ...geometry import camera_about, decompose, fit_dlt, from_dlt, origin_near, parameter_jacobian, project, undistort
 from ...numerics.robust import plane_scale
 from ...numerics.scaled import scaled_inverse
+from ...numerics.small_sample import variance_factor
 from ..resection import ResectionFit, lens_covariance, resect
 from ..stage import CALIBRATE
 
@@ -209,7 +210,7 @@ def _with_covariance(camera: Camera, xyz: Floats, uv: Floats) -> ResectionFit:
     chosen = list(POSE_AND_FOCUS)
     J = parameter_jacobian(camera, xyz)[..., chosen].reshape(-1, len(chosen))
     nu = max(2 * len(xyz) - 11, 1)
-    scale = float((residual**2).sum()) / nu * max(nu, 3) / (max(nu, 3) - 2)  # `resection` (3)
+    scale = float((residual**2).sum()) / nu * variance_factor(nu)  # `resection` (3)
     cov = np.zeros((15, 15))
     cov[np.ix_(chosen, chosen)] = scaled_inverse(J.T @ J) * scale * 11 / 10  # (3)
     rms = float(np.sqrt((residual**2).sum(1).mean()))

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,6 +57,10 @@ class Wand(Method):
         True, meaning="the principal point is fitted; else it stays in the image's centre, or the lens's"
     )
     square_pixels: bool = parameter(True, meaning="pixels are square, fx = fy")
+    usual_lens: bool = parameter(
+        True, meaning="lens terms that are not fitted, and the pixels' shape, may differ from what is taken as much as "
+        "is usual of lenses; else, and where no lens term is fitted, they are exact",
+    )  # fmt: skip
     reject: float = parameter(
         5.0, unit="standard deviations", low=3, high=math.inf, meaning="outliers: points so far off are left out"
     )
@@ -74,7 +78,10 @@ class Wand(Method):
     @property
     def bundle(self) -> Bundle:
         """What the bundle adjustment fits."""
-        return Bundle(self.radial, self.tangential, self.principal_point, self.square_pixels, self.reject, self.seed)
+        return Bundle(
+            radial=self.radial, tangential=self.tangential, principal_point=self.principal_point,
+            square_pixels=self.square_pixels, usual_lens=self.usual_lens, reject=self.reject, seed=self.seed,
+        )  # fmt: skip
 
 
 @CALIBRATE.method("wand", Wand, ways=("wand",))
@@ -186,7 +193,8 @@ def _first_rig(
     """The cameras, and where the markers are along the wand by them (K) mm."""
     uv, cov = at_rows(detections, rows)
     names = detections.cameras
-    fit = calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=method.bundle, lenses=lenses)
+    plain = replace(method.bundle, usual_lens=False)  # else the final fit would be told of its lens what these tell
+    fit = calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses)
     return fit.rig, places_of(fit.xyz.reshape(-1, len(along), 3))
 
 

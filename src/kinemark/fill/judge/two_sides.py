@@ -53,6 +53,9 @@ STEP_MM = 15.0
 """mm, below which a step is none; chosen: about a marker's diameter."""
 FOUR = 4.5
 """Of (3); chosen: references that are out of shape turn what they carry, the more the farther off it is."""
+SCREEN = 0.8
+"""Share of `STEP_MM` by which the marker is off in the one frame after the gap, below which no more is asked; chosen for
+time."""
 HALF = 0.5
 """Share of the step that is there right beside the gap; chosen: what grows over half a second is a movement."""
 ENOUGH = 0.5
@@ -149,7 +152,7 @@ def _carried(x: Floats, references: Ints, gap: Gap) -> bool:
     if not np.isfinite(last + first).all():
         return False
     R, c = rigid_poses(last[:-1], first[None, :-1])
-    return bool(np.linalg.norm(R[0] @ (last[-1] - last[:-1].mean(0)) + c[0] - first[-1]) < STEP_MM / 2)
+    return bool(np.linalg.norm(R[0] @ (last[-1] - last[:-1].mean(0)) + c[0] - first[-1]) < SCREEN * STEP_MM)
 
 
 def _windows(x: Floats, gap: Gap, rate: float) -> list[_Window]:

@@ -1,8 +1,8 @@
 """Gaps after which a marker is elsewhere on its body: put on anew, or another marker.
 
 No hold-out gap tells of it, as the marker is the same on both sides of each. The markers that keep their distance from
-it best, on the side where that varies more, are its references. A rigid motion (R, c) lays their mean shape on them in
-every frame, and the marker x lies in them at
+it best, on the side where that varies more, are its references. A rigid motion (R, c) lays their shape in one frame on them in every other, and the marker x lies in
+them at
 
     q(t) = R(t)ᵀ (x(t) − c(t))                                                                             (1)
 
@@ -11,7 +11,7 @@ an interval as long as the gap, and b(m) that over the m frames before it, the s
 same of all intervals in which the marker is seen throughout has the greatest value u. The marker's place in the
 references, and theirs in their own shape, change by (2) and by s. The two sides contradict each other where
 
-    |a − b| > STEP_MM,    |a − b| > FOUR s    and    |a − b| > USUAL u                                   (3)
+    |a − b| > STEP_MM,    |a − b| > TIMES_OWN s    and    |a − b| > TIMES_USUAL u                         (3)
 
 in windows of one of two lengths: the short ones tell of short gaps, the long ones average over a part of a stride, and
 the short ones must show half of their step. Where few intervals are seen throughout, u is taken over all that the gap
@@ -44,15 +44,15 @@ REFERENCES, LEAST = 5, 4
 RANKED = 40
 """Frames of each side in which distances are compared; chosen for time."""
 SHAPED = 32
-"""Frames from which the shape of the references is learnt; chosen for time."""
+"""Frames of which the middle one that shows all references gives their shape; chosen for time."""
 LOOKED = 6
 """Frames of a window that are looked at before anything is worked out in full; chosen for time."""
 FLAT = 0.1
 """Least breadth of the references' shape over its length; chosen, as in `rigid_body`."""
 STEP_MM = 15.0
 """mm, below which a step is none; chosen: about a marker's diameter."""
-FOUR = 4.5
-"""Of (3); chosen: references that are out of shape turn what they carry, the more the farther off it is."""
+TIMES_OWN = 4.5
+"""Times s of (3), without unit; chosen: references that are out of shape turn what they carry."""
 SCREEN = 0.8
 """Share of `STEP_MM` by which the marker is off in the one frame after the gap, below which no more is asked; chosen for
 time."""
@@ -61,8 +61,8 @@ HALF = 0.5
 ENOUGH = 0.5
 """Share of the intervals without the gap in which the marker must be seen throughout; chosen: fewer do not show how it
 moves."""
-USUAL = 1.5
-"""Of (3); chosen: see docs/theory/fill.md."""
+TIMES_USUAL = 1.5
+"""Times u of (3), without unit; chosen: see docs/theory/fill.md."""
 
 
 class _Window(NamedTuple):
@@ -92,15 +92,13 @@ class _Body(NamedTuple):
     shape: Floats
 
     @classmethod
-    def learnt(cls, x: Floats, references: Ints) -> _Body | None:
-        """From some frames of the trial (M, F, 3) that show all; None where there is none, or they lie on a line."""
+    def shown(cls, x: Floats, references: Ints) -> _Body | None:
+        """From one frame of the trial (M, F, 3) that shows all; None where there is none, or they lie on a line."""
         points = x[references, :: max(1, x.shape[1] // SHAPED)].swapaxes(0, 1)
         points = points[np.isfinite(points).all((1, 2))]
-        if not len(points) or on_line(points[len(points) // 2], FLAT):
+        if not len(points) or on_line(middle := points[len(points) // 2], FLAT):
             return None
-        middle = points[len(points) // 2]
-        R, c = rigid_poses(middle, points)
-        return cls(references, ((points - c[:, None]) @ R).mean(0))
+        return cls(references, middle - middle.mean(0))
 
     def places(self, x: Floats, marker: int, frames: Ints | slice) -> Floats:
         """(F, N + 1, 3) mm, (1) of the references and of the marker, which is last; NaN where one is missing."""
@@ -121,10 +119,10 @@ def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
     references = _references(x, gap, windows[-1]) if windows else np.zeros(0, np.int64)
     if len(references) < LEAST or _carried(x, references, gap):
         return 0.0
-    every = _Body.learnt(x, references)
+    every = _Body.shown(x, references)
     if every is not None and _steps(x, every, gap, windows[0]).marker < STEP_MM:
         return 0.0
-    fewer = [_Body.learnt(x, np.delete(references, k)) for k in range(len(references))]
+    fewer = [_Body.shown(x, np.delete(references, k)) for k in range(len(references))]
     bodies = [body for body in (every, *fewer) if body is not None]
     return _apart(x, bodies, gap, windows)
 
@@ -135,13 +133,15 @@ def _apart(x: Floats, bodies: list[_Body], gap: Gap, windows: list[_Window]) -> 
     for window in windows if bodies else ():
         steps = near if window is windows[0] else [_steps(x, body, gap, window) for body in bodies]
         off = [
-            far.marker > max(STEP_MM, FOUR * far.references) and beside.marker > HALF * far.marker
+            far.marker > max(STEP_MM, TIMES_OWN * far.references) and beside.marker > HALF * far.marker
             for beside, far in zip(near, steps, strict=True)
         ]
         if not off[int(np.argmin([step.references for step in steps]))]:
             continue
         for body, step, is_off in zip(bodies, steps, off, strict=True):
-            if is_off and step.marker > USUAL * _usual(body.places(x, gap.marker, slice(None))[:, -1], x, gap, window):
+            if is_off and step.marker > TIMES_USUAL * _usual(
+                body.places(x, gap.marker, slice(None))[:, -1], x, gap, window
+            ):
                 return step.marker
     return 0.0
 

@@ -1,8 +1,8 @@
 """Gaps after which a marker is elsewhere on its body: put on anew, or another marker.
 
 No hold-out gap tells of it, as the marker is the same on both sides of each. The markers that keep their distance from
-it best, on the side where that varies more, are its references. A rigid motion (R, c) lays their shape in one frame on them in every other, and the marker x lies in
-them at
+it best, on the side where that varies more, are its references. A rigid motion (R, c) lays their shape in one frame on
+them in every other, and the marker x lies in them at
 
     q(t) = R(t)ᵀ (x(t) − c(t))                                                                             (1)
 
@@ -54,7 +54,7 @@ STEP_MM = 15.0
 TIMES_OWN = 4.5
 """Times s of (3), without unit; chosen: references that are out of shape turn what they carry."""
 SCREEN = 0.8
-"""Share of `STEP_MM` by which the marker is off in the one frame after the gap, below which no more is asked; chosen for
+"""Share of `STEP_MM`: where the marker is off by less in the first frame after the gap, no more is asked; chosen for
 time."""
 HALF = 0.5
 """Share of the step that is there right beside the gap; chosen: what grows over half a second is a movement."""

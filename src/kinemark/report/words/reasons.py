@@ -83,8 +83,8 @@ def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
             )
         case "sides_contradict":
             return (
-                f"before and after it the marker lies {gap['sides_mm']:.0f} mm apart on its body: it is another marker, "
-                "or was put on anew"
+                f"before and after it the marker lies {gap['sides_mm']:.0f} mm apart on its body: it is another "
+                "marker, or was put on anew"
             )
         case "no_hold_out":
             return "no hold-out gap could be made: too little of the trial is known to estimate the error of a fill"

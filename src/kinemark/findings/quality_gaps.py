@@ -50,7 +50,7 @@ class GapData(TypedDict):
         "left_open",
     ]
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
-    `limit_mm`, `sd_max_mm` or `jump_mm` contradicts the error expected, the marker is elsewhere on its body after it, by
-    `sides_mm`, or since somebody chose so."""
+    `limit_mm`, `sd_max_mm` or `jump_mm` contradicts the error expected, the marker is elsewhere on its body after it
+    (`sides_mm`), or since somebody chose so."""
     reason: str
     """What the method lacked where it has no prediction; else empty."""

@@ -220,7 +220,7 @@ def test_words_are_added_once_and_never_read_back():
 
 def test_each_state_of_an_open_gap_says_why():
     gap = {"candidates_mm": {"linear": 31.04, "body": 40.0}, "expected_mm": 31.04, "reason": "needs six samples"}
-    gap |= {"sd_max_mm": 716.0, "jump_mm": 33.04}
+    gap |= {"sd_max_mm": 716.0, "jump_mm": 33.04, "sides_mm": 150.2}
     said = {state: open_gap_text(gap | {"state": state}, 20.0) for state in get_args(GapState)}
     assert said["above_limit"] == (
         "the best method (linear) is expected to be off by 31.0 mm, more than the limit of 20 mm"
@@ -228,6 +228,7 @@ def test_each_state_of_an_open_gap_says_why():
     assert said["not_predicted"] == "needs six samples" and "no hold-out gap" in said["no_hold_out"]
     assert "716.0 mm, contradicts the error expected, 31.0 mm" in said["sd_contradicts"]
     assert "jumps by 33.0 mm" in said["jump_contradicts"]
+    assert "lies 150 mm apart on its body" in said["sides_contradict"]
     assert said["filled"] == "–" and len(set(said.values())) == len(said)
 
 

@@ -53,6 +53,8 @@ FILLING = (
     Kind("gaps_untested", "fill", "amber", "Gaps filled without an expected error.", {"gaps": "count"}),
     Kind("gaps_beyond_tests", "fill", "amber", "Gaps filled in which the body part moves clearly more than in any "
          "hold-out gap; max_ratio is how many times as much at most.", {"gaps": "count", "max_ratio": "ratio"}),
+    Kind("gap_sides_contradict", "fill", "amber", "Gaps after which a marker is elsewhere on its body than before: "
+         "another marker, or put on anew.", {"gaps": "count", "where_list": "text"}),
     Kind("samples_far_away", "fill", "amber", "Samples farther than a kilometre from the others.",
          {"samples": "count"}),
     Kind("samples_replaced", "fill", "info", "Measured samples beside gaps that were replaced.",

@@ -270,12 +270,14 @@ def _predictions(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Pred
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
-    """The same, open where no error or too great a one is expected, or the fill contradicts what is expected."""
+    """The same, open where no error or too great a one is expected, or it cannot be one marker's."""
     if found.state != "filled":
         return found
     expected = found.expected_mm
     state = cast(GapState, found.state)
-    if not np.isfinite(expected):
+    if found.sides_mm and np.isfinite(limit_mm):
+        state = "sides_contradict"
+    elif not np.isfinite(expected):
         state = "no_hold_out"
     elif expected > limit_mm:
         state = "above_limit"

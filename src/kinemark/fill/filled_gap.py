@@ -11,11 +11,19 @@ import numpy as np
 from ..data import Trajectories
 
 GapState = Literal[
-    "filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts", "left_open"
+    "filled",
+    "not_predicted",
+    "no_hold_out",
+    "above_limit",
+    "sd_contradicts",
+    "jump_contradicts",
+    "sides_contradict",
+    "left_open",
 ]
 """What became of a gap: filled; open, since no method has a prediction, since no hold-out gap could be made that would
 tell the error, since more error is expected than is allowed, since the largest standard deviation in it or a jump
-contradicts the error expected (`judge.contradiction`), or since somebody chose so."""
+contradicts the error expected (`judge.contradiction`), since the marker is elsewhere on its body after the gap
+(`judge.two_sides`), or since somebody chose so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +41,8 @@ class FilledGap:
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
         sd_mm: largest standard deviation of an axis in it; NaN where none is known.
         jump_mm: by how much the fill jumps more than the marker and its reference markers do.
+        sides_mm: by how much the marker is elsewhere on its body after it, where both sides cannot be one marker at one
+            place (`judge.two_sides`); else 0.
         motion_ratio: how many times as much the body part moves in it as in any hold-out gap that tells its error
             (`judge.motion`); much above 1, the error is expected by what those show of how errors grow. NaN: not known.
         suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
@@ -52,6 +62,7 @@ class FilledGap:
     suspicious: tuple[int, ...] = ()
     sd_mm: float = np.nan
     jump_mm: float = 0.0
+    sides_mm: float = 0.0
     motion_ratio: float = np.nan
     state: GapState = "filled"
     reason: str = ""

@@ -12,6 +12,7 @@ from .filled_gap import FilledGap
 from .judge.choice import CandidateFill
 from .judge.contradiction import largest_jump
 from .judge.doubtful_edges import TiedFill, doubted, method_again, without_suspicious
+from .judge.two_sides import apart_on_the_body
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 
 
@@ -68,5 +69,5 @@ def _judged(one: ChosenFill, known: KnownEdges, apart: Floats | None) -> tuple[F
     beside = known.suspicious.get(one.gap, ())
     xyz, references = one.prediction.xyz, one.prediction.references
     jump = 0.0 if beside else largest_jump(known.motion, one.gap, xyz, references)  # none to a bad sample
-    found = replace(one.found, suspicious=beside, jump_mm=jump)
+    found = replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=apart_on_the_body(known.trimmed, one.gap))
     return (found, one.cov) if apart is None else doubted(found, one.cov, apart)

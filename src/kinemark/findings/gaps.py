@@ -149,6 +149,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "expected_mm": gap.expected_mm,
         "sd_max_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
         "jump_mm": gap.jump_mm,
+        "sides_mm": gap.sides_mm,
         "motion_ratio": gap.motion_ratio,
         "candidates_mm": dict(gap.candidates),
         "tests": gap.tests,
@@ -186,12 +187,31 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("tracks_not_filled", tracks=n, gaps=figures["nameless_gaps"])
     if n := figures["computed_points"]:
         yield make_finding("computed_not_filled", points=n)
+    yield from _elsewhere(figures)
     yield from _odd_samples(figures)
     if figures["much_filled"]:
         yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
     if figures["never_seen"]:
         markers = figures["never_seen"]
         yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
+
+
+def _elsewhere(figures: dict[str, Any]) -> Iterator[Finding]:
+    """Gaps after which a marker is elsewhere on its body, filled or not."""
+    about = [gap for gap in figures["list"] if gap["sides_mm"]]
+    if not about:
+        return
+    spans = [(gap["first_frame"], gap["last_frame"]) for gap in about]
+    yield make_finding(
+        "gap_sides_contradict",
+        markers=dict.fromkeys(gap["marker"] for gap in about),
+        frames=spans,
+        gaps=len(about),
+        where_list=[
+            f"{gap['marker']} {first}–{last}, {gap['sides_mm']:.0f} mm apart"
+            for gap, (first, last) in zip(about, spans, strict=True)
+        ],
+    )
 
 
 def _odd_samples(figures: dict[str, Any]) -> Iterator[Finding]:

@@ -26,6 +26,8 @@ class GapData(TypedDict):
     """Greatest standard deviation of an axis within it, also of a fill that was not kept."""
     jump_mm: float
     """By how much the fill jumps more than the marker and its reference markers do."""
+    sides_mm: float
+    """By how much the marker is elsewhere on its body after it, where that is no posture; else 0."""
     motion_ratio: Number
     """How many times as much the body part moves in it as in any hold-out gap that tells its error."""
     candidates_mm: dict[str, Number]
@@ -38,9 +40,17 @@ class GapData(TypedDict):
     suspicious: list[int]
     """Measured frames beside it that stand out from the marker's own motion and were kept."""
     state: Literal[
-        "filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts", "left_open"
+        "filled",
+        "not_predicted",
+        "no_hold_out",
+        "above_limit",
+        "sd_contradicts",
+        "jump_contradicts",
+        "sides_contradict",
+        "left_open",
     ]
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
-    `limit_mm`, or `sd_max_mm` or `jump_mm` contradicts the error expected."""
+    `limit_mm`, `sd_max_mm` or `jump_mm` contradicts the error expected, the marker is elsewhere on its body after it
+    (`sides_mm`), or since somebody chose so."""
     reason: str
     """What the method lacked where it has no prediction; else empty."""

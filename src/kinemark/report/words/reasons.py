@@ -81,6 +81,11 @@ def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
                 f"the fill jumps by {gap['jump_mm']:.1f} mm more than the marker does elsewhere, which contradicts the "
                 f"error expected, {gap['expected_mm']:.1f} mm"
             )
+        case "sides_contradict":
+            return (
+                f"before and after it the marker lies {gap['sides_mm']:.0f} mm apart on its body: it is another "
+                "marker, or was put on anew"
+            )
         case "no_hold_out":
             return "no hold-out gap could be made: too little of the trial is known to estimate the error of a fill"
         case "left_open":

@@ -135,6 +135,12 @@ FILLING_WORDS = {
         "as much: the expected {gaps:error is|errors are} extrapolated from easier ones.",
         "Look at {gaps:its drawing|their drawings}, and compare distances to other markers of the body part.",
     ),
+    "gap_sides_contradict": Words(
+        "Before and after {gaps} {gaps:gap|gaps} a marker lies on different places of its body: {where_list}. It is "
+        "another marker on one side, or it was put on anew or slipped.",
+        "Look at which side is right, and name or leave out the other; it may be wrong far beyond the gap. Where both "
+        "are right, fill with a method chosen for this gap, or with --limit-mm inf.",
+    ),
     "samples_far_away": Words(
         "{samples} {samples:sample|samples} farther than a kilometre from the others: no {samples:position of a "
         "marker|positions of markers}. {samples:It is|They are} missing now, or filled.",

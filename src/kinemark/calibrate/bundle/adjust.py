@@ -26,7 +26,6 @@ from .robust_adjustment import degrees_of_freedom, solve_robust, solve_without_o
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 from .usual_terms import with_usual_terms
 
-USUAL_HELD = True
 VAGUE = 0.1
 """A focal length is not known if its standard deviation is more than this share of it; chosen (see
 benchmarks/bundle.py)."""
@@ -149,7 +148,7 @@ def adjusted(
     freedoms = tuple(freedom.about(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True))
     state, scale = solve_robust(state, seen, freedoms)
     state, kept, freedoms = solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
-    if USUAL_HELD and any(freedom.prior for freedom in freedoms):
+    if any(freedom.prior for freedom in freedoms):
         state = with_usual_terms(state, seen, freedoms, kept)
     return state, kept, freedoms
 

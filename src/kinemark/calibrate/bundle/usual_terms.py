@@ -23,7 +23,7 @@ from itertools import product
 
 import numpy as np
 
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from .lens_prior import at_usual, directions_of, values_of
 from .parameter_covariance import joint_covariance
 from .robust_adjustment import degrees_of_freedom
@@ -32,6 +32,7 @@ from .solver import BundleState, Freedom, ImageObservations, cost, normal_equati
 KINDS = np.array([0, 1, 1, 2, 2, 1])
 """Of `lens_prior` (1): the pixels' shape, radial terms, tangential terms; by definition."""
 PRICE = 2.0  # of a parameter, in squares of standard deviations, by (3)
+NEAR = 1e-5  # share of the cost that the last fit may still fall by; chosen: far less than one standard deviation
 
 
 def with_usual_terms(
@@ -45,18 +46,16 @@ def with_usual_terms(
         at_usual(camera, f.prior, held[KINDS]) if f.prior else camera
         for f, camera in zip(freedoms, state.cameras, strict=True)
     )
-    return solve(state._replace(cameras=cameras), seen._replace(used=kept), tuple(f.held(held[KINDS]) for f in freedoms))
+    fewer = tuple(freedom.held(held[KINDS]) for freedom in freedoms)
+    return solve(state._replace(cameras=cameras), seen._replace(used=kept), fewer, tolerance=NEAR)
 
 
 def needless(state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...]) -> Bools:
     """Which of the three `KINDS` are held by (3), of a state that fits best."""
     kind, m, P, precision = _terms(state, seen, freedoms)
-    there = np.isin(np.arange(3), kind)
     best, least = np.zeros(3, np.bool_), 0.0
     for held in map(np.array, product([False, True], repeat=3)):
         i = held[kind]
-        if not i.any() or (held & ~there).any():
-            continue
         block = P[np.ix_(i, i)]
         won = m[i] @ np.linalg.solve(block, m[i]) - PRICE * (1 - np.diag(block) * precision[i]).sum()  # (1), (2)
         if won < least:
@@ -66,9 +65,11 @@ def needless(state: BundleState, seen: ImageObservations, freedoms: tuple[Freedo
 
 def _terms(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...]
-) -> tuple[np.ndarray, Floats, Floats, Floats]:
+) -> tuple[Ints, Floats, Floats, Floats]:
     """Of all cameras' terms with a prior: their kind, m / s, P and the diagonal of Λ."""
-    covariance, gauge = joint_covariance(state, normal_equations(state, seen, freedoms), freedoms, seen.used.any(0))
+    covariance, gauge = joint_covariance(
+        state, normal_equations(state, seen, freedoms), freedoms, np.asarray(seen.used.any(0))
+    )
     s = np.sqrt(cost(state, seen, freedoms) / max(degrees_of_freedom(state, freedoms, seen.used) + gauge, 1))
     kind, m, rows, precision = [], [], [], []
     for c, (freedom, camera) in enumerate(zip(freedoms, state.cameras, strict=True)):

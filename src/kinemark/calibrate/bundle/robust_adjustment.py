@@ -44,7 +44,7 @@ def equations(state: BundleState, used: Bools) -> int:
 
 
 def degrees_of_freedom(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:
-    """ν: equations less unknowns, of which the world's own motions are none."""
+    """ν, to which the world's own motions, g of `parameter_covariance`, are to be added."""
     return equations(state, used) - unknowns(state, freedoms, used)
 
 

@@ -13,8 +13,6 @@ to the sum of squares, and saves as many parameters as the images determine,
 (MacKay 1992). They are held if (1) is less than 2 γ (3), as Akaike (1974) judges models. Kinds of terms (`KINDS`) are
 judged together over all cameras, and those are held for which (1) − 2 γ is least. The covariance remains that of the
 fit in which they were free: a held term may be off by as much as the images leave open.
-
-Akaike, H. (1974) IEEE Trans. Automatic Control 19, 716. MacKay, D. J. C. (1992) Neural Computation 4, 415.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ def test_moving_stick(table):
 def test_walking_subject(table):
     walk = table["walk, laid on the truth: RMSE, mm (quoted: best open)"]
     assert walk["wand"] < 0.08  # the bar: 0.15, the best open program 0.11
-    assert walk["wand"] < 0.8 * min(walk["linearised"], walk["lens terms"])  # the survey's errors are not in it
+    assert walk["wand"] < 0.7 * min(walk["linearised"], walk["lens terms"])  # the survey's errors are not in it
     assert walk["DLT"] > 1.0
 
 

@@ -40,7 +40,7 @@ def test_a_waved_marker_gives_cameras_up_to_scale():
     assert not (fit.kept & bad).any()
     used = np.isfinite(fit.xyz).all(1)
     A, b, s = similarity(fit.xyz[used], xyz[used], scale=True)
-    assert np.sqrt(((s * fit.xyz[used] @ A.T + b - xyz[used]) ** 2).sum(1).mean()) < 0.7
+    assert np.sqrt(((s * fit.xyz[used] @ A.T + b - xyz[used]) ** 2).sum(1).mean()) < 0.6
     sd = np.sqrt([camera.cov[0, 0] for camera in fit.rig])
     assert np.abs([camera.K[0, 0] - 1300 for camera in fit.rig] / sd).max() < 4.5
     one, other = np.flatnonzero(used)[[0, -1]]

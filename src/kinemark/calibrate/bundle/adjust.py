@@ -22,8 +22,9 @@ from .camera_step import CameraStep
 from .lens_prior import LensPrior
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
-from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
+from .robust_adjustment import degrees_of_freedom, solve_robust, solve_without_outliers
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
+from .usual_terms import with_usual_terms
 
 VAGUE = 0.1
 """A focal length is not known if its standard deviation is more than this share of it; chosen (see
@@ -146,7 +147,10 @@ def adjusted(
     """The state near `state` that fits best, which points (C, N) it was fitted to, and `freedoms` weighed by these."""
     freedoms = tuple(freedom.about(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True))
     state, scale = solve_robust(state, seen, freedoms)
-    return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
+    state, kept, freedoms = solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
+    if any(freedom.prior for freedom in freedoms):
+        state = with_usual_terms(state, seen, freedoms, kept)
+    return state, kept, freedoms
 
 
 def completed(
@@ -162,7 +166,7 @@ def completed(
         state, normal_equations(state, used, freedoms), freedoms, np.asarray(kept.any(0))
     )
     chi2 = cost(state, used, freedoms)
-    nu = equations(state, kept) - unknowns(state, freedoms, kept) + gauge
+    nu = degrees_of_freedom(state, freedoms, kept) + gauge
     if nu < 1:
         raise KinemarkError(
             f"{int(kept.sum())} image points fit each other, and the cameras and places have more unknowns than they "

@@ -17,6 +17,7 @@ say nothing it stays at v₀, and the covariance of the camera has its σ².
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +48,7 @@ class LensPrior(NamedTuple):
 
     def about(self, camera: Camera) -> LensPrior:
         """About this camera."""
-        return self._replace(usual=_values(camera))
+        return self._replace(usual=values_of(camera))
 
     def weighed(self, scale: float) -> LensPrior:
         """For images whose standard deviations are to be multiplied by `scale`, (3)."""
@@ -55,18 +56,32 @@ class LensPrior(NamedTuple):
 
     def cost(self, camera: Camera) -> float:
         """Squares of (2)."""
-        return float(self.precision @ (_values(camera) - self.usual) ** 2)
+        return float(self.precision @ (values_of(camera) - self.usual) ** 2)
 
     def equations(self, camera: Camera) -> tuple[Floats, Floats]:
         """Share of the normal matrix (15, 15) of `data.PARAMETERS`, and of the right side (15)."""
-        fx, fy = camera.K[0, 0], camera.K[1, 1]
-        D = np.zeros((6, 15))
-        D[0, :2] = -fy / fx**2, 1 / fx
-        D[1:, 4:9] = np.eye(5)
+        D = directions_of(camera)
         weighed = D.T * self.precision
-        return weighed @ D, weighed @ (self.usual - _values(camera))
+        return weighed @ D, weighed @ (self.usual - values_of(camera))
 
 
-def _values(camera: Camera) -> Floats:
+def values_of(camera: Camera) -> Floats:
     """(1)."""
     return np.array([camera.K[1, 1] / camera.K[0, 0], *camera.distortion])
+
+
+def directions_of(camera: Camera) -> Floats:
+    """Derivatives (6, 15) of (1) by `data.PARAMETERS`."""
+    fx, fy = camera.K[0, 0], camera.K[1, 1]
+    D = np.zeros((6, 15))
+    D[0, :2] = -fy / fx**2, 1 / fx
+    D[1:, 4:9] = np.eye(5)
+    return D
+
+
+def at_usual(camera: Camera, prior: LensPrior, terms: Bools) -> Camera:
+    """The camera with those of `terms` (6) that a prior is of at v₀."""
+    values = np.where(terms & (prior.precision > 0), prior.usual, values_of(camera))
+    K = camera.K.copy()
+    K[1, 1] = values[0] * K[0, 0]
+    return replace(camera, K=K, distortion=values[1:])

@@ -43,6 +43,11 @@ def equations(state: BundleState, used: Bools) -> int:
     return 2 * int(used.sum()) + surveyed
 
 
+def degrees_of_freedom(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:
+    """ν, to which the world's own motions, g of `parameter_covariance`, are to be added."""
+    return equations(state, used) - unknowns(state, freedoms, used)
+
+
 def _used_bodies(parts: tuple[Part, ...], used: Bools) -> list[tuple[Part, Bools]]:
     """Each part, and which of its bodies are seen."""
     pairs = zip(parts, slices(parts), strict=True)

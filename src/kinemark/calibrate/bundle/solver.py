@@ -60,6 +60,15 @@ class Freedom(NamedTuple):
         """What is known beforehand, for images whose standard deviations are to be multiplied by `scale`."""
         return self._replace(prior=self.prior and self.prior.weighed(scale))
 
+    def held(self, terms: Bools) -> Freedom:
+        """Those of the terms (6) of `lens_prior` that something is known of stay as they are."""
+        if not self.prior:
+            return self
+        held = terms & (self.prior.precision > 0)
+        free = self.free.copy()
+        free[4:9] &= ~held[1:]
+        return self._replace(free=free, square=self.square or bool(held[0]))
+
     def unknowns(self, camera: Camera) -> int:
         """How many parameters there are more than things known of them beforehand."""
         return self.columns(camera).shape[1] - (self.prior.known if self.prior else 0)

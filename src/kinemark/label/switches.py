@@ -93,17 +93,19 @@ def _with_none(nats: Single, stretches: Stretches, label: Ints) -> Single:
     """
     T, K, L = nats.shape
     out = np.concatenate([nats, np.zeros((T, K, 1), np.float32)], axis=2)
+    holders = np.full((K, L), -np.inf, np.float32)
     held, claimed = np.zeros((L, stretches.seen.shape[1]), bool), np.zeros((K, L), np.float32)
     for t in range(T):
         if label[t] >= 0:
             held[label[t]] |= stretches.seen[t]
+            holders[:, label[t]] = np.fmax(holders[:, label[t]], nats[t, :, label[t]])
         else:
             claimed = np.fmax(claimed, nats[t])
     begins = np.r_[0, (stretches.frame[:-1] + stretches.frame[1:] + 1) // 2]
     for t in np.flatnonzero(np.isfinite(nats[..., 0]).sum(1) >= LEAST_ROWS).tolist():
         if label[t] < 0:
             both = np.logical_or.reduceat(held & stretches.seen[t], begins, axis=1).T
-            out[t, :, :-1][both] = -np.inf
+            out[t, :, :-1][both & (holders >= OTHERS * nats[t])] = -np.inf  # else the holder may leave it
         else:
             own = claimed[:, label[t]]
             out[t, :, -1] = np.where(own > 0, own, -np.inf)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import label, learn_template
+from kinemark.label import learn_template, passed_on
 from kinemark.label.evidence import PairScore
-from kinemark.label.passed_on import at_most_passed_on, likely_chains, passed_back
+from kinemark.label.passed_on import likely_chains, passed_back
 from kinemark.label.stretches import FREE, stretches_of
 from kinemark.synth import walking, with_markers
 
@@ -56,12 +56,6 @@ def taken_back(tracks, label, fixed=()):
     return passed_back(stretches, label, template(), PairScore.of_template(template()))
 
 
-def most(tracks, label, by):
-    """Probabilities that are left of names that were sure."""
-    stretches = stretches_of(tracks, by.size)
-    return at_most_passed_on(np.where(label >= 0, 1.0, 0.0), stretches, label, by, PairScore.of_template(by))
-
-
 CHAINS = [(0, 2), (10, 3), (20, 2), (30, 4)]
 
 
@@ -72,38 +66,22 @@ def test_names_that_an_extra_marker_passed_on_are_taken_back(first, n):
     np.testing.assert_array_equal(taken_back(tracks, right), right)
 
 
-@pytest.mark.parametrize(("first", "n"), CHAINS)
-def test_names_that_may_have_been_passed_on_are_not_sure(first, n):
-    tracks, right, moved = crowded(first, n)
-    assert most(tracks, moved, template())[right != moved].max() < 0.5
-    p = most(tracks, right, template())
-    assert np.mean(p[right >= 0] >= 0.99) > 0.9 and p[right < 0] == 0
-
-
 def test_what_was_stated_is_not_taken_back():
     tracks, _, moved = crowded(*CHAINS[0])
     np.testing.assert_array_equal(taken_back(tracks, moved, fixed=[3]), moved)
 
 
-def test_names_by_the_subjects_own_template_stay_as_sure_as_they_were():
+@pytest.mark.parametrize(("gain", "taken"), [(5.0, False), (12.0, True)])
+def test_a_chain_that_gains_little_stays(gain, taken, monkeypatch):
+    """Of other subjects' templates right names gained as much: by 4.3 and 4.6 nats three trials of four lost some."""
     tracks, _, moved = crowded(*CHAINS[0])
-    assert (most(tracks, moved, learn_template(walk(1))) == 1).all()
-
-
-@pytest.mark.parametrize(("first", "n"), CHAINS)
-def test_no_name_is_sure_and_wrong_beside_an_extra_marker(first, n):
-    tracks, right, _ = crowded(first, n)
-    found = label(tracks, template())
-    wrong = [
-        name
-        for name, state, a in zip(found.names, found.state, right.tolist(), strict=True)
-        if state == "sure" and name != (template().names[a] if a >= 0 else None)
-    ]
-    assert not wrong and sum(one == "sure" for one in found.state) > 25
+    gains = iter([gain])
+    monkeypatch.setattr(passed_on, "undone", lambda _, now, *rest: (np.full_like(now, -1), next(gains, -np.inf)))
+    assert (taken_back(tracks, moved) == -1).all() == taken
 
 
 def test_chains_go_where_most_is_gained_and_end_where_nothing_is():
     gain = np.full((4, 4), -np.inf)
     gain[0, 1], gain[1, 2], gain[2, 3], gain[0, 3] = 1.0, 2.0, -1.0, -9.0
     found = likely_chains(gain)
-    assert {(0, 1), (0, 1, 2), (1, 2), (2, 3)} == found
+    assert {(0, 1), (0, 1, 2), (1, 2)} == found

@@ -30,7 +30,6 @@ from .margin import (
     track_probability,
 )
 from .parts import KNOWN, placed_share, with_parts
-from .passed_on import at_most_passed_on
 from .recalibration import by_what_is_absent, recalibrated
 from .solve import solve, solve_with_facts
 from .stage import LABEL
@@ -168,8 +167,7 @@ def _of_body(
     after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
     about = anchored(margins(stretches, label, template, pairs, after), label, fixed)
     p = probability_of_all(trajectories, template, after or pairs, label, about, stretches.weight, method)
-    p = at_most_tellers(p, stretches, label, template, pairs)
-    p = at_most_even(at_most_passed_on(p, stretches, label, template, pairs), sides.undecided)
+    p = at_most_even(at_most_tellers(p, stretches, label, template, pairs), sides.undecided)
     state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(
         names=_names(label, template),

@@ -3,21 +3,19 @@
 A marker that the template does not know, worn near a label's place, can take that label's name; the marker robbed
 takes the next one's, and so on, to a label that no marker has. By another subject's template each lies fairly where it
 should, and that one marker more has a name outweighs that all lie worse. So the chain of labels a₀ … a_n is
-undone: the marker of a₀ has no name, and that of each a_i the name a_{i−1}. The name a_i is compared with it in
-labellings that keep it, with as many names, or with one more, worth what names are worth in the median, s, less what an
-absent and an extra marker cost, c, the more so where the trial has none otherwise:
+undone: the marker of a₀ has no name, and that of each a_i the name a_{i−1}. That is compared with what the names
+are without any of the chain's, and with how they are, which is one name more, worth what names are worth in the median,
+s, less what an absent and an extra marker cost, c, the more so where the trial has none otherwise. Undone, it gains
 
-    d_i = max( max over k ≠ i of S(as it is, without a_k),  S(as it is) − s + c ) − S(undone)                      (1)
+    min( S(undone) − max over k of S(as it is, without a_k),  S(undone) − S(as it is) + s − c )                    (1)
 
-nats, with S the sum of `arrange` (1). The least over all chains with a_i counts. Which chains are likely follows from
-what markers are worth by the names as they are: a step from a to b gains
+nats, with S the sum of `arrange` (1). Which chains are likely follows from what markers are worth by the names as they
+are: a step from a to b gains
 
     g(a, b) = w(marker of b, a) − w(marker of a, a).                                                              (2)
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,41 +32,15 @@ STEPS = 5
 """Of a chain, at most; chosen, as `chains.LONGEST` has it: the spine of the largest set has so many markers."""
 EACH = 2
 """Chains that are tried from a label, by their first step; chosen."""
-LIKELY = -8.0
-"""Nats by (2) below which a chain is not tried; chosen: by (1) it would lose as much, which makes no name doubtful."""
+LIKELY = 0.0
+"""Nats by (2) below which a chain is not tried; by definition: it would lose by (1) as well."""
 ODD, FIRST = 8.0, 4.0
 """c of (1), nats, and what is added to it where the trial has no absent label otherwise, and where it has no marker
 without name; chosen of 4, 6, 8 and 10, and of 0 to 6, by the log score of 1 962 labels of 33 shreds by other subjects'
 templates, 28 of them with as many markers absent as there are extra ones, and four rows of benchmarks/labelling.py."""
-EVEN, SLOPE = -6.0, 0.5
-"""Nats (1) at which a name is at most as likely as not, and by how many logits a nat; chosen on the same labels, of
-which 46 are wrong: all but one of seven that were sure and wrong are not sure by it, and 6 of 1 736 right ones."""
-CLEARLY = 4.0
-"""Nats by which a labelling with a chain undone must score more; chosen: of the same labels that lost so much by (1)
-16 were wrong, and seven right."""
-
-
-class Undone(NamedTuple):
-    """(L) nats (1) of labels, infinite where no chain has it; (M) labels with the best chain undone; what it gains."""
-
-    lost: Floats
-    label: Ints
-    gain: float
-
-
-def at_most_passed_on(p: Floats, stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> Floats:
-    """(T) probabilities, at most what (1) leaves a label; as they are by the subject's own template.
-
-    Args:
-        p: (T). label: (T) of tracks, −1 for none. What was stated of tracks, `stretches.fixed`, stays as it is.
-    """
-    shapes = Shapes.of(template, by_body=True)
-    if not np.any(template.doubt) or not shapes.known.any() or not (label >= 0).any():
-        return p
-    markers = markers_of(stretches, label, len(template))
-    lost = undone(markers, markers.label, shapes, pairs).lost
-    most = 1 / (1 + np.exp(-SLOPE * (lost[np.maximum(label, 0)] - EVEN)))
-    return np.where((label >= 0) & (stretches.fixed == FREE), np.minimum(p, most), p)
+CLEARLY = 8.0
+"""Nats (1) that a chain must gain to be undone; chosen: of two clean trials of other subjects' one gained 2, and chains
+that a marker within a third of the way passed on gain 13 to 59."""
 
 
 def passed_back(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> Ints:
@@ -82,15 +54,15 @@ def passed_back(stretches: Stretches, label: Ints, template: Template, pairs: Pa
     markers = markers_of(stretches, label, len(template))
     now = markers.label
     for _ in range(STEPS):
-        best = undone(markers, now, shapes, pairs)
-        if best.gain < CLEARLY:
+        other, gain = undone(markers, now, shapes, pairs)
+        if gain < CLEARLY:
             break
-        now = best.label
+        now = other
     return np.where(markers.of >= 0, now[markers.of], label)
 
 
-def undone(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> Undone:
-    """What labels (M) lose by chains that are undone, and the best of these labellings."""
+def undone(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> tuple[Ints, float]:
+    """(M) labels with the chain undone by which most is gained, and the nats (1) of it; −∞ where no chain is likely."""
     markers = markers._replace(xyz=markers.xyz[:: max(1, len(markers.xyz) // FRAMES)])
     L, placed = len(shapes.sigma), own_places(markers, now, shapes)
     holder = np.full(L, -1)
@@ -102,20 +74,19 @@ def undone(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> Und
     chains = set[tuple[int, ...]]()
     for share in (0.0, TEMPER):
         chains |= likely_chains(_gains(nats_of(markers, now, shapes, pairs, share), holder))
+    if not chains:
+        return now, -np.inf
     without = {int(a): score(np.where(now == a, -1, now)) for a in now[now >= 0]}
     odd = ODD + FIRST * (int((holder >= 0).all()) + int((now >= 0).all()))
-    one_more = float(np.median(list(without.values()))) + odd if chains else 0.0
-    lost, best, gain = np.full(L, np.inf), now, -np.inf
+    one_more = float(np.median(list(without.values()))) + odd
+    best, gain = now, -np.inf
     for chain in chains:
         other = now.copy()
         other[holder[chain[0]]] = -1
         other[holder[list(chain[1:])]] = chain[:-1]
-        total = score(other)
-        for a in chain:
-            lost[a] = min(lost[a], max(one_more, *(without[k] for k in chain if k != a)) - total)
-        more = total - max(one_more, *(without[k] for k in chain))
+        more = score(other) - max(one_more, *(without[k] for k in chain))
         best, gain = (other, more) if more > gain else (best, gain)
-    return Undone(lost, best, gain)
+    return best, gain
 
 
 def _gains(worth: Floats, holder: Ints) -> Floats:

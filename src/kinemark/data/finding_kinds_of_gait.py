@@ -68,8 +68,9 @@ GAIT_KINDS = (
          "difference.", {"trial": "text", "events": "count", "most_ms": "ms"}),
     Kind("file_events_not_found", "gait", "info", "Events in the file near which none was found.",
          {"trial": "text", "events": "count"}),
-    Kind("gait_not_level", "gait", "amber", "The subject does not walk on a level floor. way: running or stairs. "
-         "Standard uncertainty of events from markers there.", {"trial": "text", "way": "text", "sd_ms": "ms"}),
+    Kind("gait_not_level", "gait", "amber", "The subject does not walk forwards on a level floor. way: running, stairs "
+         "or backward. Standard uncertainty of events from markers there.",
+         {"trial": "text", "way": "text", "sd_ms": "ms"}),
     Kind("gait_on_treadmill", "gait", "info", "The floor moves below standing feet, at this speed; lengths and speed "
          "count from it.", {"trial": "text", "speed": "m/s"}),
     Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "

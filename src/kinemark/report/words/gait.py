@@ -31,6 +31,7 @@ FOR_MOMENTS = {
 NOT_LEVEL = {
     "running": "runs: the feet leave the floor before the other one meets it",
     "stairs": "climbs: the heels strike at other heights from step to step",
+    "backward": "walks backwards",
 }
 
 

@@ -10,7 +10,8 @@ GAIT_KINDS = (
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
     Kind("gait_bodies_differ", "gait", "amber", "The body in a file is another than in the standing trial or the "
-         "first walk, or its markers were put on anew: distances within segments differ, RMS and greatest; which most.",
+         "first walk, or its markers were put on anew: distances within segments differ by more than they "
+         "move in each, RMS and greatest; which most.",
          {"trial": "text", "other": "text", "pairs_list": "text", "most_mm": "mm", "rms_mm": "mm"}),
     Kind("gait_static_moves", "gait", "amber", "The subject bends the legs in the standing trial; how much shorter "
          "they get.", {"trial": "text", "by_mm": "mm"}),

@@ -214,7 +214,8 @@ GAIT_WORDS = {
     ),
     "gait_bodies_differ": Words(
         "{trial} shows another body than {other}, or markers that were put on anew in between: distances within "
-        "segments differ by {rms_mm:0} RMS and up to {most_mm:0} ({pairs_list}). Angles follow the markers of both.",
+        "segments differ by {rms_mm:0} RMS and up to {most_mm:0} more than they move ({pairs_list}). Angles follow the "
+        "markers of both.",
         "Give walks and standing trial of one person in the same markers. If they are, see in both what these markers "
         "are called, and whether the files' units are true.",
     ),

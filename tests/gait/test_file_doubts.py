@@ -361,3 +361,19 @@ def test_a_plate_that_is_cut_off_at_its_limit_is_told_though_nobody_states_the_m
 
     found = saturation_doubts(walk.plates, [cut(block) if vertical in block.names else block for block in walk.analog])
     assert [(one.plate, one.what) for one in found] == [(1, "saturated")] and 0.2 < found[0].value < 0.9
+
+
+@pytest.mark.parametrize("seed", [21, 22])
+def test_a_belt_that_writes_nothing_below_a_threshold_is_not_at_its_limit(seed):
+    """A belt of a treadmill bears a foot for most of the time, and its rest is 0, sample by sample."""
+    rng = np.random.default_rng(seed)
+    walk = lab().walk
+    plate = walk.plates[0]
+    step = np.concatenate([700 * np.sin(np.linspace(0, np.pi, 620)) ** 0.4, np.zeros(380)])
+    force = np.tile(step, 8) + rng.normal(0, 1.5, 8000)
+    channels = np.zeros((len(plate.channels), len(force)))
+    channels[2] = -np.where(force < 20, 0, force)
+    block = replace(walk.analog[0], names=plate.channels, units=("N",) * len(channels), values=channels)
+    assert saturation_doubts([plate], [block]) == ()
+    cut = replace(block, values=np.maximum(channels, -600))
+    assert [one.what for one in saturation_doubts([plate], [cut])] == ["saturated"]

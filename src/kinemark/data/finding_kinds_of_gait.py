@@ -10,7 +10,8 @@ GAIT_KINDS = (
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
     Kind("gait_bodies_differ", "gait", "amber", "The body in a file is another than in the standing trial or the "
-         "first walk, or its markers were put on anew: distances within segments differ, RMS and greatest; which most.",
+         "first walk, or its markers were put on anew: distances within segments differ by more than they "
+         "move in each, RMS and greatest; which most.",
          {"trial": "text", "other": "text", "pairs_list": "text", "most_mm": "mm", "rms_mm": "mm"}),
     Kind("gait_static_moves", "gait", "amber", "The subject bends the legs in the standing trial; how much shorter "
          "they get.", {"trial": "text", "by_mm": "mm"}),
@@ -68,8 +69,9 @@ GAIT_KINDS = (
          "difference.", {"trial": "text", "events": "count", "most_ms": "ms"}),
     Kind("file_events_not_found", "gait", "info", "Events in the file near which none was found.",
          {"trial": "text", "events": "count"}),
-    Kind("gait_not_level", "gait", "amber", "The subject does not walk on a level floor. way: running or stairs. "
-         "Standard uncertainty of events from markers there.", {"trial": "text", "way": "text", "sd_ms": "ms"}),
+    Kind("gait_not_level", "gait", "amber", "The subject does not walk forwards on a level floor. way: running, stairs "
+         "or backward. Standard uncertainty of events from markers there.",
+         {"trial": "text", "way": "text", "sd_ms": "ms"}),
     Kind("gait_on_treadmill", "gait", "info", "The floor moves below standing feet, at this speed; lengths and speed "
          "count from it.", {"trial": "text", "speed": "m/s"}),
     Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "

@@ -44,8 +44,10 @@ TRIAL_KINDS = (
          {"channels": "count", "channels_list": "text", "rate_hz": "Hz", "stored_rate_hz": "Hz"}),
     Kind("channels_cut", "record", "info", "Channels that reach beyond the frames, of which a C3D file holds no more; "
          "their source keeps the rest.", {"channels": "count", "channels_list": "text", "duration_s": "s"}),
-    Kind("recording_partly_read", "record", "amber", "Parts of the recording's file could not be read, or are odd.",
+    Kind("recording_partly_read", "record", "amber", "Parts of the recording's file could not be read.",
          {"parts_list": "text"}),
+    Kind("recording_notes", "record", "info", "What is odd in the recording's file and was read, and blocks of it that "
+         "nothing here needs.", {"parts_list": "text"}),
     Kind("cameras_swapped", "match", "amber", "Two cameras have each other's images; several pairs where they do as "
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),

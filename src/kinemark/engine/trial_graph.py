@@ -37,6 +37,7 @@ from ..findings.cameras import AsGiven
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
 from ..io.c3d import on_frames, write_c3d
+from ..io.notes import UNREADABLE
 from ..io.records import save
 from ..match import match
 from ..reconstruct import reconstruct
@@ -265,8 +266,10 @@ def subtracted(detections: Detections) -> Iterator[Finding]:
 
 def _channels(beside: Trial | None, trajectories: Trajectories) -> Iterator[Finding]:
     """What of the recording could not be read, and what the C3D file cannot hold of its channels."""
-    if beside is not None and beside.notes:
-        yield make_finding("recording_partly_read", parts_list=beside.notes)
+    for kind, own in ("recording_partly_read", True), ("recording_notes", False):
+        notes = [] if beside is None else [one for one in beside.notes if one.startswith(UNREADABLE) == own]
+        if notes:
+            yield make_finding(kind, parts_list=[one.removeprefix(UNREADABLE) for one in notes])
     if beside is None or not len(trajectories):
         return
     for note in on_frames(beside.analog, trajectories.rate, trajectories.n_frames)[1]:

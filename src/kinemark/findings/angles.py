@@ -23,6 +23,9 @@ LEAP_DEG, LEAP_RATIO = 5.0, 8.0
 """The same of a change that stands alone: so large, and so many times the changes about it. A joint needs some frames
 to begin a motion and to end it. Of 2500 angles between markers of seven recordings, among them a tennis serve at 50 Hz
 and acrobatics, one in a hundred had any; chosen."""
+LEAP_DEG_S2 = 50_000.0
+"""The same by how fast it must begin: in a tenth of a second fingers and heads go some 50° from rest to rest, which are
+two frames at 25 Hz. It is 5° at 100 Hz and 20° at 50; chosen."""
 ABOUT = (-5, -4, -3, -2, 2, 3, 4, 5)
 """Which changes are about one, counted from it; those next to it may be the way back. Half must be known. Chosen."""
 LEAST_BEYOND_DEG = 0.5
@@ -152,10 +155,11 @@ def _findings(figures: dict[str, Any]) -> list[Finding]:
 
 def _jumps(angles: Angles, model: Model, first_frame: int) -> Iterator[Finding]:
     """Angles that change between two frames as no joint moves; frames in gimbal lock are told of elsewhere."""
+    least = max(LEAP_DEG, LEAP_DEG_S2 / angles.rate**2)
     for j, t, motion in named_angles(model):
         free = ~(angles.locked[j, 1:] | angles.locked[j, :-1])
         change = np.where(free, np.abs(np.diff(angles.deg[j, :, t])), np.nan)
-        at = np.flatnonzero((change > JUMP_DEG) | (change > LEAP_DEG) & (change > LEAP_RATIO * _about(change)))
+        at = np.flatnonzero((change > JUMP_DEG) | (change > least) & (change > LEAP_RATIO * _about(change)))
         if len(at):
             spans = [(int(f) + first_frame, int(f) + first_frame + 1) for f in at]
             most = float(change[at].max())

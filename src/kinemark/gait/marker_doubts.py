@@ -37,7 +37,7 @@ ALONG = {
     "ANK": (("HEE", "KNE", 15.0), ("TOE", "HEE", 30.0)),
 }
 """By the nearer marker the farther and the end of (3), after L or R, and by how many mm it must fail; chosen: in 50
-legs of public standing trials, walks, turns and leaps the least of (3) was +62, from ankle to heel +30."""
+legs of public standing trials, walks, turns and leaps the least of (3) was +61, from ankle to heel +30."""
 SEGMENTS = (
     ("KNE", "ANK"),
     ("KNE", "TIB"),

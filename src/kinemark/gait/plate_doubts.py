@@ -130,7 +130,8 @@ def _cut(x: Floats) -> float:
     steps = np.diff(np.unique(x))
     if not len(steps):
         return 0.0
-    away = np.abs(x - np.median(x))
+    unloaded = (x == 0).sum() >= CUT_SAMPLES  # by a threshold of its program; belts are loaded most of the time
+    away = np.abs(x - (0.0 if unloaded else np.median(x)))
     under = away > LOADED * away.max()
     there = int((x == x[away.argmax()]).sum())
     return there / int(under.sum()) if there >= CUT_SAMPLES and away.max() >= FINE * steps.min() else 0.0

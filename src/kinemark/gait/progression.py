@@ -7,7 +7,8 @@ stays, as on a treadmill, it is that of the feet to and fro below it.
 A subject may walk there and back, or round a corner, in one trial. Each part of the way that is straight
 (`straight_passes`) has a direction of its own, as if it were a trial (3). Where the way bends, its direction is that
 from half a second before a frame to half a second after, about a stride, in which sway cancels (4). Beside a straight
-part the direction stays that part's as long as (4) is near it (5).
+part the direction stays that part's as long as (4) is near it (5). Who walks backwards (`backwards`) is seen from where
+the way comes from, as a subject that faces there (6).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..data.subject_measures import SIDES
+from .backwards import way_as_faced
 from .lower_limb import LowerLimbs
 from .segments import Z_UP, unit
 from .straight_passes import BEND_MM, WALKED_MM, Pass, straight_passes
@@ -49,19 +51,20 @@ def progression(limbs: LowerLimbs, up: Floats = Z_UP) -> Floats:
 def way_walked(limbs: LowerLimbs, up: Floats = Z_UP, *, rate: float) -> Floats:
     """(3, 3) forward, left and up of (2) as columns: the way, or the laboratory's axis within `ALONG_DEG` of it.
 
-    Where the way turns or bends it is (F, 3, 3), of each frame (3) to (5).
+    Where the way turns or bends it is (F, 3, 3), of each frame (3) to (5); of who walks backwards by (6).
 
     Args:
         limbs: over frames. up: of the laboratory. rate: frames a second.
     """
     forward = _walked(limbs, up)
+    sign = -1.0 if way_as_faced(limbs.pelvis, up) <= -WALKED_MM else 1.0  # (6)
     if _bends(limbs, forward, up) and (each := _at_each_moment(limbs, up, rate)) is not None:
-        return _turned_to(_with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate)), up)
+        return _turned_to(sign * _with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate)), up)
     if np.linalg.norm(forward) < WALKED_MM:
-        forward = _stepped(limbs, up)
+        forward = sign * _stepped(limbs, up)
     if np.linalg.norm(forward) == 0:
         return progression(limbs, up)
-    return _turned_to(_along_axis(unit(forward)), up)
+    return _turned_to(sign * _along_axis(unit(forward)), up)
 
 
 def _along_axis(forward: Floats) -> Floats:

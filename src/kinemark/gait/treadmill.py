@@ -21,12 +21,13 @@ import numpy as np
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES
+from .backwards import walks_backwards
 from .foot_motion import BELT_MM_S
 from .segments import Z_UP
 
 FLAT = (0.25, 0.5)
-"""Of a stance, within which the heel stands; chosen: walkers' heels come down until 0.15, and begin to rise between 0.5
-and 0.7."""
+"""Of a stance, counted from its end where the subject walks backwards, within which the heel stands; chosen: walkers'
+heels come down until 0.15, and begin to rise between 0.5 and 0.7."""
 STAYS = 2.0
 """Of (3); chosen: over ground no heel that stands goes faster than its owner, and on a belt owners hardly go at all."""
 FEWEST = 3
@@ -65,7 +66,10 @@ def floor_velocity(
     Args:
         events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second. up: of the laboratory.
     """
-    feet = [_stood(points, [e for e in events if e.side == side], LETTER[side], rate, up) for side in SIDES]
+    flat = (1 - FLAT[1], 1 - FLAT[0]) if walks_backwards(points, up=up) else FLAT
+    feet = [
+        _stood(points[LETTER[side] + "HEE"], [e for e in events if e.side == side], flat, rate, up) for side in SIDES
+    ]
     seen = [v for v in feet if len(v)]
     if not seen:
         return STILL
@@ -91,9 +95,10 @@ def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float
     return float(np.median(seen)) if seen else np.inf
 
 
-def _stood(points: Mapping[str, Floats], own: Sequence[FootEvent], letter: str, rate: float, up: Floats) -> Floats:
-    """(N, 3) mm/s along the floor, of a foot in each stance that is seen."""
-    slopes = [_slope(points[letter + "HEE"], begin, end, rate) for begin, end in _stances(own)]
+def _stood(heel: Floats, own: Sequence[FootEvent], flat: tuple[float, float], rate: float, up: Floats) -> Floats:
+    """(N, 3) mm/s along the floor, of a heel (F, 3) in each stance that is seen, between these shares of it."""
+    at = [[begin + share * (end - begin) for share in flat] for begin, end in _stances(own)]
+    slopes = [_slope(heel, first, last, rate) for first, last in at]
     return np.array([v - (v @ up) * up for v in slopes if np.isfinite(v).all()]).reshape(-1, 3)
 
 
@@ -104,8 +109,8 @@ def _stances(own: Sequence[FootEvent]) -> list[tuple[float, float]]:
 
 
 def _slope(heel: Floats, begin: float, end: float, rate: float) -> Floats:
-    """(3) mm/s (1), of a heel (F, 3); NaN where it is not seen."""
-    first, last = (int(np.round((begin + share * (end - begin)) * rate)) for share in FLAT)
+    """(3) mm/s (1), of a heel (F, 3) between two times, s; NaN where it is not seen."""
+    first, last = int(np.round(begin * rate)), int(np.round(end * rate))
     xyz = heel[max(first, 0) : last + 1]
     if len(xyz) < FEWEST or not np.isfinite(xyz).all():
         return np.full(3, np.nan)

@@ -1,7 +1,8 @@
 """Whether a trial is level walking, on which the errors of foot events from markers were measured.
 
 In walking a foot leaves the floor while the other stands. Where it mostly leaves while the other one is in the air, the
-subject runs (1). Where heels stand at other heights from one strike to the next, it is on stairs or a ramp (2).
+subject runs (1). Where heels stand at other heights from one strike to the next, it is on stairs or a ramp (2). Who
+faces against the way walks backwards (`backwards`).
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ import numpy as np
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side
+from .backwards import walks_backwards
 from .segments import Z_UP
 
-Way = Literal["level", "running", "stairs"]
+Way = Literal["level", "running", "stairs", "backward"]
 RISE_MM = 40.0
 """From one strike to the next in the median, beyond which the floor is not level, mm; chosen: level walks had up to 23,
 a stair has 150."""
@@ -35,7 +37,9 @@ def way_of_walking(events: Sequence[FootEvent], points: Mapping[str, Floats], *,
         return "running"
     heights = [_height(points[LETTER[e.side] + "HEE"] @ up, e.time * rate) for e in events if e.strike]
     rises = [abs(b - a) for a, b in pairwise(h for h in heights if np.isfinite(h))]
-    return "stairs" if rises and float(np.median(rises)) > RISE_MM else "level"  # (2)
+    if rises and float(np.median(rises)) > RISE_MM:  # (2)
+        return "stairs"
+    return "backward" if known and walks_backwards(points, up=up) else "level"
 
 
 def faced_aside(x: Floats) -> Floats:

@@ -30,6 +30,10 @@ class FileNote:
     values: Mapping[str, float] = field(default_factory=dict)
 
 
+UNREADABLE = "unreadable: "
+"""How the note of a reader begins that says what is lost of a file; all others say what is odd, or not needed."""
+
+
 def read_notes(notes: Iterable[str]) -> tuple[FileNote, ...]:
     """What was odd in a source, among the notes of what became of it."""
     return tuple(FileNote("read", note) for note in notes)

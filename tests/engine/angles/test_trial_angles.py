@@ -12,11 +12,12 @@ import pytest
 from kinemark.apps import cli
 from kinemark.data import Angles, Cloud, Events, KinemarkError, MarkerTrajectory, Tracks, Trajectories, Trial, same
 from kinemark.engine.angles.of_trial import AngleSettings, angles_of_file, trial_angles, with_angles
+from kinemark.findings.angles import _jumps
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.model_toml import load_model
 from kinemark.io.records import save
 from kinemark.io.trial import read_trial
-from kinemark.kinematics import joint_angles, with_marker_sd
+from kinemark.kinematics import joint_angles, named_angles, with_marker_sd
 from kinemark.kinematics.chain import points_of
 from kinemark.report.angles_page import angles_page
 from kinemark.report.drawing_library import library_name
@@ -405,3 +406,20 @@ def test_a_marker_that_leaps_alone_is_noticed_by_what_the_angle_does_about_it(ba
     said = found(trial_angles(leaping, model=UM2AS).figures, "angle_jumps")
     assert said and {frame for one in said for frame in one.frames} == {(120, 121), *([(121, 122)] * back)}
     assert all(one.values["most_deg"] < 45 for one in said)
+
+
+@pytest.mark.parametrize("rate", [25.0, 100.0])
+def test_a_quick_motion_between_two_rests_is_no_jump(rate):
+    """A finger or a head goes 30° in 0.12 s, which are three frames at 25 Hz."""
+    t = np.arange(round(3 * rate)) / rate
+    u = np.clip((t[:, None] - [0.51, 1.23, 2.02]) / 0.12, 0, 1)
+    deg = 30 * (10 * u**3 - 15 * u**4 + 6 * u**5) @ [1, -1, 1]
+    joints = len(UM2AS.joints)
+    angles = Angles(
+        tuple(joint.name for joint in UM2AS.joints), ("zxy",) * joints, np.tile(deg[:, None], (joints, 1, 3)),
+        np.full((joints, len(t), 3, 3), np.nan), rate,
+    )  # fmt: skip
+    assert not list(_jumps(angles, UM2AS, 1))
+    jump = np.where(np.arange(len(t)) < 40, 0.0, 25.0 if rate == 100 else 95.0)
+    jumping = replace(angles, deg=angles.deg + jump[:, None])
+    assert len(list(_jumps(jumping, UM2AS, 1))) == len(named_angles(UM2AS))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError
 from ..files import read_bytes
+from ..notes import UNREADABLE
 from .document import C3D, has_unsigned_analog
 from .header import C3DHeader, byte_order, decode_header, parameter_offset
 from .layout import Layout, layout_of
@@ -105,7 +106,7 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
         )
     unread = len(doc.tail) if doc.tail.strip(b"\0") else 0  # some programs fill up with a block of zeros
     oddities = _oddities(doc, header, layout, end, unread)
-    notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities, *scaling)
+    notes = (*(UNREADABLE + what for what in lost), *odd, *oddities, *scaling)
     doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
     doc = _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
     return with_counts(doc) if held < layout.frames else doc

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...data import Analog, Detections, Events, ForcePlate, KinemarkError, Rig, Trajectories, same
 from ...data.trial import UP
+from ..notes import UNREADABLE
 from . import calibration_blocks, signal_blocks
 from .cursor import Cursor, TdfFile, UnreadableBlock, open_tdf
 
@@ -44,6 +45,9 @@ NAMES = {
     15: "the calibration of general-purpose channels (block 15)",
 }
 """What blocks hold; of the format. Those that are not in KINDS have a layout that is not read."""
+RECORDED = (14,)
+"""Blocks of those that hold what a trial recorded, and not how its system was set up or what follows from the rest; of
+the format."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,10 +135,13 @@ def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:
     if parts is not None:
         return found
     unread = [
-        f"{NAMES.get(kind, f'the block of type {kind}')} is not read" for kind in file.blocks if kind not in KINDS
+        f"{NAMES.get(kind, f'the block of type {kind}')} is not read"
+        for kind in file.blocks
+        if kind not in (*KINDS, *RECORDED)
     ]
     odd = [note for kind in KINDS if kind in file.blocks for note in file.blocks[kind].notes]
-    lost = [f"unreadable: {NAMES[kind]}, as it {error.why}" for kind, error in failed.items()]
+    lost = [UNREADABLE + f"{NAMES[kind]}, as it {error.why}" for kind, error in failed.items()]
+    lost += [UNREADABLE + f"{NAMES[kind]}, whose layout is not known" for kind in RECORDED if kind in file.blocks]
     return replace(found, about=_about(file), notes=(*lost, *odd, *unread))
 
 

@@ -31,6 +31,7 @@ FOR_MOMENTS = {
 NOT_LEVEL = {
     "running": "runs: the feet leave the floor before the other one meets it",
     "stairs": "climbs: the heels strike at other heights from step to step",
+    "backward": "walks backwards",
 }
 
 
@@ -213,7 +214,8 @@ GAIT_WORDS = {
     ),
     "gait_bodies_differ": Words(
         "{trial} shows another body than {other}, or markers that were put on anew in between: distances within "
-        "segments differ by {rms_mm:0} RMS and up to {most_mm:0} ({pairs_list}). Angles follow the markers of both.",
+        "segments differ by {rms_mm:0} RMS and up to {most_mm:0} more than they move ({pairs_list}). Angles follow the "
+        "markers of both.",
         "Give walks and standing trial of one person in the same markers. If they are, see in both what these markers "
         "are called, and whether the files' units are true.",
     ),

@@ -145,9 +145,10 @@ TRIAL_WORDS = {
         "Take them from the recording's own file where that counts.",
     ),
     "recording_partly_read": Words(
-        "Of the recording's file: {parts_list}.",
+        "Of the recording's file these parts could not be read: {parts_list}.",
         "All else was read. Export the recording again where these parts are wanted.",
     ),
+    "recording_notes": Words("Of the recording's file: {parts_list}.", "What was asked for is complete."),
     "nothing_goes_on": Words(
         "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is not the "
         "frame rate of the recording, or too low for what was recorded, as a wheel that turns fast.",

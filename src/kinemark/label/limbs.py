@@ -5,10 +5,11 @@ does that of the whole body. Which markers make a limb follows from the pairs of
 by their distance in the template gives groups from single pairs to the whole body. Each group is exchanged as one and
 judged by all pairs that this touches, as any exchange ((1) of `exchange`).
 
-Quadruples of a limb tell its side. So a search that begins with a leg on the wrong side settles its names to suit them:
-the outer side of a foot then has the names of the inner one, and to exchange the legs loses more than it gains, until
-what settled settles back. The distances of the limb's markers to all others of the body hardly change by it. So a limb
-is also tried where these alone, with what any body shows of its sides (`anatomy`), are better the other way round.
+Quadruples of a limb tell its side, and by another subject's template sweeps go by them as well. A search that begins
+with a leg on the wrong side then settles its names to suit them: the outer side of a foot has the names of the inner
+one, and to exchange the legs loses more than it gains, until what settled settles back. The distances of the limb's
+markers to all others of the body hardly change by it. So by such a template one limb is also tried where these alone,
+with what any body shows of its sides (`anatomy`), are no worse, or little, the other way round.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ BY_THE_REST = -20.0
 is settled and scored whatever it loses within the limbs; chosen: turned legs that had settled gained 3 to 84, right
 limbs of children's walks by other children's templates lost 38 to 90."""
 MOST = 2
-"""Exchanges that are settled, at most, those that lose least; chosen."""
+"""Exchanges that are settled, at most, those that lose least, beside one by the rest; chosen."""
 LIMB = 3
 """Pairs of a limb, at least; chosen: exchanges of two pairs are among those of `exchange`."""
 FRAMES = 10
@@ -66,7 +67,7 @@ def exchange_of(template: Template, group: Sequence[tuple[str, str]]) -> Move:
 
 
 def near_turns(y: Single, template: Template, pairs: PairScore, stated: Ints) -> list[Ints]:
-    """(L) what labels become where a limb has the other side's names: of limbs by which that loses little, or gains by
+    """(L) what labels become where a limb has the other side's names: of limbs by which that loses little, or hardly by
     the rest of the body.
 
     Args:
@@ -86,11 +87,12 @@ def near_turns(y: Single, template: Template, pairs: PairScore, stated: Ints) ->
     anatomy = Anatomy.of(template.names)
     told = np.array([anatomy.gain(y, turn) for turn in turns])
     gains = Exchanger.of(template, pairs).gains(y, moves) + told
-    by_rest = np.array([gain_by_the_rest(y, pairs, move) for move in moves]) + told
     there = np.array([np.isfinite(y[:, list(was)]).any() for was, _ in moves])
     best = _best(gains, there & (gains > -NEARLY))[:MOST]
-    also = [k for k in _best(by_rest, there & (by_rest > BY_THE_REST)) if k not in best][:1]
-    return [turns[k] for k in best + also]
+    if pairs.hands is not None:
+        by_rest = np.array([gain_by_the_rest(y, pairs, move) for move in moves]) + told
+        best += [k for k in _best(by_rest, there & (by_rest > BY_THE_REST)) if k not in best][:1]
+    return [turns[k] for k in best]
 
 
 def _best(gains: Floats, among: Bools) -> list[int]:

@@ -35,7 +35,7 @@ other's names lost 16 by it, right legs 30 by static templates and 136 and more 
 BY_THE_REST = -20.0
 """What an exchange of limbs gains by distances to the rest of the body and by `anatomy`, nats a frame, above which one
 is settled and scored whatever it loses within the limbs; chosen: turned legs that had settled gained 3 to 84, right
-limbs of children's walks by other children's templates lost 38 to 90."""
+limbs of children's walks by other children's templates lost 39 to 92."""
 MOST = 2
 """Exchanges that are settled, at most, those that lose least, beside one by the rest; chosen."""
 LIMB = 3

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 import kinemark.label.solve as search
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.data.marker_sides import sides_by_name
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import learn_template
 from kinemark.label.claims import left_over
 from kinemark.label.evidence import PairScore
-from kinemark.label.limbs import near_turns, score_with_sides
+from kinemark.label.exchange import Exchanger
+from kinemark.label.limbs import exchange_of, gain_by_the_rest, near_turns, score_with_sides
 from kinemark.label.side_pairs import mirrored
 from kinemark.label.solve import Solution, Start, limbs_turned, solve
 from kinemark.label.stretches import FREE, stretches_of
@@ -19,6 +22,16 @@ from support.wearing import body_of, moving
 
 LEG = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 ARM = ("UPA", "ELB", "FRM", "WRA", "WRB", "FIN")
+
+TRUNK = {
+    "SACR": (-90, 0, 50), "LASI": (90, 110, 60), "RASI": (90, -115, 55), "C7": (-60, 10, 500), "CLAV": (60, 0, 450),
+    "STRN": (90, 5, 300), "T10": (-90, -10, 250), "RBAK": (-100, -70, 350),
+}  # fmt: skip
+OUTER = {
+    "ANK": (-20, -820), "STL": (10, -850), "P5M": (60, -870), "D5M": (120, -880), "TIB": (0, -650), "KNE": (10, -420),
+    "HFB": (0, -470), "HEE": (-70, -860),
+}  # fmt: skip
+INNER = {"ANK": "MED", "STL": "NAV", "P5M": "P1M", "D5M": "D1M", "TIB": "SHN", "KNE": "KNM", "HFB": "TUB"}
 
 
 @cache
@@ -42,6 +55,42 @@ def named(limb):
     at = [template.names.index(name) for name in ends]
     turn[at] = other[at]
     return stretches_of(trial, template.size), truth, turn[truth]
+
+
+def legs_that_swing(seed):
+    """Below a trunk, about hips at height 0, mm; each marker of the outer side has one of the inner side beside it."""
+    rng, t = np.random.default_rng(seed), np.arange(30) / 30
+    paths = {name: np.tile(np.array(place, float), (30, 1)) for name, place in TRUNK.items()}
+    for side, sign in (("L", 1), ("R", -1)):
+        angle = 0.4 * sign * np.sin(2 * np.pi * t + seed)
+        for name, (x, z) in OUTER.items():
+            paths[side + name] = swung(angle, x, sign * 135.0, z)
+            if name in INNER:
+                paths[side + INNER[name]] = swung(angle, x + 8, sign * 72.0, z + 10)
+    tracks = (MarkerTrajectory.measured(name, xyz + rng.normal(size=xyz.shape)) for name, xyz in paths.items())
+    return Trajectories(tuple(tracks), 30.0)
+
+
+def swung(angle, x, y, z):
+    """(F, 3) of a point that turns about an axis from side to side."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * x - s * z, np.full(len(angle), y), s * x + c * z], axis=1)
+
+
+def test_legs_whose_exchanged_names_settled_within_them_are_put_back():
+    """Quadruples make outer markers inner ones, and the exchange of whole legs then loses far more than others do."""
+    template, trial = learn_template(legs_that_swing(1)).of_another(1.0), legs_that_swing(2)
+    pairs, stretches = PairScore.of_template(template), stretches_of(trial, template.size)
+    truth = np.array([template.names.index(name) for name in trial.names])
+    sides = [pair for pair in sides_by_name(template.names) if pair[0] != "LASI"]
+    legs, turn = exchange_of(template, sides), np.arange(len(template))
+    turn[list(legs[0])] = legs[1]
+    wrong = search._settled(stretches, turn[truth], template, pairs, 0.3)
+    y = places(stretches, wrong, len(template))
+    assert Exchanger.of(template, pairs).gains(y, [legs])[0] < -500 and gain_by_the_rest(y, pairs, legs) > 0
+    for label in (truth, wrong):
+        found = Solution(label, *total_score(stretches, label, pairs))
+        assert (limbs_turned(found, stretches, template, pairs, 0.3).label == truth).all()
 
 
 @pytest.mark.parametrize("limb", [LEG, ARM])

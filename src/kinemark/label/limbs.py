@@ -4,6 +4,12 @@ A limb whose sides are exchanged keeps all distances within itself, so that no e
 does that of the whole body. Which markers make a limb follows from the pairs of left and right names: single linkage
 by their distance in the template gives groups from single pairs to the whole body. Each group is exchanged as one and
 judged by all pairs that this touches, as any exchange ((1) of `exchange`).
+
+Quadruples of a limb tell its side, and by another subject's template sweeps go by them as well. A search that begins
+with a leg on the wrong side then settles its names to suit them: the outer side of a foot has the names of the inner
+one, and to exchange the legs loses more than it gains, until what settled settles back. The distances of the limb's
+markers to all others of the body hardly change by it. So by such a template one limb is also tried where these alone,
+with what any body shows of its sides (`anatomy`), are no worse, or little, the other way round.
 """
 
 from __future__ import annotations
@@ -13,8 +19,9 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from ..data.array_types import Ints
+from ..data.array_types import Bools, Floats, Ints
 from ..data.marker_sides import sides_by_name
+from ..numerics.vectors import lengths
 from .anatomy import PROOF, Anatomy
 from .evidence import PairScore, Single, hands
 from .exchange import Exchanger, Move
@@ -25,8 +32,12 @@ from .template import Template
 NEARLY = 50.0
 """Loss of an exchange of limbs, nats a frame, up to which it is settled and scored; chosen: two legs that had each
 other's names lost 16 by it, right legs 30 by static templates and 136 and more by others."""
+BY_THE_REST = -20.0
+"""What an exchange of limbs gains by distances to the rest of the body and by `anatomy`, nats a frame, above which one
+is settled and scored whatever it loses within the limbs; chosen: turned legs that had settled gained 3 to 84, right
+limbs of children's walks by other children's templates lost 39 to 92."""
 MOST = 2
-"""Exchanges that are settled, at most, those that lose least; chosen."""
+"""Exchanges that are settled, at most, those that lose least, beside one by the rest; chosen."""
 LIMB = 3
 """Pairs of a limb, at least; chosen: exchanges of two pairs are among those of `exchange`."""
 FRAMES = 10
@@ -56,7 +67,8 @@ def exchange_of(template: Template, group: Sequence[tuple[str, str]]) -> Move:
 
 
 def near_turns(y: Single, template: Template, pairs: PairScore, stated: Ints) -> list[Ints]:
-    """(L) what labels become where a limb has the other side's names: of limbs by which that loses little.
+    """(L) what labels become where a limb has the other side's names: of limbs by which that loses little, or hardly by
+    the rest of the body.
 
     Args:
         y: (K, L, 3) places of labels, mm, NaN where not seen. stated: labels that keep their names; −1 and less for
@@ -73,10 +85,32 @@ def near_turns(y: Single, template: Template, pairs: PairScore, stated: Ints) ->
     for turn, (was, to) in zip(turns, moves, strict=True):
         turn[list(was)] = to
     anatomy = Anatomy.of(template.names)
-    gains = Exchanger.of(template, pairs).gains(y, moves) + [anatomy.gain(y, turn) for turn in turns]
-    there = [np.isfinite(y[:, list(was)]).any() for was, _ in moves]
-    best = [k for k in np.argsort(-gains, kind="stable").tolist() if gains[k] > -NEARLY and there[k]]
-    return [turns[k] for k in best[:MOST]]
+    told = np.array([anatomy.gain(y, turn) for turn in turns])
+    gains = Exchanger.of(template, pairs).gains(y, moves) + told
+    there = np.array([np.isfinite(y[:, list(was)]).any() for was, _ in moves])
+    best = _best(gains, there & (gains > -NEARLY))[:MOST]
+    if pairs.hands is not None:
+        by_rest = np.array([gain_by_the_rest(y, pairs, move) for move in moves]) + told
+        best += [k for k in _best(by_rest, there & (by_rest > BY_THE_REST)) if k not in best][:1]
+    return [turns[k] for k in best]
+
+
+def _best(gains: Floats, among: Bools) -> list[int]:
+    """Those of some exchanges, the one that gains most first."""
+    return [k for k in np.argsort(-gains, kind="stable").tolist() if among[k]]
+
+
+def gain_by_the_rest(y: Single, pairs: PairScore, move: Move) -> float:
+    """Nats a frame that an exchange gains by distances between the labels that it moves and all others.
+
+    Args:
+        y: (K, L, 3) places of labels as they are, mm, NaN where not seen.
+    """
+    was, to = (np.array(part) for part in move)
+    rest = np.setdiff1d(np.arange(y.shape[1]), was)
+    d = lengths(y[:, was, None] - y[:, None, rest])
+    gain = pairs.at(d, to[:, None], rest) - pairs.at(d, was[:, None], rest)
+    return float(gain.sum()) / max(int(np.isfinite(y[:, was, 0]).any(1).sum()), 1)
 
 
 def score_with_sides(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> float:

@@ -26,8 +26,8 @@ from ...data import Camera
 from ...data.array_types import Bools, Floats
 
 USUAL = np.array([1e-3, 0.2, 0.1, 1e-3, 1e-3, 0.05])
-"""Standard deviations σ of (1), without unit; chosen: by judgement of usual lenses, before any was tried, p1 and p2 as in
-`lens.plane_views`."""
+"""Standard deviations σ of (1), without unit; chosen: by judgement of usual lenses, before any was tried, p1 and p2 as
+in `lens.plane_views`."""
 
 
 class LensPrior(NamedTuple):

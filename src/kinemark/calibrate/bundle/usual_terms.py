@@ -29,7 +29,7 @@ from .solver import BundleState, Freedom, ImageObservations, cost, normal_equati
 
 KINDS = np.array([0, 1, 1, 2, 2, 1])
 """Of `lens_prior` (1): the pixels' shape, radial terms, tangential terms; by definition."""
-PRICE = 2.0  # of a parameter, in squares of standard deviations, by (3)
+PRICE = 2.0  # of a parameter, in squares of standard deviations, (3); Akaike (1974)
 NEAR = 1e-5  # share of the cost that the last fit may still fall by; chosen: far less than one standard deviation
 
 

@@ -110,7 +110,8 @@ def test_a_model_that_corrects_nothing_is_a_finding_and_says_why():
 def test_the_stage_of_tracking_tells_of_a_model_that_was_not_used(monkeypatch):
     cloud, _ = hidden((0, 1, 2))
     monkeypatch.setattr(tracking_stage, "diagnose_tracks", lambda *_: [])
+    monkeypatch.setattr(tracking_stage, "_outside", lambda *_: None)
     settings = SimpleNamespace(track=Swamidas(model=model().turned(90.0)))
     inputs = SimpleNamespace(settings=settings, source=SimpleNamespace(of=SimpleNamespace(root=None)), rig=ring(3))
-    tracked = tracking_stage.from_points(inputs, {"reconstruct": cloud, "detect": None})
+    tracked = tracking_stage.from_points(inputs, {"reconstruct": cloud, "match": None, "detect": None})
     assert [found.kind for found in tracked.diagnostics] == ["angle_model_unused"]

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from typing_extensions import TypedDict
 
+from ..fill.filled_gap import GapState
 from .quality_types import Count, Number, documented
 
 
@@ -39,16 +38,7 @@ class GapData(TypedDict):
     """Measured frames that were replaced."""
     suspicious: list[int]
     """Measured frames beside it that stand out from the marker's own motion and were kept."""
-    state: Literal[
-        "filled",
-        "not_predicted",
-        "no_hold_out",
-        "above_limit",
-        "sd_contradicts",
-        "jump_contradicts",
-        "sides_contradict",
-        "left_open",
-    ]
+    state: GapState
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
     `limit_mm`, `sd_max_mm` or `jump_mm` contradicts the error expected, the marker is elsewhere on its body after it
     (`sides_mm`), or since somebody chose so."""

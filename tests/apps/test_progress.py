@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinemark.apps.progress import ProgressLines, at_work
+from kinemark.engine.progress import Watch
 
 
 def lines(steps, every=10.0):
@@ -50,3 +51,14 @@ def test_what_has_no_steps_to_count_is_said_to_go_on(capsys):
     assert said and set(said) == {"naming the markers of walk.c3d: 0 s so far"}
     time.sleep(0.05)
     assert not capsys.readouterr().err  # nothing goes on when it is done
+
+
+def test_what_is_done_never_falls_within_a_pass():
+    heard = []
+    listen = Watch(lambda *step: heard.append(step)).of("track")
+    for step in [(0, 1), (0, 4), (2, 4), (0, 6), (6, 6), (1, 1)]:
+        listen(*step)
+    assert heard == [
+        ("track", 0, 1), ("track", 0, 4), ("track", 2, 4),
+        ("track, pass 2", 0, 6), ("track, pass 2", 6, 6), ("track, pass 2", 6, 6),
+    ]  # fmt: skip

@@ -94,10 +94,12 @@ def test_a_trial_may_say_its_own_and_a_change_is_taken_over(tmp_path):
 def test_what_nobody_states_is_said_and_the_file_gives_its_date(tmp_path):
     session_of(tmp_path)
     noon = datetime(2020, 2, 29, 12).timestamp()
-    os.utime(tmp_path / "one.h5", (noon, noon))
+    for file in ("one.h5", "rig.toml"):
+        os.utime(tmp_path / file, (noon, noon))
     done = Session.open(tmp_path).run()["one"]
     assert "Subject not stated · file of 2020-02-29" in (done.folder / "report.html").read_text("utf-8")
     assert date.fromisoformat(done.quality["identity"]["file_date"]) == date(2020, 2, 29)
+    assert " · file of 2020-02-29 · " in (tmp_path / "results/calibration.html").read_text("utf-8")
 
 
 def test_pages_of_a_session_share_the_library_or_hold_it_and_nothing_is_computed_for_that(tmp_path):

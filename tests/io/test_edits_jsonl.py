@@ -80,6 +80,11 @@ def test_a_changed_byte_is_found_wherever_it_is(change):
         assert {entry.id for entry in found.entries} >= {1, 2, 3} - {line, line + 1}, "the rest stands"
 
 
+def test_a_mark_of_utf_8_that_an_editor_set_before_it_changes_nothing():
+    content = b"".join(journal(3))
+    assert parse_journal(b"\xef\xbb\xbf" + content) == parse_journal(content)
+
+
 def test_a_journal_cut_off_anywhere_loses_only_what_was_cut():
     lines = journal(3)
     content = b"".join(lines)

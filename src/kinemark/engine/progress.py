@@ -40,12 +40,33 @@ class Watch:
     def of(self, stage: str) -> Listener:
         """The listener of a stage."""
 
+        passes = _Passes(stage)
+
         def listen(done: int, total: int) -> None:
-            self.progress(stage, done, total)
+            self.progress(*passes(done, total))
             if self.cancel is not None and self.cancel.is_set():
                 raise Cancelled(f"stopped in {stage}; what was finished before is kept, and the next run goes on there")
 
         return listen
+
+
+class _Passes:
+    """Numbers the passes of a stage that goes over the trial more than once, so that what is done of each never falls.
+
+    The step 1 of 1 is the stage's end, in whatever pass it is.
+    """
+
+    def __init__(self, stage: str) -> None:
+        self._stage, self._number, self._done, self._total = stage, 1, 0, 1
+
+    def __call__(self, done: int, total: int) -> tuple[str, int, int]:
+        """A step, with the name of the stage and of its pass."""
+        if done == total == 1:
+            done = total = self._total
+        elif done < self._done:
+            self._number += 1
+        self._done, self._total = done, total
+        return self._stage if self._number == 1 else f"{self._stage}, pass {self._number}", done, total
 
 
 SILENT = Watch()

@@ -11,6 +11,7 @@ matters.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import json
 import re
@@ -72,7 +73,8 @@ def hash_of(line: bytes) -> str:
 @lru_cache(maxsize=KNOWN_TEXTS)
 def parse_journal(content: bytes) -> JournalText:
     """All lines of a journal; those that are not right are named, and the rest stands."""
-    lines = content.replace(b"\r\n", b"\n").split(b"\n")  # as some programs leave it, that copy or keep versions
+    # Ends of line and a mark of UTF-8 as some programs leave them, that copy, show or keep versions.
+    lines = content.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").split(b"\n")
     if lines[-1] == b"":
         lines.pop()
     entries: list[Entry] = []

@@ -30,7 +30,7 @@ from ...numerics.blas_threads import one_blas_thread
 from ...report.calibration_page import write_calibration_page
 from ...report.drawing_library import ASSETS, relink
 from ...report.words import with_words
-from ..identities import stated_identity
+from ..identities import file_date, stated_identity
 from ..keys import code_key, digest, file_key, rig_key
 from ..progress import SILENT, Watch, check_threads
 from ..recordings import files_of, masks_key
@@ -138,21 +138,28 @@ def earlier_calibrations(results: Path, now: LastCalibration) -> list[EarlierCal
 
 def calibration_key(task: Task) -> str:
     """A key of all that the calibration depends on."""
+    s = task.settings
+    written, footage = _files_of(task)
+    detected = [s.detect, s.detect_cameras] if footage else []
+    masks = masks_key(task.root, s, s.cameras.names) if detected else []
+    said = [s.name, asdict(stated_identity(s)), s.cameras, s.calibration, s.calibrate, s.volume_mm, detected]
+    return digest(code_key(), file_key(*written, *footage), said, masks)
+
+
+def _files_of(task: Task) -> tuple[list[Path], list[Path]]:
+    """The files that the calibration rests on: those that state something, and footage."""
     s, c, root = task.settings, task.settings.calibration, task.root
     named = [c.file, c.control_points and c.control_points.points, c.control_frame and c.control_frame.rods]
     named += [c.world_points and c.world_points.points]
-    paths = [root / path for path in named if path]
-    paths += files_of_set(root / c.file, "cp") if c.file and is_cp(c.file) else []
-    known = len(paths)
+    written = [root / path for path in named if path]
+    written += files_of_set(root / c.file, "cp") if c.file and is_cp(c.file) else []
+    footage = []
     for pointed in (c.control_points, c.control_frame, c.linearisation, c.world_points):
-        paths += files_of(root, s, pointed.images, s.cameras.names) if pointed and pointed.images else []
+        footage += files_of(root, s, pointed.images, s.cameras.names) if pointed and pointed.images else []
     distance = c.single_marker.distance if c.single_marker else None
     for seen in (c.wand, c.single_marker, distance, c.l_frame):
-        paths += files_of(root, s, seen, s.cameras.names)
-    detected = [s.detect, s.detect_cameras] if len(paths) > known else []
-    masks = masks_key(root, s, s.cameras.names) if detected else []
-    said = [s.name, asdict(stated_identity(s)), s.cameras, c, s.calibrate, s.volume_mm, detected]
-    return digest(code_key(), file_key(*paths), said, masks)
+        footage += files_of(root, s, seen, s.cameras.names)
+    return written, footage
 
 
 def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
@@ -167,7 +174,8 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
     since, change = _put_aside(results, rig, evidence)
     figures = with_words(calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since))
     assets = None if task.settings.report.self_contained else results / ASSETS
-    figures["identity"] = asdict(stated_identity(task.settings))
+    written, footage = _files_of(task)
+    figures["identity"] = asdict(replace(stated_identity(task.settings), file_date=file_date(footage or written)))
     write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence, assets=assets)
     write_quality(results / FIGURES, figures)
     return rig, figures

@@ -7,6 +7,8 @@ from .finding import FindingKind as Kind
 GAIT_KINDS = (
     Kind("gait_without_strides", "gait", "red", "No foot strikes twice, so that there is no stride; amber "
          "where other trials have some.", {"trial": "text", "file": "text"}),
+    Kind("gait_walk_left_out", "gait", "amber", "A walk that cannot be used beside others that can; why.",
+         {"trial": "text", "why": "text"}),
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
     Kind("gait_bodies_differ", "gait", "amber", "The body in a file is another than in the standing trial or the "

@@ -69,6 +69,25 @@ def test_angles_with_gaps_are_told_and_filling_is_named(walk):
     )
 
 
+def test_walks_that_cannot_be_used_are_told_and_keep_nobody_from_the_others(walk, capsys):
+    content = (walk / "walk.c3d").read_bytes()
+    (walk / "a_broken.c3d").write_bytes(content[: len(content) // 300])
+    trial = read_trial(walk / "walk.c3d")
+    few = tuple(p for p in trial.trajectories if p.name != "LKNE")
+    write_c3d(walk / "b_few.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=few)))
+    alone = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    with pytest.raises(SystemExit) as ended:
+        app(["gait", str(walk), "--measures", str(walk / "anna.toml"), "--no-uncertainty", "-o", str(walk / "all")])
+    said = capsys.readouterr().err
+    assert ended.value.code == 1 and "a_broken.c3d" in said and "LKNE" in said
+    figures = json.loads((walk / "all/gait.json").read_text())
+    assert figures["time_distance"] == alone["time_distance"]
+    left_out = [f["values"]["trial"] for f in figures["findings"] if f["kind"] == "gait_walk_left_out"]
+    assert left_out == ["a_broken", "b_few"] and "So b_few was left out." in (walk / "all/gait.html").read_text()
+    with pytest.raises(KinemarkError, match="a_broken"):
+        gait_of_files([walk / "a_broken.c3d", walk / "b_few.c3d"], settings=QUICK)
+
+
 def test_names_that_were_taken_for_the_models_are_told_where_one_is_missing(walk):
     trial = read_trial(walk / "walk.c3d")
     other = {"LASI": "Ann:LFWT", "RASI": "Ann:RFWT", "LTIB": "Ann:LSHN", "RTIB": "Ann:RSHN"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +22,7 @@ from ..output import (
     Rate,
     SelfContained,
     exit_by_verdict,
+    print_errors,
     print_note,
     print_result,
 )
@@ -189,6 +191,9 @@ def gait(
     else:
         notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
         print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
+    if result.unusable:
+        print_errors({str(path): error for path, error in result.unusable.items()})
+        sys.exit(1)
     exit_by_verdict([result.figures["verdict"]["grade"]], fail_on)
 
 

@@ -87,13 +87,14 @@ CURVES, TIME_DISTANCE, KEY_VALUES = "curves.csv", "time_distance.csv", "key_valu
 
 
 class GaitResult(NamedTuple):
-    """The gait of a subject, and where the files are."""
+    """The gait of a subject, and where the files are; unusable: walks that were left out, and why."""
 
     trials: tuple[GaitOfTrial, ...]
     curves: tuple[GaitCurves, ...]
     figures: dict[str, Any]
     folder: Path
     notes: tuple[FileNote, ...]
+    unusable: Mapping[Path, KinemarkError]
 
 
 def gait_of_files(
@@ -114,6 +115,8 @@ def gait_of_files(
 ) -> GaitResult:
     """Read walks, compute gait, and write page, tables, figures, and each walk as C3D with its results.
 
+    Where one of several walks cannot be used, the others are; the page says why.
+
     Args:
         walks: trials of one subject with named markers; a file that is given twice counts once.
         left_out: files of the same recordings in another format, which are told and kept.
@@ -129,8 +132,8 @@ def gait_of_files(
         settings: all else. self_contained: the page holds the drawing library.
 
     Raises:
-        KinemarkError: there are no walks, a file cannot be read, a marker is missing, the folder cannot be written, or
-            a file of the results would overwrite one that was given.
+        KinemarkError: there are no walks, none of them can be read or has the markers, another file cannot be read, the
+            folder cannot be written, or a file of the results would overwrite one that was given.
     """
     settings, kinds = settings or GaitSettings(), exports_of(exports)
     if not walks:
@@ -148,7 +151,8 @@ def gait_of_files(
     def read(path: Path, like: Recorded | None = None) -> Recorded:
         return _read(path, names, markers, settings, like)
 
-    whole, still = _walks_and_standing(walks, static, read, clusters, settings)
+    unusable: dict[Path, KinemarkError] = {}
+    whole, still = _walks_and_standing(walks, static, read, clusters, settings, unusable)
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     moved = None if functional is None else read(functional, still)
@@ -156,9 +160,10 @@ def gait_of_files(
         known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     files = {names[path.resolve()]: str(path) for path in walks}
-    figures = _figures(whole, still, found, known, static, band, settings, files, bodies_of(whole, still, moved))
+    why = {names[path.resolve()]: str(error) for path, error in unusable.items()}
+    figures = _figures(whole, still, found, known, static, band, settings, files, bodies_of(whole, still, moved), why)
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
-    figures["identity"] = identity_of_file(whole[0].given, walks[0])
+    figures["identity"] = identity_of_file(whole[0].given, Path(files[whole[0].name]))
     notes = _written(into, whole, found, figures, band, self_contained=self_contained)
     write_exports(
         into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(whole, found.trials, strict=True)],
@@ -166,29 +171,49 @@ def gait_of_files(
     )  # fmt: skip
     if left_out:
         notes = (FileNote("left_out", "files", tuple(str(path) for path in left_out)), *notes)
-    return GaitResult(found.trials, found.curves, figures, into, notes)
+    return GaitResult(found.trials, found.curves, figures, into, notes, unusable)
 
 
 def _walks_and_standing(
     walks: Sequence[Path], static: Path | None, read: Callable[..., Recorded], clusters: Clusters | None,
-    settings: GaitSettings,
+    settings: GaitSettings, unusable: dict[Path, KinemarkError],
 ) -> tuple[list[Recorded], Recorded | None]:  # fmt: skip
     """The walks with the points that clusters carry, and the standing trial with its clusters; read: makes one of both.
 
-    The walks are read before the usual clusters are known, for these are the ones that walks want.
+    The walks are read before the usual clusters are known, for these are the ones that walks want. Those that cannot be
+    used go into `unusable`.
 
     Raises:
-        KinemarkError: there are clusters and no standing trial, or a file cannot be read.
+        KinemarkError: there are clusters and no standing trial, that cannot be read, or no walk can be used.
     """
     if clusters and static is None:
         raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
     still = None if static is None else read(static)
     if still is not None and clusters:
         still = with_stated_clusters(still, clusters)
-    found = [read(path, still) for path in walks]
+    found = _each(dict(zip(walks, walks, strict=True)), lambda path: read(path, still), unusable)
     if still is not None:
-        still = with_usual_clusters(still, found, settings)
-    return [completed(walk, still) for walk in found], still
+        still = with_usual_clusters(still, list(found.values()), settings)
+    return list(_each(found, lambda walk: completed(walk, still), unusable).values()), still
+
+
+def _each(
+    given: Mapping[Path, Any], make: Callable[[Any], Recorded], unusable: dict[Path, KinemarkError]
+) -> dict[Path, Recorded]:
+    """What is made of each walk; where that cannot be, the reason goes into `unusable`.
+
+    Raises:
+        KinemarkError: nothing can be made of any.
+    """
+    made = {}
+    for path, walk in given.items():
+        try:
+            made[path] = make(walk)
+        except KinemarkError as error:
+            unusable[path] = error
+    if not made:
+        raise next(iter(unusable.values()))
+    return made
 
 
 def _read(
@@ -214,6 +239,7 @@ def _c3d(folder: Path, name: str) -> Path:
 def _figures(
     walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
     band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str], bodies: Sequence[BodyOfTrial],
+    unusable: Mapping[str, str],
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
@@ -225,7 +251,7 @@ def _figures(
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
-            stated=stated, files=files, feet=feet, bodies=bodies,
+            stated=stated, files=files, feet=feet, bodies=bodies, unusable=unusable,
         )
     )  # fmt: skip
 

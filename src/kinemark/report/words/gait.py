@@ -208,6 +208,10 @@ GAIT_WORDS = {
         "{trial}: no foot strikes the floor twice, so that there is no stride.",
         _for_strides,
     ),
+    "gait_walk_left_out": Words(
+        "{why} So {trial} was left out.",
+        "Mend the file, or compute gait without it: nothing here rests on it.",
+    ),
     "gait_subjects_differ": Words(
         "The files state different subjects: {subjects_list}. They are averaged as one person's.",
         "Give walks and standing trial of one person, or correct the name in the files.",

@@ -62,12 +62,13 @@ TRIAL_KINDS = (
          "others; shift_px is how far that moves its images.",
          {"delay_ms": "ms", "delay_frames": "frames", "shift_px": "px"}),
     Kind("camera_started_apart", "track", "amber", "A camera was started later (or earlier, below 0) than the others, "
-         "by whole images.", {"images": "count", "delay_ms": "ms"}),
+         "by whole images; state_ms is what to state as its delay: with all that is stated, and learned.",
+         {"images": "count", "delay_ms": "ms", "state_ms": "ms"}),
     Kind("camera_lost_images", "track", "amber", "From a frame on, a camera's images are those of later (or earlier, "
          "below 0) frames: it lost images, or has some twice.", {"images": "count", "delay_ms": "ms"}),
     Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
-         "others by delay_ms, of standard error delay_se_ms; all was tracked with this delay.",
-         {"delay_ms": "ms", "delay_se_ms": "ms"}),
+         "others by delay_ms, of standard error delay_se_ms; all was tracked with this delay; state_ms as above.",
+         {"delay_ms": "ms", "delay_se_ms": "ms", "state_ms": "ms"}),
     Kind("camera_rolling_shutter", "track", "amber", "A camera takes the last row of its images later (or earlier, "
          "below 0) than the first by readout_ms, of standard error readout_se_ms; all was tracked so.",
          {"readout_ms": "ms", "readout_se_ms": "ms"}),

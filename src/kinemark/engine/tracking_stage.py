@@ -31,7 +31,7 @@ from ..track.simultaneous import (
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
-from .camera_checks.start_times import in_time, with_start_times
+from .camera_checks.start_times import in_time, with_delays_to_state, with_start_times
 from .fill_files import angle_model
 from .graph import Records, Stage
 from .settings import Settings
@@ -117,6 +117,13 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
+    tracked = _at_any_start(detections, rig, method, place)
+    late = with_delays_to_state(tracked.diagnostics, inputs.settings.cameras.delays_ms)
+    return tracked._replace(diagnostics=late)
+
+
+def _at_any_start(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
+    """Tracks of Kinemark's own tracker, once again with cameras in time that were started apart, if more then fit."""
     tracked = _simultaneously(detections, rig, method, place)
     cameras = TrialRig.given(rig) if tracked.cameras is None else tracked.cameras
     turned = {name for one in tracked.diagnostics if one.kind == "camera_put_right" for name in one.cameras}

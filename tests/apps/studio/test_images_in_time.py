@@ -27,7 +27,7 @@ file = "rig.toml"
 name = "one"
 images = "one/{{camera}}.mkv"
 """
-APART = make_finding("camera_started_apart", cameras=["c1"], images=4, delay_ms=80.0)
+APART = make_finding("camera_started_apart", cameras=["c1"], images=4, delay_ms=80.0, state_ms=80.0)
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """Cameras that were started apart by whole images, or lost some, are told so, and not something else."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -63,7 +64,7 @@ def test_a_camera_that_stands_otherwise_was_not_started_apart(seen):
 @pytest.mark.parametrize("n", [3, -5])
 def test_images_of_a_camera_that_was_started_apart_are_put_into_the_frames_that_they_show(seen, n):
     late = later(seen, n)
-    moved = in_time([make_finding("camera_started_apart", cameras=["c1"], images=n, delay_ms=0.0)], late)
+    moved = in_time([make_finding("camera_started_apart", cameras=["c1"], images=n, delay_ms=0.0, state_ms=0.0)], late)
     np.testing.assert_array_equal(moved.uv, late.uv)  # rows stay
     for f in range(max(n, 0) + 1, FRAMES + min(n, 0) - 1):
         np.testing.assert_array_equal(moved[1, f], seen[1, f])
@@ -74,13 +75,36 @@ def test_images_of_a_camera_that_was_started_apart_are_put_into_the_frames_that_
 @pytest.mark.parametrize("n", [2, -1, 50])
 def test_images_of_frames_that_were_not_recorded_are_not_valid(seen, n):
     frames = seen.frames(0, 40)
-    moved = in_time([make_finding("camera_started_apart", cameras=["c2"], images=n, delay_ms=0.0)], frames)
+    moved = in_time(
+        [make_finding("camera_started_apart", cameras=["c2"], images=n, delay_ms=0.0, state_ms=0.0)], frames
+    )
     own = np.flatnonzero(frames.camera == 2)
     shown = frames.frame[own] + n
     np.testing.assert_array_equal(moved.valid[own], (shown >= 0) & (shown < 40))
     valid = own[moved.valid[own]]
     np.testing.assert_array_equal(moved.frame[valid], frames.frame[valid] + n)
     assert moved.valid[frames.camera != 2].all()
+
+
+def inputs(rig, **delays_ms):
+    cameras = SimpleNamespace(delays_ms=delays_ms)
+    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares(), cameras=cameras)
+    return SimpleNamespace(rig=rig, settings=settings)
+
+
+def test_the_delay_to_state_is_all_that_is_stated_and_known():
+    """Else who writes what two findings say, one after the other, never gets there."""
+    points = dance(n=12, frames=1000, rate=1000.0)  # camera c1 is late by 37 ms, of which 5 are stated
+    own = [observe(RIG, points[:, 100 + by : 900 + by : 10], noise=0.1)[0] for by in (0, 32)]
+    counts = np.where(np.arange(6)[:, None] == 1, own[1].counts, own[0].counts)
+    uv = np.concatenate([own[c == 1].uv[own[c == 1].camera == c] for c in range(6)])
+    seen = type(own[0]).build(RIG.names, 100.0, counts, uv)
+    tracked = from_detections(inputs(RIG, c1=5.0), {"detect": seen})
+    late = [one for one in tracked.diagnostics if one.cameras == ("c1",)]
+    assert {one.kind for one in late} == {"camera_started_apart", "camera_delay_learned"}
+    for one in late:
+        assert one.values["state_ms"] == pytest.approx(37, abs=0.5)
+        assert re.search(r"delays_ms\.c1 = 3[67]\.\d", advice_of(one))
 
 
 @pytest.mark.parametrize("late", [{0: 6}, {1: 4, 2: -7}, {1: 4, 2: 4}])
@@ -90,8 +114,7 @@ def test_cameras_that_were_started_apart_are_put_in_time_and_make_no_points_of_t
     own = [one.uv[one.camera == c] for c, one in enumerate(each[: len(rig)])]
     counts = [one.counts[c] for c, one in enumerate(each[: len(rig)])]
     seen = type(each[0]).build(rig.names, 100.0, counts, np.concatenate(own))
-    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares())
-    tracked = from_detections(SimpleNamespace(rig=rig, settings=settings), {"detect": seen})
+    tracked = from_detections(inputs(rig), {"detect": seen})
     told = {int(c.cameras[0][1:]): c.values["images"] for c in tracked.diagnostics if c.kind == "camera_started_apart"}
     assert told == late
     images = (tracked.tracks.cloud.detection >= 0).sum(1)
@@ -116,6 +139,5 @@ def test_a_camera_that_is_late_and_one_that_was_turned_are_told_apart_by_who_goe
     counts, uv, cov = (np.concatenate([getattr(one, name) for one in each]) for name in ("counts", "uv", "cov"))
     seen = type(each[0]).build(RIG.names, 100.0, counts, uv, cov)
     seen = replace(seen, uv=seen.uv + (seen.camera == 1)[:, None] * np.array(by))
-    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares())
-    tracked = from_detections(SimpleNamespace(rig=RIG, settings=settings), {"detect": seen})
+    tracked = from_detections(inputs(RIG), {"detect": seen})
     assert [(one.kind, one.cameras) for one in tracked.diagnostics] == [(kind, ("c1",))]

@@ -8,7 +8,7 @@ is moved in time by whole images, and all is tracked again (`in_time`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -22,6 +22,8 @@ from ...match.start_offsets import agreement, start_offsets
 
 SUSPICIOUS = ("camera_out_of_sync", "camera_fits_nothing", "camera_shifted", "camera_moved", "camera_put_right")
 """Findings of cameras whose images may belong to other frames, and that say so less well."""
+LATE = ("camera_started_apart", "camera_delay_learned")
+"""Findings of delays that tracking has reckoned with."""
 MOST_S, MOST = 1.0, 100
 """Seconds, and frames at most, that cameras are looked for apart; chosen: `kinemark starts` looks farther."""
 GOOD = 0.6
@@ -75,6 +77,27 @@ def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
     return replace(detections, start=start, validity=validity)
 
 
+def with_delays_to_state(findings: Sequence[Finding], stated_ms: Mapping[str, float]) -> tuple[Finding, ...]:
+    """The findings of cameras that are late, with the delay that is to be stated of each: all that is known of it.
+
+    Args:
+        findings: of tracking. stated_ms: delays that are stated, which those of the findings come on top of.
+    """
+    late = [one for one in findings if one.kind in LATE]
+    whole = {
+        name: stated_ms.get(name, 0.0) + sum(_delay_ms(one) for one in late if name in one.cameras)
+        for name in {name for one in late for name in one.cameras}
+    }
+    return tuple(
+        replace(one, values={**one.values, "state_ms": whole[one.cameras[0]]}) if one in late else one
+        for one in findings
+    )
+
+
+def _delay_ms(found: Finding) -> float:
+    return float(np.asarray(found.values["delay_ms"], np.float64))
+
+
 def started_apart(findings: Sequence[Finding]) -> dict[str, int]:
     """Cameras that were started at another time than the others, and how many images late."""
     apart = [found for found in findings if found.kind == "camera_started_apart"]
@@ -98,7 +121,8 @@ def _finding(name: str, late: int, since: int, detections: Detections) -> Findin
     kind = "camera_lost_images" if since else "camera_started_apart"
     frames = [(since, detections.n_frames - 1)] if since else []
     delay_ms = 1000.0 * late / detections.rate
-    return make_finding(kind, cameras=[name], frames=frames, images=late, delay_ms=delay_ms)
+    values = {"images": late, "delay_ms": delay_ms} | ({} if since else {"state_ms": delay_ms})
+    return make_finding(kind, cameras=[name], frames=frames, **values)
 
 
 def _late(detections: Detections, rig: Rig, frames: int) -> Ints:

@@ -86,9 +86,18 @@ def _started_apart(found: Finding) -> str:
     )
 
 
-def _apart_advice(found: Finding) -> str:
+def _to_state(found: Finding) -> str:
+    """What to write as the delay of a camera."""
     name = found.cameras[0] if found.cameras else "camera"
-    return f"Write delays_ms.{name} = {_number(found, 'delay_ms'):.6g} below [cameras], and run again."
+    return f"delays_ms.{name} = {round(_number(found, 'state_ms'), 2):.6g} below [cameras]"
+
+
+def _apart_advice(found: Finding) -> str:
+    return f"Write {_to_state(found)}, and run again."
+
+
+def _learned_advice(found: Finding) -> str:
+    return f"Check that all cameras are triggered together; where that cannot be, write {_to_state(found)}."
 
 
 def _lost_images(found: Finding) -> str:
@@ -184,7 +193,7 @@ CAMERA_WORDS = {
     ),
     "camera_delay_learned": Words(
         _delay_learned,
-        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
+        _learned_advice,
     ),
     "camera_rolling_shutter": Words(
         "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "

@@ -150,7 +150,11 @@ def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
     ms = CameraTimes(*(1000 * each for each in result.times))
     late = [
         make_finding(
-            "camera_delay_learned", cameras=[rig.names[c]], delay_ms=ms.delay[c], delay_se_ms=ms.delay_error[c]
+            "camera_delay_learned",
+            cameras=[rig.names[c]],
+            delay_ms=ms.delay[c],
+            delay_se_ms=ms.delay_error[c],
+            state_ms=ms.delay[c],
         )
         for c in np.flatnonzero(ms.delay).tolist()
     ]

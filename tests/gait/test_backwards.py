@@ -7,10 +7,11 @@ from kinemark.data import Trajectories, Trial
 from kinemark.data.strides import UNITS
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.gait import clinical_angles, foot_events, lower_limbs, marker_points, standard_trial
-from kinemark.gait.backwards import walks_backwards
+from kinemark.gait.backwards import reversals, walks_backwards
 from kinemark.gait.progression import way_walked
 from kinemark.gait.time_distance import averages, strides
 from kinemark.gait.treadmill import floor_velocity
+from kinemark.gait.turning import with_counts, with_facing
 from kinemark.gait.way_of_walking import way_of_walking
 from kinemark.synth import walking
 from support.plug_in_gait import trial
@@ -51,6 +52,32 @@ def test_backwards_over_ground_and_on_a_belt(speed, belt):
     assert found["speed"][0] == pytest.approx(speed, rel=0.03)
     assert found["foot_off"][0] == pytest.approx(measured(forward)[2]["foot_off"][0], abs=2.0)
     assert all(abs(np.gradient(points["LHEE"][:, 2])[round(e.time * RATE)]) < 20 for e in events if e.side == "left")
+
+
+@pytest.mark.parametrize(("belt", "first"), [(False, "there"), (False, "back"), (True, "there")])
+def test_to_and_fro_in_one_trial(belt, first):
+    """Without turning round; on a belt the same is a walk one way, whatever the subject drifts."""
+    forward = walk(1100.0, belt=belt)
+    drift = np.r_[0:700, 699:-1:-1][:, None] * [1.5 * belt, 0, 0]
+    order = (1, -1) if first == "there" else (-1, 1)
+    points = {
+        name: np.concatenate([xyz[:: order[0]], xyz[:: 1 if belt else order[1]]]) + drift
+        for name, xyz in forward.items()
+    }
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    assert way_of_walking(events, points, rate=RATE) == ("level" if belt else "to and fro")
+    assert abs(reversals(points) - 700).max(initial=0) < 30 and len(reversals(points)) == (not belt)
+    if belt:
+        return
+    steps = strides(events, points, rate=RATE)
+    found = with_facing(steps, lower_limbs(points, MEASURES).pelvis.R[..., 0], rate=RATE, back=reversals(points))
+    (counted,) = with_counts([found])
+    straight = [one for one in counted if one.counts]
+    assert len(straight) >= len(counted) - 4 and all(abs(one.turned_deg) == 180 for one in counted if not one.counts)
+    alone = measured(forward)[2]
+    for one in straight:
+        assert one.values["speed"] == pytest.approx(1100, rel=0.03)
+        assert one.values["foot_off"] == pytest.approx(alone["foot_off"][0], abs=2.0)
 
 
 def test_a_recorded_walk_turned_in_time_keeps_its_parameters():

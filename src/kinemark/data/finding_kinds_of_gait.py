@@ -71,8 +71,8 @@ GAIT_KINDS = (
          "difference.", {"trial": "text", "events": "count", "most_ms": "ms"}),
     Kind("file_events_not_found", "gait", "info", "Events in the file near which none was found.",
          {"trial": "text", "events": "count"}),
-    Kind("gait_not_level", "gait", "amber", "The subject does not walk forwards on a level floor. way: running, stairs "
-         "or backward. Standard uncertainty of events from markers there.",
+    Kind("gait_not_level", "gait", "amber", "The subject does not walk forwards on a level floor. way: running, "
+         "stairs, backward or to and fro. Standard uncertainty of events from markers there.",
          {"trial": "text", "way": "text", "sd_ms": "ms"}),
     Kind("gait_on_treadmill", "gait", "info", "The floor moves below standing feet, at this speed; lengths and speed "
          "count from it.", {"trial": "text", "speed": "m/s"}),

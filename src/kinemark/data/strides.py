@@ -39,8 +39,8 @@ class Stride(NamedTuple):
         side: whose. first, last: s of its foot strikes.
         values, sd: by the names of `UNITS`; NaN where an event or a heel is missing.
         systematic: what of sd is the same in all strides of a session, by the names of `UNITS`; 0 where none is given.
-        turned_deg: by which the pelvis turns to the left in it. facing_deg: where it faces in the mean, from the x of
-            the laboratory to the left, within half a turn; NaN where this is not known.
+        turned_deg: by which the pelvis turns to the left in it, or the way does. facing_deg: where it faces in the
+            mean, from the x of the laboratory to the left, within half a turn; NaN where this is not known.
         counts: in means and curves.
     """
 

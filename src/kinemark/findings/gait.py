@@ -62,7 +62,8 @@ class GaitOfTrial(NamedTuple):
     Attributes:
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
-        way: "level", "running", "stairs" or "backward". first_frame: its number in the recording. floor: how it moves.
+        way: "level", "running", "stairs", "backward" or "to and fro". first_frame: its number in the recording.
+        floor: how it moves.
         keys: key values of its strides that count. leaps: of its markers. names: what of their names cannot be.
         plates: what of its plates cannot be.
     """

@@ -7,16 +7,23 @@ Over ground, with the pelvis at p and d its own direction on the floor, the way 
 is below zero. On a treadmill w tells nothing; there a foot that swings is high, and goes the way of the walk from the
 pelvis, so that the correlation of its height and of this speed has the sign of the way (2).
 
+Who goes to and fro without turning round walks forwards in one part and backwards in the next: the sum (1) up to a
+frame turns there by what is a walk. It counts where (2) agrees in each part (3), as who drifts to and fro on a
+treadmill walks one way.
+
 Backward walking is forward walking with time turned, as far as the motion of legs goes (Winter et al. 1989).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from ..data.subject_measures import LETTER
 from .lower_limb import pelvis_of
 from .segments import Z_UP, Segment, unit
@@ -27,28 +34,76 @@ AGAINST = -0.2
 was 0.51 and more, and in one on stairs 0.25."""
 
 
+class WalkedPart(NamedTuple):
+    """Frames first to stop − 1 of a trial, in which the subject walks one way: backwards, or forwards."""
+
+    first: int
+    stop: int
+    backwards: bool
+
+
 def walks_backwards(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> bool:
-    """By (1), or by (2) where the pelvis stays.
+    """Whether the subject does in any part; `points` as in `walked_parts`."""
+    return any(part.backwards for part in walked_parts(points, up=up))
+
+
+def walked_parts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> list[WalkedPart]:
+    """The parts of a trial by (3), mostly one; which way by (1), or by (2) where the pelvis stays.
 
     Args:
         points: (F, 3) mm by the model's names; without pelvis or feet nothing is known. up: of the laboratory.
     """
     feet = [s + name for s in LETTER.values() for name in ("HEE", "TOE")]
+    n = max(map(len, points.values()), default=0)
     if not {"LASI", "RASI", *feet} <= set(points) or not ({"SACR"} <= set(points) or {"LPSI", "RPSI"} <= set(points)):
-        return False
+        return [WalkedPart(0, n, backwards=False)]
     pelvis = pelvis_of(points)[0]
+    parts = parts_by_way(pelvis, up)
+    if len(parts) > 1 and all((_agreement(points, pelvis, up, part) < 0) == part.backwards for part in parts):
+        return parts
     w = way_as_faced(pelvis, up)
-    if abs(w) >= WALKED_MM:
-        return w < 0
-    each = [_correlation(points[s + "HEE"] + points[s + "TOE"], pelvis, up) for s in LETTER.values()]
-    return float(np.mean(each)) < AGAINST
+    agreement = _agreement(points, pelvis, up, WalkedPart(0, n, backwards=False))
+    return [WalkedPart(0, n, w < 0 if abs(w) >= WALKED_MM else agreement < AGAINST)]
+
+
+def reversals(points: Mapping[str, Floats]) -> Ints:
+    """Frames in which the subject turns from walking forwards to backwards or the reverse; `points` as above."""
+    return np.array([part.first for part in walked_parts(points)[1:]], np.int64)
+
+
+def parts_by_way(pelvis: Segment, up: Floats = Z_UP) -> list[WalkedPart]:
+    """Parts of (F) frames between which the sum (1) turns by `WALKED_MM` or more; one where it never does."""
+    at = np.concatenate([[0.0], np.nancumsum(_steps_as_faced(pelvis, up))])
+    edges, way, farthest = [0], 0.0, 0
+    for k, w in enumerate(at):
+        if way == 0 and abs(w) >= WALKED_MM:
+            way, farthest = float(np.sign(w)), k
+        elif way * (w - at[farthest]) > 0:
+            farthest = k
+        elif way * (at[farthest] - w) >= WALKED_MM:
+            edges.append(farthest)
+            way, farthest = -way, k
+    bounds = pairwise([*edges, len(at)])
+    return [WalkedPart(first, stop, bool(at[stop - 1] - at[first] <= -WALKED_MM)) for first, stop in bounds]
 
 
 def way_as_faced(pelvis: Segment, up: Floats = Z_UP) -> float:
     """(1), mm, over the frames in which the pelvis (F) is known."""
+    return float(np.nansum(_steps_as_faced(pelvis, up)))
+
+
+def _steps_as_faced(pelvis: Segment, up: Floats) -> Floats:
+    """(F−1) mm, the terms of (1); NaN where the pelvis is not known."""
     d = _faced(pelvis, up)
-    steps = (np.diff(pelvis.origin, axis=0) * (d[1:] + d[:-1]) / 2).sum(-1)
-    return float(np.nansum(steps))
+    return np.asarray((np.diff(pelvis.origin, axis=0) * (d[1:] + d[:-1]) / 2).sum(-1))
+
+
+def _agreement(points: Mapping[str, Floats], pelvis: Segment, up: Floats, part: WalkedPart) -> float:
+    """(2) in a part, mean of both feet."""
+    k = slice(part.first, part.stop)
+    own = replace(pelvis, origin=pelvis.origin[k], R=pelvis.R[k])
+    feet = ((points[s + "HEE"] + points[s + "TOE"])[k] for s in LETTER.values())
+    return float(np.mean([_correlation(foot, own, up) for foot in feet]))
 
 
 def _faced(pelvis: Segment, up: Floats) -> Floats:

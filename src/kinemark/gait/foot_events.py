@@ -10,9 +10,9 @@ the mean difference from them is taken off, shrunk as n / (n + ν) with ν = (de
 subjects)² (3). The expected error is made of both deviations, or is half of how far the detectors are apart where that
 is more (4).
 
-Who walks backwards (`backwards`) has the events of a walk with time turned: a strike is an off there. Events that
-contradict each other are not kept together (`event_order`), and where the subject does not walk forwards on a level
-floor (`way_of_walking`) those from markers are known worse.
+Who walks backwards (`backwards`), in a part or throughout, has the events of a walk with time turned: a strike is an
+off there. Events that contradict each other are not kept together (`event_order`), and where the subject does not walk
+forwards on a level floor (`way_of_walking`) those from markers are known worse.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 from ..data import Trial
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
-from .backwards import walks_backwards
+from .backwards import walked_parts
 from .event_order import ordered
 from .foot_detectors import OFF, STRIKE, voted
 from .plate_events import plate_events
@@ -65,16 +65,20 @@ def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP
 def marker_events(points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP) -> list[FootEvent]:
     """Events by (2), of all plates unaware; their `sd` is half of how far the detectors are apart.
 
-    Of who walks backwards they are found with time turned.
+    Where the subject walks backwards they are found with time turned.
 
     Args:
         points: (F, 3) mm by the model's names. rate: frames a second. up: of the laboratory.
     """
-    if walks_backwards(points, up=up):
-        end = (len(points["LHEE"]) - 1) / rate
-        turned = _forward_events({name: xyz[::-1] for name, xyz in points.items()}, rate, up)
-        return [e._replace(time=end - e.time, strike=not e.strike) for e in turned]
-    return _forward_events(points, rate, up)
+    found: list[FootEvent] = []
+    for first, stop, backwards in walked_parts(points, up=up):
+        part = {name: xyz[first:stop] for name, xyz in points.items()}
+        if backwards:
+            turned = _forward_events({name: xyz[::-1] for name, xyz in part.items()}, rate, up)
+            found += [e._replace(time=(stop - 1) / rate - e.time, strike=not e.strike) for e in turned]
+        else:
+            found += [e._replace(time=first / rate + e.time) for e in _forward_events(part, rate, up)]
+    return found
 
 
 def _forward_events(points: Mapping[str, Floats], rate: float, up: Floats) -> list[FootEvent]:

@@ -19,9 +19,9 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..data.subject_measures import SIDES
-from .backwards import way_as_faced
+from .backwards import parts_by_way, way_as_faced
 from .lower_limb import LowerLimbs
-from .segments import Z_UP, unit
+from .segments import Z_UP, Segment, unit
 from .straight_passes import BEND_MM, WALKED_MM, Pass, straight_passes
 
 ALONG_DEG = 5.0
@@ -57,14 +57,24 @@ def way_walked(limbs: LowerLimbs, up: Floats = Z_UP, *, rate: float) -> Floats:
         limbs: over frames. up: of the laboratory. rate: frames a second.
     """
     forward = _walked(limbs, up)
-    sign = -1.0 if way_as_faced(limbs.pelvis, up) <= -WALKED_MM else 1.0  # (6)
     if _bends(limbs, forward, up) and (each := _at_each_moment(limbs, up, rate)) is not None:
-        return _turned_to(sign * _with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate)), up)
+        each = _with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate))
+        return _turned_to(_as_faced(each, limbs.pelvis, up), up)
+    sign = -1.0 if way_as_faced(limbs.pelvis, up) <= -WALKED_MM else 1.0  # (6)
     if np.linalg.norm(forward) < WALKED_MM:
         forward = sign * _stepped(limbs, up)
     if np.linalg.norm(forward) == 0:
         return progression(limbs, up)
     return _turned_to(sign * _along_axis(unit(forward)), up)
+
+
+def _as_faced(each: Floats, pelvis: Segment, up: Floats) -> Floats:
+    """(F, 3) directions of the way, turned about where the subject walks backwards (6): throughout, or where it faces
+    against the way in a trial of both."""
+    if len(parts := parts_by_way(pelvis, up)) == 1:
+        return -each if parts[0].backwards else each
+    against = (each * pelvis.R[..., 0]).sum(-1) < 0
+    return np.where(against[:, None], -each, each)
 
 
 def _along_axis(forward: Floats) -> Floats:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from ..data.strides import Stride
 
 TURNS_DEG = 15.0
@@ -22,12 +22,12 @@ WAY_DEG = 60.0
 that is no turn."""
 
 
-def with_facing(strides: Sequence[Stride], x: Floats, *, rate: float) -> tuple[Stride, ...]:
-    """The strides with where the pelvis faces in them, and how far it turns.
+def with_facing(strides: Sequence[Stride], x: Floats, *, rate: float, back: Ints | None = None) -> tuple[Stride, ...]:
+    """The strides with where the pelvis faces in them, and how far it turns, or the way does.
 
     Args:
         strides: of a trial. x: (F, 3) forward axis of the pelvis, z up; NaN where it is not known.
-        rate: frames a second.
+        rate: frames a second. back: in which the way turns from forwards to backwards or the reverse: by half a turn.
     """
     known = np.flatnonzero(np.isfinite(x).all(-1))
     if len(known) < 2:
@@ -37,7 +37,10 @@ def with_facing(strides: Sequence[Stride], x: Floats, *, rate: float) -> tuple[S
     for one in strides:
         time = np.linspace(one.first, one.last, 21)
         deg = np.degrees(np.interp(time * rate, known, angle))
-        out.append(one._replace(turned_deg=float(deg[-1] - deg[0]), facing_deg=_wrapped(float(deg.mean()))))
+        turns = back is not None and bool(np.any((back > time[0] * rate) & (back < time[-1] * rate)))
+        out.append(
+            one._replace(turned_deg=180.0 if turns else float(deg[-1] - deg[0]), facing_deg=_wrapped(float(deg.mean())))
+        )
     return tuple(out)
 
 

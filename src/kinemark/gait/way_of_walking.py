@@ -2,7 +2,7 @@
 
 In walking a foot leaves the floor while the other stands. Where it mostly leaves while the other one is in the air, the
 subject runs (1). Where heels stand at other heights from one strike to the next, it is on stairs or a ramp (2). Who
-faces against the way walks backwards (`backwards`).
+faces against the way walks backwards (`backwards`), in some parts alone to and fro.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ import numpy as np
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side
-from .backwards import walks_backwards
+from .backwards import walked_parts
 from .segments import Z_UP
 
-Way = Literal["level", "running", "stairs", "backward"]
+Way = Literal["level", "running", "stairs", "backward", "to and fro"]
 RISE_MM = 40.0
 """From one strike to the next in the median, beyond which the floor is not level, mm; chosen: level walks had up to 23,
 a stair has 150."""
@@ -39,7 +39,8 @@ def way_of_walking(events: Sequence[FootEvent], points: Mapping[str, Floats], *,
     rises = [abs(b - a) for a, b in pairwise(h for h in heights if np.isfinite(h))]
     if rises and float(np.median(rises)) > RISE_MM:  # (2)
         return "stairs"
-    return "backward" if known and walks_backwards(points, up=up) else "level"
+    behind = {part.backwards for part in walked_parts(points, up=up)} if known else {False}
+    return "to and fro" if len(behind) > 1 else "backward" if True in behind else "level"
 
 
 def faced_aside(x: Floats) -> Floats:

@@ -17,6 +17,7 @@ from ...data.strides import FootEvent
 from ...data.subject_measures import SIDES, SubjectMeasures
 from ...findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ...gait import with_static_offsets
+from ...gait.backwards import reversals
 from ...gait.clusters import CalibratedBody, Clusters, calibrated_body, uncarried, with_wands
 from ...gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measures, joints_by_share, mass_on_plates
 from ...gait.foot_events import foot_events
@@ -314,7 +315,7 @@ def gait_of_trial(
     floor = floor_velocity(events, points, rate=rate)
     placement = settings.placement_mm if settings.uncertainty else 0.0
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial), placement_mm=placement, floor=floor)
-    steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate)
+    steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate, back=reversals(points))
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
     names, leaps = doubted_markers(trial, points)

@@ -32,6 +32,7 @@ NOT_LEVEL = {
     "running": "runs: the feet leave the floor before the other one meets it",
     "stairs": "climbs: the heels strike at other heights from step to step",
     "backward": "walks backwards",
+    "to and fro": "walks forwards and backwards: means and curves are of both",
 }
 
 

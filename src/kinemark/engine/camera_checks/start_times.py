@@ -118,11 +118,11 @@ def _apart(suspects: Sequence[Finding], detections: Detections, rig: Rig) -> Ite
 
 def _finding(name: str, late: int, since: int, detections: Detections) -> Finding:
     """About a camera that is late by so many images, in the whole trial or from a frame on."""
-    kind = "camera_lost_images" if since else "camera_started_apart"
-    frames = [(since, detections.n_frames - 1)] if since else []
     delay_ms = 1000.0 * late / detections.rate
-    values = {"images": late, "delay_ms": delay_ms} | ({} if since else {"state_ms": delay_ms})
-    return make_finding(kind, cameras=[name], frames=frames, **values)
+    if not since:
+        return make_finding("camera_started_apart", cameras=[name], images=late, delay_ms=delay_ms, state_ms=delay_ms)
+    frames = [(since, detections.n_frames - 1)]
+    return make_finding("camera_lost_images", cameras=[name], frames=frames, images=late, delay_ms=delay_ms)
 
 
 def _late(detections: Detections, rig: Rig, frames: int) -> Ints:

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from kinemark.data import Rig
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.points_between import between_markers
-from support.laboratory import observe, ring
+from support.laboratory import camera, observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally
 
@@ -55,6 +56,49 @@ def test_where_no_images_merge_it_stays():
 def test_where_either_marker_has_its_own_image_it_stays(seen):
     """One of both cameras has an image of one of the markers: there is no need of a common one."""
     assert not between_markers(*three_markers(0.5, seen)).any()
+
+
+ALONG, UP = np.array([20.0, 0.0, 0.0]), np.array([0.0, 0.0, 20.0])
+BESIDE = Rig(
+    tuple(camera(f"c{i}", place) for i, place in enumerate([(4000, -400, 1500), (4000, 400, 1500), (0, 4000, 1500)]))
+)
+RESOLUTION = 6.0
+
+
+def no_track_beside(half, shown=(-1.0, 1.0), own=False):
+    """Points of the common images of two markers, which two cameras side by side have, `half` (3) mm from either; the
+    third camera has images at these shares of `half`. The first of them may have a track, of an image in camera 0."""
+    one = dance(n=1, frames=FRAMES, seed=2)
+    detections, marker = observe(
+        BESIDE, np.concatenate([one, *(one + share * half for share in shown)]), noise=0.05, seed=3
+    )
+    c = np.repeat(np.arange(3), detections.counts.sum(1))
+    kept = np.where(c == 2, marker > 0, marker == 0) | ((c == 0) & (marker == 1) & own)
+    images = read_images(detections.keep(kept), BESIDE)
+    held = np.full((3, len(shown) + 1, FRAMES), -1)
+    held[images.camera, marker[kept], images.frame] = np.arange(kept.sum())
+    held = held[:, : 1 + own].reshape(3, -1)
+    point = intersect(images, held)
+    frame, id = np.tile(np.arange(FRAMES), 1 + own), np.repeat(np.arange(1 + own), FRAMES)
+    return TrackPoints(frame, id, point.xyz.T, point.cov.transpose(2, 0, 1)), held, images, RESOLUTION
+
+
+def test_a_point_that_another_camera_sees_as_two_is_given_up():
+    assert between_markers(*no_track_beside(ALONG)).all()
+
+
+@pytest.mark.parametrize(
+    ("half", "shown", "own"),
+    [
+        pytest.param(ALONG, (1.0,), False, id="one image"),
+        pytest.param(ALONG, (-0.2, 1.8), False, id="not half way"),
+        pytest.param(UP, (-1.0, 1.0), False, id="too far apart to merge"),
+        pytest.param(ALONG / 5, (-1.0, 1.0), False, id="too near to be told apart"),
+        pytest.param(ALONG, (-1.0, 1.0), True, id="of a track with an image of its own"),
+    ],
+)
+def test_a_point_beside_other_images_stays(half, shown, own):
+    assert not between_markers(*no_track_beside(half, shown, own)).any()
 
 
 def test_a_scene_in_which_markers_merge_in_cameras_side_by_side():

@@ -7,8 +7,20 @@ expected in a camera, s_p and s_p′ in each axis, the common image b of markers
 
     b = (p + p′) / 2,   variance s² + (s_p² + s_p′²) / 4 + (SHARE |p − p′|)²                 (1)
 
-as in `unmarked_merging`. A point all of whose images lie there, within GATE standard deviations, is given up, if MOST
-of its track lies so.
+as in `unmarked_merging`. Often neither has a track, as only those cameras see both. Then it is told by a camera that
+has no image of the point itself, but one on either side of the place q where the point is expected: a and a′, with
+
+    (a + a′) / 2 = q,   covariance S_q + ((s_a² + s_a′²) / 4 + (SHARE |a − a′|)²) I,   |a − a′| > r      (2)
+
+Two markers at x ± d make them, J d = (a − a′) / 2, which leaves open what d is along the ray. With that by which both
+are nearest to each other in the cameras k of the point, they run together in each of these if
+
+    |2 J_k d| < r                                                                            (3)
+
+and so do not if a or a′ is of a track that has an image of its own there.
+
+A point all of whose images lie by (1), or of which some camera has two images by (2) and (3), is given up, if MOST of
+its track lies so. GATE standard deviations are allowed for.
 """
 
 from __future__ import annotations
@@ -17,15 +29,22 @@ from collections import Counter
 
 import numpy as np
 
-from ...data.array_types import Bools, Ints
+from ...data.array_types import Bools, Floats, Ints
+from ...native.image_index import ranges
 from ...numerics.runs import equal_runs
+from .associate import PredictedImages, predict_images
 from .detection_index import Images
-from .near_held import NearHeld, near_held
-from .neighbouring_points import TrackPoints
+from .kalman_states import KalmanStates
+from .near_held import AT_ONCE, NearHeld, near_held
+from .neighbouring_points import TrackPoints, parts_of_frames
 from .unmarked_merging import SHARE
 
 GATE = 3.0
-"""Standard deviations of (1); chosen: as many as an image of both is hardly ever off."""
+"""Standard deviations of (1) and (2); chosen: as many as an image of both is hardly ever off."""
+
+REACH = 3.0
+"""Of r: how far a and a′ are looked for from q; chosen: of 14 scenes whose images merge at 10 px (of seeds 300003 to
+350141 of benchmarks/tracking_scenes.py) 3 and 4 give up 44 ghosts more than 2, and 4 of 47 725 samples."""
 
 MOST = 0.5
 """Of a track, a share; chosen: single points given up break tracks of markers, as one of `gait9` that then goes over to
@@ -33,22 +52,36 @@ another marker for 90 frames."""
 
 
 def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points with detections (C, P) that lie between two others (1), where images nearer than r px are one."""
+    """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one."""
     out = np.zeros(len(points.id), bool)
     if not r:
         return out
+    for part in parts_of_frames(points.frame, AT_ONCE):
+        out[part] = _seen_on_both_sides(points.take(part), detection[:, part], images, r)
+    out |= _between_tracks(points, detection, images, r)
+    return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
+
+
+def _between_tracks(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
+    """(P) the points all of whose images lie by (1) between the same two tracks."""
+    out = np.zeros(len(points.id), bool)
     said: Counter[tuple[int, int, int]] = Counter()
     for near in near_held(points, detection, images, r):
         near = near.take(np.lexsort([near.other, near.image]))
-        cuts = equal_runs(near.image)
-        for k in np.flatnonzero(np.diff(cuts) > 1).tolist():
-            i, j = cuts[k] + np.array(np.triu_indices(cuts[k + 1] - cuts[k], 1))
-            good = _middle(near.take(i), near.take(j), images)
-            i, j = i[good], j[good]
-            said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
+        i, j = _pairs(near.image)
+        good = _middle(near.take(i), near.take(j), images)
+        i, j = i[good], j[good]
+        said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
     number = (detection >= 0).sum(0)
     out[[row for (row, _, _), count in said.items() if count == number[row]]] = True
-    return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
+    return out
+
+
+def _pairs(group: Ints) -> tuple[Ints, Ints]:
+    """Places of any two of the same group, groups (n) being sorted."""
+    cuts = equal_runs(group)
+    after = np.repeat(cuts[1:], np.diff(cuts)) - 1 - np.arange(len(group))
+    return np.repeat(np.arange(len(group)), after), ranges(np.arange(1, len(group) + 1), after)
 
 
 def _middle(one: NearHeld, other: NearHeld, images: Images) -> Bools:
@@ -56,3 +89,44 @@ def _middle(one: NearHeld, other: NearHeld, images: Images) -> Bools:
     off = images.uv[one.image].T - (one.uv + other.uv) / 2
     room = images.variance[one.image] + (one.variance + other.variance) / 4
     return np.asarray((off**2).sum(0) < GATE**2 * (room + SHARE**2 * ((one.uv - other.uv) ** 2).sum(0)))
+
+
+def _seen_on_both_sides(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
+    """(P) the points of which some camera has two images by (2) and (3)."""
+    expected = predict_images(images.P, KalmanStates(points.xyz.T, points.cov.transpose(1, 2, 0)))
+    known = np.isfinite(expected.uv[:, 0]) & (np.maximum(expected.S[:, 0], expected.S[:, 2]) < (r / 2) ** 2)
+    c, row = np.nonzero((detection < 0) & known)
+    at, image = images.near(points.frame[row] * len(images.P) + c, expected.uv[c, 0, row], np.full(len(c), REACH * r))
+    off = images.uv[image] - expected.uv[c[at], :, row[at]]
+    good = (np.hypot(*off.T) < REACH * r) & ~_sees_both(detection, row[at], image, len(images.uv))
+    order = np.flatnonzero(good)[np.argsort(at[good], kind="stable")]
+    i, j = (order[k] for k in _pairs(at[order]))
+    c, row, middle, half = c[at[i]], row[at[i]], (off[i] + off[j]) / 2, (off[i] - off[j]) / 2
+    room = (images.variance[image[i]] + images.variance[image[j]]) / 4 + SHARE**2 * 4 * (half**2).sum(1)
+    x, y = middle.T
+    a, b, d = expected.S[c, :, row].T + np.stack([room, 0 * room, room])
+    good = (d * x * x - 2 * b * x * y + a * y * y < GATE**2 * (a * d - b * b)) & (2 * np.hypot(*half.T) > r)  # (2)
+    out = np.zeros(len(points.id), bool)
+    c, row = c[good], row[good]
+    out[row[_apart(expected, detection[:, row] >= 0, c, row, half[good]) < r]] = True  # (3)
+    return out
+
+
+def _sees_both(detection: Ints, row: Ints, image: Ints, D: int) -> Bools:
+    """(n) whether a camera has an image of each of a point and of the point that has another image."""
+    holder = np.full(D, -1, np.int32)
+    for camera in detection:
+        holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
+    other = holder[image]
+    return np.asarray((other >= 0) & ((detection[:, row] >= 0) & (detection[:, other] >= 0)).any(0))
+
+
+def _apart(expected: PredictedImages, has: Bools, c: Ints, row: Ints, half: Floats) -> Floats:
+    """(n) px of (3) in that camera of a point, of those that have (C, n) an image of it, in which it is most."""
+    J, of_all = expected.J[c, :, :, row], expected.J[..., row]
+    d = np.einsum("nij,nj->in", np.linalg.pinv(J), half)
+    ray = np.cross(J[:, 0], J[:, 1]).T
+    ray /= np.linalg.norm(ray, axis=0)
+    across, along = (np.where(has[:, None], np.einsum("kijn,jn->kin", of_all, v), 0.0) for v in (d, ray))
+    along_ray = -(across * along).sum((0, 1)) / np.maximum((along * along).sum((0, 1)), np.finfo(float).tiny)
+    return np.asarray(2 * np.linalg.norm(across + along_ray * along, axis=1).max(0))

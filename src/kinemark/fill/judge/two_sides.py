@@ -13,7 +13,6 @@ references, and theirs in their own shape, change by (2) and by s. The two sides
 
     |a − b| > STEP d,    |a − b| > TIMES_OWN s    and    |a − b| > TIMES_USUAL u                          (3)
 
-
 with d the distance within which a quarter of the other markers lie, so that animals of any size, and lengths in any
 unit, are told alike (4). They do so in windows of one of two lengths: the short ones tell of short gaps, the long ones
 average over a part of a stride, and the short ones must show half of their step. Where few intervals are seen

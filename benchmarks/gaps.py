@@ -1,7 +1,7 @@
 """Hidden gaps in complete trials, filled by every method: how far off, and whether the error bars say so.
 
     python benchmarks/gaps.py [trial …] [--lengths 0.5 2] [--hide one three segment occlusion] [--gaps 20]
-                              [--methods auto body pca] [--speed]
+                              [--methods body pca] [--speed]
 
 Real trials come from KINEMARK_DATA (default ../shared/data); those that are absent are named and left out. `one` hides
 one marker, `three` a marker and its two nearest neighbours, `segment` all that move with it as one body, and

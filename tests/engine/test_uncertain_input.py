@@ -13,7 +13,7 @@ from markupsafe import escape
 from kinemark.data import Rig
 from kinemark.engine.session import Session
 from kinemark.io.records import save
-from kinemark.io.rig_toml import write_rig_toml
+from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.synth.score import score
 from support.findings import found
 from support.laboratory import observe, ring
@@ -61,6 +61,7 @@ def since(one, first):
 
 WANTED = {
     "out of order": ("cameras_swapped", lambda one: one.cameras[:2] == ("c1", "c4")),
+    "put in order": ("cameras_put_in_order", lambda one: one.values["images_of_list"] == ("c4", "c1")),
     "shifted": (
         "camera_shifted",
         lambda one: one.cameras == ("c3",) and abs(one.values["offset_u_px"] - 2) < 0.05 and not one.frames,
@@ -70,6 +71,7 @@ WANTED = {
     "moved": ("camera_moved", lambda one: one.cameras == ("c5",) and since(one, HALF)),
 }
 """What is found in each case."""
+RED = ("cameras_swapped",)
 
 
 def session(folder, case, method):
@@ -94,20 +96,26 @@ def test_the_run_survives_and_says_what_is_wrong(tmp_path, method, case):
     if case == "good":
         assert [one["kind"] for one in noted] == ["calibration_verdict"]  # the rig states no error
         assert (quality["verdict"]["grade"], noted[0]["values"]["grade"]) == ("amber", "unknown")
+        assert quality["verdict"]["statements"][0]["kind"] == "trial_unknown"
+        assert "usable" not in quality["verdict"]["headline"] and "by the images alone" in page
         return
-    wanted, right = WANTED[case]
-    assert quality["verdict"]["grade"] != "green"
+    wanted, right = WANTED["put in order" if (method, case) == ("simultaneous", "out of order") else case]
+    assert quality["verdict"]["grade"] == ("red" if wanted in RED else quality["verdict"]["grade"]) != "green"
     assert any(right(one) for kind in wanted.split() for one in found(quality, kind))
     assert all(str(escape(one["text"])) in page for one in noted)
-    if case in ("shifted", "stops", "moved"):  # the other cameras are enough
+    if case in ("shifted", "stops", "moved") or wanted == "cameras_put_in_order":  # the other cameras are enough
         scored = score(result.tracks, PATHS)
         assert scored.recall > 0.99 and scored.swaps == 0
 
 
-def test_ours_goes_on_without_cameras_that_fit_nothing(tmp_path):
-    result = session(tmp_path, "out of order", "simultaneous").run(to="track")["one"]
+def test_cameras_put_in_order_are_all_used_and_their_rig_is_left(tmp_path):
+    result = session(tmp_path, "out of order", "simultaneous").run(to="quality")["one"]
     scored = score(result.tracks, PATHS)
     assert scored.recall > 0.99 and scored.swaps == 0 and scored.extra_per_frame == 0
+    assert min(camera["used_share"] for camera in result.quality["cameras"]) > 0.95
+    assert not found(result.quality, "cameras_swapped")
+    for was, now in zip(RIG, read_rig_toml(result.folder / "rig.toml"), strict=True):
+        assert was.name == now.name and np.allclose(was.centre, now.centre)
 
 
 @pytest.mark.parametrize("case", ["stops", "moved"])

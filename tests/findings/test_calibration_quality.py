@@ -132,7 +132,7 @@ def test_a_calibration_that_states_no_uncertainty_is_neither_good_nor_usable(goo
     assert colour == "amber" and "no_uncertainty_stated" in named
     assert "not known" in headline_of(figures["verdict"]) and "sable" not in headline_of(figures["verdict"])
     assert "no_uncertainty_stated" not in grade(rig, evidence)[1]
-    (of_trial,) = _judged({"calibration": {"verdict": figures["verdict"]}})
+    (of_trial,) = _judged({"calibration": {key: figures[key] for key in ("verdict", "precision")}})
     assert of_trial.severity == "amber" and "not known" in text_of(of_trial)  # nor is a trial green that rests on it
 
 

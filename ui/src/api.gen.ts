@@ -1484,7 +1484,7 @@ export interface components {
              * Grade
              * @enum {string}
              */
-            grade: "green" | "amber" | "red";
+            grade: "green" | "amber" | "red" | "unknown";
             /** Headline */
             headline: string;
             /** Made */

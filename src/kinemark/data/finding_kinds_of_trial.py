@@ -48,7 +48,7 @@ TRIAL_KINDS = (
          {"parts_list": "text"}),
     Kind("recording_notes", "record", "info", "What is odd in the recording's file and was read, and blocks of it that "
          "nothing here needs.", {"parts_list": "text"}),
-    Kind("cameras_swapped", "match", "amber", "Two cameras have each other's images; several pairs where they do as "
+    Kind("cameras_swapped", "match", "red", "Two cameras have each other's images; several pairs where they do as "
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),
     Kind("pixel_axes_differ", "match", "red", "The images count their pixels otherwise than the calibration: v from "
@@ -87,6 +87,9 @@ TRIAL_KINDS = (
     Kind("camera_put_right", "track", "amber", "A camera's images lay beside where the others expect them in the "
          "whole recording; it was turned, and moved a little, until they did not, and used. The trial's rig.toml "
          "has it as it was found.", {"offset_u_px": "px", "offset_v_px": "px"}),
+    Kind("cameras_put_in_order", "track", "amber", "Cameras have images of each other, images_of_list those of which "
+         "one, in the cameras' order; each was given the calibration of the one whose images it has, and used.",
+         {"images_of_list": "text"}),
     Kind("calibration_off", "track", "amber", "The images of most cameras lie beside where the others expect them, by "
          "offset_px in the median camera.", {"offset_px": "px"}),
     Kind("lens_terms_unstated", "track", "amber", "The calibration states no lens term, and the images do not fit "
@@ -156,6 +159,8 @@ TRIAL_KINDS = (
     # What the verdict says
     Kind("trial_good", "track", "info", "The verdict: nothing was found."),
     Kind("trial_usable", "track", "info", "The verdict: usable with care."),
+    Kind("trial_unknown", "track", "info", "The verdict: how good it is is not known, since the calibration states no "
+         "error; whatever else was found is amber at most."),
     Kind("trial_unusable", "track", "info", "The verdict: not to be used."),
     Kind("recorded", "record", "info", "What was recorded; track_count is None where trajectories have names.",
          {"camera_count": "count", "marker_count": "count", "track_count": "count", "duration_s": "s",
@@ -169,7 +174,8 @@ TRIAL_KINDS = (
     Kind("agreement", "reconstruct", "info", "The median residual, and what it is at the subject.",
          {"residual_px": "px", "at_subject_mm": "mm"}),
     Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis, and how much "
-         "of it is noise from frame to frame.", {"sd_mm": "mm", "noise_mm": "mm"}),
+         "of it is noise from frame to frame; without errors of a calibration that states none.",
+         {"sd_mm": "mm", "noise_mm": "mm", "calibration_known": "flag"}),
     Kind("room_deviation_of_trial", "calibrate", "info", "Standard deviation per axis by which all positions of the "
          "trial together may lie elsewhere in the room; it is in none of their own.", {"sd_mm": "mm"}),
 )  # fmt: skip

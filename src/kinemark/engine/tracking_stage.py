@@ -31,6 +31,7 @@ from ..track.simultaneous import (
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
+from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_others, put_in_order, told_in_order
 from .camera_checks.start_times import in_time, with_delays_to_state, with_start_times
 from .fill_files import angle_model
 from .graph import Records, Stage
@@ -124,7 +125,7 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
 
 def _at_any_start(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
     """Tracks of Kinemark's own tracker, once again with cameras in time that were started apart, if more then fit."""
-    tracked = _simultaneously(detections, rig, method, place)
+    rig, tracked = _in_order(detections, rig, method, place)
     cameras = TrialRig.given(rig) if tracked.cameras is None else tracked.cameras
     turned = {name for one in tracked.diagnostics if one.kind == "camera_put_right" for name in one.cameras}
     found = with_start_times(tracked.diagnostics, detections, _untouched(cameras.rig, rig, turned))
@@ -138,7 +139,22 @@ def _at_any_start(detections: Detections, rig: Rig, method: Simultaneous, place:
         better = _residual(again, moved, either) < _residual(tracked, detections, either)
     else:
         better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
-    return again._replace(diagnostics=(*again.diagnostics, *apart)) if better else tracked
+    ordered = tuple(one for one in tracked.diagnostics if one.kind == "cameras_put_in_order")
+    return again._replace(diagnostics=(*again.diagnostics, *apart, *ordered)) if better else tracked
+
+
+def _in_order(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> tuple[Rig, Tracked]:
+    """The cameras and the tracks; of cameras in the wrong order, by the right one, where that fits better."""
+    tracked = _simultaneously(detections, rig, method, place)
+    images_of = images_of_others(tracked.diagnostics, detections, rig, tracked.tracks.cloud, placing=place)
+    if not images_of:
+        return rig, tracked
+    ordered = put_in_order(rig, images_of)
+    again = _simultaneously(detections, ordered, method, place)
+    unlike = (one for one in again.diagnostics if one.kind in (IN_PLACE_OF, FITS_NOTHING))
+    if _confirmed(again.tracks) <= _confirmed(tracked.tracks) or any({*one.cameras} & {*images_of} for one in unlike):
+        return rig, tracked
+    return ordered, again._replace(diagnostics=(*again.diagnostics, told_in_order(images_of)))
 
 
 def puts_in_time(settings: Settings) -> bool:

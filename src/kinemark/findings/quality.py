@@ -19,7 +19,8 @@ from .cameras import AsGiven, camera_figures, residuals
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 from .room import room_at
-from .trial_findings import trial_findings, trial_verdict
+from .trial_findings import trial_findings
+from .trial_verdict import trial_verdict
 
 
 def quality(

@@ -1,4 +1,4 @@
-"""What needs attention in a trial, from its figures, and the verdict over the whole."""
+"""What needs attention in a trial, from its figures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any
 
 from ..data import Finding, Severity, make_finding
 from ..data.finding import most_severe_first, red_if
-from .verdict import Verdict, verdict_of
 
 RESIDUAL_RATIO = 3.0
 """A camera stands out when its median residual is above this many times the median of the other cameras …; chosen."""
@@ -90,54 +89,6 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
     return most_severe_first(list(found))
 
 
-def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
-    """The grade that the findings make, and statements on what was measured and how well."""
-    verdict = verdict_of(findings, ())
-    headline = {"green": "trial_good", "amber": "trial_usable", "red": "trial_unusable"}[verdict.grade]
-    return verdict_of(findings, (make_finding(headline), *_statements(figures)))
-
-
-def _statements(figures: Figures) -> Findings:
-    recording, markers = figures["recording"], figures["trajectories"]
-    nameless = any(one["name"].startswith("*") for one in markers["markers"])
-    fragments = nameless and markers["count"] != markers["markers_worn"]
-    yield make_finding(
-        "recorded",
-        camera_count=len(figures["cameras"]),
-        marker_count=markers["markers_worn"] if fragments else markers["count"],
-        track_count=markers["count"] if fragments else None,
-        duration_s=recording["duration_s"],
-        frame_count=recording["frames"],
-        rate_hz=recording["rate_hz"],
-    )
-    if markers["samples"]:
-        yield _complete(figures)
-    if (median := figures["points"]["residual_median_px"]) is not None:
-        pixels = [c["pixel_at_subject_mm"] for c in figures["cameras"] if c["pixel_at_subject_mm"] is not None]
-        at_subject = median * statistics.median(pixels) if pixels else None
-        yield make_finding("agreement", residual_px=median, at_subject_mm=at_subject)
-    if markers["sd_per_axis_mean_mm"] is not None:
-        noise = markers["jitter_median_mm"]
-        yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"], noise_mm=noise)
-        if room := figures["calibration"].get("room"):
-            yield make_finding("room_deviation_of_trial", sd_mm=room["sd_at_subject_mm"])
-
-
-def _complete(figures: Figures) -> Finding:
-    markers = figures["trajectories"]
-    values: dict[str, Any] = {
-        "complete_share": markers["completeness_of_found_share"],
-        "filled_share": markers["filled_samples"] / markers["samples"],
-        "gaps": markers["gaps"],
-        "longest_s": markers["longest_gap_s"],
-    }
-    start = markers["first_frame"]
-    frames = [(first + start, stop - 1 + start) for first, stop in markers["in_view_runs"]]
-    if markers["completeness_in_view_share"] is not None:
-        return make_finding("completeness", frames=frames, **values)
-    return make_finding("completeness_unknown", frames=frames, used_share=_used_share(figures), **values)
-
-
 def _nothing(figures: Figures, *, diagnosed: bool) -> Findings:
     if not figures["recording"]["frames"]:
         yield make_finding("no_frames")
@@ -202,11 +153,17 @@ def _judged(figures: Figures) -> Findings:
     verdict = figures["calibration"].get("verdict")
     if verdict and verdict["grade"] != "green":
         headline = verdict["statements"][0]
-        unknown = headline["kind"] == "calibration_unknown"
+        unknown = verdict["grade"] != "red" and not calibration_known(figures)
         severity: Severity = "red" if verdict["grade"] == "red" else "amber" if unknown else "info"
         good_for = {"sd_mm": None, "volume_share": None} | headline["values"]
         grade = "unknown" if unknown else verdict["grade"]
         yield make_finding("calibration_verdict", severity=severity, grade=grade, **good_for)
+
+
+def calibration_known(figures: Figures) -> bool:
+    """Whether the calibration states its error; one that nobody judged counts as one that does."""
+    precision = figures["calibration"].get("precision")
+    return not precision or bool(precision["calibration_known"])
 
 
 def _unused(figures: Figures, named: set[str]) -> Findings:
@@ -214,13 +171,13 @@ def _unused(figures: Figures, named: set[str]) -> Findings:
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
     little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
     if figures["points"]["count"] and little:
-        whole = _used_share(figures)
+        whole = used_share(figures)
         yield make_finding(
             "detections_unused", severity=red_if(whole < USED_RED), cameras=little, used_share=min(little.values())
         )
 
 
-def _used_share(figures: Figures) -> float:
+def used_share(figures: Figures) -> float:
     """Share of the valid detections of all cameras that belong to a point."""
     valid = [c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]]
     used = [n * (c["used_of_valid_share"] or 0.0) for n, c in zip(valid, figures["cameras"], strict=True)]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from ..data import Finding, Grade
+
+GradeShown = Literal["green", "amber", "red", "unknown"]
+"""A grade where there is room for no more: an amber one whose headline says that nobody knows is none of care."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,3 +45,9 @@ def verdict_of(findings: Sequence[Finding], statements: Iterable[Finding]) -> Ve
     """The verdict that findings make."""
     grade = grade_of(findings)
     return Verdict(grade, tuple(found for found in findings if found.severity == grade), tuple(statements))
+
+
+def grade_shown(verdict: Mapping[str, Any]) -> GradeShown:
+    """The grade of a verdict in a file of figures; "unknown" where its headline says that."""
+    unknown = verdict["statements"][0]["kind"].endswith("_unknown")
+    return "unknown" if unknown else verdict["grade"]

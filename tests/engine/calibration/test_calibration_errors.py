@@ -102,14 +102,17 @@ def test_cameras_exchanged_in_a_trial_are_named(tmp_path, pair):
     write_detections_csv(one.root / "one.csv", replace(seen, cameras=SMALL.names))
     quality = one.run(to="quality")["one"].quality
     swapped = found(quality, "cameras_swapped")
+    ordered = found(quality, "cameras_put_in_order")
     if pair is None:
-        assert swapped == []
+        assert swapped == ordered == []
+    elif pair == (0, 1):
+        assert swapped == [] and ordered[0].cameras == SMALL.names[:2] and quality["verdict"]["grade"] == "amber"
     else:
         cameras = swapped[0].cameras
         assert (SMALL.names[pair[0]], SMALL.names[pair[1]]) in zip(cameras[::2], cameras[1::2], strict=True)
         assert (len(cameras) > 2) == (pair == (1, 3))  # turned by half a turn, a ring of four is the same again
         assert swapped[0].values["swapped_share"] > 0.7 > swapped[0].values["as_is_share"]
-        assert quality["verdict"]["grade"] != "green"
+        assert ordered == [] and quality["verdict"]["grade"] == "red"
 
 
 def test_rows_of_points_exchanged_between_cameras_are_revealed(tmp_path):

@@ -44,6 +44,14 @@ class TestApart:
         moved = elsewhere(motion, turn, by, slice(330, None)).hidden([GAP])
         assert apart_on_the_body(moved, GAP) == pytest.approx(np.linalg.norm(by), abs=8)
 
+    @pytest.mark.parametrize("scale", [0.1, 10.0])
+    def test_animals_of_any_size_and_lengths_in_any_unit_are_told_alike(self, scale):
+        motion, turn = on_a_body()
+        for by in (0, 12, 30):
+            moved = elsewhere(motion, turn, (by, 0, 0), slice(330, None)).hidden([GAP])
+            other = moved._replace(xyz=scale * moved.xyz)
+            assert apart_on_the_body(other, GAP) == pytest.approx(scale * apart_on_the_body(moved, GAP))
+
     @pytest.mark.parametrize("seed", range(20))
     def test_a_marker_that_stays_is_not_however_long_the_gap(self, seed):
         motion, _ = on_a_body(bend=10.0, seed=seed)

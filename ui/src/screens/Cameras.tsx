@@ -58,7 +58,7 @@ function Judged({ of }: { of: SessionCameras }): React.JSX.Element {
   );
 }
 
-const GRADES = { green: ["good", "good"], amber: ["warn", "usable with care"], red: ["bad", "not to be used"] } as const;
+const GRADES = { green: ["good", "good"], amber: ["warn", "usable with care"], unknown: ["warn", "not known"], red: ["bad", "not to be used"] } as const;
 
 function Verdict({ of }: { of: CalibrationShown }): React.JSX.Element {
   const [tone, words] = GRADES[of.grade];

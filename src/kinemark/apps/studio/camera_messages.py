@@ -7,10 +7,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...engine.first_session import Role
+from ...findings.verdict import GradeShown
 from .messages import CameraRow, Message, Vector
 from .new_session_messages import Asked, Text
-
-Grade = Literal["green", "amber", "red"]
 
 
 class TileRow(Message):
@@ -62,7 +61,7 @@ class CalibrationShown(Message):
     made: str
     way: str
     current: bool
-    grade: Grade
+    grade: GradeShown
     headline: str
     sentences: list[str]
     findings: list[FindingRow]

@@ -15,6 +15,7 @@ from ...engine.digitising.control_balls import REFERENCE, ControlBalls, snapped
 from ...engine.session import Session
 from ...engine.session_changes import change_session
 from ...engine.settings import Settings
+from ...findings.verdict import grade_shown
 from ...geometry import to_dlt
 from ...io.control_points import PointedPoints
 from ...report.calibration_tables import (
@@ -60,7 +61,7 @@ def shown(last: LastCalibration) -> c.CalibrationShown:
         made=last.made.isoformat(sep=" ", timespec="minutes"),
         way=figures["way"],
         current=last.current,
-        grade=verdict["grade"],
+        grade=grade_shown(verdict),
         headline=verdict["headline"],
         sentences=verdict["sentences"],
         findings=[finding(one) for one in figures["findings"]],

@@ -15,6 +15,7 @@ from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
 from ...engine.session_name import FILE
 from ...engine.store import STEPS, Store
+from ...findings.verdict import grade_shown
 from ...io.files import read_json
 from ...io.trial import read_trial
 from ...version import __version__
@@ -65,7 +66,7 @@ def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:
         id=place.id,
         name=trial.name,
         state=found,
-        verdict=str(quality.get("verdict", {}).get("grade", "")),
+        verdict=grade_shown(quality["verdict"]) if quality else "",
         edits=len(live(entries)),
         last=last_of(entries),
         words=words or (STALE if found == "stale" else ""),

@@ -11,11 +11,13 @@ an interval as long as the gap, and b(m) that over the m frames before it, the s
 same of all intervals in which the marker is seen throughout has the greatest value u. The marker's place in the
 references, and theirs in their own shape, change by (2) and by s. The two sides contradict each other where
 
-    |a − b| > STEP_MM,    |a − b| > TIMES_OWN s    and    |a − b| > TIMES_USUAL u                         (3)
+    |a − b| > STEP d,    |a − b| > TIMES_OWN s    and    |a − b| > TIMES_USUAL u                          (3)
 
-in windows of one of two lengths: the short ones tell of short gaps, the long ones average over a part of a stride, and
-the short ones must show half of their step. Where few intervals are seen throughout, u is taken over all that the gap
-has no part in, and where the trial is too short for these, it is the breadth of all window means of a side.
+with d the distance within which a quarter of the other markers lie, so that animals of any size, and lengths in any
+unit, are told alike (4). They do so in windows of one of two lengths: the short ones tell of short gaps, the long ones
+average over a part of a stride, and the short ones must show half of their step. Where few intervals are seen
+throughout, u is taken over all that the gap has no part in, and where the trial is too short for these, it is the
+breadth of all window means of a side.
 
 A reference may itself be elsewhere after the gap. So all of them are tried, and all but each. Of the set with the least
 s the first and second of (3) must hold, for without the one that moved the marker's own step is small, and of one set
@@ -41,7 +43,7 @@ FEWEST = 3
 """Frames without a gap that a side must have; chosen: fewer are a ghost more often than a marker."""
 REFERENCES, LEAST = 5, 4
 """Reference markers, at most and at least: three must be left where one moved; by definition."""
-RANKED = 40
+RANKED = 20
 """Frames of each side in which distances are compared; chosen for time."""
 SHAPED = 32
 """Frames of which the middle one that shows all references gives their shape; chosen for time."""
@@ -49,13 +51,16 @@ LOOKED = 6
 """Frames of a window that are looked at before anything is worked out in full; chosen for time."""
 FLAT = 0.1
 """Least breadth of the references' shape over its length; chosen, as in `rigid_body`."""
-STEP_MM = 15.0
-"""mm, below which a step is none; chosen: about a marker's diameter."""
+STEP = 0.04
+"""Share of d of (3), below which a step is none; chosen: about a marker's diameter, 15 mm on an adult. A quarter of all
+markers are within 0.2 to 0.6 m of one, on trunk and limbs alike, also where there are two subjects."""
+QUARTER = 0.25
+"""Of the other markers, those that are within d of (4); by definition."""
 TIMES_OWN = 4.5
 """Times s of (3), without unit; chosen: references that are out of shape turn what they carry."""
 SCREEN = 0.8
-"""Share of `STEP_MM`: where the marker is off by less in the first frame after the gap, no more is asked; chosen for
-time."""
+"""Share of the least step: where the marker is off by less in the first frame after the gap, no more is asked; chosen
+for time."""
 HALF = 0.5
 """Share of the step that is there right beside the gap; chosen: what grows over half a second is a movement."""
 ENOUGH = 0.5
@@ -117,23 +122,33 @@ def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
     x, gap = motion.xyz[:, first : gap.stop + reach], Gap(gap.marker, gap.start - first, gap.stop - first)
     windows = _windows(x, gap, motion.rate)
     references = _references(x, gap, windows[-1]) if windows else np.zeros(0, np.int64)
-    if len(references) < LEAST or _carried(x, references, gap):
+    if len(references) < LEAST or _carried(x, references, gap, least := STEP * _extent(x, gap)):
         return 0.0
     every = _Body.shown(x, references)
-    if every is not None and _steps(x, every, gap, windows[0]).marker < STEP_MM:
+    if every is not None and _steps(x, every, gap, windows[0]).marker < least:
         return 0.0
     fewer = [_Body.shown(x, np.delete(references, k)) for k in range(len(references))]
     bodies = [body for body in (every, *fewer) if body is not None]
-    return _apart(x, bodies, gap, windows)
+    return _apart(x, bodies, gap, windows, least)
 
 
-def _apart(x: Floats, bodies: list[_Body], gap: Gap, windows: list[_Window]) -> float:
-    """The step (2), mm, where (3) holds; else 0."""
+def _extent(x: Floats, gap: Gap) -> float:
+    """d of (4), mm, in the last frame before the gap and the first after it."""
+    beside = x[:, [gap.start - 1, gap.stop]]
+    difference = np.delete(beside - beside[gap.marker], gap.marker, axis=0).reshape(-1, 3)
+    square = np.einsum("ni,ni->n", difference, difference)
+    square = square[np.isfinite(square)]
+    k = int(QUARTER * len(square))
+    return float(np.sqrt(np.partition(square, k)[k])) if len(square) else 0.0
+
+
+def _apart(x: Floats, bodies: list[_Body], gap: Gap, windows: list[_Window], least: float) -> float:
+    """The step (2), mm, where (3) holds with steps from `least` mm; else 0."""
     near = [_steps(x, body, gap, windows[0]) for body in bodies]
     for window in windows if bodies else ():
         steps = near if window is windows[0] else [_steps(x, body, gap, window) for body in bodies]
         off = [
-            far.marker > max(STEP_MM, TIMES_OWN * far.references) and beside.marker > HALF * far.marker
+            far.marker > max(least, TIMES_OWN * far.references) and beside.marker > HALF * far.marker
             for beside, far in zip(near, steps, strict=True)
         ]
         if not off[int(np.argmin([step.references for step in steps]))]:
@@ -146,13 +161,16 @@ def _apart(x: Floats, bodies: list[_Body], gap: Gap, windows: list[_Window]) -> 
     return 0.0
 
 
-def _carried(x: Floats, references: Ints, gap: Gap) -> bool:
-    """Whether the references carry the marker from the last frame before the gap to about where it is in the first."""
+def _carried(x: Floats, references: Ints, gap: Gap, least: float) -> bool:
+    """Whether the references carry the marker from the last frame before the gap to about where it is in the first.
+
+    By less than a share of `least` mm.
+    """
     last, first = x[np.append(references, gap.marker)][:, [gap.start - 1, gap.stop]].swapaxes(0, 1)
     if not np.isfinite(last + first).all():
         return False
     R, c = rigid_poses(last[:-1], first[None, :-1])
-    return bool(np.linalg.norm(R[0] @ (last[-1] - last[:-1].mean(0)) + c[0] - first[-1]) < SCREEN * STEP_MM)
+    return bool(np.linalg.norm(R[0] @ (last[-1] - last[:-1].mean(0)) + c[0] - first[-1]) < SCREEN * least)
 
 
 def _windows(x: Floats, gap: Gap, rate: float) -> list[_Window]:

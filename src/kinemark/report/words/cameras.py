@@ -43,6 +43,13 @@ def _swapped(found: Finding) -> str:
     )
 
 
+def _in_order(found: Finding) -> str:
+    images_of = found.values["images_of_list"]
+    assert isinstance(images_of, tuple)
+    rows = ", ".join(f"{name} has those of {other}" for name, other in zip(found.cameras, images_of, strict=False))
+    return f"Cameras have each other's images: {rows}. Each was taken for the one whose images it has, and used."
+
+
 def _pixel_axes(found: Finding) -> str:
     way = COUNTED.get(str(found.values["way"]), "pixels are counted along other axes than the calibration's")
     return f"It seems that {way}" + fill(
@@ -220,6 +227,11 @@ CAMERA_WORDS = {
     "camera_put_right": Words(
         _put_right,
         "Look at the camera's mount, and calibrate again before the next session.",
+    ),
+    "cameras_put_in_order": Words(
+        _in_order,
+        "Give each camera its own images, or its own calibration, before you use either elsewhere: other trials may "
+        "have the same mistake.",
     ),
     "calibration_off": Words(
         "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "

@@ -89,6 +89,8 @@ def _agreement(found: Finding) -> str:
 def _deviation(found: Finding) -> str:
     sd, noise = found.values["sd_mm"], found.values["noise_mm"]
     said = fill("The standard deviation of a position is {sd_mm:2} per axis on average", found)
+    if not found.values["calibration_known"]:
+        said += ", by the images alone, as the calibration states no error"
     if not isinstance(sd, float | int) or not isinstance(noise, float | int):
         return f"{said}."
     if noise > sd:
@@ -201,6 +203,10 @@ def _most_missed(found: Finding) -> str:
 VERDICT_WORDS = {
     "trial_good": Words("Good to use."),
     "trial_usable": Words("Usable with care: look at the points below first."),
+    "trial_unknown": Words(
+        "How good these data are is not known: the calibration states no error. Compare a known length, or calibrate "
+        "anew, before you trust distances."
+    ),
     "trial_unusable": Words("Do not use these data as they are."),
     "recorded": Words(_recorded),
     "completeness": Words(_complete),

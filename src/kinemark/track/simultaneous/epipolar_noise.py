@@ -48,7 +48,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammainc
+import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines
@@ -104,8 +104,8 @@ STRIPS = (3.0, 9.0)
 """px from the lines, between which pairs meet by chance; chosen: beyond SLIP with its heap, and within WINDOW."""
 
 BY_CHANCE = 1e-4
-"""Of (7), a probability; chosen: of the ten and more k of all pairs of three cameras together one in a thousand. On 200
-scenes of three and four cameras, mostly all round (noise 0.1 to 0.6 px, files to 1 px off), 93 % of 441 pairs of good
+"""Of (7), a probability; chosen: of the ten and more k of all pairs of three cameras together one in a thousand. On 184
+scenes of three and four cameras, mostly all round (noise 0.1 to 0.6 px, files to 1 px off), 94 % of 441 pairs of good
 cameras that share a marker in four of ten frames and more are partners so, and 3 of 136 pairs with a camera that was
 turned, moved or refocused by 6 px and more."""
 
@@ -220,7 +220,7 @@ def partners(some: Residuals, C: int, frames: int) -> Bools:
     n, mean, squared = 2 * each, count.mean(1), count.var(1) * 2 * each
     usual = np.clip((squared.sum() + frames) / (mean.sum() * (n - 1) + 1), 1, frames)
     D = np.clip((squared + usual**2) / (mean * (n - 1) + usual), 1, frames)  # (8)
-    found = gammainc(np.maximum(heap, 0.5) / D, mean / D + 0.5 / n) < BY_CHANCE
+    found = scipy.special.gammainc(np.maximum(heap, 0.5) / D, mean / D + 0.5 / n) < BY_CHANCE
     found = found.reshape(C, C)
     return np.asarray(found | found.T)
 

@@ -15,6 +15,7 @@ from kinemark.track.simultaneous.epipolar_noise import (
     camera_noise,
     mixture,
     pair_of,
+    partners,
     peaked,
     residuals,
 )
@@ -219,3 +220,32 @@ def test_positions_are_given_what_a_calibration_that_is_off_really_leaves(error,
     true = 0.01 + error**2
     assert 0.7 < variance.mean() / true < 1.8  # more than the truth, as few degrees of freedom show it
     assert (variance > 0.6 * true).all()  # none is taken to be right for want of residuals
+
+
+def two_cameras(off):
+    """Pairs of images of two cameras that lie `off` px from each other's lines, which are level."""
+    off = np.ravel(off)
+    detection, line = np.tile(np.arange(len(off)), (2, 1)), np.tile([0.0, 1.0], (2, len(off), 1))
+    return Residuals(off, np.tile([[0], [1]], len(off)), detection, line)
+
+
+def elsewhere(rng, shape):
+    """px from the lines where two images meet by chance."""
+    return rng.uniform(-WINDOW, WINDOW, shape)
+
+
+def test_cameras_that_share_one_marker_at_a_time_are_partners():
+    """So are those of three all round who see 15 markers; one and a half a frame were asked for."""
+    rng, frames = np.random.default_rng(0), 30
+    shared, chance = rng.normal(0, 0.2, frames), elsewhere(rng, (2, frames))
+    assert partners(two_cameras([shared, *chance]), 2, frames)[0, 1]
+    assert not partners(two_cameras(chance), 2, frames)[0, 1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_images_that_meet_by_chance_and_stay_make_no_partners(seed):
+    """Two such pairs of markers that stand lie within a heap, and four farther off: they were partners."""
+    rng, frames = np.random.default_rng(seed), 30
+    places = np.append(rng.uniform(-0.3, 0.3, 2), [4.0, 6.5, -5.5, -8.0])
+    stay = places[:, None] + rng.normal(0, 0.05, (len(places), frames))
+    assert not partners(two_cameras(stay), 2, frames)[0, 1]

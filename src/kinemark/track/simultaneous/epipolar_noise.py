@@ -28,14 +28,16 @@ counts up to MOST_FACTOR. No image is grouped, no camera needs another's noise f
 With two cameras, many markers and a calibration that is off, no peak may be seen at 0. Where that is so in all pairs of
 cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5).
 
-Pairs of images that meet by chance lie anywhere beside each other's lines, those of one marker in a narrow heap, beside
-them by what the calibration is off. Cameras r and s are partners where, of the residuals near some k within SLIP,
+Pairs of images that meet by chance lie anywhere beside each other's lines, those of one marker in a heap of the width
+of their noise, beside them by what the calibration is off. Who stands, or moves slowly, leaves such pairs where they
+are for many frames, so that they come in clumps: their counts in strips as wide as the heap have a variance of D times
+their mean λ, the index of dispersion (Cox & Lewis 1966), which is the length of a clump. Cameras r and s are partners
+where the n residuals within HEAP of some k within SLIP are more than such clumps make,
 
-    #{|e − k| < HEAP} > HEAPED · #{|e − k| < AROUND},   LEAST_PARTNERS and more of them a frame           (7)
+    P(N ≥ n / D) < BY_CHANCE,   N ~ Poisson(λ / D),                                       (7)
 
-also where what lies there by chance, as many as farther off, is taken from both, if those left are CHANCE standard
-deviations of chance in one frame: pairs that meet by chance may do so in all frames. HEAP and AROUND grow with the
-noise, by the tallest of the peaks of (3), so that both hold the images of one marker.
+D and λ being those of strips farther off, and D that of one clump more, which is as usual in the recording (8): where
+no pair meets by chance, D is not known. HEAP grows with the noise, by the tallest of the peaks of (3).
 
 The residuals of a calibration that is off are not n errors, but one and the same n times. For association that is
 enough; `calibration_field` tells them from white noise.
@@ -46,6 +48,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines
@@ -90,22 +93,21 @@ one wide pair of 15 makes a camera of 0.05 px one of 1.0 with 3, and of 0.5 with
 STEPS = 20
 """Gauss–Newton steps to the least of (4), a number; chosen: it hardly moves after ten."""
 
-HEAP, AROUND, SLIP = 0.5, 2.0, np.arange(-1.5, 1.6, 0.25)
+HEAP, SLIP = 0.5, np.arange(-1.5, 1.6, 0.25)
 """px of (7); chosen: centroids are mostly noisy by a quarter of a pixel at most, calibrations off by 1 px."""
 
 HEAP_SD, WIDEST = 1.3, 2.0
 """Of (7), the least half width of a heap in standard deviations of (3), which holds four in five, and times that HEAP
-and AROUND grow at most; chosen on stands before three and four cameras all round: with noise of 0.4 px 78 of 80 good
-cameras have a partner, and 61 with one width, with 0.6 px 65 and 4 of 74; of 176 turned by 0.5 to 11° none has."""
+grows at most; chosen on stands before three and four cameras all round with noise of 0.1 to 0.6 px."""
 
-HEAPED, LEAST_PARTNERS = 0.6, 1.5
-"""Of (7), a share, and a number, more than one marker that stands; chosen on 36 four-second walks and stands before
-three and four cameras all round, each marker hidden by the body from those behind it: all of 126 good cameras have a
-partner with 0.65 and more; of 108 that were bumped or panned by 12 px, or turned elsewhere, two have one with 0.6."""
+STRIPS = (3.0, 9.0)
+"""px from the lines, between which pairs meet by chance; chosen: beyond SLIP with its heap, and within WINDOW."""
 
-CHANCE = 2.0
-"""Of (7), standard deviations; chosen on stands of 30 to 60 markers before three cameras all round, where most pairs
-are by chance: of 144 good cameras 141 have a partner so, 123 without; of 192 that were turned by 1 to 11° none."""
+BY_CHANCE = 1e-4
+"""Of (7), a probability; chosen: of the ten and more k of all pairs of three cameras together one in a thousand. On 184
+scenes of three and four cameras, mostly all round (noise 0.1 to 0.6 px, files to 1 px off), 94 % of 441 pairs of good
+cameras that share a marker in four of ten frames and more are partners so, and 3 of 136 pairs with a camera that was
+turned, moved or refocused by 6 px and more."""
 
 
 class CameraNoise(NamedTuple):
@@ -207,14 +209,19 @@ def partners(some: Residuals, C: int, frames: int) -> Bools:
     Args:
         some: residuals of so many cameras and frames.
     """
-    pair, beside = pair_of(some, C), np.abs(some.off - SLIP[:, None])
-    near, about = (_heap_scale(some, C) * each for each in (HEAP, AROUND))
-    reach = (near, about, far := min(3 * about, WINDOW - AROUND))
-    heap, around, wide = (np.stack([np.bincount(pair[k], minlength=C * C) for k in beside < d]) for d in reach)
-    chance = (wide - around) / (far - about) * near  # in a heap, of places at which are only such
-    clear = np.maximum(LEAST_PARTNERS * frames, CHANCE * np.sqrt(chance * frames))
-    left = heap - chance > np.maximum(HEAPED * (around - chance * AROUND / HEAP), clear)
-    found = (((heap > HEAPED * around) & (heap >= LEAST_PARTNERS * frames)) | left).any(0).reshape(C, C)
+    pair, half = pair_of(some, C), HEAP * _heap_scale(some, C)
+    near = np.abs(some.off - SLIP[:, None]) < half
+    heap = np.max([np.bincount(pair[own], minlength=C * C) for own in near], axis=0)
+    each = int((STRIPS[1] - STRIPS[0]) / (2 * half))  # strips on a side
+    strip = np.floor((np.abs(some.off) - STRIPS[0]) / (2 * half)).astype(np.int64)
+    own = (strip >= 0) & (strip < each)
+    cell = (pair * 2 * each + strip + each * (some.off > 0))[own]
+    count = np.bincount(cell, minlength=C * C * 2 * each).reshape(C * C, 2 * each)
+    n, mean, squared = 2 * each, count.mean(1), count.var(1) * 2 * each
+    usual = np.clip((squared.sum() + frames) / (mean.sum() * (n - 1) + 1), 1, frames)
+    D = np.clip((squared + usual**2) / (mean * (n - 1) + usual), 1, frames)  # (8)
+    found = scipy.special.gammainc(np.maximum(heap, 0.5) / D, mean / D + 0.5 / n) < BY_CHANCE
+    found = found.reshape(C, C)
     return np.asarray(found | found.T)
 
 

@@ -23,8 +23,9 @@ where
 
     (Σ h)² / Σ h²,  how many tracks make it,  is MARKERS and more                                         (4)
 
-A camera lies nowhere only if no camera of the tracks is its partner (`epipolar_noise` (7)), and if one of these has
-SHARED of its images in the tracks and more (5): cameras that see hardly a marker together do not tell of a third.
+A camera lies nowhere only if no camera of the tracks is its partner (`epipolar_noise` (7)), two of the others are
+partners, and one of these has SHARED of its images in the tracks and more (5): cameras that see hardly a marker
+together do not tell of a third.
 
 As images that are up to a frame late or early are where the points were or will be, S(0) is the highest at such times:
 delays are learned. A camera that was bumped along the lines of the others has a high Q_c, and is suspected where it
@@ -144,9 +145,12 @@ def image_offset(c: int, tracks: Tracks, images: Images) -> Floats | None:
         return peaks.offset if peaks.beside > STANDS_OUT * peaks.here else None
     if peaks.here >= peaks.beside:
         return None
-    others = np.delete(_partners(images)[c], c)
+    together = _partners(images)
     seen = (np.delete(tracks.cloud.detection, c, axis=1) >= 0).any(0)  # two cameras that are exchanged may be partners
-    return None if (others & seen).any() or _share_in_tracks(c, tracks, images) < SHARED else np.full(2, np.nan)
+    with_c, among = np.delete(together[c], c), np.delete(np.delete(together, c, 0), c, 1)
+    if (with_c & seen).any() or not among.any() or _share_in_tracks(c, tracks, images) < SHARED:
+        return None
+    return np.full(2, np.nan)
 
 
 def _share_in_tracks(c: int, tracks: Tracks, images: Images) -> float:

@@ -15,14 +15,16 @@ Who leaves the view of two cameras by two sides takes their pairs along. So all 
 lost where it has no image near the points that the others then show, though elsewhere it has of so many that this is no
 chance (3).
 
-Who does not fit in the whole recording has no best parts (`misfitting_cameras`).
+Who does not fit in the whole recording has no best parts (`misfitting_cameras`). Of three cameras one that fits none
+takes the pairs of both others along. So a camera is lost in parts only where two of the others are partners
+(`epipolar_noise` (7)), and it is suspected in all where these are and it has no partner itself (4).
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +36,7 @@ from ...numerics.runs import true_runs, true_runs_of_rows
 from .associate import predict_images
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
-from .epipolar_noise import WINDOW, pair_of, residuals
+from .epipolar_noise import WINDOW, pair_of, partners, residuals
 from .kalman_states import KalmanStates
 from .misfitting_cameras import image_offset, misfitting, stands_apart
 
@@ -101,15 +103,21 @@ def unfitting_stretches(detections: Detections, rig: Rig, kept: Collection[int] 
     edges = np.linspace(0, n, parts + 1).astype(int)
     counts = detections.counts
     looked_at = [_sampled(range(a, b), counts) for a, b in pairwise(edges)]
-    images = read_images(detections.keep(np.isin(detections.frame, np.concatenate(looked_at))), rig)
+    frames = list(chain(*looked_at))
+    images = read_images(detections.keep(np.isin(detections.frame, frames)), rig)
     F = fundamentals(images.P)
-    found = [_fit(images, F, counts[:, frames], frames) for frames in looked_at]
+    found = [_fit(images, F, counts[:, part], part) for part in looked_at]
     by_part = [np.stack(each) for each in zip(*found, strict=True)]
     lost = _lost(*by_part)
     lost[[*kept]] = False
+    together = partners(residuals(images, F, frames), C, len(frames))
+    others_do = np.array([np.delete(np.delete(together, c, 0), c, 1).any() for c in range(C)])
+    lost[~others_do] = False  # (4)
     runs = [Stretch(int(c), int(edges[a]), int(edges[b])) for c, a, b in true_runs_of_rows(lost)]
     in_all, chance, possible = (each.sum(0) for each in by_part)
-    whole = misfitting(in_all, chance, possible, np.flatnonzero(~lost.any(1)))
+    fitting = np.flatnonzero(~lost.any(1))
+    alone = fitting[(others_do & ~together.any(1) & (counts.sum(1) > 0))[fitting]]
+    whole = {*misfitting(in_all, chance, possible, fitting), *alone.tolist()}
     return tuple(sorted([*runs, *(Stretch(c, 0, n) for c in whole)]))
 
 

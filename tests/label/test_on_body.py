@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory
-from kinemark.label import learn_template
+from kinemark.label import learn_template, shredded
 from kinemark.label.arrange import markers_of
 from kinemark.label.claims import left_over
 from kinemark.label.on_body import on_body
@@ -61,6 +61,17 @@ def test_a_marker_that_nobody_named_is_left_over(a):
     assert left(without=[a]) == 1
     apart = np.nanmean(np.linalg.norm(walk().xyz - walk().xyz[a], axis=2), 1)
     assert left(beside(*np.argsort(apart)[:3])) == 1
+
+
+@pytest.mark.parametrize(("n", "extra", "seed"), [(15, 0, 1), (15, 2, 1), (15, 1, 3), (39, 0, 3), (39, 2, 3)])
+@pytest.mark.parametrize("pieces", [15, 25])
+def test_a_nameless_marker_is_one_however_many_pieces_it_is_in(n, extra, seed, pieces):
+    """A piece goes on into the next, and as well into the one after that; ghosts are beside. One counted as up to two
+    of two, and of other children's walks in 25 and 40 pieces none was seen."""
+    trial = with_markers(walking(duration_s=3.0, rate=100.0, seed=7, wobble_mm=1.0), n, seed=1).trajectories
+    parts = shredded(trial, pieces, 2.0, seed, extra=extra)
+    label = np.array([trial.names.index(name) if name in trial.names else -1 for name in parts.truth])
+    assert left_over(stretches_of(parts.tracks, learn_template(trial).size), label, n) == (0, extra)
 
 
 def test_ghosts_one_after_the_other_are_no_chain_where_nothing_says_that_the_one_goes_on_as_the_other():

@@ -120,6 +120,20 @@ def test_markers_that_the_set_does_not_have_make_no_others_less_sure(n):
     assert abs(shift) < 0.5
 
 
+def test_a_nameless_marker_seen_all_through_takes_no_name_from_the_pieces_that_calibrate_the_trial():
+    """As one track it took the name of the heel beside it from that one's pieces: δ was −1.9."""
+    trial, by = walk(7, 39), template(39)
+    at, xyz = trial.names.index("LKNE"), dict(zip(trial.names, trial.xyz, strict=True))
+    piece = np.arange(trial.n_frames) < trial.n_frames // 6
+    heel = MarkerTrajectory.measured("+1", 0.8 * xyz["LHEE"] + 0.2 * xyz["LTOE"])
+    paths = [*trial.paths, heel, replace(trial.paths[at].only(piece), name="piece")]
+    paths[at] = paths[at].only(~piece)
+    true = np.array([*(by.names.index(name) for name in trial.names), -1, by.names.index("LKNE")])
+    p = np.where(true < 0, 0.0, np.where(np.arange(len(true)) < len(true) - 1, 0.999, 0.8))
+    tracks = replace(trial, paths=tuple(paths))
+    assert abs(calibrated_shift(tracks, by, PairScore.of_template(by), true, p, sure=0.99, least_fit=0.3)) < 0.5
+
+
 def test_a_track_without_a_name_that_takes_a_confident_one_counts_as_wrong_unless_it_may_be_the_marker():
     """A twin of a knee, whose own track is rough; and the second half of its track, whose name the trial did not give,
     or gave without being sure."""

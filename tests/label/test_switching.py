@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import cut_truth, label, label_switching, learn_template, score_labels, score_switches, shredded
+from kinemark.label import (
+    Distances,
+    cut_truth,
+    label,
+    label_switching,
+    learn_template,
+    score_labels,
+    score_switches,
+    shredded,
+)
 from kinemark.label.breaks import find_breaks
 from kinemark.label.cutting import cut
 from kinemark.label.switches import best_sequence
@@ -80,6 +89,26 @@ def test_tracks_break_where_another_goes_on_and_not_at_bad_samples():
     crossed = replace(trial, paths=tuple(MarkerTrajectory.measured(*one) for one in zip(trial.names, xyz, strict=True)))
     assert find_breaks(crossed, 1700.0, every) == {(a, 150), (b, 150)}
     assert find_breaks(crossed, 1700.0, np.setdiff1d(every, [a])) == set()  # where that one was stated to be whole
+
+
+@pytest.mark.parametrize(("sure", "begins"), [(0.97, [0, 60]), (0.99, [0])])
+def test_an_unsure_track_is_cut_where_it_steps_aside_if_a_part_of_it_is_sure_then(sure, begins):
+    """Beside ten nameless markers: a knee's track that goes on 25 mm off, as where images become one, until its own
+    begins anew. As a whole it is the knee at 0.955."""
+    trial, frame = walk(7, 15), np.arange(300)
+    knee, shank = (trial.xyz[trial.names.index(name)] for name in ("LKNE", "LTIB"))
+    aside = 25.0 * (shank - knee) / np.linalg.norm(shank - knee, axis=1)[:, None]
+    first = np.where((frame < 100)[:, None], knee, np.nan) + (frame >= 60)[:, None] * aside
+    parts = shredded(trial, extra=10, seed=7)
+    more = [path for path, name in zip(parts.tracks, parts.truth, strict=True) if name not in trial.names]
+    paths = [*trial.paths, MarkerTrajectory.measured("aside", first), *more]
+    paths[trial.names.index("LKNE")] = trial.paths[trial.names.index("LKNE")].only(frame >= 100)
+    tracks = replace(trial, paths=tuple(replace(path, name=f"*{k}") for k, path in enumerate(paths)))
+    found = label_switching(tracks, template(15), method=Distances(sure=sure))
+    own = np.flatnonzero(found.of == 15)
+    assert [int(np.isfinite(found.tracks.xyz[k, :, 0]).argmax()) for k in own] == begins
+    assert (found.labels.state[own[0]] == "sure") == (len(begins) == 2)
+    assert found.labels.names[own[0]] == "LKNE" and found.switches == ()
 
 
 @pytest.mark.parametrize(("pieces", "seed"), [(1, 1), (6, 2)])

@@ -85,6 +85,12 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
     return np.where(markers.of >= 0, best[markers.of], label)
 
 
+def score_by_places(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> float:
+    """Nats of a labelling (T), by which those before and after are judged."""
+    markers = markers_of(stretches, label, len(template))
+    return sum_of(markers, markers.label, Shapes.of(template), pairs)
+
+
 def markers_of(stretches: Stretches, label: Ints, L: int) -> Markers:
     """Labels that are there, and long chains of tracks without one that are `on_body`."""
     chain = L + _chains(stretches, label)
@@ -101,10 +107,17 @@ def markers_of(stretches: Stretches, label: Ints, L: int) -> Markers:
 
 
 def _chains(stretches: Stretches, label: Ints) -> Ints:
-    """(T) which tracks without label go on with each other, by motion, where no other does nearly as well, nor none."""
+    """(T) which tracks without label go on with each other, by motion, where no other does nearly as well, nor none.
+
+    One that goes on by way of another does not contradict that one.
+    """
     link = stretches.link.tocoo()
     free = (label[link.row] < 0) & (label[link.col] < 0) & (link.data > 0)
     row, column, nats = link.row[free].astype(np.int64), link.col[free].astype(np.int64), link.data[free]
+    clear = nats > CLEAR
+    steps = scipy.sparse.csr_array((np.ones(clear.sum()), (row[clear], column[clear])), shape=link.shape)
+    direct = np.asarray((steps @ steps)[row, column]).ravel() == 0 if len(row) else clear
+    row, column, nats = row[direct], column[direct], nats[direct]
     sure = _clearly_best(row, nats) & _clearly_best(column, nats)
     joined = scipy.sparse.coo_array((nats[sure], (row[sure], column[sure])), shape=link.shape)
     return np.asarray(scipy.sparse.csgraph.connected_components(joined, directed=False)[1])

@@ -1,8 +1,9 @@
 """The probability of tracks measured on the trial itself: its own names, shredded at random, are given back or not.
 
 The names that are confident are taken as the truth. Their markers are joined, cut at random into pieces as long as the
-tracks that are not sure, put among all other tracks of the trial as they are, and named again by the evidence of
-the same template, outwards from the fullest frame. Each of the n pieces has the logit η that `margin` (3) gives it, and
+tracks that are not sure, put among all other tracks of the trial, cut alike, and named again by the evidence of
+the same template, outwards from the fullest frame. (A marker without a name that stays whole takes those of pieces
+beside it, by its length alone.) Each of the n pieces has the logit η that `margin` (3) gives it, and
 is right or not, y; so has each track without a name that now took that of a confident marker beside which it is seen,
 which is wrong. What the rest of the tracks are called tells nothing, as nobody knows what they are: one in a gap of the
 marker may be the marker. The trial's own shift δ of all logits is
@@ -84,11 +85,11 @@ def calibrated_shift(
     n = stop - first
     pieces = int(np.clip(round(n / np.median(seen[unsure].sum(1))), 1, min(MOST_PIECES, n)))
     rest = np.setdiff1d(np.flatnonzero(seen[:, first:stop].any(1)), confident)
+    others = {f"+{t}": None if label[t] < 0 else UNKNOWN for t in rest.tolist()}
     paths = (MarkerTrajectory.measured(f"+{t}", trajectories.paths[t].xyz[first:stop]) for t in rest.tolist())
-    parts = shredded(trial, pieces)
-    tracks = replace(parts.tracks, paths=(*parts.tracks.paths, *paths))
-    truth = (*parts.truth, *(None if label[t] < 0 else UNKNOWN for t in rest.tolist()))
-    return shift_of(cases_of(Shredded(tracks, truth), template, pairs, least_fit, nameless, piece))
+    parts = shredded(replace(trial, paths=(*trial.paths, *paths)), pieces)
+    truth = tuple(others.get(str(name), name) for name in parts.truth)
+    return shift_of(cases_of(parts._replace(truth=truth), template, pairs, least_fit, nameless, piece))
 
 
 def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
-from .arrange import arranged
+from .arrange import arranged, score_by_places
 from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
@@ -95,11 +95,22 @@ def solve(
     other = max(every, key=lambda label: total_score(stretches, label, pairs)[0])
     if total_score(stretches, other, pairs)[0] > found.score:
         best = _whole(other, stretches, template, pairs, key_frames, beam, least_fit, done)
-        least = score_with_sides(stretches, found.label, template, pairs) + CLEARLY
-        found = best if score_with_sides(stretches, best.label, template, pairs) > least else found
+        found = best if _clearly_better(best.label, found.label, stretches, template, pairs) else found
     after = found.after or pairs
     kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
     return found._replace(label=_gone_on(stretches, kept, len(template)))
+
+
+def _clearly_better(other: Ints, label: Ints, stretches: Stretches, template: Template, pairs: PairScore) -> bool:
+    """Whether another labelling scores clearly more, and by another subject's template also more by places.
+
+    By such a one distances carry a chain of wrong names, as each supports the next.
+    """
+    new, old = (score_with_sides(stretches, one, template, pairs) for one in (other, label))
+    if new <= old + CLEARLY or not np.any(template.doubt):
+        return new > old + CLEARLY
+    new, old = (score_by_places(stretches, one, template, pairs) for one in (other, label))
+    return new > old
 
 
 def _outwards(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> list[Ints]:

@@ -2,12 +2,13 @@
 
 A cut is kept where its two sides are named in the end, and otherwise than each other. Where a track breaks off, and
 where it is a marker in a part alone, one side may also have no name. A cut behind a gap of which nothing tells whose it
-is stays as well where one of its sides is not sure: each has a name that is as sure as it is by itself.
+is stays as well where one of its sides is not sure: each has a name that is as sure as it is by itself. So do cuts
+where unsure tracks make sudden steps, as where two images become one, if more samples are sure with them than without.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -16,11 +17,11 @@ import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Ints
-from .breaks import find_breaks
+from .breaks import find_breaks, sudden_steps
 from .cutting import cut
 from .hidden import find_hidden
 from .label import label
-from .labels import Labels
+from .labels import Labels, State
 from .stated import fixed_labels
 from .stretches import FREE
 from .switches import find_turns
@@ -98,10 +99,36 @@ def label_switching(
         cuts |= new
         breaks |= new & {(int(found.of[t]), frame) for t, frame, alone in turns if alone}
         found = named(cuts)
-    while len(kept := _kept(found, cuts, breaks, hidden.open)) < len(cuts):  # ends, as there are fewer each time
+    cuts = _settled(named, cuts, breaks, hidden.open)
+    if sudden := _sudden(named(cuts), tracks, template.size, free) - cuts:
+        other = _settled(named, cuts | sudden, breaks, hidden.open | sudden)
+        cuts = max(cuts, other, key=lambda one: _sure_samples(named(one)))
+    return named(cuts)._replace(switches=_switches(named(cuts), cuts))
+
+
+def _settled(
+    named: Callable[[set[_Cut]], CutLabels], cuts: set[_Cut], breaks: set[_Cut], open_: set[_Cut]
+) -> set[_Cut]:
+    """The cuts that are kept when all is named by them alone."""
+    while len(kept := _kept(named(cuts), cuts, breaks, open_)) < len(cuts):  # ends, as there are fewer each time
         cuts = kept
-        found = named(cuts)
-    return found._replace(switches=_switches(found, cuts))
+    return cuts
+
+
+def _sudden(found: CutLabels, tracks: Trajectories, size: float, free: Ints) -> set[_Cut]:
+    """Before the sudden steps of tracks of which a piece is not sure."""
+    unsure = found.of[_in_state(found, "unsure")]
+    return sudden_steps(tracks, size, np.intersect1d(free, unsure))
+
+
+def _sure_samples(found: CutLabels) -> int:
+    """How many samples have sure names."""
+    return int(np.isfinite(found.tracks.xyz[_in_state(found, "sure"), :, 0]).sum())
+
+
+def _in_state(found: CutLabels, state: State) -> Ints:
+    """The pieces whose names are in a state."""
+    return np.flatnonzero([one == state for one in found.labels.state])
 
 
 def _kept(found: CutLabels, cuts: set[_Cut], breaks: set[_Cut], open_: set[_Cut]) -> set[_Cut]:

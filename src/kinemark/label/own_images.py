@@ -131,7 +131,8 @@ def _as_likely(y: Single, turns: Ints, gains: Floats, least: float, template: Te
         exchanger = Exchanger.of(template, pairs)
         for (was, _), gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
             alone[list(was)] = np.maximum(alone[list(was)], gain)
-    return np.asarray(moved & near[:, None] & (gains[:, None] > alone))
+    counts = moved & near[:, None] & (gains[:, None] > alone)
+    return np.asarray(counts & (counts.sum(1, keepdims=True) >= FEWEST))
 
 
 def _gains(y: Single, turns: Ints, template: Template, pairs: PairScore) -> Floats:

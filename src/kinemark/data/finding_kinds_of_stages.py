@@ -11,6 +11,10 @@ LABELLING = (
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
     Kind("sides_undecided", "label", "amber", "All names of the left and the right could change places: nothing in "
          "the template tells the one from the other, and none of them is sure."),
+    Kind("own_image", "label", "amber", "All distances allow the names of these markers as well in other ways, each "
+         "with the name of another: the set is its own image, as a box or a hand with alike fingers is, and none of "
+         "them is sure. In how many ways, and of each marker the other name that fits best.",
+         {"ways": "count", "other_list": "text"}),
     Kind("world_mirrored", "label", "red", "The trial is the mirror image of the one that the template was learnt "
          "from: distances fit names of the one side, and orientation those of the other, so that none is sure."),
     Kind("labels_without_template", "label", "info", "The session is to name markers, and neither a template nor a "

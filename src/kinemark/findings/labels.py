@@ -90,12 +90,12 @@ def _unsure(tracks: Trajectories, labels: Labels, k: int, n: Any) -> dict[str, A
 
 
 def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool) -> tuple[Finding, ...]:
-    """What needs attention: no template, one that does not fit, unsure stretches, markers not found or displaced."""
+    """What needs attention: no template, one that does not fit, unsure sides and stretches, markers not found."""
     if not template:
         return () if figures["stated"] else (make_finding("labels_without_template"),)
     if labels.refused is not None:
         return (labels.refused,)
-    found = []
+    found = [] if labels.undecided is None else [labels.undecided]
     probably = {one["name"] for one in figures["unsure"]}
     if unsure := figures["unsure"]:
         found.append(

@@ -29,6 +29,7 @@ from .margin import (
     margins,
     track_probability,
 )
+from .own_images import no_images, own_images
 from .parts import KNOWN, placed_share, with_parts
 from .recalibration import by_what_is_absent, recalibrated
 from .solve import solve, solve_with_facts
@@ -164,22 +165,26 @@ def _of_body(
     holds = held(stretches, sides.label, pairs)
     refused = refusal(fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
     label = np.full(len(stretches), -1) if refused else np.where(fixed == FREE, sides.label, np.maximum(fixed, -1))
+    asked = refused is not None or sides.finding is not None
+    image = no_images(label) if asked else own_images(stretches, label, template, pairs)
+    label = image.label
     after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
     about = anchored(margins(stretches, label, template, pairs, after), label, fixed)
     p = probability_of_all(trajectories, template, after or pairs, label, about, stretches.weight, method)
-    p = at_most_even(at_most_tellers(p, stretches, label, template, pairs), sides.undecided)
+    p = image.share * at_most_even(at_most_tellers(p, stretches, label, template, pairs), sides.undecided)
+    second = np.where(image.other >= 0, image.other, about.runner_up)
     state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(
         names=_names(label, template),
         probability=p,
         state=state,
-        runner_up=_names(about.runner_up, template),
+        runner_up=_names(second, template),
         margin=about.track,
         fit=fit,
         placed=placed,
         refused=refused,
-        against=against(stretches, label, about.runner_up, template, pairs, [one == "unsure" for one in state]),
-        undecided=None if refused else sides.finding,
+        against=against(stretches, label, second, template, pairs, [one == "unsure" for one in state]),
+        undecided=None if refused else sides.finding or image.finding,
     )
 
 

@@ -9,6 +9,7 @@ from kinemark.data import Trial
 from kinemark.data.marker_sides import sides_by_name
 from kinemark.engine.naming.check_files import check_by_itself
 from kinemark.engine.naming.labelled_trials import agreeing
+from kinemark.engine.naming.naming import learnt_frames, learnt_of
 from kinemark.engine.naming.subject_templates import Known, subject_template
 from kinemark.io.trial import write_trial
 from kinemark.report.words import advice_of, text_of
@@ -46,6 +47,16 @@ def test_exchanged_names_are_left_out_and_said_with_the_frames_of_their_file(wro
     assert abs(said.values["first"] - (FIRST + 51)) <= 2 and abs(said.values["last"] - (STOP + 50)) <= 2
     assert "walk.c3d" in text_of(said) and str(said.values["first"]) in text_of(said) and advice_of(said)
     assert not agreeing([wrong], ["walk.c3d"], [name for name in wrong.names if name not in TWO]).findings
+
+
+def test_frames_of_a_long_trial_of_which_some_were_kept_are_those_of_its_recording():
+    """They were counted among the 300 kept."""
+    long = with_markers(walking(duration_s=7.0, rate=100.0, seed=1, wobble_mm=2.0), 15, seed=1).trajectories
+    trial = exchanged(long, 300, 500)
+    frames = learnt_frames(trial)
+    assert len(frames) == 300 and (frames[0], frames[-1]) == (51, 750)
+    (said,) = agreeing([learnt_of(trial, True)], ["walk"], frames=[frames]).findings
+    assert abs(said.values["first"] - (300 + 51)) <= 6 and abs(said.values["last"] - (500 + 50)) <= 6
 
 
 @pytest.mark.parametrize("grown", [False, True], ids=["learnt", "grown"])

@@ -33,25 +33,35 @@ class Agreeing(NamedTuple):
     findings: tuple[Finding, ...] = ()
 
 
-def agreeing(trials: Sequence[Trajectories], sources: Sequence[str], names: Sequence[str] = ()) -> Agreeing:
+def agreeing(
+    trials: Sequence[Trajectories],
+    sources: Sequence[str],
+    names: Sequence[str] = (),
+    frames: Sequence[Sequence[int]] = (),
+) -> Agreeing:
     """Trials of one subject without the stretches in which two markers carry each other's names.
 
     Where these are more than `FEW` of what there is of the two, neither is learnt.
 
     Args:
         trials: labelled. sources: what each is called. names: that are learnt; all where none is given.
+        frames: of each trial the number in its recording of each frame; where it has none, they follow its first.
     """
     own = [one.select([name for name in one.names if is_named(name) and name in (names or [name])]) for one in trials]
     exchanged = find_own_exchanges(*own)
     twos = {frozenset(one.markers) for found in exchanged for one in found}
     both = {name for two in twos if _share(two, trials, exchanged) > FEW for name in two}
     kept = (without_exchanged(one, found) for one, found in zip(trials, exchanged, strict=True))
+    numbers = [
+        known or range(one.first_frame, one.first_frame + one.n_frames)
+        for one, known in zip(trials, frames or ((),) * len(trials), strict=True)
+    ]
     findings = (
         make_finding(
-            "template_names_exchanged", markers=one.markers, file=source, first=one.first + trial.first_frame,
-            last=one.stop - 1 + trial.first_frame, learnt=not both & set(one.markers),
+            "template_names_exchanged", markers=one.markers, file=source, first=number[one.first],
+            last=number[one.stop - 1], learnt=not both & set(one.markers),
         )
-        for source, trial, found in zip(sources, trials, exchanged, strict=True)
+        for source, number, found in zip(sources, numbers, exchanged, strict=True)
         for one in found
     )  # fmt: skip
     return Agreeing(tuple(_without(one, both) for one in kept), tuple(findings))

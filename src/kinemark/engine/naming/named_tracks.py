@@ -26,6 +26,7 @@ class NamedTracks(NamedTuple):
         figures: for quality.json and the report.
         findings: what is to be said.
         learnt: some frames of the markers, for the template of other trials; none where the names were not accepted.
+        learnt_frames: the number of each of these frames in the recording.
     """
 
     tracks: Tracks
@@ -34,6 +35,7 @@ class NamedTracks(NamedTuple):
     figures: Mapping[str, Any]
     findings: tuple[Finding, ...]
     learnt: Trajectories
+    learnt_frames: tuple[int, ...] = ()
 
 
 def save_named(path: Path, record: NamedTracks) -> None:
@@ -43,6 +45,7 @@ def save_named(path: Path, record: NamedTracks) -> None:
         "tracker_names": record.tracker_names,
         "figures": record.figures,
         "findings": [one.as_dict() for one in record.findings],
+        "learnt_frames": record.learnt_frames,
     }
     with replacing(path.with_name(LABELS)) as beside:
         beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
@@ -63,7 +66,8 @@ def load_named(path: Path) -> NamedTracks:
         tracks = load(path)
         if not isinstance(tracks, Tracks):
             raise ValueError(f"{path.name} holds no tracks")
-        return NamedTracks(tracks, *names, said["figures"], findings, load_learnt(path.parent))
+        learnt, frames = load_learnt(path.parent), tuple(said.get("learnt_frames", ()))
+        return NamedTracks(tracks, *names, said["figures"], findings, learnt, frames)
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise KinemarkError(f"{path.with_name(LABELS)} is damaged: {error}. Delete it.") from error
 
@@ -78,3 +82,16 @@ def load_learnt(folder: Path) -> Trajectories:
     if not isinstance(found, Trajectories):
         raise KinemarkError(f"{folder / LEARNT} holds {type(found).__name__}, wanted Trajectories. Delete it.")
     return found
+
+
+def load_learnt_frames(folder: Path) -> tuple[int, ...]:
+    """The number in the recording of each frame of `load_learnt`; none where an earlier version did not write them.
+
+    Raises:
+        KinemarkError: the file is absent or damaged.
+    """
+    path = folder / LABELS
+    try:
+        return tuple(json.loads(path.read_text("utf-8")).get("learnt_frames", ()))
+    except (OSError, ValueError) as error:
+        raise KinemarkError(f"{path} is damaged: {error}. Delete it.") from error

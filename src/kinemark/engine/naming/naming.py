@@ -82,7 +82,7 @@ def name_tracks(
     return NamedTracks(
         Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
         (*findings, *by_hand.findings, *contradicts.values()),
-        learnt_of(_without_subjects(by_hand.learnt, contradicts), accepted),
+        learnt_of(_without_subjects(by_hand.learnt, contradicts), accepted), learnt_frames(points),
     )  # fmt: skip
 
 
@@ -150,7 +150,8 @@ def stated_by_recording(tracks: Tracks, trajectories: Trajectories) -> NamedTrac
     """What an operator or the recording's own file named, which are facts; other trials learn from them."""
     figures = label_figures(trajectories, None, trajectories, (), ())
     names = tuple(trajectories.names)
-    return NamedTracks(tracks, names, names, figures, (), learnt_of(trajectories, True))
+    learnt = learnt_of(trajectories, True)
+    return NamedTracks(tracks, names, names, figures, (), learnt, learnt_frames(trajectories))
 
 
 def rows_of(done: Trajectories, n_points: int) -> Ints:
@@ -227,8 +228,7 @@ def with_names(found: Finding, names: Sequence[str]) -> Finding | None:
 
 def learnt_of(trajectories: Trajectories, accepted: bool) -> Trajectories:
     """Some frames of the markers that have names; no markers where the names were not accepted."""
-    F = trajectories.n_frames
-    rows = np.unique(np.linspace(0, F - 1, min(F, LEARNT_FRAMES)).round().astype(int)) if F else np.zeros(0, int)
+    F, rows = trajectories.n_frames, _learnt_rows(trajectories)
     columns = ("xyz", "cov", "origin", "residual", "cameras", "detection")
     paths = [
         replace(path, **{key: getattr(path, key)[rows] for key in columns})
@@ -236,6 +236,17 @@ def learnt_of(trajectories: Trajectories, accepted: bool) -> Trajectories:
         if accepted and not path.name.startswith("*")
     ]
     return Trajectories(tuple(paths), trajectories.rate * len(rows) / max(F, 1))
+
+
+def learnt_frames(trajectories: Trajectories) -> tuple[int, ...]:
+    """The number in the recording of each frame that `learnt_of` keeps."""
+    return tuple((_learnt_rows(trajectories) + trajectories.first_frame).tolist())
+
+
+def _learnt_rows(trajectories: Trajectories) -> Ints:
+    """(n) the frames, from 0, that others learn from."""
+    F = trajectories.n_frames
+    return np.unique(np.linspace(0, F - 1, min(F, LEARNT_FRAMES)).round().astype(np.int64)) if F else np.zeros(0, int)
 
 
 def _lost(lost: Sequence[StatedName], first_frame: int) -> tuple[Finding, ...]:

@@ -26,7 +26,7 @@ from ..settings.tables import GaitTable
 from .earlier import ABSENT, NAMED_BY_HAND, Earlier
 from .impossible_names import impossible_names
 from .labelled_trials import Agreeing, agreeing, set_of_clusters
-from .named_tracks import load_learnt
+from .named_tracks import load_learnt, load_learnt_frames
 from .subject_templates import of_subject
 from .template_files import ENDING, is_template, load_template, save_template
 
@@ -44,10 +44,11 @@ class SessionTemplate(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """Labelled trials, and where they are from."""
+    """A labelled trial, where it is from, and the number in its recording of each frame, where some are left out."""
 
     source: str
     trial: Trajectories
+    frames: tuple[int, ...] = ()
 
 
 def worn(root: Path, settings: Settings) -> MarkerSet | None:
@@ -127,7 +128,8 @@ def _shown_earlier(earlier: Sequence[Earlier], subject: str) -> tuple[list[Shown
     moved, still = list[Shown](), list[Shown]()
     for one in earlier:
         if one.key != ABSENT:
-            shown = Shown(one.name, markers_of(load_learnt(one.folder), subject))
+            trial = markers_of(load_learnt(one.folder), subject)
+            shown = Shown(one.name, trial, load_learnt_frames(one.folder))
             (still if one.kind == "static" else moved).append(shown)
     return moved, still
 
@@ -191,7 +193,7 @@ def _learnt(shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0
     there = {name for one in useful for name in one.trial.names}
     known = tuple(name for name in names if name in there)
     trials, sources = tuple(one.trial for one in useful), tuple(one.source for one in useful)
-    kept = Agreeing(trials) if spread else agreeing(trials, sources, known)
+    kept = Agreeing(trials) if spread else agreeing(trials, sources, known, [one.frames for one in useful])
     template = learn_template(*kept.trials, names=known or None, relative_spread=spread)
     return SessionTemplate(template, sources, findings=(*kept.findings, *impossible_names(trials, sources)))
 

@@ -49,6 +49,10 @@ LABELLING_WORDS = {
         "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",
         "Say which side one marker is on, or give a template with a marker that breaks the symmetry.",
     ),
+    "own_image": Words(
+        "The set is its own image: {markers} fit as well with the names of each other, so that these are not sure.",
+        "Say by hand which marker one of them is, or move one so that the set is no image of itself.",
+    ),
     "world_mirrored": Words(
         "The trial is the mirror image of the template: distances fit the names of one side, orientation those of the "
         "other, so that no name is sure.",

@@ -12,7 +12,7 @@ from kinemark.apps.cli import app
     [
         (["fill"], "kinemark fill wants SOURCE: a file of trajectories"),
         (["convert", "a.c3d"], "kinemark convert wants TARGET: the file to write"),
-        (["angles", "a.c3d"], "kinemark angles wants --model: um2as, isb_upper_limb, isb_shoulder, or a TOML file"),
+        (["gait-compare", "a", "b"], "kinemark gait-compare wants --output: folder of the results."),
         (["angles", "a.c3d", "--model"], "kinemark angles: --model wants a value."),
         (["marker-set", "show"], "kinemark marker-set show wants NAME"),
         (["edits", "erase"], "kinemark edits erase wants TRIAL: SESSION/NAME or a file."),

@@ -55,6 +55,14 @@ def test_who_stands_beside_a_marker_in_both_trials_makes_its_name_sure():
     assert all(name is None or name in by.names for name in found.runner_up)
 
 
+def test_markers_that_have_names_but_none_of_the_set_stand_beside_as_well():
+    worn, still, _ = trials()
+    called = replace(still, paths=tuple(replace(p, name=p.name.replace("*1", "Extra")) for p in still))
+    wider = static_bystanders(called, worn)
+    assert len(wider) == len(static_template(still, worn)) + len(BESIDE)
+    assert sum(name.startswith("Extra") for name in wider.names) == len(BESIDE)
+
+
 def test_without_nameless_markers_in_the_static_trial_nothing_is_known_of_them():
     worn, still, _ = trials()
     assert static_bystanders(still.select(read_marker_set("plug-in-gait-full").moving), worn) is None

@@ -52,6 +52,24 @@ def test_swapped_sides_are_found_with_their_frames(pairs, first, stop, seed):
     assert found[0].off_swapped_mm < found[0].off_mm
 
 
+@pytest.mark.parametrize(("first", "stop"), [(113, 241), (0, 77), (190, 300)])
+@pytest.mark.parametrize("seed", [1, 5])
+def test_wrong_names_are_found_to_the_frame(first, stop, seed):
+    """They began and ended where half a second did, as long as that was looked at as a whole."""
+    template, trial = subject(seed)
+    (sides,) = find_side_swaps(swapped(trial, LEG, first, stop), template, SET.pairs)
+    (two,) = find_exchanges(swapped(trial, [("LTHI", "LKNE")], first, stop), template)
+    assert (sides.first, sides.stop) == (first, stop) == (two.first, two.stop)
+
+
+@pytest.mark.parametrize(("name", "seed"), [("LBHD", 1), ("LBHD", 2), ("LBHD", 5), ("LWRA", 1), ("LWRA", 5)])
+def test_one_pair_is_not_said_to_be_a_limb(name, seed):
+    template, trial = subject(seed)
+    pair = next(two for two in SET.pairs if name in two)
+    found = find_side_swaps(swapped(trial, [pair], 113, 241), template, SET.pairs)
+    assert [one.pairs for one in found] == [(pair,)]
+
+
 @pytest.mark.parametrize("seed", [2, 3, 6])
 def test_a_marker_called_by_a_free_name_is_found_with_its_own(seed):
     template, trial = subject(seed)

@@ -9,6 +9,7 @@ import numpy as np
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Ints
 from ..data.progress import tell
+from .check_ends import ends
 from .evidence import PairScore, Single
 from .exchange import Exchanger
 from .stretches import stretches_of
@@ -65,7 +66,16 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
         tell(int(part), int(parts[-1]))
         rows = np.flatnonzero(window == part)
         found += _in_window(y[rows], exchanger, near, template, stretches.frame[rows])
-    return _merged(found, round(2 * WINDOW_S * trajectories.rate))
+    wide = max(1, round(WINDOW_S * trajectories.rate))
+    placed = [_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide)]
+    return tuple(sorted(placed, key=lambda one: (one.first, one.markers)))
+
+
+def _placed(one: Exchanged, known: Trajectories, template: Template, exchanger: Exchanger, window: int) -> Exchanged:
+    """With its ends to the frame."""
+    a, b = (template.names.index(name) for name in one.markers)
+    first, stop = ends(known, template, exchanger, ((a, b), (b, a)), (one.first, one.stop), window)
+    return one._replace(first=first, stop=stop)
 
 
 def by_peers(exchanger: Exchanger) -> Exchanger:
@@ -99,7 +109,7 @@ def _in_window(y: Single, exchanger: Exchanger, near: Exchanger, template: Templ
     ]
 
 
-def _merged(found: list[Exchanged], near: int) -> tuple[Exchanged, ...]:
+def _merged(found: list[Exchanged], near: int) -> list[Exchanged]:
     """Neighbouring windows of the same two as one."""
     out: dict[tuple[str, str], list[Exchanged]] = {}
     for one in found:
@@ -109,4 +119,4 @@ def _merged(found: list[Exchanged], near: int) -> tuple[Exchanged, ...]:
             n, m = old.stop - old.first, one.stop - one.first
             one = Exchanged(one.markers, old.first, one.stop, (n * old.gain + m * one.gain) / (n + m))
         own.append(one)
-    return tuple(sorted((one for own in out.values() for one in own), key=lambda one: (one.first, one.markers)))
+    return [one for own in out.values() for one in own]

@@ -2,7 +2,7 @@
 
 A limb that is swapped keeps all distances within itself, so that no exchange of two markers shows it. Each limb
 (`limbs`) is swapped as one; of those that gain, the one that gains most is taken, and pairs are added to it and taken
-from it as long as that gains more.
+from it as long as that gains more, down to one pair.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from ..data import Trajectories
 from ..data.progress import tell
 from .check import LEAST_NATS, WINDOW_S
+from .check_ends import ends
 from .evidence import PairScore, Single
 from .exchange import Exchanger, Move
 from .limbs import exchange_of, limbs
@@ -45,7 +46,7 @@ class SideSwap(NamedTuple):
 def find_side_swaps(
     trajectories: Trajectories, template: Template, pairs: Sequence[tuple[str, str]]
 ) -> tuple[SideSwap, ...]:
-    """Stretches of a labelled trial in which left and right of two or more pairs are swapped, in the order of time.
+    """Stretches of a labelled trial in which left and right of some pairs are swapped, in the order of time.
 
     Args:
         trajectories: labelled. template: of the subject.
@@ -71,7 +72,15 @@ def find_side_swaps(
             found.append(
                 SideSwap(tuple(group), int(stretches.frame[rows[0]]), int(stretches.frame[rows[-1]]) + 1, gain, *off)
             )
-    return _merged(found, round(2 * WINDOW_S * trajectories.rate))
+    wide = max(1, round(WINDOW_S * trajectories.rate))
+    return tuple(_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide))
+
+
+def _placed(one: SideSwap, known: Trajectories, template: Template, exchanger: Exchanger, window: int) -> SideSwap:
+    """With its ends to the frame."""
+    move = exchange_of(template, one.pairs)
+    first, stop = ends(known, template, exchanger, move, (one.first, one.stop), window)
+    return one._replace(first=first, stop=stop)
 
 
 def _best(
@@ -87,7 +96,7 @@ def _best(
         return None
     while True:
         turned = [[p for p in groups[-1] if (p in best) != (p == pair)] for pair in groups[-1]]
-        turned = [group for group in turned if len(group) > 1]
+        turned = [group for group in turned if group]
         gains = exchanger.gains(y, [exchange_of(template, group) for group in turned])
         if not len(turned) or gains.max() <= gain + 1e-6:
             return best, gain, _off(y, template, exchange_of(template, best))
@@ -107,7 +116,7 @@ def _off(y: Single, template: Template, move: Move) -> tuple[float, float]:
     return round(float(before), 1), round(float(after), 1)
 
 
-def _merged(found: list[SideSwap], near: int) -> tuple[SideSwap, ...]:
+def _merged(found: list[SideSwap], near: int) -> list[SideSwap]:
     """Neighbouring windows with the same pairs as one."""
     out: list[SideSwap] = []
     for one in found:
@@ -121,4 +130,4 @@ def _merged(found: list[SideSwap], near: int) -> tuple[SideSwap, ...]:
         n, m = before.stop - before.first, one.stop - one.first
         mean = [(n * x + m * z) / (n + m) for x, z in zip(before[3:], one[3:], strict=True)]
         out[old] = SideSwap(one.pairs, before.first, one.stop, *mean)
-    return tuple(out)
+    return out

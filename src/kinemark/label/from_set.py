@@ -60,16 +60,16 @@ def static_template(trial: Trajectories, marker_set: MarkerSet) -> Template:
 
 
 def static_bystanders(trial: Trajectories, marker_set: MarkerSet) -> Template | None:
-    """The same with the static trial's tracks without names as further labels, called as they are there.
+    """The same with the static trial's tracks that are none of the set as further labels, called as they are there.
 
-    A subject who wears more than the set wears it in both trials: what a nameless marker beside a thigh's is like tells
-    which of the two is the thigh's. See `bystanders`. None where there are no such tracks.
+    A subject who wears more than the set, named or not, wears it in both trials: what another marker beside a thigh's
+    is like tells which of the two is the thigh's. See `bystanders`. None where there are no such tracks.
     """
     names = list(static_template(trial, marker_set).names)
     others = [
         path.name
         for path in trial
-        if path.name.startswith("*") and np.isfinite(path.xyz[:, 0]).mean() > LEAST_SEEN and path.name not in names
+        if path.name not in marker_set.names and np.isfinite(path.xyz[:, 0]).mean() > LEAST_SEEN
     ]
     return _of_static(trial, marker_set, names, others) if others else None
 

@@ -60,14 +60,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.array_types import Floats, Ints
+from ..data.array_types import Bools, Floats, Ints
 from .anatomy import Anatomy
 from .claims import left_over, lost_to_claims
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .held import stiffness_kept
 from .rivals import lost_to_rivals
-from .stretches import Stretches
+from .stretches import Stretches, together
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 from .told_by_one import TIMES, in_one_posture, told_by_one
@@ -248,30 +248,26 @@ def _second(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints) 
     nats = every[t]
     own = nats[np.arange(len(t)), a]
     apart = own[:, None] - nats
-    seen = stretches.seen[t].astype(np.float32)
-    together = seen @ seen.T > 0
-    np.fill_diagonal(together, False)
-    i, j = np.nonzero(together)  # u = j holds b, the label of j
+    meet = together(stretches.seen)
+    i, j = np.nonzero(meet[np.ix_(t, t)])  # u = j holds b, the label of j
     lost = np.maximum(own[j] - np.maximum(nats[j, a[i]], 0.0), 0.0)
     both = np.full_like(apart, -np.inf)
     np.maximum.at(both, (i, a[j]), own[i] - nats[i, a[j]] + lost)
-    none = np.minimum(own, _taken_over(stretches, t, a, every, label))
+    none = np.minimum(own, _taken_over(stretches, t, a, every, label, meet[t]))
     rest = np.concatenate([np.maximum(apart, both), none[:, None]], axis=1)
     rest[np.arange(len(t)), a] = np.inf
     second = rest.argmin(1)
     return rest[np.arange(len(t)), second], np.where(second == nats.shape[1], -1, second)
 
 
-def _taken_over(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints) -> Floats:
-    """(n) the margin (2') of tracks t with labels a: another track takes the label, and they have none."""
+def _taken_over(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints, meet: Bools) -> Floats:
+    """(n) the margin (2') of tracks t with labels a: another that they meet (n, T) takes the label, they have none."""
     T = len(label)
     has = np.where(label >= 0, np.maximum(every[np.arange(T), np.maximum(label, 0)], 0.0), 0.0)
     gain = every[:, a].T - has  # of u, (n, T)
     n = stretches.seen.sum(1)
     share = np.minimum(1.0, n / np.maximum(n[t], 1)[:, None])
-    together = stretches.seen[t].astype(np.float32) @ stretches.seen.astype(np.float32).T > 0
-    together[np.arange(len(t)), t] = False
-    most = np.where(together, share * gain, 0.0).max(1, initial=0.0)
+    most = np.where(meet, share * gain, 0.0).max(1, initial=0.0)
     return np.asarray(every[t, a] - np.maximum(most, 0.0))
 
 

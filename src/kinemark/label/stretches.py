@@ -23,6 +23,8 @@ ACCELERATION = 12.0
 """Standard deviation of a marker's acceleration in sizes of the body a second squared; chosen: 20 m/s² of 1.6 m."""
 
 
+PART = 256
+"""Frames of a part of the trial in `together`; chosen."""
 FREE, NO_MARKER = -1, -2
 """Of which nothing was stated, and of which it was that it is none of the template's markers; by definition."""
 
@@ -37,7 +39,7 @@ class Stretches:
         seen: (T, F) where there are samples.
         start, stop: (T) first and last-plus-one frame.
         weight: (T) how many independent frames a track is worth.
-        link: (T, T) nats that the column goes on where the row ends; 0 where nothing is said.
+        link: (T, T) nats that the column goes on where the row ends; 0 where nothing is said. into: turned round.
         fixed: (T) the label that was stated of each track; FREE, or NO_MARKER.
     """
 
@@ -48,6 +50,7 @@ class Stretches:
     stop: Ints
     weight: Floats
     link: scipy.sparse.csr_array
+    into: scipy.sparse.csr_array
     fixed: Ints
 
     def __len__(self) -> int:
@@ -63,11 +66,26 @@ def stretches_of(trajectories: Trajectories, size: float, fixed: Ints | None = N
     start = np.where(some, seen.argmax(1), 0)
     stop = np.where(some, seen.shape[1] - seen[:, ::-1].argmax(1), 0)
     frame = _frames(seen, start, stop, rate)
-    near = xyz - origin
+    near = (xyz[:, frame] - origin).astype(np.float32)
     weight = 1.0 + seen.sum(1) / rate / 0.5  # a new pose each half second
-    link = _links(near, seen, start, stop, rate, size)
+    link = _links(xyz, seen, start, stop, rate, size)
     fixed = np.full(len(xyz), FREE) if fixed is None else fixed
-    return Stretches(near[:, frame].astype(np.float32), frame, seen, start, stop, weight, link, fixed)
+    return Stretches(near, frame, seen, start, stop, weight, link, link.T.tocsr(), fixed)
+
+
+def together(seen: Bools) -> Bools:
+    """(T, T) which of T tracks (T, F) are seen in one frame or more with each other, none with itself.
+
+    Part by part of the trial: of many pieces few are seen in each.
+    """
+    found = np.zeros((len(seen), len(seen)), bool)
+    for first in range(0, seen.shape[1], PART):
+        part = seen[:, first : first + PART]
+        own = np.flatnonzero(part.any(1))
+        here = part[own].astype(np.float32)
+        found[np.ix_(own, own)] |= here @ here.T > 0
+    np.fill_diagonal(found, False)
+    return found
 
 
 def _frames(seen: Bools, start: Ints, stop: Ints, rate: float) -> Ints:

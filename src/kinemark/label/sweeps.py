@@ -32,9 +32,11 @@ cut from a marker have more, ghosts that pass by less."""
 def places(stretches: Stretches, label: Ints, L: int) -> Single:
     """(K, L, 3) where each label is in each frame; NaN where no track is it."""
     out = np.full((len(stretches.frame), L, 3), np.nan, np.float32)
+    first, stop = (np.searchsorted(stretches.frame, edge) for edge in (stretches.start, stretches.stop))
     for t in np.flatnonzero(label >= 0):
-        rows = np.isfinite(stretches.xyz[t, :, 0])
-        out[rows, label[t]] = stretches.xyz[t, rows]
+        own = stretches.xyz[t, first[t] : stop[t]]
+        seen = np.isfinite(own[:, 0])
+        out[first[t] : stop[t], label[t]][seen] = own[seen]
     return out
 
 
@@ -50,11 +52,13 @@ def evidence(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
     return total / np.maximum(count, 1)[:, None]
 
 
-def continuity(stretches: Stretches, label: Ints, L: int) -> Floats:
-    """(T, L) nats: how well a track goes on from, and into, the tracks that have each label now."""
+def continuity(stretches: Stretches, label: Ints, L: int, tracks: Ints | None = None) -> Floats:
+    """(T, L) nats: how well a track goes on from, and into, the tracks that have each label now; of some tracks."""
     of = np.flatnonzero(label >= 0)
     member = scipy.sparse.csr_array((np.ones(len(of)), (of, label[of])), shape=(len(stretches), L))
-    return np.asarray((stretches.link.T @ member).todense() + (stretches.link @ member).todense())
+    both = (stretches.into, stretches.link)
+    before, after = both if tracks is None else (link[tracks] for link in both)
+    return np.asarray((before @ member).todense() + (after @ member).todense())
 
 
 @dataclass
@@ -111,7 +115,7 @@ def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: 
         labelled = np.full((L, 3), np.nan, np.float32)
         labelled[done.label[old]] = stretches.xyz[old, k]
         nats = pairs.of_points(stretches.xyz[new, k], labelled, np.full(len(new), NONE))
-        done.assign(stretches, new, nats + continuity(stretches, done.label, L)[new])
+        done.assign(stretches, new, nats + continuity(stretches, done.label, L, new))
     return done.label
 
 

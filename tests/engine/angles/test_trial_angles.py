@@ -11,7 +11,7 @@ import pytest
 
 from kinemark.apps import cli
 from kinemark.data import Angles, Cloud, Events, KinemarkError, MarkerTrajectory, Tracks, Trajectories, Trial, same
-from kinemark.engine.angles.of_trial import AngleSettings, angles_of_file, trial_angles, with_angles
+from kinemark.engine.angles.of_trial import AngleSettings, angles_of_file, model_of_file, trial_angles, with_angles
 from kinemark.findings.angles import _jumps
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.model_toml import load_model
@@ -23,6 +23,7 @@ from kinemark.report.angles_page import angles_page
 from kinemark.report.drawing_library import library_name
 from kinemark.report.figures_angles import joint_figure
 from kinemark.report.stick import MOST_FRAMES, stick_data
+from kinemark.synth import walking
 from kinemark.synth.arm import arm
 from support.drawings import checked
 from support.findings import found, kinds
@@ -288,6 +289,24 @@ def test_the_command_prints_a_summary_or_json(tmp_path, capsys):
     assert (tmp_path / "eating_angles" / "cycles.csv").is_file()
     with pytest.raises(KinemarkError, match=r"neither a model nor a file. Models are isb_shoulder"):
         angles_of_file(tmp_path / "eating.c3d", model="nobody")
+
+
+def test_without_a_model_the_one_whose_markers_are_there_is_taken(tmp_path, capsys):
+    """Of lower limbs, which no such model describes, the angles are the gait model's."""
+    trial, _ = eating(duration_s=1.0, hole=False)
+    write_c3d(tmp_path / "eating.c3d", trial)
+    run("angles", tmp_path / "eating.c3d", "--json")
+    assert json.loads(capsys.readouterr().out)["model"] == "um2as"
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", walking(duration_s=2.0, rate=50.0, seed=1).trajectories))
+    run("angles", tmp_path / "walk.c3d", "--fail-on", "never", "--json")
+    capsys.readouterr()
+    signals = read_c3d(tmp_path / "walk_angles" / "walk_gait.c3d").signals
+    assert {"LHipAngles", "RKneeAngles", "RAnkleAngles"} <= set(signals.names)
+    with pytest.raises(KinemarkError, match="have other options: kinemark gait"):
+        cli.app(["angles", str(tmp_path / "walk.c3d"), "--lock-deg", "5"], exit_on_error=False)
+    write_c3d(tmp_path / "few.c3d", replace(trial, trajectories=trial.trajectories.select(["ACR1", "ACR2"])))
+    with pytest.raises(KinemarkError, match=r"none of the models isb_shoulder, .* gait model, which wants LASI"):
+        model_of_file(tmp_path / "few.c3d")
 
 
 def test_tracks_pass_on_the_covariance_of_their_reconstruction(tmp_path):

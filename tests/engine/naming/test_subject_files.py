@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Trajectories, Trial
+from kinemark.engine.naming.marker_set_files import set_from_file
 from kinemark.engine.naming.subject_templates import Known, of_subject, templates_of_subjects
 from kinemark.io.c3d import Parameter, prefixes_of, read_document, with_parameters
 from kinemark.io.c3d.about import with_prefixes
@@ -77,3 +78,14 @@ def test_a_name_that_stands_before_all_markers_of_a_subjects_own_file_is_left_ou
     assert of_subject(called, "B", {}).names == bare.names
     mixed = replace(called, paths=(*called.paths[:-1], bare.paths[-1]))
     assert of_subject(mixed, "B", {}) is mixed and of_subject(called, "", {}) is called
+
+
+def test_a_marker_set_learnt_of_one_subject_has_the_names_of_no_one(tmp_path):
+    """Another subject's file has another name before its markers, and the set named none of them."""
+    trial = walking(duration_s=2.0, rate=50.0, seed=1).trajectories
+    called = replace(trial, paths=tuple(replace(path, name=f"Kid:{path.name}") for path in trial))
+    write_trial(Trial("walk", called), tmp_path / "walk.c3d")
+    found = set_from_file(tmp_path / "walk.c3d", tmp_path / "set.toml")
+    assert found.names == trial.names and found.meaning["LKNE"]
+    few = set_from_file(tmp_path / "walk.c3d", tmp_path / "few.toml", names=["LASI", "RASI", "Kid:SACR", "LKNE"])
+    assert few.names == ("LASI", "RASI", "SACR", "LKNE")

@@ -32,7 +32,7 @@ from ..progress import progress
 def angles(
     trial: Path,
     *,
-    model: str,
+    model: str | None = None,
     output: Annotated[Path | None, Parameter(alias="-o")] = None,
     static: Path | None = None,
     functional: Path | None = None,
@@ -45,15 +45,26 @@ def angles(
 
     Args:
         trial: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
-        model: um2as, isb_upper_limb, isb_shoulder, or a TOML file that describes one.
+        model: um2as, isb_upper_limb, isb_shoulder, or a TOML file that describes one; where none is given, the one
+            whose markers are all there. Of lower limbs the gait model's angles are taken, as kinemark gait does.
         output: folder of the results; beside the trial, its name and _angles, where none is given.
         static: trial that shows the points which clusters of markers carry.
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
     """
-    from ...engine.angles.of_trial import angles_of_file
+    from ...engine.angles.of_trial import angles_of_file, model_of_file
     from ...report.terminal_summary import angle_summary
 
+    model = model or model_of_file(trial, static=static, settings=settings)
+    if model is None:
+        if settings not in (None, AngleSettings()):
+            raise KinemarkError("These are the gait model's markers, whose angles have other options: kinemark gait.")
+        into = output or trial.with_name(f"{trial.stem}_angles")
+        gait(
+            trial, static=static, functional=functional, output=into, self_contained=self_contained, fail_on=fail_on,
+            json=json,
+        )  # fmt: skip
+        return
     result = angles_of_file(
         trial, model=model, folder=output, static=static, functional=functional, settings=settings,
         self_contained=self_contained,

@@ -10,12 +10,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ...data import Angles, Finding, KinemarkError, Trajectories, Trial, make_finding
+from ...data.model_markers import model_names
 from ...data.models import JointMotion
+from ...data.nearest_word import some_names
 from ...findings.angles import angle_figures
+from ...gait.lower_limb import absent_markers
 from ...io.angles_csv import write_angles_csv, write_cycles_csv
 from ...io.c3d import write_c3d
 from ...io.files import write_json
-from ...io.model_toml import load_model
+from ...io.model_toml import load_model, models
 from ...io.notes import FileNote, read_notes
 from ...io.trial import read_trial
 from ...kinematics import (
@@ -156,22 +159,42 @@ def angles_of_file(
         KinemarkError: as `trial_angles` and `write_trial_angles`, or a file cannot be read.
     """
     settings = settings or AngleSettings()
-
-    def read(file: Path) -> Trial:
-        return read_trial(file, rate_hz=settings.rate_hz, length_unit=settings.length_unit, partial=settings.partial)
-
-    trial, still = read(path), None
-    shown = trial.trajectories if static is None else read(static).trajectories
+    trial, still = _read(path, settings), None
+    shown = trial.trajectories if static is None else _read(static, settings).trajectories
     chain, side = sided_model(model, settings.side, shown.names)
     if functional is not None and static is None:
         raise KinemarkError("A functional trial needs the static one as well. Give --static.")
     if static is not None:
-        moving = None if functional is None else read(functional).trajectories
-        still = static_template(read(static).trajectories, chain, functional=moving)
+        moving = None if functional is None else _read(functional, settings).trajectories
+        still = static_template(shown, chain, functional=moving)
     result = trial_angles(trial, model=chain, template=still, settings=settings, side=side)
     result.figures["identity"] = identity_of_file(trial, path)
     into = folder or path.with_name(f"{path.stem}_angles")
     return write_trial_angles(trial, result, into, self_contained=self_contained)
+
+
+def _read(file: Path, settings: AngleSettings) -> Trial:
+    return read_trial(file, rate_hz=settings.rate_hz, length_unit=settings.length_unit, partial=settings.partial)
+
+
+def model_of_file(path: Path, *, static: Path | None = None, settings: AngleSettings | None = None) -> str | None:
+    """Name of the model all of whose markers a trial shows, or its static trial does; of several the one with most.
+
+    None where they are those of the gait model, which takes the angles of lower limbs.
+
+    Raises:
+        KinemarkError: the file cannot be read, or shows the markers of none.
+    """
+    names = _read(static or path, settings or AngleSettings()).trajectories.names
+    fitting = [chain for one in models() if fits(chain := sided_model(one, None, names)[0], names)]
+    if fitting:
+        return max(fitting, key=lambda chain: len(chain.markers)).name
+    if absent := absent_markers(model_names(names)):
+        raise KinemarkError(
+            f"{path} has all markers of none of the models {', '.join(models())}, nor of the gait model, which wants "
+            f"{some_names(absent)}. Give --model: one of these, or a TOML file with their names here."
+        )
+    return None
 
 
 def sided_model(

@@ -18,6 +18,7 @@ from ...label.learn_set import learn_marker_set
 from ...report.marker_figure import marker_set_html, marker_set_svg
 from ...report.templating import write_text
 from ..put_aside import put_aside
+from .subject_templates import before_all
 
 ALIKE = 0.6
 """Share of a set's names that a trial must have for them to mean the same; chosen: names such as C7 are in many."""
@@ -106,7 +107,8 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
 
     Args:
         source: a labelled trial, of any program. target: the TOML file to write; an existing one is not replaced.
-        names: of the markers; all that do not begin with "*" where there are none.
+        names: of the markers; all that do not begin with "*" where there are none. A subject's name before all markers,
+            as in `Anna:LASI`, is left away.
 
     Raises:
         KinemarkError: a file cannot be read or written, a name is not in it, or it shows no motion.
@@ -114,7 +116,12 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
     if target.suffix.lower() != ".toml":
         raise KinemarkError(f"{target} wants the ending .toml.")
     _check_free(target)
-    trial = put_aside(read_trial(source), keep=names).rest
+    given = read_trial(source)
+    prefix = before_all(given.trajectories)
+    kept = [prefix + name.removeprefix(prefix) for name in names]
+    rest = put_aside(given, keep=kept).rest
+    trial = replace(rest, paths=tuple(replace(path, name=path.name.removeprefix(prefix)) for path in rest))
+    names = [name.removeprefix(prefix) for name in kept]
     if absent := [name for name in names if name not in trial.names]:
         raise KinemarkError(
             f"{source} has no marker {absent[0]}{guess(absent[0], trial.names)}. There are {some_names(trial.names)}."

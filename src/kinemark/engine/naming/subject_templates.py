@@ -234,12 +234,15 @@ def of_subject(trial: Trajectories, subject: str, prefixes: Mapping[str, str]) -
     Args:
         subject: name of it. prefixes: subject → what stands there, as the file says it; `A:` for A where it does not.
     """
-    prefix = prefixes.get(subject, f"{subject}:")
-    before = {colon and head + colon for head, colon, _ in (p.name.rpartition(":") for p in trial if is_named(p.name))}
-    if len(before) == 1:
-        prefix = before.pop() or prefix
+    prefix = before_all(trial) or prefixes.get(subject, f"{subject}:")
     own = [path for path in trial if subject and path.name.startswith(prefix) and path.name != prefix]
     return replace(trial, paths=tuple(replace(p, name=p.name.removeprefix(prefix)) for p in own)) if own else trial
+
+
+def before_all(trial: Trajectories) -> str:
+    """A subject's name and the colon after it, where the same stands before all named markers; else nothing."""
+    before = {colon and head + colon for head, colon, _ in (p.name.rpartition(":") for p in trial if is_named(p.name))}
+    return before.pop() if len(before) == 1 else ""
 
 
 def templates_of_subjects(said: Sequence[str], known: Known) -> dict[str, SubjectTemplate]:

@@ -14,6 +14,7 @@ from kinemark.track.simultaneous.epipolar_noise import (
     Residuals,
     camera_noise,
     mixture,
+    pair_excess,
     pair_of,
     peaked,
     residuals,
@@ -219,3 +220,17 @@ def test_positions_are_given_what_a_calibration_that_is_off_really_leaves(error,
     true = 0.01 + error**2
     assert 0.7 < variance.mean() / true < 1.8  # more than the truth, as few degrees of freedom show it
     assert (variance > 0.6 * true).all()  # none is taken to be right for want of residuals
+
+
+def test_pairs_of_cameras_that_disagree_more_than_their_noise_are_known():
+    """A camera shifted across the lines of one other alone, as a calibration that is off may leave it."""
+    rig, C = ring(8).select(["c0", "c1", "c2"]), 3
+    detections, _ = observe(rig, dance(n=20, frames=60), noise=0.3, cov=False)
+    images = read_images(detections, rig)
+    some = residuals(images, fundamentals(images.P), sampled_frames(images))
+    shifted = some._replace(off=some.off + np.where(pair_of(some, C) == 1, 0.5, 0.0))
+    for each, expected in ((some, 1.0), (shifted, 2.0)):
+        fit = mixture(each.off, pair_of(each, C), C * C, each.window)
+        ratio = pair_excess(each, fit, np.full(C, 0.3**2))
+        assert ratio[0, 1] == ratio[1, 0] == pytest.approx(expected, rel=0.25)
+        assert ratio[[0, 1], [2, 2]] == pytest.approx(1.0, abs=0.25)

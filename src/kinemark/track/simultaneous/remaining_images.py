@@ -1,0 +1,68 @@
+"""Tracks of images that no track has.
+
+Tracks begin every 0.05 s at most, are dropped where they have few points, and where two cameras alone see them whose
+images disagree by more than FAIR of `likelihood` allows: most of these are chance meetings. Some are markers, which two
+cameras see for a moment, or where a calibration is off. Whether images are one marker's or two markers' shows in their
+residuals (`drifting_pairs`), once the tracks that were confirmed have told what is usual. So the images that no point
+has are tracked once more, with new tracks in every frame, and of these points those that
+
+    have images of their own,
+    and are in every block of frames rather one marker's than two markers'               (1)
+
+are given, if FEWEST of their track are. Where nothing tells what is usual, nothing is tracked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...data import Cloud
+from ...data.array_types import Bools, Ints
+from .detection_index import Images
+from .drifting_pairs import UsualResiduals, of_one_marker
+from .passes import Associations, run
+from .simultaneous_method import Simultaneous
+
+FEWEST = 4
+"""Points of a track, a number; chosen, as of the shortest confirmed ones."""
+
+
+def tracks_of_remaining(
+    cloud: Cloud, ids: Ints, images: Images, usual: UsualResiduals, method: Simultaneous
+) -> Associations:
+    """Associations by frame of new tracks (1), of images that no point of a cloud has, whose tracks are ids (P)."""
+    free = np.ones(len(images.uv), bool)
+    free[cloud.detection[cloud.detection >= 0]] = False
+    every = run(images.only(free), cloud.rate, replace(method, initiation_interval=1 / cloud.rate))
+    return every.take(of_markers(every, cloud, ids, images, usual, method.gate))
+
+
+def of_markers(
+    every: Associations, cloud: Cloud, ids: Ints, images: Images, usual: UsualResiduals, gate: float
+) -> Ints:
+    """Rows of associations of new tracks that are a marker's by (1), by frame.
+
+    Args:
+        cloud: the points that are given so far, of tracks ids (P).
+    """
+    has = every.detection >= 0
+    own = has & ~every.shared & ~images.merged[every.detection]
+    rows = np.flatnonzero((has.sum(0) >= 2) & (own.sum(0) == has.sum(0)))
+    rows = rows[_many(every.id[rows])]
+    if not len(rows):
+        return rows
+    other = int(ids.max(initial=-1)) + 1
+    frame, id = np.concatenate([cloud.frame, every.frame[rows]]), np.concatenate([ids, every.id[rows] + other])
+    detection = np.concatenate([cloud.detection.T, every.detection[:, rows]], 1)
+    new = np.arange(len(frame)) >= len(cloud)
+    which = new | ((detection >= 0).sum(0) == 2)  # the given ones tell what the calibration leaves where two see
+    rows = rows[of_one_marker(frame, id, detection, which, images, usual, gate)[new]]
+    rows = rows[_many(every.id[rows])]
+    return rows[np.lexsort([every.id[rows], every.frame[rows]])]
+
+
+def _many(id: Ints) -> Bools:
+    """(n) whether FEWEST are of the same track."""
+    return np.bincount(id, minlength=1)[id] >= FEWEST

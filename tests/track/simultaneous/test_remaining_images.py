@@ -21,24 +21,24 @@ PART = np.arange(40, 60)
 
 
 class Remaining:
-    """Confirmed tracks of all markers but the first, which two cameras A and B see in PART; no track has its images.
+    """Confirmed tracks of all markers but the first, which two cameras see in PART; no track has its images.
 
     Images count as five times as noisy as they are, as where a calibration is off.
     """
 
-    def __init__(self, part=PART, off=None):
+    def __init__(self, part=PART, off=None, cameras=(A, B)):
         rig = ring(4)
         detections, marker = observe(rig, dance(n=MARKERS, frames=FRAMES, seed=2), noise=NOISE, seed=3)
         images = read_images(detections, rig).noisier(np.full(4, (5 * NOISE) ** 2))
         held = np.full((4, MARKERS, FRAMES), -1)
         held[images.camera, marker, images.frame] = np.arange(len(marker))
         if off is not None:
-            images = across_the_lines(images, held[A, 0, part], held[B, 0, part], off)
+            images = across_the_lines(images, held[A, 0, part], held[cameras[-1], 0, part], off)
         self.images = images
         self.frame, self.id = np.repeat(np.arange(FRAMES), MARKERS - 1), np.tile(np.arange(1, MARKERS), FRAMES)
         self.detection = held[:, self.id, self.frame]
         self.part, self.pair = part, np.full((4, len(part)), -1)
-        self.pair[[A, B]] = held[:, 0, part][[A, B]]
+        self.pair[list(cameras)] = held[:, 0, part][list(cameras)]
         self.shared = np.zeros(self.pair.shape, bool)
 
     def given(self, usual=None):
@@ -49,13 +49,12 @@ class Remaining:
 
     def found(self):
         """Frames and detections (C, n) of what is tracked anew."""
-        found = tracks_of_remaining(self.cloud(), self.id, self.images, self.usual(), DEFAULT)
+        found, self.strange = tracks_of_remaining(self.cloud(), self.id, self.images, self.usual(), DEFAULT)
         return found.frame, found.detection
 
     def all_images(self):
-        """Those of the confirmed tracks and of the marker in PART."""
-        both = np.concatenate([self.detection.ravel(), self.pair.ravel()])
-        return both[both >= 0]
+        """(D) those of the confirmed tracks and of the marker in PART."""
+        return np.isin(np.arange(len(self.images.uv)), np.concatenate([self.detection.ravel(), self.pair.ravel()]))
 
     def usual(self):
         """What is usual by the confirmed tracks."""
@@ -72,7 +71,7 @@ class Remaining:
 def across_the_lines(images, one, other, px):
     """The images with those of `other` (n) moved by px (n) across the lines of `one`'s camera."""
     uv = images.uv.copy()
-    line = np.column_stack([uv[one], np.ones(len(one))]) @ fundamentals(images.P)[A, B].T
+    line = np.column_stack([uv[one], np.ones(len(one))]) @ fundamentals(images.P)[A, images.camera[other[0]]].T
     uv[other] += np.asarray(px)[:, None] * line[:, :2] / np.linalg.norm(line[:, :2], axis=1)[:, None]
     return images._replace(uv=uv)
 
@@ -97,10 +96,22 @@ def test_too_few_points_are_not():
     assert not len(Remaining(PART[:3]).given())
 
 
-def test_images_that_tracks_share_are_not():
+def test_merged_images_are_not():
     remaining = Remaining()
-    remaining.shared[A, :12] = True
-    assert (remaining.given() == PART[12:]).all()
+    merged = np.zeros(len(remaining.images.uv), bool)
+    merged[remaining.pair[A, :12]] = True
+    remaining.images = remaining.images._replace(merged=merged).only(remaining.all_images())
+    assert (remaining.found()[0] == PART[12:]).all()
+
+
+def test_an_image_of_another_marker_is_taken_from_a_new_track():
+    remaining = Remaining(cameras=[A, B, 2], off=np.linspace(-1.5, 1.5, len(PART)))
+    remaining.images = remaining.images.only(remaining.all_images())
+    frame, detection = remaining.found()
+    assert (frame == PART).all()
+    assert (detection[[A, B]] == remaining.pair[[A, B]]).all()
+    assert (detection[2] < 0).all()
+    assert remaining.strange
 
 
 def test_where_nothing_is_usual_nothing_is_given():
@@ -112,7 +123,7 @@ def test_where_nothing_is_usual_nothing_is_given():
 def test_what_is_seen_between_two_frames_in_which_tracks_begin_is_tracked(first):
     part = first + np.arange(4)
     remaining = Remaining(part)
-    remaining.images = remaining.images.only(np.isin(np.arange(len(remaining.images.uv)), remaining.all_images()))
+    remaining.images = remaining.images.only(remaining.all_images())
     frame, detection = remaining.found()
     assert (frame == part).all()
     assert (detection == remaining.pair).all()

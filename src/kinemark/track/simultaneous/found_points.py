@@ -41,15 +41,18 @@ def with_remaining(
     held: Held, ids: Ints, first: int, images: Images, usual: UsualResiduals, solver: Solver, method: Simultaneous
 ) -> tuple[Held, Ints]:
     """The points and their tracks, with new ones, numbered from `first` on, of images that none has."""
-    if not usual.of:
-        return held, ids
-    return_memory()
-    found = tracks_of_remaining(held[0], ids, images, usual, method)
-    if not len(found.id):
-        return held, ids
-    new = solved(found.frame, found.detection, found.xyz, solver)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, (new.detection >= 0).sum(1), method)
-    return with_points(held, ids, new, found.id + first, good=good)
+    more = bool(usual.of)
+    while more:
+        return_memory()
+        found, more = tracks_of_remaining(held[0], ids, images, usual, method)
+        if not len(found.id):
+            break
+        new, number = solved(found.frame, found.detection, found.xyz, solver), (found.detection >= 0).sum(0)
+        good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, number, method)
+        more &= bool(good.any())
+        held, ids = with_points(held, ids, new, found.id + first, good=good)
+        first += int(found.id.max()) + 1
+    return held, ids
 
 
 def with_second_pass(held: Held, ids: Ints, images: Images, solver: Solver, method: Simultaneous) -> tuple[Held, Ints]:

@@ -6,7 +6,7 @@ cameras see for a moment, or where a calibration is off. Whether images are one 
 residuals (`drifting_pairs`), once the tracks that were confirmed have told what is usual. So the images that no point
 has are tracked once more, with new tracks in every frame, and of these points those that
 
-    have images of their own,
+    have images of their own, without those of other markers that drift past the others,
     and are in every block of frames rather one marker's than two markers'               (1)
 
 are given, if FEWEST of their track are. Where nothing tells what is usual, nothing is tracked.
@@ -20,8 +20,9 @@ import numpy as np
 
 from ...data import Cloud
 from ...data.array_types import Bools, Ints
+from .candidate_points import intersect
 from .detection_index import Images
-from .drifting_pairs import UsualResiduals, of_one_marker
+from .drifting_pairs import UsualResiduals, of_one_marker, without_strangers
 from .passes import Associations, run
 from .simultaneous_method import Simultaneous
 
@@ -31,12 +32,19 @@ FEWEST = 4
 
 def tracks_of_remaining(
     cloud: Cloud, ids: Ints, images: Images, usual: UsualResiduals, method: Simultaneous
-) -> Associations:
-    """Associations by frame of new tracks (1), of images that no point of a cloud has, whose tracks are ids (P)."""
+) -> tuple[Associations, bool]:
+    """Associations by frame of new tracks (1), of images that no point of a cloud has, whose tracks are ids (P); and
+    whether an image of another marker was taken from them, so that images are left that may make a track again."""
     free = np.ones(len(images.uv), bool)
     free[cloud.detection[cloud.detection >= 0]] = False
     every = run(images.only(free), cloud.rate, replace(method, initiation_interval=1 / cloud.rate))
-    return every.take(of_markers(every, cloud, ids, images, usual, method.gate))
+    has = every.detection >= 0
+    own = has & ~every.shared & ~images.merged[every.detection]
+    every = every.take(_many(every.id, (has.sum(0) >= 2) & (own == has).all(0)))
+    detection = without_strangers(every.frame, every.id, every.detection, images, usual, method.gate)
+    strange = bool((detection != every.detection).any())
+    every = every._replace(detection=detection, xyz=intersect(images, detection).xyz)
+    return every.take(of_markers(every, cloud, ids, images, usual, method.gate)), strange
 
 
 def of_markers(
@@ -47,22 +55,15 @@ def of_markers(
     Args:
         cloud: the points that are given so far, of tracks ids (P).
     """
-    has = every.detection >= 0
-    own = has & ~every.shared & ~images.merged[every.detection]
-    rows = np.flatnonzero((has.sum(0) >= 2) & (own.sum(0) == has.sum(0)))
-    rows = rows[_many(every.id[rows])]
-    if not len(rows):
-        return rows
     other = int(ids.max(initial=-1)) + 1
-    frame, id = np.concatenate([cloud.frame, every.frame[rows]]), np.concatenate([ids, every.id[rows] + other])
-    detection = np.concatenate([cloud.detection.T, every.detection[:, rows]], 1)
+    frame, id = np.concatenate([cloud.frame, every.frame]), np.concatenate([ids, every.id + other])
+    detection = np.concatenate([cloud.detection.T, every.detection], 1)
     new = np.arange(len(frame)) >= len(cloud)
     which = new | ((detection >= 0).sum(0) == 2)  # the given ones tell what the calibration leaves where two see
-    rows = rows[of_one_marker(frame, id, detection, which, images, usual, gate)[new]]
-    rows = rows[_many(every.id[rows])]
+    rows = _many(every.id, of_one_marker(frame, id, detection, which, images, usual, gate)[new])
     return rows[np.lexsort([every.id[rows], every.frame[rows]])]
 
 
-def _many(id: Ints) -> Bools:
-    """(n) whether FEWEST are of the same track."""
-    return np.bincount(id, minlength=1)[id] >= FEWEST
+def _many(id: Ints, which: Bools) -> Ints:
+    """Those of tracks id (n), of which FEWEST are in the same track."""
+    return np.flatnonzero(which & (np.bincount(id, which, minlength=1)[id] >= FEWEST))

@@ -26,18 +26,18 @@ class Remaining:
     Images count as five times as noisy as they are, as where a calibration is off.
     """
 
-    def __init__(self, part=PART, off=None, cameras=(A, B)):
-        rig = ring(4)
+    def __init__(self, part=PART, off=None, cameras=(A, B), of=4):
+        rig = ring(of)
         detections, marker = observe(rig, dance(n=MARKERS, frames=FRAMES, seed=2), noise=NOISE, seed=3)
-        images = read_images(detections, rig).noisier(np.full(4, (5 * NOISE) ** 2))
-        held = np.full((4, MARKERS, FRAMES), -1)
+        images = read_images(detections, rig).noisier(np.full(of, (5 * NOISE) ** 2))
+        held = np.full((of, MARKERS, FRAMES), -1)
         held[images.camera, marker, images.frame] = np.arange(len(marker))
         if off is not None:
             images = across_the_lines(images, held[A, 0, part], held[cameras[-1], 0, part], off)
         self.images = images
         self.frame, self.id = np.repeat(np.arange(FRAMES), MARKERS - 1), np.tile(np.arange(1, MARKERS), FRAMES)
         self.detection = held[:, self.id, self.frame]
-        self.part, self.pair = part, np.full((4, len(part)), -1)
+        self.part, self.pair = part, np.full((of, len(part)), -1)
         self.pair[list(cameras)] = held[:, 0, part][list(cameras)]
         self.shared = np.zeros(self.pair.shape, bool)
 
@@ -47,9 +47,10 @@ class Remaining:
         seen = Associations(self.part, 0 * self.part, self.pair, self.shared, none, none, xyz, np.zeros((3, 3, 0)))
         return self.part[of_markers(seen, self.cloud(), self.id, self.images, usual or self.usual(), GATE)]
 
-    def found(self):
+    def found(self, resolution=0.0):
         """Frames and detections (C, n) of what is tracked anew."""
-        found, self.strange = tracks_of_remaining(self.cloud(), self.id, self.images, self.usual(), DEFAULT)
+        usual = self.usual()
+        found, self.strange = tracks_of_remaining(self.cloud(), self.id, self.images, usual, resolution, DEFAULT)
         return found.frame, found.detection
 
     def all_images(self):
@@ -102,6 +103,15 @@ def test_merged_images_are_not():
     merged[remaining.pair[A, :12]] = True
     remaining.images = remaining.images._replace(merged=merged).only(remaining.all_images())
     assert (remaining.found()[0] == PART[12:]).all()
+
+
+@pytest.mark.parametrize(("of", "number"), [(4, len(PART)), (5, 0)])
+def test_images_that_may_merge_with_that_of_a_marker_without_one_are_not(of, number):
+    remaining = Remaining(of=of)
+    remaining.images = remaining.images.only(remaining.all_images())
+    remaining.detection[A, (remaining.id == 1) & np.isin(remaining.frame, PART)] = -1
+    assert len(remaining.found(resolution=1.0)[0]) == len(PART)
+    assert len(remaining.found(resolution=1e4)[0]) == number
 
 
 def test_an_image_of_another_marker_is_taken_from_a_new_track():

@@ -38,13 +38,20 @@ def with_found(
 
 
 def with_remaining(
-    held: Held, ids: Ints, first: int, images: Images, usual: UsualResiduals, solver: Solver, method: Simultaneous
+    held: Held,
+    ids: Ints,
+    first: int,
+    images: Images,
+    usual: UsualResiduals,
+    resolution: float,
+    solver: Solver,
+    method: Simultaneous,
 ) -> tuple[Held, Ints]:
     """The points and their tracks, with new ones, numbered from `first` on, of images that none has."""
     more = bool(usual.of)
     while more:
         return_memory()
-        found, more = tracks_of_remaining(held[0], ids, images, usual, method)
+        found, more = tracks_of_remaining(held[0], ids, images, usual, resolution, method)
         if not len(found.id):
             break
         new, number = solved(found.frame, found.detection, found.xyz, solver), (found.detection >= 0).sum(0)

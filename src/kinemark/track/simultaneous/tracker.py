@@ -218,7 +218,7 @@ def _passes_over(
     return_memory()
     usual = usual_residuals(held[0].frame, ids, held[0].detection.T, images, method.gate)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
-    held, ids = with_remaining(held, ids, first, images, usual, solver, method)
+    held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
     held, ids = without_between(held, ids, merging, images)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)

@@ -37,6 +37,7 @@ class Remaining:
         self.images = images
         self.frame, self.id = np.repeat(np.arange(FRAMES), MARKERS - 1), np.tile(np.arange(1, MARKERS), FRAMES)
         self.detection = held[:, self.id, self.frame]
+        self.detection[4:] = -1  # points of more images are not asked for what is usual
         self.part, self.pair = part, np.full((of, len(part)), -1)
         self.pair[list(cameras)] = held[:, 0, part][list(cameras)]
         self.shared = np.zeros(self.pair.shape, bool)

@@ -14,6 +14,7 @@ from kinemark.track.simultaneous.epipolar_noise import (
     Residuals,
     camera_noise,
     mixture,
+    pair_excess,
     pair_of,
     partners,
     peaked,
@@ -249,3 +250,17 @@ def test_images_that_meet_by_chance_and_stay_make_no_partners(seed):
     places = np.append(rng.uniform(-0.3, 0.3, 2), [4.0, 6.5, -5.5, -8.0])
     stay = places[:, None] + rng.normal(0, 0.05, (len(places), frames))
     assert not partners(two_cameras(stay), 2, frames)[0, 1]
+
+
+def test_pairs_of_cameras_that_disagree_more_than_their_noise_are_known():
+    """A camera shifted across the lines of one other alone, as a calibration that is off may leave it."""
+    rig, C = ring(8).select(["c0", "c1", "c2"]), 3
+    detections, _ = observe(rig, dance(n=20, frames=60), noise=0.3, cov=False)
+    images = read_images(detections, rig)
+    some = residuals(images, fundamentals(images.P), sampled_frames(images))
+    shifted = some._replace(off=some.off + np.where(pair_of(some, C) == 1, 0.5, 0.0))
+    for each, expected in ((some, 1.0), (shifted, 2.0)):
+        fit = mixture(each.off, pair_of(each, C), C * C, each.window)
+        ratio = pair_excess(each, fit, np.full(C, 0.3**2))
+        assert ratio[0, 1] == ratio[1, 0] == pytest.approx(expected, rel=0.25)
+        assert ratio[[0, 1], [2, 2]] == pytest.approx(1.0, abs=0.25)

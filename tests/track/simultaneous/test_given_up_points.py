@@ -25,7 +25,7 @@ def recorded():
     detection[images.camera, images.frame * MARKERS + marker] = np.arange(len(marker))
     frame, which = np.divmod(np.arange(FRAMES * MARKERS), MARKERS)
     none = np.zeros(len(rig))
-    working = Working(rig, images, Noise(none, none, none, none, none))
+    working = Working(rig, images, Noise(none, none, none, none, none, none))
     solver = Solver(detections, working, np.zeros(len(marker), bool), DEFAULT_ERRORS)
     return images, solver, solved(frame, detection, xyz[which, frame].T, solver), which
 

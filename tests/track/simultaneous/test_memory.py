@@ -130,7 +130,7 @@ def test_images_of_two_markers_are_told_apart_without_a_copy_of_all_images():
     rig, D, n = ring(2), 100_000, 10
     detections = Detections.build(rig.names, 100.0, np.ones((2, D // 2)), np.full((D, 2), 500.0))
     images, none = read_images(detections, rig), np.zeros(2)
-    working = Working(rig, images, Noise(none, none, none, none, none))
+    working = Working(rig, images, Noise(none, none, none, none, none, none))
     solver = Solver(detections, working, np.zeros(D, bool), ImageErrors())
     image, ones = np.arange(n), np.ones(n)
     merging = Merging(image, 1.0, np.zeros(n, np.int64), ones > 0, np.full((n, 2), 3.0), 2 * ones, ones)

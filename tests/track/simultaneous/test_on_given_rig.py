@@ -32,7 +32,7 @@ def recorded(noise):
     true, none, vague = xyz[which, frame], np.zeros(len(rig)), np.arange(len(frame)) % 9 == 0
     solver = Solver(
         detections,
-        Working(rig, images, Noise(none, none, none, none, none)),
+        Working(rig, images, Noise(none, none, none, none, none, none)),
         np.zeros(len(marker), bool),
         DEFAULT_ERRORS,
     )

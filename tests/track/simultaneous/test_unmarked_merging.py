@@ -176,7 +176,7 @@ def test_what_the_given_rig_leaves_open_is_in_the_variance_once(monkeypatch, lef
     cloud = Cloud(100.0, start, points.xyz[order], points.cov[order], np.zeros(len(order)), held.T[order])
     given = merging.marked(images)
     none, more = np.zeros(len(rig)), np.full(len(rig), left)
-    noise = Noise(none, none, more, none, none)
+    noise = Noise(none, none, more, none, none, none)
     working = Working(rig, given._replace(variance=given.variance + given.margin()), noise)
     solver = Solver(detections, working, np.zeros(len(detections), bool), ImageErrors())
     told = merging.told_apart(cloud, points.id[order], solver)

@@ -133,7 +133,11 @@ class Images(NamedTuple):
         """The same without the images of some cameras."""
         if not len(cameras):
             return self
-        usable = self.usable & ~np.isin(self.camera, cameras)
+        return self.only(~np.isin(self.camera, cameras))
+
+    def only(self, which: Bools) -> Images:
+        """The same with only those images (D) that are usable so far."""
+        usable = self.usable & which
         return self._replace(usable=usable, by_cell=self.by_cell.keep(usable))
 
     def laid_aside(self) -> Images:

@@ -56,7 +56,6 @@ from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.runs import begins, equal_runs
 from .candidate_points import fundamentals
 from .detection_index import Images
-from .likelihood import SURE
 
 SOUND = 3
 """Images of a point that are taken for one marker's, a number; chosen, as in `second_pass`."""
@@ -247,15 +246,11 @@ def of_one_marker(
     frame: Ints, id: Ints, detection: Ints, which: Bools, images: Images, usual: UsualResiduals, gate: float
 ) -> Bools:
     """(P) of some points of tracks id (P), those whose images are rather one marker's by (2), in each block of any two
-    of their cameras, and in the whole of their track ten times likelier so."""
-    worst, total = np.full(len(frame), -np.inf), np.zeros(int(id.max(initial=-1)) + 1)
-    blocks = list(_scored(frame, id, detection, which, images, usual, gate))
-    for _, rows, part in blocks:
+    of their cameras."""
+    worst = np.full(len(frame), -np.inf)
+    for _, rows, part in _scored(frame, id, detection, which, images, usual, gate):
         worst[rows] = np.maximum(worst[rows], part.score[:, None])
-    for _, rows, part in blocks:
-        good = (worst[rows] < 0).all(1)
-        np.add.at(total, id[rows[good, 0]], part.score[good])
-    return np.isfinite(worst) & (worst < 0) & (total < -SURE)[id]
+    return np.isfinite(worst) & (worst < 0)
 
 
 def with_rest(given_up: Bools, id: Ints, number: Ints) -> Bools:

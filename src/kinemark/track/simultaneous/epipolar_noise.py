@@ -164,6 +164,16 @@ def camera_noise(some: Residuals, fit: Mixture, C: int) -> CameraNoise:
     return CameraNoise(*out)
 
 
+def pair_excess(some: Residuals, fit: Mixture, variance: Floats) -> Floats:
+    """(C, C) v of two cameras as a ratio to w σ_r² + w′ σ_s² of variances (C) px², where it is more, up to MOST_FACTOR;
+    1 where nothing is known."""
+    C, share = len(variance), _shares(some, len(variance))
+    r, s = np.divmod(np.arange(C * C), C)
+    ratio = fit.variance / (share * variance[r] + (2 - share) * variance[s])
+    out = np.where(peaked(fit), np.clip(ratio, 1.0, MOST_FACTOR), 1.0).reshape(C, C)
+    return np.maximum(out, out.T)
+
+
 def _shares(some: Residuals, C: int) -> Floats:
     """(C²) the mean of w of (2) of two cameras; 0 of those without residuals."""
     number = pair_of(some, C)

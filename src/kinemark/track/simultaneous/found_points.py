@@ -10,9 +10,8 @@ from ...geometry.weighted_points import usable_points
 from ...numerics.returned_memory import return_memory
 from .detection_index import Images
 from .drifting_pairs import UsualResiduals
-from .dropped_tracks import given_back
 from .neighbouring_points import TrackPoints
-from .passes import Associations
+from .remaining_images import tracks_of_remaining
 from .rigid_pass import RigidPass, rigid_pass
 from .second_pass import SecondPass, second_pass
 from .simultaneous_method import Simultaneous
@@ -38,23 +37,29 @@ def with_found(
     return with_points(held, ids, new, found.id[order], kept=kept, good=good)
 
 
-def with_given_back(
-    every: Associations,
-    confirmed: Ints,
+def with_remaining(
     held: Held,
     ids: Ints,
+    first: int,
     images: Images,
     usual: UsualResiduals,
+    resolution: float,
     solver: Solver,
     method: Simultaneous,
 ) -> tuple[Held, Ints]:
-    """The points and their tracks, with those of dropped tracks that are markers, which nothing is stitched to."""
-    rows = given_back(every, confirmed, held[0], ids, images, usual, method.gate) if usual.of else confirmed[:0]
-    if not len(rows):
-        return held, ids
-    new = solved(every.frame[rows], every.detection[:, rows], every.xyz[:, rows], solver)
-    good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, (new.detection >= 0).sum(1), method)
-    return with_points(held, ids, new, every.id[rows], good=good)
+    """The points and their tracks, with new ones, numbered from `first` on, of images that none has."""
+    more = bool(usual.of)
+    while more:
+        return_memory()
+        found, more = tracks_of_remaining(held[0], ids, images, usual, resolution, method)
+        if not len(found.id):
+            break
+        new, number = solved(found.frame, found.detection, found.xyz, solver), (found.detection >= 0).sum(0)
+        good = usable_points(new, solver.rig, margin=None) & precise_enough(new.cov, number, method)
+        more &= bool(good.any())
+        held, ids = with_points(held, ids, new, found.id + first, good=good)
+        first += int(found.id.max()) + 1
+    return held, ids
 
 
 def with_second_pass(held: Held, ids: Ints, images: Images, solver: Solver, method: Simultaneous) -> tuple[Held, Ints]:

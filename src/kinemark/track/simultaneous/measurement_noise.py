@@ -32,7 +32,17 @@ from .associate import predict_images
 from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import LEAST_SD, Images
-from .epipolar_noise import CameraNoise, Mixture, camera_noise, mixture, pair_of, partners, peak_height, residuals
+from .epipolar_noise import (
+    CameraNoise,
+    Mixture,
+    camera_noise,
+    mixture,
+    pair_excess,
+    pair_of,
+    partners,
+    peak_height,
+    residuals,
+)
 from .kalman_states import KalmanStates
 
 MAX_DISTANCE = 10.0
@@ -74,6 +84,7 @@ class Noise(NamedTuple):
         found: (C) share of expected places with an image; NaN where not known, or low of a camera that has a partner.
         seen: (C) px², σ² as the residuals have it, whatever is stated, of no camera less than the median of all, as
             (3), or than LEAST_SD²; NaN where nothing is known.
+        pairs: (C, C) as `pair_excess` has it: what a calibration leaves differs from one pair of cameras to another.
     """
 
     added: Floats
@@ -81,6 +92,7 @@ class Noise(NamedTuple):
     lasting: Floats
     found: Floats
     seen: Floats
+    pairs: Floats
 
     @property
     def inconsistent(self) -> Ints:
@@ -98,7 +110,8 @@ def sampled_frames(images: Images) -> list[int]:
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     """The images with the noise that their cameras really have, and that noise."""
     C, frames = len(images.P), sampled_frames(images)
-    nothing = Noise(np.zeros(C), np.zeros(C), np.zeros(C), *np.full((2, C), np.nan))
+    zero, unknown = np.zeros(C), np.full(C, np.nan)
+    nothing = Noise(zero, zero, zero, unknown, unknown, np.ones((C, C)))
     if not frames:
         return images, nothing
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
@@ -121,7 +134,8 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     white = camera_noise(some, field.left, C)
     least = np.maximum(np.fmax(seen.variance, _median(seen.variance[known])), LEAST_SD**2)
     added = np.sqrt(np.where(known, added, 0.0))
-    return noisy, Noise(added, _white(stated, white), _lasting(images, field, white), found, least)
+    pairs = pair_excess(some, fit, _usual(noisy, margin=True))
+    return noisy, Noise(added, _white(stated, white), _lasting(images, field, white), found, least, pairs)
 
 
 def _overstated(usual: float, seen: CameraNoise, fit: Mixture, n: int) -> bool:

@@ -16,8 +16,8 @@ Merged images that a file does not mark are inferred from the tracks (`unmarked_
 Where its images tell little, a point is given as its motion says (`solved_points`).
 
 Images of other markers, and the points that they make, are given up before the second pass, which looks for better
-ones, and after it (`given_up_points`). Dropped tracks whose images do not drift are given back (`dropped_tracks`).
-Tracks of a rigid body that breaks are told by their place on it (`rigid_pass`).
+ones, and after it (`given_up_points`). Images that are left make new tracks where they do not drift
+(`remaining_images`). Tracks of a rigid body that breaks are told by their place on it (`rigid_pass`).
 
 Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1). What
 agrees may be chance meetings, which stay for many frames where many markers move slowly; but no tracks come of them, so
@@ -41,7 +41,7 @@ from .candidate_points import fundamentals
 from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
-from .found_points import with_given_back, with_rigid_pass, with_second_pass
+from .found_points import with_remaining, with_rigid_pass, with_second_pass
 from .given_up_points import without_between, without_drifting, without_merged
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
@@ -141,7 +141,7 @@ def track_once(
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
     return_memory()
-    whole, confirmed = stitched(TrackPoints.of(cloud, ids), T, method), np.unique(ids)
+    whole = stitched(TrackPoints.of(cloud, ids), T, method)
     whole = whole.of(int(every.id.max(initial=-1)) + 1)
     ids = whole.id[ids]
     return_memory()
@@ -151,7 +151,8 @@ def track_once(
     solver = solver_for(detections, shared, working, errors)
     held = [cloud]
     del cloud
-    cloud, ids, became = _passes_over(held, ids, merging, solver, every, confirmed, working.images, method)
+    cloud, ids, became = _passes_over(held, ids, merging, solver, len(whole.id), working.images, method)
+    whole = whole.of(len(became))
     whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
     adjusted = working.rig is not rig
     del working, solver
@@ -206,18 +207,18 @@ def _passes_over(
     ids: Ints,
     merging: Merging,
     solver: Solver,
-    every: Associations,
-    confirmed: Ints,
+    first: int,
     images: Images,
     method: Simultaneous,
 ) -> tuple[Cloud, Ints, Ints]:
-    """The points of stitched tracks ids (P) after all that is given up, given back and found; what tracks became."""
+    """The points of stitched tracks ids (P) after all that is given up and found, with new tracks from number `first`
+    on; what tracks became."""
     held, ids = without_between(held, ids, merging, images)
     held, ids = without_merged(held, ids, merging, solver, images, method)
     return_memory()
     usual = usual_residuals(held[0].frame, ids, held[0].detection.T, images, method.gate)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
-    held, ids = with_given_back(every, confirmed, held, ids, images, usual, solver, method)
+    held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
     held, ids = without_between(held, ids, merging, images)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
@@ -352,9 +353,11 @@ def _agree_better(noise: Noise, left: Noise, images: Images) -> bool:
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:
-    """(N) the evidence for each track, by how its images agree in the working rig."""
+    """(N) the evidence for each track, by how its images agree in the working rig, of two as these cameras' do."""
     own = _unshared(seen, images)
     off = disagreement(working.images, np.where(own, seen.detection, -1))
+    two = own.sum(0) == 2
+    off[two] /= working.noise.pairs[own.argmax(0)[two], len(own) - 1 - own[::-1].argmax(0)[two]]
     return evidence(seen._replace(squared=off), own, method.gate)
 
 

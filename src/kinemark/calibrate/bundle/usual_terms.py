@@ -105,7 +105,7 @@ def _with_size(v: Floats, P: Floats, size: Floats) -> tuple[Floats, Floats]:
 def _root(P: Floats, size: Floats) -> tuple[Floats, Floats]:
     """The lower triangle whose product with its transpose is A, and R (n)."""
     R: Floats = np.sqrt(size**-2 - 1)
-    return np.linalg.cholesky(np.eye(len(P)) + R[:, None] * P * R), R
+    return np.asarray(np.linalg.cholesky(np.eye(len(P)) + R[:, None] * P * R)), R
 
 
 def covariance_with(

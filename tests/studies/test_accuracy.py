@@ -64,7 +64,7 @@ def test_moving_stick(table):
 def test_walking_subject(table):
     walk = table["walk, laid on the truth: RMSE, mm (quoted: best open)"]
     assert walk["wand"] < 0.08  # the bar: 0.15, the best open program 0.11
-    assert walk["wand"] < 0.7 * min(walk["linearised"], walk["lens terms"])  # the survey's errors are not in it
+    assert walk["wand"] < 0.5 * min(walk["linearised"], walk["lens terms"])  # the survey's errors are not in it
     assert walk["DLT"] > 1.0
 
 
@@ -99,7 +99,7 @@ def test_a_wand_knows_how_good_a_calibration_it_gives(capsys):
 
 
 REAL = {
-    "dltdv_thermal_3cam": (660.0, 0.7, 6.4),  # 80 frames: the standard error of their mean
+    "dltdv_thermal_3cam": (660.0, 0.6, 6.4),
     "dltdv_bats_4cam, 1": (289.6, 0.3, 1.61),
     "dltdv_bats_4cam, 2": (289.6, 0.3, 1.0),
 }

@@ -4,7 +4,7 @@ adjust             what is fitted, and `bundle` for any mixture of cameras held 
 from_sizes         `calibrate_sticks`, `calibrate_points`: a rig from pixels and image sizes alone
 initial/           the first guess of all cameras from which they start
 lens_prior         what is usual of lenses
-usual_terms        which terms are left at that
+usual_terms        how far a rig's lenses are from that
 parts              sticks, single points, points at known places
 solver             least squares with the Schur complement
 robust_adjustment  wrong points held at bay, then left out

@@ -24,7 +24,7 @@ from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust_adjustment import degrees_of_freedom, solve_robust, solve_without_outliers
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
-from .usual_terms import with_usual_terms
+from .usual_terms import covariance_with, with_learned_terms
 
 VAGUE = 0.1
 """A focal length is not known if its standard deviation is more than this share of it; chosen (see
@@ -135,36 +135,45 @@ def bundle(
         )
     seen, origin = observed(uv, cov), origin_near(all_points(parts))
     near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
-    state, kept, free = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
-    fit = completed(state, seen, free, kept, what="bundle adjustment")
+    found = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
+    fit = completed(found, seen, what="bundle adjustment")
     joint = joint_about(fit.rig, fit.joint, -origin)
     return fit._replace(rig=rig_about(fit.rig, -origin), xyz=fit.xyz + origin, joint=joint)
 
 
-def adjusted(
-    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
-) -> tuple[BundleState, Bools, tuple[Freedom, ...]]:
-    """The state near `state` that fits best, which points (C, N) it was fitted to, and `freedoms` weighed by these."""
+class Adjusted(NamedTuple):
+    """The state that fits best to the points `kept` (C, N), the `freedoms` weighed by these, and M of `usual_terms`."""
+
+    state: BundleState
+    kept: Bools
+    freedoms: tuple[Freedom, ...]
+    terms: Floats | None = None
+
+
+def adjusted(state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float) -> Adjusted:
+    """The state near `state` that fits best."""
     freedoms = tuple(freedom.about(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True))
     state, scale = solve_robust(state, seen, freedoms)
     state, kept, freedoms = solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
-    if any(freedom.prior for freedom in freedoms):
-        state = with_usual_terms(state, seen, freedoms, kept)
-    return state, kept, freedoms
+    if not any(freedom.prior for freedom in freedoms):
+        return Adjusted(state, kept, freedoms)
+    state, terms = with_learned_terms(state, seen, freedoms, kept)
+    return Adjusted(state, kept, freedoms, terms)
 
 
-def completed(
-    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Bools, *, what: str
-) -> BundleFit:
-    """A `BundleFit` of a state that has converged on the points `kept` (C, N).
+def completed(adjusted: Adjusted, seen: ImageObservations, *, what: str) -> BundleFit:
+    """A `BundleFit` of what has converged.
 
     Raises:
         KinemarkError: there are not more equations than unknowns.
     """
+    state, kept, freedoms, terms = adjusted
     used = seen._replace(used=kept)
     covariance, gauge = joint_covariance(
         state, normal_equations(state, used, freedoms), freedoms, np.asarray(kept.any(0))
     )
+    if terms is not None:
+        covariance = covariance_with(covariance, terms, state.cameras, freedoms)
     chi2 = cost(state, used, freedoms)
     nu = degrees_of_freedom(state, freedoms, kept) + gauge
     if nu < 1:

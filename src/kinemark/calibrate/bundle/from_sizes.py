@@ -137,12 +137,12 @@ def _calibrated(
     freedoms = tuple(_freedom(o, method, held) for o in optics)
     if lenses is None and method.radial == 0:  # the first guess has k1
         first = first._replace(cameras=tuple(replace(camera, distortion=np.zeros(5)) for camera in first.cameras))
-    state, kept, weighed = adjusted(first, seen, freedoms, reject=method.reject)
-    if (regapped := _with_seen_gaps(state, uv)) is not state:
-        state, kept, weighed = adjusted(regapped, seen, freedoms, reject=method.reject)
-    state = _in_place(state, along is None)
+    found = adjusted(first, seen, freedoms, reject=method.reject)
+    if (regapped := _with_seen_gaps(found.state, uv)) is not found.state:
+        found = adjusted(regapped, seen, freedoms, reject=method.reject)
+    found = found._replace(state=_in_place(found.state, along is None))
     what = "bundle adjustment of " + ("single points" if along is None else "sticks")
-    fit = completed(state, seen, weighed, kept, what=what)
+    fit = completed(found, seen, what=what)
     check_calibration(fit, seen.used, focus_held=held)
     _check_found(fit.rig, noise)
     return fit

@@ -79,9 +79,8 @@ def directions_of(camera: Camera) -> Floats:
     return D
 
 
-def at_usual(camera: Camera, prior: LensPrior, terms: Bools) -> Camera:
-    """The camera with those of `terms` (6) that a prior is of at v₀."""
-    values = np.where(terms & (prior.precision > 0), prior.usual, values_of(camera))
+def with_values(camera: Camera, values: Floats) -> Camera:
+    """The camera with other values (6) of (1)."""
     K = camera.K.copy()
     K[1, 1] = values[0] * K[0, 0]
     return replace(camera, K=K, distortion=values[1:])

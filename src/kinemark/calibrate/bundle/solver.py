@@ -60,14 +60,14 @@ class Freedom(NamedTuple):
         """What is known beforehand, for images whose standard deviations are to be multiplied by `scale`."""
         return self._replace(prior=self.prior and self.prior.weighed(scale))
 
-    def held(self, terms: Bools) -> Freedom:
-        """Those of the terms (6) of `lens_prior` that something is known of stay as they are."""
+    def held(self) -> Freedom:
+        """Terms of which something is known beforehand stay as they are."""
         if not self.prior:
             return self
-        held = terms & (self.prior.precision > 0)
+        known = self.prior.precision > 0
         free = self.free.copy()
-        free[4:9] &= ~held[1:]
-        return self._replace(free=free, square=self.square or bool(held[0]))
+        free[4:9] &= ~known[1:]
+        return self._replace(free=free, square=self.square or bool(known[0]))
 
     def unknowns(self, camera: Camera) -> int:
         """How many parameters there are more than things known of them beforehand."""

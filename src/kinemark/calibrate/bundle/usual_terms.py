@@ -1,18 +1,27 @@
-"""Which lens terms are left at what is usual of them, as the images tell nothing else.
+"""How far the lenses of a rig are from what is usual, learned from all its cameras.
 
-Terms v with a prior about v₀ (`lens_prior`) are fitted with the others, to m = v̂ − v₀ with covariance P, in units of
-the images' noise s and with the prior's precision Λ. Fitting them makes the other parameters less certain, which is
-more than is won where v₀ is nearly true. Holding them adds
+Terms with a prior (`lens_prior`) are fitted with the others, to v with covariance P, both in units of the prior's σ. It
+is wide enough for all kinds of cameras. Those of one rig are mostly of one make, and may be nearer to what was taken:
+by a factor τ ≤ 1, one for each kind of terms (`KINDS`), of which the fit tells. One camera may be of another make, with
+τ = 1. With R² = τ⁻² − 1, diagonal,
 
-    mᵀ P⁻¹ m / s²                                                        (1)
+    A = 1 + R P R,   v_τ = v − P R A⁻¹ R v,   P_τ = P − P R A⁻¹ R P        (1)
 
-to the sum of squares, and saves as many parameters as the images determine,
+is the fit that τ σ would have given, and
 
-    γ = tr(1 − P Λ)                                                      (2)
+    p(τ) ∝ |A|^(−1/2) exp(−vᵀ R A⁻¹ R v / 2) ∏ 1 / τ                      (2)
 
-(MacKay 1992). They are held if (1) is less than 2 γ (3), as Akaike (1974) judges models. Kinds of terms (`KINDS`) are
-judged together over all cameras, and those are held for which (1) − 2 γ is least. The covariance remains that of the
-fit in which they were free: a held term may be off by as much as the images leave open.
+its probability (the evidence of MacKay 1992), where all of `SIZES`, and no camera or any as the odd one, are as likely
+beforehand. Over all of them
+
+    v̄ = Σ p v_τ,   M = Σ p (P_τ + (v_τ − v̄)(v_τ − v̄)ᵀ)                   (3)
+
+(Bayesian model averaging, Hoeting et al. 1999). The other parameters are fitted anew to v̄, and all have the covariance
+
+    C + K (M − P) Kᵀ,   K = C Dᵀ P⁻¹                                      (4)
+
+of C, as if v was free, D the derivatives of v and P = D C Dᵀ. So terms that no camera shows cost little accuracy, and
+are uncertain only as far as all cameras together leave them open.
 """
 
 from __future__ import annotations
@@ -20,65 +29,102 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+import scipy
 
-from ...data.array_types import Bools, Floats, Ints
-from .lens_prior import at_usual, directions_of, values_of
+from ...data import Camera
+from ...data.array_types import Bools, Floats
+from .lens_prior import directions_of, values_of, with_values
 from .parameter_covariance import joint_covariance
 from .robust_adjustment import degrees_of_freedom
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, solve
 
 KINDS = np.array([0, 1, 1, 2, 2, 1])
 """Of `lens_prior` (1): the pixels' shape, radial terms, tangential terms; by definition."""
-PRICE = 2.0  # of a parameter, in squares of standard deviations, (3); Akaike (1974)
+SIZES = 4.0 ** np.arange(-3, 1)
+"""τ, without unit; chosen: from lenses that move images by less than their noise to all that is usual."""
+UNLIKELY = 1e-6  # of the most probable τ; chosen: what is less does not count
 NEAR = 1e-5  # share of the cost that the last fit may still fall by; chosen: far less than one standard deviation
 
 
-def with_usual_terms(
+def with_learned_terms(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Bools
-) -> BundleState:
-    """The state with needless terms at their usual values, fitted to the points `kept` (C, N) again."""
-    held = needless(state, seen._replace(used=kept), freedoms)
-    if not held.any():
-        return state
-    cameras = tuple(
-        at_usual(camera, f.prior, held[KINDS]) if f.prior else camera
-        for f, camera in zip(freedoms, state.cameras, strict=True)
-    )
-    fewer = tuple(freedom.held(held[KINDS]) for freedom in freedoms)
-    return solve(state._replace(cameras=cameras), seen._replace(used=kept), fewer, tolerance=NEAR)
-
-
-def needless(state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...]) -> Bools:
-    """Which of the three `KINDS` are held by (3), of a state that fits best."""
-    kind, m, P, precision = _terms(state, seen, freedoms)
-    best, least = np.zeros(3, np.bool_), 0.0
-    for held in map(np.array, product([False, True], repeat=3)):
-        i = held[kind]
-        block = P[np.ix_(i, i)]
-        won = m[i] @ np.linalg.solve(block, m[i]) - PRICE * (1 - np.diag(block) * precision[i]).sum()  # (1), (2)
-        if won < least:
-            best, least = held, won
-    return best
-
-
-def _terms(
-    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...]
-) -> tuple[Ints, Floats, Floats, Floats]:
-    """Of all cameras' terms with a prior: their kind, m / s, P and the diagonal of Λ."""
+) -> tuple[BundleState, Floats]:
+    """The state with v̄ of (3), fitted to the points `kept` (C, N) again; and M, for images of unit variance."""
+    seen = seen._replace(used=kept)
     covariance, gauge = joint_covariance(
-        state, normal_equations(state, seen, freedoms), freedoms, np.asarray(seen.used.any(0))
+        state, normal_equations(state, seen, freedoms), freedoms, np.asarray(kept.any(0))
     )
-    s = np.sqrt(cost(state, seen, freedoms) / max(degrees_of_freedom(state, freedoms, seen.used) + gauge, 1))
-    kind, m, rows, precision = [], [], [], []
-    for c, (freedom, camera) in enumerate(zip(freedoms, state.cameras, strict=True)):
-        if not freedom.prior:
-            continue
-        known = freedom.prior.precision > 0
-        D = np.zeros((int(known.sum()), len(covariance)))
-        D[:, 15 * c : 15 * c + 15] = directions_of(camera)[known]
-        rows.append(D)
-        kind.append(KINDS[known])
-        m.append((values_of(camera) - freedom.prior.usual)[known] / s)
-        precision.append(freedom.prior.precision[known])
-    D = np.concatenate(rows)
-    return np.concatenate(kind), np.concatenate(m), D @ covariance @ D.T, np.concatenate(precision)
+    s = np.sqrt(cost(state, seen, freedoms) / max(degrees_of_freedom(state, freedoms, kept) + gauge, 1))
+    values = np.array([values_of(camera) for camera in state.cameras])
+    usual = np.array([f.prior.usual if f.prior else x for f, x in zip(freedoms, values, strict=True)])
+    precision = _precision(freedoms)
+    known, D = precision > 0, _directions(state.cameras, freedoms)
+    unit = s / np.sqrt(precision[known])
+    mean, M = averaged((values - usual)[known] / unit, D @ covariance @ D.T, known)
+    values[known] = usual[known] + mean * unit
+    cameras = tuple(with_values(camera, x) for camera, x in zip(state.cameras, values, strict=True))
+    held = tuple(freedom.held() for freedom in freedoms)
+    return solve(state._replace(cameras=cameras), seen, held, tolerance=NEAR), M
+
+
+def averaged(v: Floats, P: Floats, known: Bools) -> tuple[Floats, Floats]:
+    """v̄ (n) and M (n, n) of (3), from v (n) and P (n, n) of those of all cameras' terms (C, 6) that are `known`."""
+    sizes = possible_sizes(known)
+    p = scipy.special.softmax([_log_probability(v, P, size) for size in sizes])
+    likely = np.flatnonzero(p > UNLIKELY * p.max())
+    p = p[likely] / p[likely].sum()
+    fits = [_with_size(v, P, size) for size in sizes[likely]]
+    mean = p @ np.array([each for each, _ in fits])
+    spread = np.array([each for each, _ in fits]) - mean
+    return mean, np.tensordot(p, np.array([cov for _, cov in fits]), 1) + spread.T * p @ spread
+
+
+def possible_sizes(known: Bools) -> Floats:
+    """(H, n) all that τ may be of the known terms, of cameras (C, 6): by kinds, and 1 in no camera or any one."""
+    camera, term = np.nonzero(known)
+    sizes = np.array(list(product(SIZES, repeat=int(KINDS.max()) + 1)))[:, KINDS[term]]
+    odd = camera == np.arange(-1, len(known))[:, None]
+    return np.where(odd[:, None], 1.0, sizes).reshape(-1, len(term))
+
+
+def _log_probability(v: Floats, P: Floats, size: Floats) -> float:
+    """ln of (2)."""
+    root, R = _root(P, size)
+    y = scipy.linalg.solve_triangular(root, R * v, lower=True)
+    return float(-np.log(np.diag(root)).sum() - y @ y / 2 - np.log(size).sum())
+
+
+def _with_size(v: Floats, P: Floats, size: Floats) -> tuple[Floats, Floats]:
+    """(1)."""
+    root, R = _root(P, size)
+    B = scipy.linalg.solve_triangular(root, R[:, None] * P, lower=True)
+    y = scipy.linalg.solve_triangular(root, R * v, lower=True)
+    return v - B.T @ y, P - B.T @ B
+
+
+def _root(P: Floats, size: Floats) -> tuple[Floats, Floats]:
+    """The lower triangle whose product with its transpose is A, and R (n)."""
+    R: Floats = np.sqrt(size**-2 - 1)
+    return np.asarray(np.linalg.cholesky(np.eye(len(P)) + R[:, None] * P * R)), R
+
+
+def covariance_with(
+    covariance: Floats, M: Floats, cameras: tuple[Camera, ...], freedoms: tuple[Freedom, ...]
+) -> Floats:
+    """(4), from C (15 C, 15 C) and M (n, n)."""
+    D = _directions(cameras, freedoms)
+    P = D @ covariance @ D.T
+    K = np.linalg.solve(P, D @ covariance).T
+    return np.asarray(covariance + K @ (M - P) @ K.T)
+
+
+def _precision(freedoms: tuple[Freedom, ...]) -> Floats:
+    """(C, 6) of all cameras' terms, 0 where nothing is known beforehand."""
+    return np.array([f.prior.precision if f.prior else np.zeros(6) for f in freedoms])
+
+
+def _directions(cameras: tuple[Camera, ...], freedoms: tuple[Freedom, ...]) -> Floats:
+    """D (n, 15 C): derivatives of all v."""
+    root = np.sqrt(_precision(freedoms).ravel())
+    D = scipy.linalg.block_diag(*[directions_of(camera) for camera in cameras])
+    return np.asarray((root[:, None] * D)[root > 0])

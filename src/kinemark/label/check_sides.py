@@ -73,7 +73,8 @@ def find_side_swaps(
             found.append(
                 SideSwap(tuple(group), int(stretches.frame[rows[0]]), int(stretches.frame[rows[-1]]) + 1, gain, *off)
             )
-    return tuple(_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide))
+    placed = (_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide))
+    return tuple(sorted(placed, key=lambda one: one.first))
 
 
 def _placed(one: SideSwap, known: Trajectories, template: Template, exchanger: Exchanger, window: int) -> SideSwap:

@@ -388,7 +388,7 @@ def _verdict(
                 cadence=finite_mean(np.array([s.values["cadence"] for s in strides])),
             )
         )  # fmt: skip
-    knee = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), {})
+    knee: Mapping[str, Floats] = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), {})
     squares = {cause: each[0] ** 2 for cause, each in knee.items() if np.isfinite(each[0])}
     if (total := sum(squares.values())) > 0:
         cause = max(squares, key=lambda c: squares[c])

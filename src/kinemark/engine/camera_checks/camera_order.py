@@ -4,9 +4,9 @@ The tracker leaves out a camera whose images fit nothing, and says which other o
 are those of the same cameras in another order, each is given the calibration of the one whose images it has (1): two
 exchanged ones, several pairs, or three and more in a ring. Of a camera whose images fit nothing at all and one whose
 place nobody takes, if there is one of each, the first takes the second's; two that fit nothing are each other's (2).
-Whoever calls sees by tracking again whether that is so. With too few cameras left to track by, an exchange is found by
-trying (`swapped_cameras`) (3). Where another pair would do as well, as in a room as symmetrical as its cameras, nobody
-can tell which is right, and nothing is put in order (4).
+Whoever calls sees by tracking again whether that is so. With too few cameras left to track by, an
+exchange is found by trying (`swapped_cameras`) (3). Where another pair would do as well, as in a room as symmetrical as
+its cameras, nobody can tell which is right, and nothing is put in order (4).
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ def images_of_others(
 def _taken(findings: Iterable[Finding]) -> dict[str, str]:
     """Cameras by name, and the one whose place each takes."""
     taken = {one.cameras[0]: one.cameras[1] for one in findings if one.kind == IN_PLACE_OF}
-    unlike = [name for one in findings if one.kind == FITS_NOTHING for name in one.cameras]
+    unlike = {name: None for one in findings if one.kind == FITS_NOTHING for name in one.cameras}
     open_, free = set(taken.values()) - taken.keys(), taken.keys() - set(taken.values())
-    if len(open_) == len(free) == 1 and open_ <= set(unlike):
+    if len(open_) == len(free) == 1 and open_ <= unlike.keys():
         taken[open_.pop()] = free.pop()  # (2)
     if not taken and len(unlike) == 2:
-        taken = dict(zip(unlike, unlike[::-1], strict=True))  # (2)
+        taken = dict(zip(unlike, reversed(unlike), strict=True))  # (2)
     return taken
 
 

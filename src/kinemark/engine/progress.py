@@ -39,7 +39,6 @@ class Watch:
 
     def of(self, stage: str) -> Listener:
         """The listener of a stage."""
-
         passes = _Passes(stage)
 
         def listen(done: int, total: int) -> None:

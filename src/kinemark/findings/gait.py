@@ -63,9 +63,8 @@ class GaitOfTrial(NamedTuple):
         name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
         way: "level", "running", "stairs", "backward" or "to and fro". first_frame: its number in the recording.
-        floor: how it moves.
-        keys: key values of its strides that count. leaps: of its markers. names: what of their names cannot be.
-        plates: what of its plates cannot be.
+        floor: how it moves. keys: key values of its strides that count. leaps: of its markers.
+        names, plates: what of its names and its plates cannot be.
     """
 
     name: str
@@ -155,13 +154,12 @@ def gait_figures(
     Args:
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
-        reference: band of controls. estimated: "legs" and "mass", where nobody measured
-            them; "knees" and "ankles", where markers do not show their widths either.
-        hips: that a motion has shown. axes: that the static trial has shown. clusters: that carried segments.
-        heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
-        stated: the subject that each file states, by its name. files: of the trials, by their names. feet: how the
-            static trial's own program took them, where it is the other way. bodies: that the files show. unusable: why
-            walks were left out, by their names.
+        reference: band of controls. estimated: "legs" and "mass", where nobody measured them; "knees" and "ankles",
+            where markers do not show their widths either. hips: that a motion has shown. axes: that the static trial
+            has shown. clusters: that carried segments. heels: that were taken from the static trial.
+        renamed: the files' names by the model's, where they differ. stated: the subject that each file states, by its
+            name. files: of the trials, by their names. feet: how the static trial's own program took them, where it is
+            the other way. bodies: that the files show. unusable: why walks were left out, by their names.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
@@ -390,13 +388,11 @@ def _verdict(
                 cadence=finite_mean(np.array([s.values["cadence"] for s in strides])),
             )
         )  # fmt: skip
-    knee = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), None)
-    if knee:
-        squares = {cause: each[0] ** 2 for cause, each in knee.items() if np.isfinite(each[0])}
-        total = sum(squares.values())
-        if total > 0:
-            cause = max(squares, key=lambda c: squares[c])
-            statements.append(
-                make_finding("gait_deviations", knee_deg=total**0.5, cause=cause, variance_share=squares[cause] / total)
-            )
+    knee: Mapping[str, Floats] = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), {})
+    squares = {cause: each[0] ** 2 for cause, each in knee.items() if np.isfinite(each[0])}
+    if (total := sum(squares.values())) > 0:
+        cause = max(squares, key=lambda c: squares[c])
+        statements.append(
+            make_finding("gait_deviations", knee_deg=total**0.5, cause=cause, variance_share=squares[cause] / total)
+        )
     return verdict_of(findings, statements)

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..data import Finding, make_finding
 from .trial_findings import Figures, calibration_known, used_share
-from .verdict import Verdict, verdict_of
+from .verdict import Verdict, grade_of, verdict_of
 
 
 def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
@@ -17,9 +17,9 @@ def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
     How good positions are nobody knows where the calibration states no error: they are neither good nor usable with
     care.
     """
-    verdict = verdict_of(findings, ())
-    headline = {"green": "trial_good", "amber": "trial_usable", "red": "trial_unusable"}[verdict.grade]
-    if verdict.grade != "red" and not calibration_known(figures):
+    grade = grade_of(findings)
+    headline = {"green": "trial_good", "amber": "trial_usable", "red": "trial_unusable"}[grade]
+    if grade != "red" and not calibration_known(figures):
         headline = "trial_unknown"
     return verdict_of(findings, (make_finding(headline), *_statements(figures)))
 

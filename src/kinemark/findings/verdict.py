@@ -9,7 +9,7 @@ from typing import Any, Literal
 from ..data import Finding, Grade
 
 GradeShown = Literal["green", "amber", "red", "unknown"]
-"""A grade where there is room for no more: an amber one whose headline says that nobody knows is none of care."""
+"""A grade where there is room for one word; "unknown" where the headline says that nobody knows more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +48,6 @@ def verdict_of(findings: Sequence[Finding], statements: Iterable[Finding]) -> Ve
 
 
 def grade_shown(verdict: Mapping[str, Any]) -> GradeShown:
-    """The grade of a verdict in a file of figures; "unknown" where its headline says that."""
+    """The grade of a verdict in a file of figures; "unknown" where its headline says so."""
     unknown = verdict["statements"][0]["kind"].endswith("_unknown")
     return "unknown" if unknown else verdict["grade"]

@@ -54,16 +54,16 @@ def walked_parts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> list[Wal
         points: (F, 3) mm by the model's names; without pelvis or feet nothing is known. up: of the laboratory.
     """
     feet = [s + name for s in LETTER.values() for name in ("HEE", "TOE")]
-    n = max(map(len, points.values()), default=0)
+    whole = WalkedPart(0, max(map(len, points.values()), default=0), backwards=False)
     if not {"LASI", "RASI", *feet} <= set(points) or not ({"SACR"} <= set(points) or {"LPSI", "RPSI"} <= set(points)):
-        return [WalkedPart(0, n, backwards=False)]
+        return [whole]
     pelvis = pelvis_of(points)[0]
     parts = parts_by_way(pelvis, up)
     if len(parts) > 1 and all((_agreement(points, pelvis, up, part) < 0) == part.backwards for part in parts):
         return parts
     w = way_as_faced(pelvis, up)
-    agreement = _agreement(points, pelvis, up, WalkedPart(0, n, backwards=False))
-    return [WalkedPart(0, n, w < 0 if abs(w) >= WALKED_MM else agreement < AGAINST)]
+    backwards = w < 0 if abs(w) >= WALKED_MM else _agreement(points, pelvis, up, whole) < AGAINST
+    return [whole._replace(backwards=backwards)]
 
 
 def reversals(points: Mapping[str, Floats]) -> Ints:

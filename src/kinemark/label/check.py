@@ -60,13 +60,13 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
     pairs = PairScore.of_template(template)
     exchanger = Exchanger.of(template, pairs)
     near = by_peers(exchanger)
-    window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
+    wide = max(1, round(WINDOW_S * trajectories.rate))
+    window = stretches.frame // wide
     found: list[Exchanged] = []
     for part in (parts := np.unique(window)):
         tell(int(part), int(parts[-1]))
         rows = np.flatnonzero(window == part)
         found += _in_window(y[rows], exchanger, near, template, stretches.frame[rows])
-    wide = max(1, round(WINDOW_S * trajectories.rate))
     placed = [_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide)]
     return tuple(sorted(placed, key=lambda one: (one.first, one.markers)))
 

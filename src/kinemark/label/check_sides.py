@@ -61,7 +61,8 @@ def find_side_swaps(
     y = places(stretches, np.array([template.names.index(name) for name in known.names]), len(template))
     exchanger = Exchanger.of(template, PairScore.of_template(template))
     groups = limbs(template, kept)
-    window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
+    wide = max(1, round(WINDOW_S * trajectories.rate))
+    window = stretches.frame // wide
     found = []
     for part in (parts := np.unique(window)):
         tell(int(part), int(parts[-1]))
@@ -72,8 +73,8 @@ def find_side_swaps(
             found.append(
                 SideSwap(tuple(group), int(stretches.frame[rows[0]]), int(stretches.frame[rows[-1]]) + 1, gain, *off)
             )
-    wide = max(1, round(WINDOW_S * trajectories.rate))
-    return tuple(_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide))
+    placed = (_placed(one, known, template, exchanger, wide) for one in _merged(found, 2 * wide))
+    return tuple(sorted(placed, key=lambda one: one.first))
 
 
 def _placed(one: SideSwap, known: Trajectories, template: Template, exchanger: Exchanger, window: int) -> SideSwap:

@@ -156,8 +156,7 @@ def _of_body(
     stretches = stretches_of(trajectories, template.size, fixed)
     pairs = PairScore.of_template(template)
     found = (solve if (fixed == FREE).all() else solve_with_facts)(
-        stretches, template, pairs,
-        key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
+        stretches, template, pairs, key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit
     )  # fmt: skip
     sides = decided_sides(stretches, found.label, template, pairs)
     fit = found.score / max(found.expected, 1e-9) / template.own_fit
@@ -165,8 +164,7 @@ def _of_body(
     holds = held(stretches, sides.label, pairs)
     refused = refusal(fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
     label = np.full(len(stretches), -1) if refused else np.where(fixed == FREE, sides.label, np.maximum(fixed, -1))
-    asked = refused is not None or sides.finding is not None
-    image = no_images(label) if asked else own_images(stretches, label, template, pairs)
+    image = no_images(label) if refused or sides.finding else own_images(stretches, label, template, pairs)
     label = image.label
     after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
     about = anchored(margins(stretches, label, template, pairs, after), label, fixed)

@@ -107,8 +107,10 @@ def _clearly_better(other: Ints, label: Ints, stretches: Stretches, template: Te
     By such a one distances carry a chain of wrong names, as each supports the next.
     """
     new, old = (score_with_sides(stretches, one, template, pairs) for one in (other, label))
-    if new <= old + CLEARLY or not np.any(template.doubt):
-        return new > old + CLEARLY
+    if new <= old + CLEARLY:
+        return False
+    if not np.any(template.doubt):
+        return True
     new, old = (score_by_places(stretches, one, template, pairs) for one in (other, label))
     return new > old
 

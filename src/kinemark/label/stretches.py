@@ -21,8 +21,6 @@ NOISE_SHARE = 0.002
 """Of a marker's place, as a share of the body's size; chosen: 3 mm of 1.6 m."""
 ACCELERATION = 12.0
 """Standard deviation of a marker's acceleration in sizes of the body a second squared; chosen: 20 m/s² of 1.6 m."""
-
-
 PART = 256
 """Frames of a part of the trial in `together`; chosen."""
 FREE, NO_MARKER = -1, -2

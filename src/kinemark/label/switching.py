@@ -89,21 +89,31 @@ def label_switching(
     free = np.flatnonzero(fixed_labels(tracks, template, stated) == FREE)
     hidden = find_hidden(tracks, template.size, free)
     breaks = find_breaks(tracks, template.size, free) | hidden.changed
-    cuts = breaks | hidden.open
-    found = named(cuts)
-    for _ in range(ROUNDS):
-        turns = _turns(found.tracks, found.labels, template, stated)
-        new = {(int(found.of[t]), frame) for t, frame, _ in turns} - cuts
-        if not new:
-            break
-        cuts |= new
-        breaks |= new & {(int(found.of[t]), frame) for t, frame, alone in turns if alone}
-        found = named(cuts)
+    cuts, breaks = _with_turns(named, breaks | hidden.open, breaks, template, stated)
     cuts = _settled(named, cuts, breaks, hidden.open)
     if sudden := _sudden(named(cuts), tracks, template.size, free) - cuts:
         other = _settled(named, cuts | sudden, breaks, hidden.open | sudden)
         cuts = max(cuts, other, key=lambda one: _sure_samples(named(one)))
     return named(cuts)._replace(switches=_switches(named(cuts), cuts))
+
+
+def _with_turns(
+    named: Callable[[set[_Cut]], CutLabels],
+    cuts: set[_Cut],
+    breaks: set[_Cut],
+    template: Template,
+    stated: Mapping[str, str | None],
+) -> tuple[set[_Cut], set[_Cut]]:
+    """The cuts, and the breaks among them, with those where tracks that were named go over to other markers."""
+    for _ in range(ROUNDS):
+        found = named(cuts)
+        turns = _turns(found.tracks, found.labels, template, stated)
+        new = {(int(found.of[t]), frame) for t, frame, _ in turns} - cuts
+        if not new:
+            break
+        cuts = cuts | new
+        breaks = breaks | new & {(int(found.of[t]), frame) for t, frame, alone in turns if alone}
+    return cuts, breaks
 
 
 def _settled(

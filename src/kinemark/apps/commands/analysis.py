@@ -52,17 +52,14 @@ def angles(
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
     """
-    from ...engine.angles.of_trial import angles_of_file, model_of_file
+    from ...engine.angles.of_trial import angles_of_file, folder_beside, model_of_file
     from ...report.terminal_summary import angle_summary
 
     model = model or model_of_file(trial, static=static, settings=settings)
     if model is None:
-        if settings not in (None, AngleSettings()):
-            raise KinemarkError("These are the gait model's markers, whose angles have other options: kinemark gait.")
-        into = output or trial.with_name(f"{trial.stem}_angles")
         gait(
-            trial, static=static, functional=functional, output=into, self_contained=self_contained, fail_on=fail_on,
-            json=json,
+            trial, static=static, functional=functional, output=output or folder_beside(trial),
+            self_contained=self_contained, fail_on=fail_on, json=json,
         )  # fmt: skip
         return
     result = angles_of_file(

@@ -12,7 +12,8 @@ those of usual cameras differ from what is taken by σ (`USUAL`). That is one mo
 
 (a Gaussian prior). Image points have covariances that are right in proportion only, to a
 factor s², so that s² / σ² is the precision (3). Where the points say anything of a term, (2) has no weight. Where they
-say nothing it stays at v₀, and the covariance of the camera has its σ².
+say nothing it stays at v₀, and the covariance of the camera has its σ², or less where the lenses of the whole rig are
+nearer to v₀ than that (`usual_terms`).
 """
 
 from __future__ import annotations

@@ -169,8 +169,12 @@ def angles_of_file(
         still = static_template(shown, chain, functional=moving)
     result = trial_angles(trial, model=chain, template=still, settings=settings, side=side)
     result.figures["identity"] = identity_of_file(trial, path)
-    into = folder or path.with_name(f"{path.stem}_angles")
-    return write_trial_angles(trial, result, into, self_contained=self_contained)
+    return write_trial_angles(trial, result, folder or folder_beside(path), self_contained=self_contained)
+
+
+def folder_beside(path: Path) -> Path:
+    """Of a trial's results, where none is given."""
+    return path.with_name(f"{path.stem}_angles")
 
 
 def _read(file: Path, settings: AngleSettings) -> Trial:
@@ -183,9 +187,11 @@ def model_of_file(path: Path, *, static: Path | None = None, settings: AngleSett
     None where they are those of the gait model, which takes the angles of lower limbs.
 
     Raises:
-        KinemarkError: the file cannot be read, or shows the markers of none.
+        KinemarkError: the file cannot be read, or shows the markers of none, or those of the gait model, of which such
+            settings are none.
     """
-    names = _read(static or path, settings or AngleSettings()).trajectories.names
+    settings = settings or AngleSettings()
+    names = _read(static or path, settings).trajectories.names
     fitting = [chain for one in models() if fits(chain := sided_model(one, None, names)[0], names)]
     if fitting:
         return max(fitting, key=lambda chain: len(chain.markers)).name
@@ -194,6 +200,8 @@ def model_of_file(path: Path, *, static: Path | None = None, settings: AngleSett
             f"{path} has all markers of none of the models {', '.join(models())}, nor of the gait model, which wants "
             f"{some_names(absent)}. Give --model: one of these, or a TOML file with their names here."
         )
+    if settings != AngleSettings():
+        raise KinemarkError("These are the gait model's markers, whose angles have other options: kinemark gait.")
     return None
 
 

@@ -85,23 +85,23 @@ def with_delays_to_state(findings: Sequence[Finding], stated_ms: Mapping[str, fl
     """
     late = [one for one in findings if one.kind in LATE]
     whole = {
-        name: stated_ms.get(name, 0.0) + sum(_delay_ms(one) for one in late if name in one.cameras)
+        name: stated_ms.get(name, 0.0) + sum(_number(one, "delay_ms") for one in late if name in one.cameras)
         for name in {name for one in late for name in one.cameras}
     }
     return tuple(
-        replace(one, values={**one.values, "state_ms": whole[one.cameras[0]]}) if one in late else one
+        replace(one, values={**one.values, "state_ms": whole[one.cameras[0]]}) if one.kind in LATE else one
         for one in findings
     )
 
 
-def _delay_ms(found: Finding) -> float:
-    return float(np.asarray(found.values["delay_ms"], np.float64))
+def _number(found: Finding, name: str) -> float:
+    return float(np.asarray(found.values[name], np.float64))
 
 
 def started_apart(findings: Sequence[Finding]) -> dict[str, int]:
     """Cameras that were started at another time than the others, and how many images late."""
     apart = [found for found in findings if found.kind == "camera_started_apart"]
-    return {name: round(float(np.asarray(one.values["images"], np.float64))) for one in apart for name in one.cameras}
+    return {name: round(_number(one, "images")) for one in apart for name in one.cameras}
 
 
 def _apart(suspects: Sequence[Finding], detections: Detections, rig: Rig) -> Iterator[Finding]:

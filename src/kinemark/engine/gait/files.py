@@ -151,8 +151,7 @@ def gait_of_files(
     def read(path: Path, like: Recorded | None = None) -> Recorded:
         return _read(path, names, markers, settings, like)
 
-    unusable: dict[Path, KinemarkError] = {}
-    whole, still = _walks_and_standing(walks, static, read, clusters, settings, unusable)
+    whole, still, unusable = _walks_and_standing(walks, static, read, clusters, settings)
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     moved = None if functional is None else read(functional, still)
@@ -176,12 +175,12 @@ def gait_of_files(
 
 def _walks_and_standing(
     walks: Sequence[Path], static: Path | None, read: Callable[..., Recorded], clusters: Clusters | None,
-    settings: GaitSettings, unusable: dict[Path, KinemarkError],
-) -> tuple[list[Recorded], Recorded | None]:  # fmt: skip
-    """The walks with the points that clusters carry, and the standing trial with its clusters; read: makes one of both.
+    settings: GaitSettings,
+) -> tuple[list[Recorded], Recorded | None, dict[Path, KinemarkError]]:  # fmt: skip
+    """The walks with the points that clusters carry, the standing trial with its clusters, and why walks are left out.
 
-    The walks are read before the usual clusters are known, for these are the ones that walks want. Those that cannot be
-    used go into `unusable`.
+    The walks are read before the usual clusters are known, for these are the ones that walks want; read: makes one of
+    both.
 
     Raises:
         KinemarkError: there are clusters and no standing trial, that cannot be read, or no walk can be used.
@@ -191,29 +190,27 @@ def _walks_and_standing(
     still = None if static is None else read(static)
     if still is not None and clusters:
         still = with_stated_clusters(still, clusters)
-    found = _each(dict(zip(walks, walks, strict=True)), lambda path: read(path, still), unusable)
+    found, unread = _each({path: path for path in walks}, lambda path: read(path, still))
     if still is not None:
         still = with_usual_clusters(still, list(found.values()), settings)
-    return list(_each(found, lambda walk: completed(walk, still), unusable).values()), still
+    whole, incomplete = _each(found, lambda walk: completed(walk, still))
+    unusable = unread | incomplete
+    if not whole:
+        raise next(iter(unusable.values()))
+    return list(whole.values()), still, unusable
 
 
 def _each(
-    given: Mapping[Path, Any], make: Callable[[Any], Recorded], unusable: dict[Path, KinemarkError]
-) -> dict[Path, Recorded]:
-    """What is made of each walk; where that cannot be, the reason goes into `unusable`.
-
-    Raises:
-        KinemarkError: nothing can be made of any.
-    """
-    made = {}
+    given: Mapping[Path, Any], make: Callable[[Any], Recorded]
+) -> tuple[dict[Path, Recorded], dict[Path, KinemarkError]]:
+    """What is made of each walk, and why nothing can be made of the others."""
+    made, failed = dict[Path, Recorded](), dict[Path, KinemarkError]()
     for path, walk in given.items():
         try:
             made[path] = make(walk)
         except KinemarkError as error:
-            unusable[path] = error
-    if not made:
-        raise next(iter(unusable.values()))
-    return made
+            failed[path] = error
+    return made, failed
 
 
 def _read(

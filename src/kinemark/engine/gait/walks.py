@@ -394,7 +394,6 @@ def _uncertain(
 
 def _heel_sd(trial: Trial) -> float:
     """mm along an axis, as the heels' covariance states it; 0 where it states none."""
-    variances = [
-        np.diagonal(p.cov, axis1=1, axis2=2).ravel() for p in trial.trajectories if p.name.endswith(("LHEE", "RHEE"))
-    ]
+    heels = [path for path in trial.trajectories if path.name.endswith(("LHEE", "RHEE"))]
+    variances = [np.diagonal(path.cov, axis1=1, axis2=2).ravel() for path in heels]
     return float(np.sqrt(finite_median(np.concatenate(variances), 0.0))) if variances else 0.0

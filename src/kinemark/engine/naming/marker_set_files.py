@@ -118,10 +118,9 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
     _check_free(target)
     given = read_trial(source)
     prefix = before_all(given.trajectories)
-    kept = [prefix + name.removeprefix(prefix) for name in names]
-    rest = put_aside(given, keep=kept).rest
+    names = [name.removeprefix(prefix) for name in names]
+    rest = put_aside(given, keep=[prefix + name for name in names]).rest
     trial = replace(rest, paths=tuple(replace(path, name=path.name.removeprefix(prefix)) for path in rest))
-    names = [name.removeprefix(prefix) for name in kept]
     if absent := [name for name in names if name not in trial.names]:
         raise KinemarkError(
             f"{source} has no marker {absent[0]}{guess(absent[0], trial.names)}. There are {some_names(trial.names)}."

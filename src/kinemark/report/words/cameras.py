@@ -198,10 +198,7 @@ CAMERA_WORDS = {
         _lost_images,
         "Look at the times of its images, and put an empty one where one was lost; or leave these frames of it out.",
     ),
-    "camera_delay_learned": Words(
-        _delay_learned,
-        _learned_advice,
-    ),
+    "camera_delay_learned": Words(_delay_learned, _learned_advice),
     "camera_rolling_shutter": Words(
         "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "
         "first. All was tracked with its images moved to the times of the frames.",

@@ -357,7 +357,8 @@ def _evidence(seen: Associations, images: Images, working: Working, method: Simu
     own = _unshared(seen, images)
     off = disagreement(working.images, np.where(own, seen.detection, -1))
     two = own.sum(0) == 2
-    off[two] /= working.noise.pairs[own.argmax(0)[two], len(own) - 1 - own[::-1].argmax(0)[two]]
+    a, b = np.nonzero(own[:, two].T)[1].reshape(-1, 2).T
+    off[two] /= working.noise.pairs[a, b]
     return evidence(seen._replace(squared=off), own, method.gate)
 
 

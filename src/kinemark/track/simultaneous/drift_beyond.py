@@ -41,7 +41,7 @@ LOOK = 12
 """Points in which images that merge unmarked came together, a number; chosen: half of a block."""
 
 CERTAIN = float(np.log(100.0))
-"""Two markers are then a hundred times likelier than one; chosen: see docs/theory/simultaneous-tracking.md."""
+"""Two markers are then a hundred times likelier than one; chosen: see docs/theory/tracking-ghosts.md."""
 
 REACH, LEAST_REACH = 3.0, 1.5
 """Standard deviations of (1) of `image_chains` within which an image goes on, as the stretch itself has them, and of

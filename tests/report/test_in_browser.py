@@ -67,6 +67,30 @@ def test_titles_of_panels_beside_each_other_stay_apart_where_the_page_is_narrow(
             assert all(a[1] + 4 < b[0] for a, b in pairwise(sorted(row)))
 
 
+def test_legends_stay_below_the_titles_of_axes_where_the_page_is_narrow(folder):
+    """So high a window shows the whole page, so that all is drawn."""
+    with opened(folder / "walk 01/report.html", width=400, height=24_000) as page:
+        page.until("document.querySelectorAll('.plot .legend').length > 3")
+        covered = page.ask("""[...document.querySelectorAll('.plot')].filter(plot => {
+            const box = of => plot.querySelector(of)?.getBoundingClientRect();
+            const title = box('.g-xtitle'), key = box('.legend .bg');
+            return title?.height && key && key.top < title.bottom && title.top < key.bottom;
+        }).map(plot => plot.id)""")
+        assert covered == []
+
+
+def test_what_is_judged_first_of_a_gait_stands_on_the_first_page(tmp_path):
+    subject = walking(duration_s=3.0, rate=100.0, seed=1)
+    write_c3d(tmp_path / "walk.c3d", Trial("walk", subject.trajectories))
+    found = gait_of_files([tmp_path / "walk.c3d"], settings=GaitSettings(uncertainty=False))
+    with opened(found.folder / "gait.html", width=703, height=1000) as page:
+        page.send("Emulation.setEmulatedMedia", media="print")
+        page_px = (297 - 12 - 15) / 25.4 * 96  # A4 less its margins
+        assert page.ask("document.querySelector('#time').getBoundingClientRect().bottom") < page_px
+        wrapped = "[...document.querySelectorAll('#keys tbody th')].filter(one => one.clientHeight > 24).length"
+        assert page.ask(wrapped) == 0
+
+
 @pytest.mark.parametrize("name", PAGES)
 def test_pages_are_printed_within_the_margins_of_their_paper(folder, name):
     """As wide as A4 without its margins nothing is cut off, and no drawing or row of a table is divided."""

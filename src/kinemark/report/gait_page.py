@@ -16,7 +16,7 @@ from .templating import render, write_text
 NAV = {
     "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "trunk": "Trunk",
     "kinetics": "Moments and powers", "keys": "Key values", "profile": "Profile", "emg": "Muscles",
-    "uncertainty": "Uncertainty", "terms": "Methods",
+    "uncertainty": "Uncertainty", "subject": "Subject", "terms": "Methods",
 }  # fmt: skip
 """Sections of the page, in their order."""
 NAMES = {

@@ -46,7 +46,7 @@ def _not_level(found: Finding) -> str:
 
 def _estimated(found: Finding) -> str:
     mass = found.values["mass_kg"]
-    weighed = "" if mass is None else fill(", and by the plates a mass of {mass_kg:1}", found)
+    weighed = "" if mass is None else fill(", and by the plates the subject weighs {mass_kg:1}", found)
     return fill("Nobody states the subject's measures. By the markers the legs are {leg_mm:0} long", found) + (
         f"{weighed}; {WIDTHS.get(str(found.values['widths']), WIDTHS['share'])}, with error bars to match."
     )

@@ -176,7 +176,7 @@ FILLING_WORDS = {
         "The program that computed {points:it|them} does so anew from the filled markers.",
     ),
     "markers_absent": Words(
-        "{Markers} never seen in this trial.",
+        "{Markers} {markers:is|are} never seen in this trial.",
         "A static trial in which {markers:it is|they are} seen with three others of {markers:its|their} segment can "
         "place {markers:it|them}: --static.",
     ),

@@ -126,7 +126,7 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
 def _in_any_order(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
     """Tracks of Kinemark's own tracker; of cameras in the wrong order, by the right one, where that fits better."""
     tracked = _simultaneously(detections, rig, method, place)
-    images_of = images_of_others(tracked.diagnostics, detections, rig, tracked.tracks.cloud, placing=place)
+    images_of = images_of_others(tracked.diagnostics, detections, rig, tracked.tracks.cloud)
     if images_of:
         ordered = put_in_order(rig, images_of)
         first = _simultaneously(detections, ordered, method, place)

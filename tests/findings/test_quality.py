@@ -283,6 +283,18 @@ def test_a_camera_that_was_diagnosed_is_not_blamed_twice():
     assert [one.kind for one in trial_findings(figures, [moved])] == ["camera_moved"]
 
 
+def test_where_most_cameras_were_diagnosed_what_is_left_is_not_what_was_seen():
+    """Five cameras in a ring of wrong order: each fits nothing, and what two of them make by chance was usable."""
+    rig = ring()
+    figures = judge(rig, capture(rig, walk()))
+    for camera in figures["cameras"]:
+        camera["used_of_valid_share"] = 0.2
+    noted = [make_finding("camera_fits_nothing", cameras=[name], left_out=True) for name in rig.names]
+    first = trial_findings(figures, noted)[0]
+    assert (first.kind, first.severity) == ("detections_unused", "red")
+    assert {one.kind for one in trial_findings(figures, noted[:2])} == {"detections_unused", "camera_fits_nothing"}
+
+
 def test_images_of_points_outside_the_volume_blame_no_calibration():
     rig = ring()
     figures = judge(rig, capture(rig, walk()))

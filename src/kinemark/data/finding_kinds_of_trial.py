@@ -51,6 +51,8 @@ TRIAL_KINDS = (
     Kind("cameras_swapped", "match", "red", "Two cameras have each other's images; several pairs where they do as "
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),
+    Kind("cameras_with_same_images", "match", "red", "Two cameras have the same images, to the last digit: one file is "
+         "given for both. Amber where tracking left one of them out."),
     Kind("pixel_axes_differ", "match", "red", "The images count their pixels otherwise than the calibration: v from "
          "the bottom (v_up), u from the right (u_left), both (turned), the row before the column (exchanged), in "
          "images of half_size or double_size, from the centre (centre, centre_v_up) or as shares of the size (share, "

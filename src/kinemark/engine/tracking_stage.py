@@ -118,14 +118,29 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
-    tracked = _at_any_start(detections, rig, method, place)
+    tracked = _in_any_order(detections, rig, method, place)
     late = with_delays_to_state(tracked.diagnostics, inputs.settings.cameras.delays_ms)
     return tracked._replace(diagnostics=late)
 
 
-def _at_any_start(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
-    """Tracks of Kinemark's own tracker, once again with cameras in time that were started apart, if more then fit."""
-    rig, tracked = _in_order(detections, rig, method, place)
+def _in_any_order(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
+    """Tracks of Kinemark's own tracker; of cameras in the wrong order, by the right one, where that fits better."""
+    tracked = _simultaneously(detections, rig, method, place)
+    images_of = images_of_others(tracked.diagnostics, detections, rig, tracked.tracks.cloud)
+    if images_of:
+        ordered = put_in_order(rig, images_of)
+        first = _simultaneously(detections, ordered, method, place)
+        again = _at_any_start(detections, ordered, method, place, first)
+        unlike = {name for one in again.diagnostics if one.kind in (IN_PLACE_OF, FITS_NOTHING) for name in one.cameras}
+        if _confirmed(again.tracks) > _confirmed(tracked.tracks) and not unlike & images_of.keys():
+            return again._replace(diagnostics=(*again.diagnostics, told_in_order(images_of)))
+    return _at_any_start(detections, rig, method, place, tracked)
+
+
+def _at_any_start(
+    detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares, tracked: Tracked
+) -> Tracked:
+    """What was tracked; once again with cameras in time that were started apart, if more then fit."""
     cameras = TrialRig.given(rig) if tracked.cameras is None else tracked.cameras
     turned = {name for one in tracked.diagnostics if one.kind == "camera_put_right" for name in one.cameras}
     found = with_start_times(tracked.diagnostics, detections, _untouched(cameras.rig, rig, turned))
@@ -139,22 +154,7 @@ def _at_any_start(detections: Detections, rig: Rig, method: Simultaneous, place:
         better = _residual(again, moved, either) < _residual(tracked, detections, either)
     else:
         better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
-    ordered = tuple(one for one in tracked.diagnostics if one.kind == "cameras_put_in_order")
-    return again._replace(diagnostics=(*again.diagnostics, *apart, *ordered)) if better else tracked
-
-
-def _in_order(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> tuple[Rig, Tracked]:
-    """The cameras and the tracks; of cameras in the wrong order, by the right one, where that fits better."""
-    tracked = _simultaneously(detections, rig, method, place)
-    images_of = images_of_others(tracked.diagnostics, detections, rig, tracked.tracks.cloud, placing=place)
-    if not images_of:
-        return rig, tracked
-    ordered = put_in_order(rig, images_of)
-    again = _simultaneously(detections, ordered, method, place)
-    unlike = (one for one in again.diagnostics if one.kind in (IN_PLACE_OF, FITS_NOTHING))
-    if _confirmed(again.tracks) <= _confirmed(tracked.tracks) or any({*one.cameras} & {*images_of} for one in unlike):
-        return rig, tracked
-    return ordered, again._replace(diagnostics=(*again.diagnostics, told_in_order(images_of)))
+    return again._replace(diagnostics=(*again.diagnostics, *apart)) if better else tracked
 
 
 def puts_in_time(settings: Settings) -> bool:

@@ -49,6 +49,7 @@ from ..track import matches_itself
 from .angles.stage import ANGLE_FILES, compute_angles, found_by_angles, model_key
 from .calibration.task import Calibrated
 from .camera_checks.pixel_axes import pixel_axes
+from .camera_checks.same_images import same_images
 from .camera_checks.start_times import with_start_times
 from .camera_checks.swapped_cameras import swapped_cameras
 from .editing.retracking import retrack_stage
@@ -212,7 +213,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *inputs.source.contradictions(),
             *subtracted(detections),
             *_channels(beside, filled.trajectories),
-            *_cameras(inputs, detections, cameras.rig, tracked.tracks.cloud),
+            *_cameras(inputs, detections, cameras.rig, tracked),
             *_of_stages(inputs, records, detections, tracked),
         ),
         ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
@@ -232,8 +233,10 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     return figures
 
 
-def _cameras(inputs: TrialInputs, detections: Detections, rig: Rig, cloud: Cloud) -> Iterator[Finding]:
+def _cameras(inputs: TrialInputs, detections: Detections, rig: Rig, tracked: Tracked) -> Iterator[Finding]:
     """What is wrong with whole cameras."""
+    cloud = tracked.tracks.cloud
+    yield from same_images(detections, tracked.diagnostics)
     how: dict[str, Any] = {"matching": inputs.settings.match, "placing": inputs.settings.reconstruct}
     yield from swapped_cameras(detections, rig, cloud, **how)  # a mirrored ring is one with cameras swapped
     yield from pixel_axes(detections, rig, cloud, **how)

@@ -167,9 +167,13 @@ def calibration_known(figures: Figures) -> bool:
 
 
 def _unused(figures: Figures, named: set[str]) -> Findings:
-    """Cameras little of whose detections is used, but for those that were named for another reason."""
-    used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
-    little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
+    """Cameras little of whose detections is used.
+
+    Those that were named for another reason are left out, unless most cameras are such.
+    """
+    used = {c["name"]: share for c in figures["cameras"] if (share := c["used_of_valid_share"]) is not None}
+    told = named if used and statistics.median(used.values()) >= USED_RED else set()
+    little = {name: part for name, part in used.items() if part < USED_SHARE and name not in told}
     if figures["points"]["count"] and little:
         whole = used_share(figures)
         yield make_finding(

@@ -7,7 +7,6 @@ import pytest
 
 from kinemark.data import Rig, make_finding
 from kinemark.engine.camera_checks.camera_order import images_of_others, put_in_order, told_in_order
-from kinemark.reconstruct import LeastSquares
 from kinemark.report.words import text_of
 from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
 from support.laboratory import camera, observe, ring
@@ -23,7 +22,7 @@ def wrong_way(rig, order):
 
 def told(seen, rig):
     result = track_simultaneously(seen, rig, Simultaneous())
-    return images_of_others(diagnose(seen, rig, result), seen, rig, result.tracks.cloud, placing=LeastSquares())
+    return images_of_others(diagnose(seen, rig, result), seen, rig, result.tracks.cloud)
 
 
 ORDERS = {
@@ -32,6 +31,10 @@ ORDERS = {
     "three in a ring": [1, 2, 0, 3, 4],
     "two pairs": [1, 0, 3, 2, 4, 5],
     "two pairs of eight": [1, 0, 3, 2, 4, 5, 6, 7],
+    "three in a ring of four": [1, 2, 0, 3],
+    "two pairs of four": [3, 2, 1, 0],
+    "five in any order": [2, 4, 1, 0, 3],
+    "eight by one": [1, 2, 3, 4, 5, 6, 7, 0],
 }
 
 
@@ -66,4 +69,4 @@ def test_of_pairs_that_would_do_as_well_none_is_chosen():
     one = make_finding("camera_takes_place_of_other", cameras=["c0", "c2"], left_out=True)
     other = make_finding("camera_takes_place_of_other", cameras=["c2", "c0"], left_out=True)
     cloud = track_simultaneously(seen, wrong, Simultaneous()).tracks.cloud
-    assert images_of_others([one, other], seen, wrong, cloud, placing=LeastSquares()) == {}
+    assert images_of_others([one, other], seen, wrong, cloud) == {}

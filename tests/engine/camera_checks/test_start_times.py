@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import make_finding
+from kinemark.engine.camera_checks.camera_order import put_in_order
 from kinemark.engine.camera_checks.start_times import in_time, with_start_times
 from kinemark.engine.tracking_stage import from_detections
 from kinemark.reconstruct import LeastSquares
@@ -119,6 +120,22 @@ def test_cameras_that_were_started_apart_are_put_in_time_and_make_no_points_of_t
     assert told == late
     images = (tracked.tracks.cloud.detection >= 0).sum(1)
     assert len(images) == 12 * n and images.mean() > len(rig) - 0.4
+
+
+@pytest.mark.parametrize("late", [{1: 4}, {4: -7}])
+def test_a_late_camera_that_has_anothers_images_is_put_in_order_and_in_time(late):
+    """The delay is of the images that have the camera's name, whose calibration it has."""
+    rig, n, points = ring(5), 80, dance(n=12, frames=100)
+    each = [observe(rig.select([one.name]), points[:, 10 + by : 10 + by + n], noise=0.1, seed=c)[0]
+            for c, (one, by) in enumerate(zip(rig, (late.get(c, 0) for c in range(5)), strict=True))]  # fmt: skip
+    counts, uv, cov = (np.concatenate([getattr(one, name) for one in each]) for name in ("counts", "uv", "cov"))
+    seen = type(each[0]).build(rig.names, 100.0, counts, uv, cov)
+    tracked = from_detections(inputs(put_in_order(rig, {"c1": "c4", "c4": "c1"})), {"detect": seen})
+    told = {one.kind: one for one in tracked.diagnostics}
+    assert told.keys() == {"camera_started_apart", "cameras_put_in_order"}
+    (name,), images = told["camera_started_apart"].cameras, told["camera_started_apart"].values["images"]
+    assert {int(name[1:]): images} == late
+    assert told["cameras_put_in_order"].values["images_of_list"] == ("c4", "c1")
 
 
 def straight_on(frames, sway=3.0, mm_per_frame=12.0):

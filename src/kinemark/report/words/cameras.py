@@ -43,6 +43,10 @@ def _swapped(found: Finding) -> str:
     )
 
 
+def _same_images(found: Finding) -> str:
+    return f"Cameras {' and '.join(found.cameras)} have the same images: one file is given for both."
+
+
 def _in_order(found: Finding) -> str:
     images_of = found.values["images_of_list"]
     assert isinstance(images_of, tuple)
@@ -189,6 +193,10 @@ CAMERA_WORDS = {
         "image that was calibrated.",
     ),
     "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
+    "cameras_with_same_images": Words(
+        _same_images,
+        "Give each camera its own file, and run again.",
+    ),
     "camera_out_of_sync": Words(
         _out_of_sync,
         "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
@@ -227,8 +235,8 @@ CAMERA_WORDS = {
     ),
     "cameras_put_in_order": Words(
         _in_order,
-        "Give each camera its own images, or its own calibration, before you use either elsewhere: other trials may "
-        "have the same mistake.",
+        "Give each camera its own images, with their delays_ms, or its own calibration, before you use either "
+        "elsewhere: other trials may have the same mistake.",
     ),
     "calibration_off": Words(
         "The images of {cameras} lie beside where the other cameras expect them, by {offset_px} in the median camera: "

@@ -162,9 +162,9 @@ def is_lost(stretch: Stretch, tracks: Tracks, others: Images, detections: Detect
 
 def is_followed(stretch: Stretch, tracks: Tracks, detections: Detections) -> bool:
     """Whether tracks that were made with the camera hold nearly as many of its images as in other frames (5)."""
-    c, during = stretch.camera, np.arange(detections.n_frames)
-    during = (during >= stretch.first) & (during < stretch.stop)
-    cloud = tracks.cloud
+    c, cloud = stretch.camera, tracks.cloud
+    during = np.zeros(detections.n_frames, bool)
+    during[stretch.first : stretch.stop] = True
     tracked = np.bincount(cloud.frame[cloud.detection[:, c] >= 0], minlength=detections.n_frames)
     seen = detections.keep(detections.valid).counts[c]
     inside, outside = (tracked[when].sum() / max(seen[when].sum(), 1) for when in (during, ~during))

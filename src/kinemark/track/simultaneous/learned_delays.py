@@ -27,7 +27,7 @@ from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once
 from .turned_camera import put_right, with_camera
-from .unfitting_stretches import Stretch, is_lost, unfitting_stretches, without_stretches
+from .unfitting_stretches import Stretch, is_followed, is_lost, unfitting_stretches, without_stretches
 
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
@@ -79,11 +79,31 @@ def track_simultaneously(
         if not sure and (hidden := _hidden_misfits(tried, detections, rig)):
             suspected = (hidden[0],)
         elif sure == suspected and not untried:
+            if followed := _followed(suspected, detections, rig, method, errors, volume_margin):
+                suspected = tuple(one for one in suspected if one not in followed)
+                continue
             doubtful = {one.camera for one in tried if one.whole(detections.n_frames) and not sure}
             result = result._replace(unfitting=suspected, lenses=lenses, doubtful=tuple(sorted(doubtful)))
             return _with_put_right(result, detections, rig, method, errors, volume_margin)
         else:
             suspected = sure if sure != suspected else _with(sure, untried[0])
+
+
+def _followed(
+    suspected: tuple[Stretch, ...],
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    errors: ImageErrors,
+    volume_margin: float | None,
+) -> list[Stretch]:
+    """Those of parts of the recording in which tracks that are made with the camera go on."""
+    parts = [one for one in suspected if not one.whole(detections.n_frames)]
+    if not parts:
+        return []
+    rest = tuple(one for one in suspected if one not in parts)
+    tracks = _with_delays(without_stretches(detections, rest), rig, method, errors, volume_margin).tracks
+    return [one for one in parts if is_followed(one, tracks, detections)]
 
 
 def _hidden_misfits(tried: set[Stretch], detections: Detections, rig: Rig) -> list[Stretch]:

@@ -13,7 +13,8 @@ of the recording camera c does not fit in which
 
 Who leaves the view of two cameras by two sides takes their pairs along. So all is tracked without the camera, and it is
 lost where it has no image near the points that the others then show, though elsewhere it has of so many that this is no
-chance (3).
+chance (3). Where a calibration is off, images of who comes to the side of the volume lie as far beside. But there
+tracks go on that are made with the camera, which they hardly do where it was bumped (5).
 
 Who does not fit in the whole recording has no best parts (`misfitting_cameras`). Of three cameras one that fits none
 takes the pairs of both others along. So a camera is lost in parts only where two of the others are partners
@@ -68,6 +69,11 @@ lie near by chance, of 0.0 to 0.03 of the points in 24 scenes; a camera that see
 markers that the others hardly see, kept 0.36; cameras bumped for a seventh of the recording up to 0.27."""
 CHANCE = 0.05
 """That a camera in place has no image of any of the markers that the others show, as it hides many (3); chosen."""
+FOLLOWED = 0.45
+"""Of the share of a camera's images that are in tracks in other frames, what is exceeded in a stretch in which it is
+not lost (5); chosen on walks and runs of files 1 px off (seeds 2149 and 440000 to 440119 of
+benchmarks/tracking_scenes.py) and cameras bumped by 12 px (430008 to 430054): three good ones had 0.5 to 0.9, bumped
+ones 0.0 to 0.4."""
 EDGE = 0.1
 """Of the image's size, at its edges, where images are not missed (3); chosen: lenses bend markers out of it."""
 LEAST_POINTS = 30
@@ -152,6 +158,17 @@ def is_lost(stretch: Stretch, tracks: Tracks, others: Images, detections: Detect
               for when in (during, ~during)]  # fmt: skip
     markers = (inside & during).sum() / (stretch.stop - stretch.first)
     return bool(shares[0] < LEFT * shares[1] and (1 - shares[1]) ** markers < CHANCE)
+
+
+def is_followed(stretch: Stretch, tracks: Tracks, detections: Detections) -> bool:
+    """Whether tracks that were made with the camera hold nearly as many of its images as in other frames (5)."""
+    c, cloud = stretch.camera, tracks.cloud
+    during = np.zeros(detections.n_frames, bool)
+    during[stretch.first : stretch.stop] = True
+    tracked = np.bincount(cloud.frame[cloud.detection[:, c] >= 0], minlength=detections.n_frames)
+    seen = detections.keep(detections.valid).counts[c]
+    inside, outside = (tracked[when].sum() / max(seen[when].sum(), 1) for when in (during, ~during))
+    return bool(inside > FOLLOWED * outside)
 
 
 def _sampled(frames: range, counts: Ints) -> list[int]:

@@ -3,8 +3,8 @@
 Terms with a prior (`lens_prior`) are fitted with the others, to v with covariance P, both in units of the prior's σ. It
 is wide enough for all kinds of cameras. Those of one rig are mostly of one make, and may be nearer to what was taken:
 by a factor τ ≤ 1, one for each kind of terms (`KINDS`), of which the fit tells. Or they are so near to each other, and
-their mean is as far from what was taken as is usual; but for tangential terms, which come of how each lens was put
-together. One camera may be of another make, with τ = 1. With the terms S z, z of unit covariance,
+their mean is as far from what was taken as is usual. One camera may be of another make, with τ = 1. With the terms S z,
+z of unit covariance,
 
     S = (τ),   or   S = (τ, √(1 − τ²) E)                                 (1)
 
@@ -43,7 +43,6 @@ from .solver import BundleState, Freedom, ImageObservations, cost, normal_equati
 
 KINDS = np.array([0, 1, 1, 2, 2, 1])
 """Of `lens_prior` (1): the pixels' shape, radial terms, tangential terms; by definition."""
-SHARED = (0, 1)  # kinds of which cameras may have a common mean; by definition: those of a make
 SIZES = 4.0 ** np.arange(-3, 1)
 """τ, without unit; chosen: from lenses that move images by less than their noise to all that is usual."""
 UNLIKELY = 1e-6  # of the most probable τ; chosen: what is less does not count
@@ -76,7 +75,7 @@ def averaged(v: Floats, P: Floats, known: Bools) -> tuple[Floats, Floats]:
     """v̄ (n) and M (n, n) of (3), from v (n) and P (n, n) of those of all cameras' terms (C, 6) that are `known`."""
     F, b = np.linalg.inv(P) - np.eye(len(P)), np.linalg.solve(P, v).astype(np.float64)
     term = np.nonzero(known)[1]
-    E = (term[:, None] == np.unique(term[np.isin(KINDS[term], SHARED)])).astype(np.float64)
+    E = (term[:, None] == np.unique(term)).astype(np.float64)
     choices = list(product(possible_sizes(known), (E, E[:, :0])))
     p = scipy.special.softmax([_log_probability(F, b, _root(*choice)) for choice in choices])
     likely = np.flatnonzero(p > UNLIKELY * p.max())

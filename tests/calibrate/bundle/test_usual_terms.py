@@ -74,15 +74,25 @@ def test_pixels_that_are_not_square_are_found():
     assert np.abs(np.subtract(*ratios)).max() < 5e-4
 
 
+def test_a_camera_that_is_held_stays_as_it_is():
+    _, start, xyz, uv = laboratory(64)
+    free = Bundle().freedom
+    held = free._replace(free=np.zeros(15, bool))
+    fit = bundle(start, (sticks_through(xyz, ALONG),), uv, freedoms=[held] + [free] * (len(start) - 1))
+    assert np.array_equal(fit.rig[0].distortion, start[0].distortion) and np.array_equal(fit.rig[0].K, start[0].K)
+    assert not fit.rig[0].cov.any() and np.isfinite(fit.joint).all()
+
+
 def test_the_average_is_that_of_integration():
     """One term of one camera, of which images say exp(b x − F x² / 2)."""
     x, F, b = np.linspace(-6, 6, 20001), 4.0, 2.5
-    sizes = np.append(SIZES, np.ones(len(SIZES)))  # the latter where the camera is the odd one
+    one, odd = SIZES, np.ones(len(SIZES))  # the camera is like the others, its term with or without their mean, or odd
+    sizes = np.concatenate([one, odd, odd, odd])
     density = (np.exp(-((x / sizes[:, None]) ** 2) / 2) / sizes[:, None]).sum(0) * np.exp(b * x - F * x**2 / 2)
     mean = (x * density).sum() / density.sum()
     variance = ((x - mean) ** 2 * density).sum() / density.sum()
     known = np.zeros((1, 6), bool)
-    known[0, 3] = True
+    known[0, 0] = True
     found, M = averaged(np.array([b / (F + 1)]), np.array([[1 / (F + 1)]]), known)
     assert (found[0], M[0, 0]) == (pytest.approx(mean, rel=1e-5), pytest.approx(variance, rel=1e-5))
 
@@ -109,6 +119,15 @@ def test_ideal_lenses_are_told_so_by_all_cameras_together():
 def test_terms_of_usual_size_are_as_images_show_them():
     off, sd = learned(np.random.default_rng(1).normal(size=(6, 6)), 0.1)
     assert sd == pytest.approx(0.1, rel=0.05) and rms(off / sd) == pytest.approx(1, abs=0.1)
+
+
+def test_terms_that_all_cameras_have_alike_are_told_by_all_together():
+    """What each camera alone hardly shows is not taken for none, as if cameras were off in all directions."""
+    true = np.zeros((8, 6))
+    true[:, [0, 5]] = 0.7
+    off, sd = learned(true, 0.7)
+    assert rms(off[..., [0, 5]].mean(1)) < 0.4
+    assert rms((off / sd)[..., [0, 5]]) < 1.2
 
 
 def test_an_odd_camera_takes_nothing_from_the_others_nor_they_from_it():

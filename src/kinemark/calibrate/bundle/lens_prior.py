@@ -47,9 +47,9 @@ class LensPrior(NamedTuple):
         """How many of (1) something is known of."""
         return int(np.count_nonzero(self.precision))
 
-    def about(self, camera: Camera) -> LensPrior:
-        """About this camera."""
-        return self._replace(usual=values_of(camera))
+    def about(self, camera: Camera, terms: Bools) -> LensPrior:
+        """About this camera, of those `terms` (6) only."""
+        return LensPrior(values_of(camera), np.where(terms, self.precision, 0.0))
 
     def weighed(self, scale: float) -> LensPrior:
         """For images whose standard deviations are to be multiplied by `scale`, (3)."""

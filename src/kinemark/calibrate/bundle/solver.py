@@ -53,8 +53,11 @@ class Freedom(NamedTuple):
     prior: LensPrior | None = None
 
     def about(self, camera: Camera) -> Freedom:
-        """What is known beforehand is known about this camera."""
-        return self._replace(prior=self.prior and self.prior.about(camera))
+        """What is known beforehand is known about this camera, of terms that may change."""
+        if not self.prior:
+            return self
+        changes = np.append(self.free[:2].any(), self.free[4:9])
+        return self._replace(prior=self.prior.about(camera, changes) if changes.any() else None)
 
     def weighed(self, scale: float) -> Freedom:
         """What is known beforehand, for images whose standard deviations are to be multiplied by `scale`."""

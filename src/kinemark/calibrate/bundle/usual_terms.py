@@ -1,18 +1,20 @@
-"""How far the lenses of a rig are from what is usual, learned from all its cameras.
+"""How far the lenses of a rig are from what is usual, and from each other, learned from all its cameras.
 
 Terms with a prior (`lens_prior`) are fitted with the others, to v with covariance P, both in units of the prior's σ. It
 is wide enough for all kinds of cameras. Those of one rig are mostly of one make, and may be nearer to what was taken:
-by a factor τ ≤ 1, one for each kind of terms (`KINDS`), of which the fit tells. One camera may be of another make, with
-τ = 1. With R² = τ⁻² − 1, diagonal,
+by a factor τ ≤ 1, one for each kind of terms (`KINDS`), of which the fit tells. Or they are so near to each other, and
+their mean is as far from what was taken as is usual. One camera may be of another make, with τ = 1. With the terms S z,
+z of unit covariance,
 
-    A = 1 + R P R,   v_τ = v − P R A⁻¹ R v,   P_τ = P − P R A⁻¹ R P        (1)
+    S = (τ),   or   S = (τ, √(1 − τ²) E)                                 (1)
 
-is the fit that τ σ would have given, and
+where τ is diagonal and E has a column of ones for all cameras' values of a term. What images alone say is a normal
+matrix F = P⁻¹ − 1 and a right side b = P⁻¹ v, so that
 
-    p(τ) ∝ |A|^(−1/2) exp(−vᵀ R A⁻¹ R v / 2) ∏ 1 / τ                      (2)
+    A = 1 + Sᵀ F S,   P_τ = S A⁻¹ Sᵀ,   v_τ = P_τ b,   p(S) ∝ |A|^(−1/2) exp(bᵀ v_τ / 2)      (2)
 
-its probability (the evidence of MacKay 1992), where all of `SIZES`, and no camera or any as the odd one, are as likely
-beforehand. Over all of them
+are the fit that S would have given and its probability (the evidence of MacKay 1992), where all of `SIZES`, both of
+(1), and no camera or any as the odd one, are as likely beforehand. Over all of them
 
     v̄ = Σ p v_τ,   M = Σ p (P_τ + (v_τ − v̄)(v_τ − v̄)ᵀ)                   (3)
 
@@ -33,6 +35,7 @@ import scipy
 
 from ...data import Camera
 from ...data.array_types import Bools, Floats
+from ...numerics.blas_threads import one_blas_thread
 from .lens_prior import directions_of, values_of, with_values
 from .parameter_covariance import joint_covariance
 from .robust_adjustment import degrees_of_freedom
@@ -67,16 +70,21 @@ def with_learned_terms(
     return solve(state._replace(cameras=cameras), seen, held, tolerance=NEAR), M
 
 
+@one_blas_thread()
 def averaged(v: Floats, P: Floats, known: Bools) -> tuple[Floats, Floats]:
     """v̄ (n) and M (n, n) of (3), from v (n) and P (n, n) of those of all cameras' terms (C, 6) that are `known`."""
-    sizes = possible_sizes(known)
-    p = scipy.special.softmax([_log_probability(v, P, size) for size in sizes])
+    F, b = np.linalg.inv(P) - np.eye(len(P)), np.linalg.solve(P, v).astype(np.float64)
+    term = np.nonzero(known)[1]
+    E = (term[:, None] == np.unique(term)).astype(np.float64)
+    choices = list(product(possible_sizes(known), (E, E[:, :0])))
+    p = scipy.special.softmax([_log_probability(F, b, _root(*choice)) for choice in choices])
     likely = np.flatnonzero(p > UNLIKELY * p.max())
-    p = p[likely] / p[likely].sum()
-    fits = [_with_size(v, P, size) for size in sizes[likely]]
-    mean = p @ np.array([each for each, _ in fits])
-    spread = np.array([each for each, _ in fits]) - mean
-    return mean, np.tensordot(p, np.array([cov for _, cov in fits]), 1) + spread.T * p @ spread
+    mean, square = np.zeros_like(v), np.zeros_like(P)
+    for share, i in zip(p[likely] / p[likely].sum(), likely, strict=True):
+        P_tau = _covariance(F, _root(*choices[i]))
+        off = P_tau @ b - v
+        mean, square = mean + share * off, square + share * (P_tau + np.outer(off, off))
+    return v + mean, square - np.outer(mean, mean)
 
 
 def possible_sizes(known: Bools) -> Floats:
@@ -87,25 +95,23 @@ def possible_sizes(known: Bools) -> Floats:
     return np.where(odd[:, None], 1.0, sizes).reshape(-1, len(term))
 
 
-def _log_probability(v: Floats, P: Floats, size: Floats) -> float:
-    """ln of (2)."""
-    root, R = _root(P, size)
-    y = scipy.linalg.solve_triangular(root, R * v, lower=True)
-    return float(-np.log(np.diag(root)).sum() - y @ y / 2 - np.log(size).sum())
+def _root(size: Floats, E: Floats) -> Floats:
+    """S (n, m) of (1)."""
+    return np.column_stack([np.diag(size), np.sqrt(1 - size**2)[:, None] * E])
 
 
-def _with_size(v: Floats, P: Floats, size: Floats) -> tuple[Floats, Floats]:
-    """(1)."""
-    root, R = _root(P, size)
-    B = scipy.linalg.solve_triangular(root, R[:, None] * P, lower=True)
-    y = scipy.linalg.solve_triangular(root, R * v, lower=True)
-    return v - B.T @ y, P - B.T @ B
+def _log_probability(F: Floats, b: Floats, S: Floats) -> float:
+    """ln p of (2)."""
+    L = np.linalg.cholesky(np.eye(S.shape[1]) + S.T @ F @ S)
+    y = scipy.linalg.solve_triangular(L, S.T @ b, lower=True)
+    return float(y @ y / 2 - np.log(np.diag(L)).sum())
 
 
-def _root(P: Floats, size: Floats) -> tuple[Floats, Floats]:
-    """The lower triangle whose product with its transpose is A, and R (n)."""
-    R: Floats = np.sqrt(size**-2 - 1)
-    return np.asarray(np.linalg.cholesky(np.eye(len(P)) + R[:, None] * P * R)), R
+def _covariance(F: Floats, S: Floats) -> Floats:
+    """P_τ of (2)."""
+    L = np.linalg.cholesky(np.eye(S.shape[1]) + S.T @ F @ S)
+    B = scipy.linalg.solve_triangular(L, S.T, lower=True)
+    return np.asarray(B.T @ B)
 
 
 def covariance_with(

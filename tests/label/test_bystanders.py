@@ -74,7 +74,7 @@ def test_computed_points_of_the_static_trial_are_no_bystanders():
     worn, still, _ = trials()
     x = still["LASI"].xyz
     axes = zip(("PELO", "PELA", "PELL", "PELP"), np.vstack([np.zeros(3), 200 * np.eye(3)]), strict=True)
-    points = tuple(MarkerTrajectory.measured(name, x + [0, 0, 150] + tip) for name, tip in axes)
+    points = tuple(MarkerTrajectory.measured(name, x + np.array([0, 0, 150]) + tip) for name, tip in axes)
     wider = static_bystanders(replace(still, paths=(*still.paths, *points)), worn)
     assert wider.names == static_bystanders(still, worn).names
 

@@ -70,6 +70,15 @@ def test_without_nameless_markers_in_the_static_trial_nothing_is_known_of_them()
     assert len(still.paths[0]) > 4 and static_bystanders(brief, worn) is None
 
 
+def test_computed_points_of_the_static_trial_are_no_bystanders():
+    worn, still, _ = trials()
+    x = still["LASI"].xyz
+    axes = zip(("PELO", "PELA", "PELL", "PELP"), np.vstack([np.zeros(3), 200 * np.eye(3)]), strict=True)
+    points = tuple(MarkerTrajectory.measured(name, x + np.array([0, 0, 150]) + tip) for name, tip in axes)
+    wider = static_bystanders(replace(still, paths=(*still.paths, *points)), worn)
+    assert wider.names == static_bystanders(still, worn).names
+
+
 def test_what_is_known_for_sure_or_was_refused_stays_as_it_was():
     worn, still, walk = trials()
     by, wider = static_template(still, worn), static_bystanders(still, worn)

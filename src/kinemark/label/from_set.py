@@ -16,6 +16,7 @@ import numpy as np
 
 from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats, Ints
+from ..data.computed_points import computed_points
 from ..data.nearest_word import some_names
 from .labels import Labels, State
 from .template import LEAST_VOLUME, Template, learn_template, widest, widest_corner
@@ -63,13 +64,14 @@ def static_bystanders(trial: Trajectories, marker_set: MarkerSet) -> Template | 
     """The same with the static trial's tracks that are none of the set as further labels, called as they are there.
 
     A subject who wears more than the set, named or not, wears it in both trials: what another marker beside a thigh's
-    is like tells which of the two is the thigh's. See `bystanders`. None where there are no such tracks.
+    is like tells which of the two is the thigh's. Computed points are none. See `bystanders`. None where there are no
+    such tracks.
     """
-    names = list(static_template(trial, marker_set).names)
+    names, computed = list(static_template(trial, marker_set).names), computed_points(trial)
     others = [
         path.name
         for path in trial
-        if path.name not in marker_set.names and np.isfinite(path.xyz[:, 0]).mean() > LEAST_SEEN
+        if path.name not in {*marker_set.names, *computed} and np.isfinite(path.xyz[:, 0]).mean() > LEAST_SEEN
     ]
     return _of_static(trial, marker_set, names, others) if others else None
 

@@ -32,6 +32,7 @@ from ..track.simultaneous import (
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
 from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_others, put_in_order, told_in_order
+from .camera_checks.pixel_axes import pixel_axes
 from .camera_checks.start_times import in_time, with_delays_to_state, with_start_times
 from .fill_files import angle_model
 from .graph import Records, Stage
@@ -118,16 +119,22 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
-    tracked = _in_any_order(detections, rig, method, place)
+    tracked = _in_any_order(detections, rig, method, place, inputs.settings.match)
     late = with_delays_to_state(tracked.diagnostics, inputs.settings.cameras.delays_ms)
     return tracked._replace(diagnostics=late)
 
 
-def _in_any_order(detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares) -> Tracked:
-    """Tracks of Kinemark's own tracker; of cameras in the wrong order, by the right one, where that fits better."""
+def _in_any_order(
+    detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares, matching: Any
+) -> Tracked:
+    """Tracks of Kinemark's own tracker; of cameras in the wrong order, by the right one, where that fits better.
+
+    Mirrored images of a ring are those of a ring in another order too, and would be tracked in a mirrored world.
+    """
     tracked = _simultaneously(detections, rig, method, place)
-    images_of = images_of_others(tracked.diagnostics, detections, rig, tracked.tracks.cloud)
-    if images_of:
+    cloud = tracked.tracks.cloud
+    images_of = images_of_others(tracked.diagnostics, detections, rig, cloud)
+    if images_of and not pixel_axes(detections, rig, cloud, matching=matching, placing=place):
         ordered = put_in_order(rig, images_of)
         first = _simultaneously(detections, ordered, method, place)
         again = _at_any_start(detections, ordered, method, place, first)

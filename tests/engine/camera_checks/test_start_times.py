@@ -89,7 +89,7 @@ def test_images_of_frames_that_were_not_recorded_are_not_valid(seen, n):
 
 def inputs(rig, **delays_ms):
     cameras = SimpleNamespace(delays_ms=delays_ms)
-    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares(), cameras=cameras)
+    settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares(), match=None, cameras=cameras)
     return SimpleNamespace(rig=rig, settings=settings)
 
 

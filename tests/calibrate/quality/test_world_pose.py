@@ -60,7 +60,10 @@ def test_points_that_do_not_fix_a_room_say_nothing():
 
 
 def test_positions_in_a_room_that_is_off_are_within_what_is_stated():
-    """The L-frame on the floor, the wand above it: a whole calibration, of which ellipsoids alone hold a tenth."""
-    one = judged(2013, Wand())
-    assert one.apart < 0.2 and one.moved > 0.4
-    assert one.room > 0.9 and one.rest > 0.9
+    """The L-frame on the floor, the wand above it: whole calibrations; of one, ellipsoids alone hold a tenth.
+
+    All places of a calibration share one motion, so three calibrations are asked together.
+    """
+    first, *others = (judged(seed, Wand()) for seed in (2013, 2014, 2015))
+    assert first.apart < 0.2 and first.moved > 0.4
+    assert np.mean([[one.room, one.rest] for one in (first, *others)], axis=0).min() > 0.9

@@ -121,12 +121,13 @@ def test_reflections_that_meet_by_chance_do_not_tell_how_well_a_calibration_fits
         assert (lasting_variance(images, fundamentals(images.P), T, GATE) is not None) == told
 
 
-@pytest.mark.parametrize(("cameras", "most_pieces"), [(4, 36), (8, 34)])
-def test_who_walks_slowly_has_no_second_tracks(cameras, most_pieces):
+@pytest.mark.parametrize(("cameras", "most_tracks"), [(4, 35), (8, 34)])
+def test_who_walks_slowly_has_no_second_tracks(cameras, most_tracks):
     """Feet in stance stand still in some cameras alone, where nothing comes near them; 40 and 48 tracks of 34 markers
-    when their images in the others began tracks at once."""
+    when their images in the others began tracks at once. What two cameras see for a moment is none of these."""
     rig = synth.ring(cameras)
     subject = synth.walking(duration_s=30.0, rate=100.0, speed_mm_s=80.0, wobble_mm=1.0, seed=0)
     subject = synth.with_markers(subject, 39, apart_mm=30.0, seed=0)
     detections = synth.observe(rig, subject, noise_px=0.2, merge_px=4.0, seed=0).detections
-    assert len(track_detections(detections, rig)) <= most_pieces
+    points = np.bincount(track_detections(detections, rig).id)
+    assert (points >= 20).sum() <= most_tracks

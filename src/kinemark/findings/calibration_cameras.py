@@ -26,7 +26,7 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
         "distortion": camera.distortion,
         "lens_fitted": bool(camera.cov.diagonal()[4:9].any()),
         **_camera_fit(camera, c, evidence),
-        "image_share": cover.image_share,
+        "image_share": cover.image_share if cover.points else None,
         "volume_share": cover.volume_share if cover.points else None,
         "hull_px": cover.hull,
         "aim_u_px": cover.u,

@@ -2,6 +2,7 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { Orbit } from "./orbit";
 import { fit, palette, type Palette } from "./palette";
+import { uprightOf } from "./room";
 
 export type Place = readonly [number, number, number];
 export interface Line { a: Place; b: Place; colour: string; width?: number }
@@ -27,8 +28,9 @@ export class Flat {
     this.draw();
   }
 
-  /** Look at all between two corners. */
-  frame(low: Place, high: Place): void {
+  /** Look at all between two corners, with this axis of the world up. */
+  frame(low: Place, high: Place, up: Place = [0, 0, 1]): void {
+    this.orbit.upright.copy(uprightOf(up));
     const size = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1000;
     this.orbit.look((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2, size * 1.35);
   }

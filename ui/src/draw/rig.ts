@@ -1,8 +1,9 @@
 /** A calibration in space: cameras, volume, and its standard deviation in mm as colours of dots. */
+import { Vector3 } from "three";
 import type { CalibrationShown } from "../api/sessions";
 import type { Dot, Line, Place } from "./Flat";
 import { palette, rgb } from "./palette";
-import { box, floor, pyramid } from "./room";
+import { box, floor, pyramid, standing, uprightOf } from "./room";
 
 /** Flat numbers, six a segment, as lines. */
 const lines = (flat: readonly number[], colour: string, width?: number): Line[] =>
@@ -20,15 +21,22 @@ export function span(of: CalibrationShown, lost: string | null): [number, number
   return [all[Math.floor(0.02 * (all.length - 1))] ?? 0, all[Math.floor(0.98 * (all.length - 1))] ?? 1];
 }
 
-export function rigDrawn(of: CalibrationShown, lost: string | null): { lines: Line[]; dots: Dot[]; low: Place; high: Place } {
-  const p = palette(), [low, high] = of.volume as unknown as [Place, Place], places = [low, high, ...of.cameras.map((c) => c.centre as Place)];
+export function rigDrawn(of: CalibrationShown, lost: string | null): { lines: Line[]; dots: Dot[]; low: Place; high: Place; up: Place } {
+  const p = palette(), [low, high] = of.volume as unknown as [Place, Place], up = [0, 1, 2].map((k) => +(k === of.map.axis)) as unknown as Place, places = [low, high, ...of.cameras.map((c) => c.centre as Place)];
   const ends = (pick: (...v: number[]) => number): Place => [0, 1, 2].map((k) => pick(...places.map((at) => at[k]!))) as unknown as Place;
   const cameras = of.cameras.flatMap((c) => lines(pyramid(c), c.name === lost ? p.bad : p.ink, c.name === lost ? 1 : 1.4));
   const names = of.cameras.map((c): Dot => ({ at: c.centre as Place, colour: c.name === lost ? p.bad : p.ink, size: 3, words: c.name === lost ? `${c.name} lost` : c.name }));
   return {
-    lines: [...lines(floor(ends(Math.min), ends(Math.max), low[2]), p.line), ...lines(box([low, high]), p.faint), ...cameras],
-    dots: [...errors(of, lost), ...names], low: ends(Math.min), high: ends(Math.max),
+    lines: [...lines(ground(low, ends(Math.min), ends(Math.max), up), p.line), ...lines(box([low, high]), p.faint), ...cameras],
+    dots: [...errors(of, lost), ...names], low: ends(Math.min), high: ends(Math.max), up,
   };
+}
+
+/** Lines of the floor that the volume stands on, under all between two corners. */
+function ground(volume: Place, low: Place, high: Place, up: Place): number[] {
+  const upright = uprightOf(up), [from, to] = standing(low, high, upright), level = new Vector3(...volume).applyQuaternion(upright.clone().invert()).z;
+  const flat = floor(from, to, level);
+  return Array.from({ length: flat.length / 3 }, (_, i) => new Vector3().fromArray(flat, 3 * i).applyQuaternion(upright).toArray()).flat();
 }
 
 function errors(of: CalibrationShown, lost: string | null): Dot[] {

@@ -102,7 +102,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "previous", keys: ["Shift+N"], title: "Previous problem", group: "Problems", screens: ["tracks"], when: hasTrial, run: () => acts.step(-1) },
   { id: "unlikely", keys: ["Shift+U"], title: "Show problems that are not worth a look, or hide them", group: "Problems", screens: ["tracks"], when: (s) => (s.problems?.problems.length ?? 0) > (s.problems?.worth_looking ?? 0), run: () => set((s) => ({ unlikely: !s.unlikely })) },
   ...[1, 2, 3, 4, 5].map(taken),
-  { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: (s) => onProblem(s) && keepOf(currentProblem(s)!) !== null, fits: (s) => wayTo(currentProblem(s), "keep") !== null, foot: 20, hint: (s) => keepOf(currentProblem(s)!)!.words, run: acts.rightAsIs },
+  { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: (s) => onProblem(s) && keepOf(currentProblem(s)!) !== null, fits: (s) => wayTo(currentProblem(s), "keep") !== null && proposed(currentProblem(s)!)?.action !== "keep", foot: 20, hint: (s) => keepOf(currentProblem(s)!)!.words, run: acts.rightAsIs },
   { id: "later", keys: ["-"], title: "Later", group: "Problems", screens: ["tracks"], when: onProblem, foot: 22, hint: () => "later", run: acts.putOff },
   { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => acts.dropping(s) !== null, fits: (s) => s.screen !== "gaps" && (!onProblem(s) || s.first !== null || s.last !== null || dropOf(currentProblem(s)!) !== null), foot: 24, hint: (s) => acts.dropping(s)!.words, run: () => settled(() => acts.dropping(get())?.run()) },
   // Names

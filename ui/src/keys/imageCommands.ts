@@ -21,7 +21,7 @@ export const DETECT_COMMANDS: readonly Command[] = [
   { id: "detect-mask", keys: ["M"], title: "Paint masks", group: "Detection", screens: DETECT, when: there, foot: 4, hint: (s) => (s.detect!.painting ? "no longer paint masks" : "paint masks"), run: d.flipPainting },
   { id: "detect-white", keys: ["P"], title: "Show white pixels", group: "Detection", screens: DETECT, when: there, foot: 5, hint: (s) => (s.detect!.white ? "without white pixels" : "white pixels"), run: d.flipWhite },
   { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise", "tracks", "report", "history"], when: (s) => s.id !== null && (s.header ? s.header.session_id !== null && (s.screen === "detect" || s.screen === "digitise" || s.header.stale !== "") : s.runs), foot: 8, hint: () => "run the trial", run: () => void runTrial() },
-  { id: "detect-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DETECT, foot: 6, hint: () => "next frame", run: frame(1) },
+  { id: "detect-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DETECT, when: there, foot: 6, hint: () => "next frame", run: frame(1) },
   { id: "detect-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DETECT, run: frame(-1) },
   { id: "detect-forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: DETECT, run: frame(10) },
   { id: "detect-back-10", keys: ["Shift+ArrowLeft"], title: "10 frames back", group: "Time", screens: DETECT, run: frame(-10) },

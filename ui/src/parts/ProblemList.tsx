@@ -1,7 +1,7 @@
 import { ArrowLeftRight, CircleCheck, CopyX, FastForward, Ghost, Link2, Move3d, Repeat, Spline, Tag, Unlink, Users, Vibrate, Zap } from "lucide-react";
 import { useEffect, useRef } from "react";
 import type { Alternative, Problem } from "../api/types";
-import { count, frames, many, mm, percent, tenths } from "../model/format";
+import { frames, many, mm, percent, tenths } from "../model/format";
 import { withoutSubject } from "../model/names";
 import { about, asItIs, changes, keepOf, unlikely, worthALook } from "../model/problems";
 import { choose, lookAt } from "../state/acts";
@@ -61,9 +61,9 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
   );
 }
 
-/** How probable a way is, and what comes of it. */
-function Consequence({ of: a }: { of: Alternative }): React.JSX.Element | null {
-  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null || a.cost < 0.05 ? "" : `costs ${count(a.cost < 10 ? Math.round(10 * a.cost) / 10 : Math.round(a.cost))} mm × samples`].filter(Boolean);
+/** How probable a way is, what comes of it, and how far off each sample at stake is to be expected then. */
+function Consequence({ of: a, stake }: { of: Alternative; stake: number }): React.JSX.Element | null {
+  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null || !stake || a.cost < 0.05 ? "" : `${mm(a.cost / stake)} mm off expected`].filter(Boolean);
   return parts.length ? <small className="number">{parts.join(" · ")}</small> : null;
 }
 
@@ -73,15 +73,15 @@ function Open({ problem: p, number }: { problem: Problem; number: number }): Rea
   const drawn = shown?.problem === p.id ? shown.key : first;
   return (
     <div className={styles.open} aria-current="true">
-      <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span><Weight problem={p} /></div>
+      <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span>{p.wrong !== null && <b className={`${styles.weight} number`}>{percent(p.wrong)}</b>}</div>
       <p data-words>{p.words}</p>
-      <p className="soft number">{many(p.at_stake, "sample")} at stake</p>
+      <p className="soft number">{many(p.at_stake, "sample")} at stake{p.cost_mm !== null && `, ${mm(p.cost_mm)} mm off each ${p.kind === "gap" ? "where filled" : "if it is wrong"}`}</p>
       <ul className={styles.ways}>
         {p.alternatives.map((a, i) => (
           <li key={a.key}>
             <button type="button" className={styles.way} data-key={a.key} data-first={i === 0 ? "yes" : ""} onPointerEnter={() => void drawInstead(p, a.key)} onFocus={() => void drawInstead(p, a.key)} onClick={() => void choose(p, a.key)}>
               <kbd>{i === 0 ? "Enter" : i + 1}</kbd>
-              <span><b>{a.words}</b>{<Consequence of={a} />}</span>
+              <span><b>{a.words}</b><Consequence of={a} stake={p.at_stake} /></span>
               {(asItIs(a) || a.key === drawn) && <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>}
             </button>
           </li>

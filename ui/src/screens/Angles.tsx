@@ -9,7 +9,7 @@ import { Asked } from "../parts/Shown";
 import { Findings, WordTable } from "../parts/Tables";
 import { Waiting } from "../parts/Waiting";
 import { askSpike, fetchAngles, lookAtSpike, useSessions, writeEuler } from "../state/sessions";
-import { playhead, useStore } from "../state/store";
+import { get, playhead, useStore } from "../state/store";
 import styles from "./Angles.module.css";
 
 /** Standard deviations of a band that holds 95 %. */
@@ -118,7 +118,7 @@ function Limb({ of }: { of: Shown }): React.JSX.Element {
     const at = (k: number, i: number): Place | null => { const v = points[k]!.xyz.subarray(3 * i, 3 * i + 3); return Number.isFinite(v[0]! + v[1]! + v[2]!) ? [v[0]!, v[1]!, v[2]!] : null; };
     const all = points.flatMap((_, k) => Array.from({ length: of.n_frames }, (__, i) => at(k, i)).filter((a): a is Place => a !== null));
     const ends = (pick: (a: number, b: number) => number): Place => all.reduce((x, y) => [pick(x[0], y[0]), pick(x[1], y[1]), pick(x[2], y[2])] as const, all[0] ?? [0, 0, 0]);
-    flat.frame(ends(Math.min), ends(Math.max));
+    flat.frame(ends(Math.min), ends(Math.max), get().header?.up);
     const tail = Math.round(TAIL_S * of.rate);
     const off = playhead.on((frame) => {
       const i = frame - of.first_frame, lines: Line[] = [];

@@ -78,8 +78,8 @@ function Space({ of }: { of: CalibrationShown }): React.JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null), [flat, setFlat] = useState<Flat | null>(null), lost = useSessions((s) => s.lost), theme = useStore((s) => s.theme);
   const [least, most] = span(of, lost);
   useEffect(() => {
-    const made = new Flat(canvas.current!), { low, high } = rigDrawn(of, null);
-    made.frame(low, high);
+    const made = new Flat(canvas.current!), { low, high, up } = rigDrawn(of, null);
+    made.frame(low, high, up);
     setFlat(made);
     return () => made.dispose();
   }, [of]);

@@ -30,7 +30,7 @@ export function Detect(): React.JSX.Element {
   return (
     <div className={styles.screen} data-frame={t.frame} data-found={t.found.length ? "yes" : "no"}>
       <section className={styles.left} aria-label="Images">
-        <div className={styles.tiles} style={{ gridTemplateColumns: `repeat(${Math.ceil(Math.sqrt(shown.length))}, minmax(0, 1fr))` }}>
+        <div className={styles.tiles} style={{ "--columns": Math.ceil(Math.sqrt(shown.length)) } as React.CSSProperties}>
           {shown.map((c) => <Tile key={c.name} name={c.name} />)}
         </div>
         <Legend />

@@ -73,7 +73,7 @@ function Diff({ shown, all, compare }: { shown: Difference | null; all: readonly
   );
   return (
     <aside className={styles.diff} aria-label="Difference of two versions">
-      <header className={styles.head}><h2>Difference</h2>{pick(of, setOf, "Older version")}<span className="soft">to</span>{pick(to ?? last, setTo, "Newer version")}<button type="button" className="button" onClick={() => void compare(of, to ?? last)}>Show</button></header>
+      <header className={styles.head}><h2>Difference</h2>{pick(of, setOf, "Older version")}<span className="soft">to</span>{pick(to ?? last, setTo, "Newer version")}<button type="button" className="button" disabled={of === (to ?? last)} onClick={() => void compare(of, to ?? last)}>Show</button></header>
       {!shown && <p className={styles.none}>Choose two versions, or an entry on the left: names that changed come first, then samples.</p>}
       {shown && (
         <div className={styles.tables} tabIndex={0} role="region" aria-label="What differs">

@@ -199,13 +199,18 @@ def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
         last=gap.stop - 1 + start,
         frames=gap.stop - gap.start,
         method=(said.method or None) if said else None,
-        expected_mm=finite(said.expected_mm) if said else None,
+        expected_mm=None if said is None else finite(_expected_of(said, choice)),
         others=[MethodError(method=m, expected_mm=finite(mm)) for m, mm in sorted(others.items(), key=lambda o: o[1])],
         cameras_alone=_alone(document, gap),
         state=_state(said, choice),
         choice=choice,
         words=said.reason if said else "",
     )
+
+
+def _expected_of(said: FilledGap, choice: str | None) -> float:
+    """mm of the way that somebody chose, else of the best; NaN where that way was not judged."""
+    return said.expected_mm if choice in (None, BEST, OPEN) else said.expected_of.get(choice or "", float("nan"))
 
 
 def _state(said: FilledGap | None, choice: str | None) -> Any:

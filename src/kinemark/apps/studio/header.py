@@ -14,6 +14,7 @@ from ...data.marker_sides import one_sided, sides_by_name
 from ...engine.editing.journal import last_undo
 from ...engine.vertical import vertical
 from ...fill.methods.stage import FILL
+from ...findings.cameras import upwards
 from ...io.edits_jsonl import JournalText
 from ...version import __version__
 from .desk import OpenDocument
@@ -147,9 +148,10 @@ def _volume(rig: Rig | None) -> Any:
 
 
 def _up(document: OpenDocument) -> Vector:
-    """Of a session z, as its cameras are calibrated; of a file as it says or its markers show, found once."""
+    """Of a session as its cameras show; of a file as it says or its markers show, found once."""
     if "up" not in document.kept:
-        source, axis = document.editing.source, np.array([0.0, 0.0, 1.0])
+        rig, source = document.editing.rig, document.editing.source
+        axis = np.eye(3)[2 if rig is None else upwards(rig)]
         with suppress(KinemarkError):  # along no axis
             axis = axis if source is None or document.trial is not None else vertical(source)[0]
         document.kept["up"] = tuple(axis.tolist())

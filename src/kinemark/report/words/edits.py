@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
+import numpy as np
+
 from ...data.edits import (
     SMOOTHING,
     AddEvent,
@@ -54,11 +56,27 @@ SAID, FIRST = 3, 2
 
 def entry_text(edits: Sequence[Edit]) -> str:
     """What an entry says, in a line; of many edits of a kind the first ones, and how many more there are."""
+    if edits and (settled := _settled_text(edits)):
+        return settled
     said: list[str] = []
     for _, some in groupby(edits, key=lambda edit: edit.kind):
         texts = [edit_text(edit) for edit in some]
         said += texts if len(texts) <= SAID else [*texts[:FIRST], f"and {len(texts) - FIRST} more"]
     return "; ".join(said)
+
+
+def _settled_text(edits: Sequence[Edit]) -> str:
+    """What an entry says that settled an exchange, or made pieces one marker; nothing of others."""
+    *claims, last = edits
+    names = [edit.name for edit in claims if isinstance(edit, Claim) and edit.name is not None]
+    if not isinstance(last, Verdict) or last.right or not claims or len(names) < len(claims):
+        return ""
+    spans = [_frames(edit.where) for edit in claims if isinstance(edit, Claim)]
+    if last.decision == "swap" and len(set(names)) == 2 and len(set(spans)) == 1:
+        return f"{' and '.join(names)} exchanged, {spans[0]}"
+    if last.decision == "join" and len(set(names)) == 1:
+        return f"one marker: {names[0]}, {' and '.join(spans)}"
+    return ""
 
 
 def edit_text(edit: Edit) -> str:
@@ -84,11 +102,18 @@ def edit_text(edit: Edit) -> str:
             return _whole_text(edit)
 
 
+DECISIONS = {"swap": "exchange", "join": "one marker", "stitch": "one marker"}
+"""What kinds of decisions are called where the list of problems calls them otherwise."""
+
+
 def _whole_text(edit: Edit) -> str:
     """Of edits that are of the whole trial or the journal."""
     match edit:
         case Verdict():
-            return f"ambiguous decision ({edit.decision}): {'right' if edit.right else 'wrong'}"
+            frames = [witness.frame for stretch in edit.where for witness in stretch.witnesses]
+            at = f" near frame {round(float(np.median(frames)))}" if frames else ""
+            what = DECISIONS.get(edit.decision, edit.decision)
+            return f"{what}?{at}: {'right as it is' if edit.right else 'it was wrong'}"
         case Trim():
             return f"trimmed to {span_of_frames(edit.first, edit.last)}"
         case DropUnnamed():
@@ -106,15 +131,20 @@ def _whole_text(edit: Edit) -> str:
 
 
 OPEN_ENDS = {
-    (False, False): "", (False, True): " and on", (True, False): " and before", (True, True): ", the track as a whole",
+    (False, False): "", (False, True): " and on", (True, False): " and before", (True, True): "",
 }  # fmt: skip
 """How far a stretch goes on beyond the frames that it was seen in: before them, after them."""
 
 
 def _span(where: Stretch) -> str:
     """The frames of a stretch and where it begins."""
-    seen = [witness.frame for witness in where.witnesses]
     x, y, z = where.witnesses[0].xyz
-    first, last = where.first or seen[0], where.last or seen[-1]
+    whole = ", the track as a whole" if where.first is None and where.last is None else ""
+    return f"{_frames(where)}{whole}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"
+
+
+def _frames(where: Stretch) -> str:
+    """The frames of a stretch."""
+    seen = [witness.frame for witness in where.witnesses]
     follows = OPEN_ENDS[where.first is None, where.last is None]
-    return f"{span_of_frames(first, last)}{follows}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"
+    return f"{span_of_frames(where.first or seen[0], where.last or seen[-1])}{follows}"

@@ -23,10 +23,11 @@ def _far(mm: float) -> str:
 def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int, mm: float) -> str:
     """What it is."""
     frames = span_of_frames(first, last)
-    off = f", {_far(mm)}" if np.isfinite(mm) else ""
+    known = np.isfinite(mm)
     one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
+    if kind == "swap":
+        return f"{one} and {other} may be exchanged from {frames} on" + (f": a jump of {_far(mm)}" if known else "")
     text = {
-        "swap": f"{one} and {other} may be exchanged from {frames} on",
         "join": f"{one} and {other} may be one marker" if other else f"{one} may be two markers, before and after",
         "ghost": f"{one} may be no marker",
         "spike": f"{one} jumps away and back",
@@ -40,7 +41,7 @@ def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int
         "gap": f"{one} has a gap",
         "edit": "an edit no longer finds its place",
     }[kind]
-    return f"{text}, {frames}{off}" if kind != "swap" else f"{text}{off}"
+    return f"{text}, {frames}" + (f", {_far(mm)}" if known else "")
 
 
 def untold_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int) -> str:
@@ -129,7 +130,8 @@ def mend_text(track: str, erased: int, cuts: Sequence[int]) -> str:
 def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, name: str = "") -> str:
     """What an alternative does; `name` is what it calls something, or the method of filling."""
     one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
-    jump = f" ({_far(mm)} off)" if np.isfinite(mm) else ""
+    off = f" ({_far(mm)} off)" if np.isfinite(mm) else ""
+    jump = off and f" (a jump of {_far(mm)})"
     return {
         "keep": f"right as it is{jump}",
         "exchange": f"exchange {one} and {other} from frame {frame} on{jump}",
@@ -138,7 +140,7 @@ def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, na
         "no_marker": f"{one} is no marker",
         "erase": f"erase these samples{jump}",
         "rename": f"it is {name}",
-        "fill": f"fill by {name}{jump}",
+        "fill": f"fill by {name}{off}",
         "leave_open": "leave it open",
         "drop_edit": "drop the edit",
         "wait": "keep it, and wait",

@@ -41,4 +41,4 @@ def test_an_entry_is_shown_with_its_witnesses_and_one_of_an_older_journal_withou
 @pytest.mark.parametrize(("mm", "said"), [(0.47, "0.5 mm"), (12.3, "12 mm"), (67356.0, "more than 10 m")])
 def test_distances_of_problems_are_such_as_a_person_reads(mm, said):
     assert said in problem_text("spike", ("LKNE",), 3, 5, mm)
-    assert f"({said} off)" in action_text("keep", ("LKNE",), 3, mm)
+    assert f"(a jump of {said})" in action_text("keep", ("LKNE",), 3, mm)

@@ -15,6 +15,7 @@ from kinemark.gait import analyse_gait, marker_points, standard_trial, with_stat
 from kinemark.gait.estimated_measures import mass_on_plates
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.marker_doubts import MarkerDoubts, marker_doubts
+from kinemark.gait.marker_leaps import MarkerLeaps
 from kinemark.gait.plate_contacts import Contact
 from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
 from kinemark.gait.reaction import Reaction
@@ -377,3 +378,35 @@ def test_a_belt_that_writes_nothing_below_a_threshold_is_not_at_its_limit(seed):
     assert saturation_doubts([plate], [block]) == ()
     cut = replace(block, values=np.maximum(channels, -600))
     assert [one.what for one in saturation_doubts([plate], [cut])] == ["saturated"]
+
+
+def plates(**changed):
+    def of(plate):
+        return replace(plate, **{name: change(getattr(plate, name)) for name, change in changed.items()})
+
+    return lambda trial: replace(trial, plates=tuple(map(of, trial.plates)))
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({}, set()),
+        ({"corners": lambda c: 1000 * c}, {"elsewhere"}),
+        ({"corners": lambda c: c / 1000}, {"elsewhere"}),
+        ({"corners": lambda c: c + [2000.0, 1000.0, 0.0]}, {"elsewhere"}),
+        ({"origin": lambda o: np.array([0.0, 0.0, 0.04])}, {"origin"}),
+        ({"origin": lambda o: np.array([0.0, 0.0, 40e3])}, {"origin"}),
+        ({"origin": lambda o: np.array([900.0, 0.0, 40.0])}, {"origin"}),
+        ({"origin": lambda o: np.zeros(3)}, set()),
+    ],
+)
+@pytest.mark.parametrize("name", ["pig_gait_child/HC030A05", "pig_gait_children/HC031A23", "pig_gait_children/HC002D25"])
+def test_plates_that_are_elsewhere_and_origins_of_another_unit_are_told(name, changed, told):
+    """A step on a plate 1000 times too far was no step, and nothing was said but that no foot was near."""
+    walk = standard_trial(read_trial(shared_data("mocap3d") / f"{name}.c3d")).trial
+    found = gait(plates(**changed)(walk), measures_of(walk.source)).plates
+    where = [doubt for doubt in found if doubt.what in ("elsewhere", "origin")]
+    assert bool(where) == bool(told) and told <= {doubt.what for doubt in where}
+    assert len({doubt.plate for doubt in where}) == len(where)  # of each plate one
+    said = with_words({"findings": [one.as_dict() for one in of_doubts("walk", MarkerDoubts(), where, MarkerLeaps())]})
+    assert all("mm or m" in one["advice"] and "{" not in one["text"] for one in said["findings"])

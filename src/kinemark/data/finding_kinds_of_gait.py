@@ -18,7 +18,7 @@ GAIT_KINDS = (
     Kind("gait_static_moves", "gait", "amber", "The subject bends the legs in the standing trial; how much shorter "
          "they get.", {"trial": "text", "by_mm": "mm"}),
     Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",
-         {"side": "text", "strides": "count"}),
+         {"left_strides": "count", "right_strides": "count"}),
     Kind("gait_angles_with_gaps", "gait", "amber", "Strides of a side in which more than a tenth of some angle is not "
          "known, for markers are missing; of which joints, and how much of these angles is not.",
          {"side": "text", "cut": "count", "strides": "count", "joints_list": "text", "unknown_share": "share"}),
@@ -31,9 +31,10 @@ GAIT_KINDS = (
          "middle 95 % of the worst.", {"trial": "text", "pairs_list": "text", "most_mm": "mm"}),
     Kind("gait_plate_doubtful", "gait", "amber", "A plate, or all, cannot be as the file says. what: beside (the "
          "centre of pressure is that share of the foot's length aside of it), backward (it goes that share forward), "
-         "weight (that share off the stated one), saturated (that share of the samples under load) or time (of its "
-         "events against the markers').",
-         {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms"}),
+         "weight (that share off the stated one), saturated (that share of the samples under load), time (of its "
+         "events against the markers'), elsewhere (nobody is near while it is loaded as by a foot that stands then) or "
+         "origin (its sensors are so far from its surface or its middle).",
+         {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms", "away_mm": "mm"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),
     Kind("gait_measures_estimated", "gait", "amber", "Nobody states the subject's measures: legs by the markers, "

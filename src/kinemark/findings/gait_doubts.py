@@ -22,9 +22,11 @@ def of_doubts(trial: str, names: MarkerDoubts, plates: Sequence[PlateDoubt], lea
         pairs, most = [f"{a}–{b}" for a, b, _ in names.moved], max(mm for *_, mm in names.moved)
         yield make_finding("gait_markers_move_apart", trial=trial, pairs_list=pairs, most_mm=most)
     for doubt in plates:
-        share = doubt.value if doubt.what != "time" else None
         late = 1000 * doubt.value if doubt.what == "time" else None
+        away = doubt.value if doubt.what in ("elsewhere", "origin") else None
+        share = doubt.value if late is away is None else None
         plate = None if doubt.plate is None else doubt.plate + 1
         yield make_finding(
-            "gait_plate_doubtful", trial=trial, plate=plate, what=doubt.what, by_share=share, late_ms=late
+            "gait_plate_doubtful", trial=trial, plate=plate, what=doubt.what, by_share=share, late_ms=late,
+            away_mm=away,
         )

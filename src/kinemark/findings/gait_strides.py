@@ -23,7 +23,6 @@ def of_strides(each: Mapping[str, Sequence[Stride]], files: Mapping[str, str]) -
     for trial, own in each.items():
         if not own:
             yield make_finding("gait_without_strides", severity=severity, trial=trial, file=files.get(trial, trial))
-    for side in SIDES:
-        n = sum(one.side == side and one.counts for own in each.values() for one in own)
-        if 0 < n < FEW_STRIDES:
-            yield make_finding("gait_few_strides", side=side, strides=n)
+    left, right = (sum(one.side == side and one.counts for own in each.values() for one in own) for side in SIDES)
+    if any(0 < n < FEW_STRIDES for n in (left, right)):
+        yield make_finding("gait_few_strides", left_strides=left, right_strides=right)

@@ -14,6 +14,9 @@ last (2). Feet that strike with the toes, or bear on the heel alone, have little
 the pressure goes backward, or hardly moves at all. The contacts' impulses weigh the body (`estimated_measures`), and
 events from markers and plates are at one time (3). A channel that stands still where it is farthest from its rest, and
 moves in fine steps elsewhere, is at the limit of its amplifier (4).
+
+A plate on which no foot ever is, and which is loaded from when a foot strikes till it leaves, is where that foot is, and
+not where its corners say (5). Its sensors are some centimetres off the surface, and between its edges (6).
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES
 from .plate_contacts import Contact
-from .reaction import Reaction
+from .reaction import Reaction, plate_axes
 from .segments import Z_UP, unit
 
 LOADED = 0.2
@@ -59,11 +62,14 @@ CUT_SAMPLES = 10
 CARRYING = {1: slice(2, 3), 2: slice(2, 5), 3: slice(4, 8), 4: slice(2, 5), 5: slice(0, 8)}
 """Channels that carry the weight, by the type of plate; of the file format. Others are far from their limits."""
 
-PlateFault = Literal["beside", "backward", "weight", "time", "saturated"]
+DEPTH_MM = (2.0, 500.0)
+"""How far (6) sensors are off the surface, mm, where that is stated; chosen: of 20 public plates 16 to 101."""
+
+PlateFault = Literal["beside", "backward", "weight", "time", "saturated", "elsewhere", "origin"]
 
 
 class PlateDoubt(NamedTuple):
-    """Of a plate, counted from 0, or of all (None): what is wrong, and by how much: feet, feet, share or s."""
+    """Of a plate, counted from 0, or of all (None): what is wrong, and by how much: feet, share, s or mm."""
 
     plate: int | None
     what: PlateFault
@@ -114,6 +120,45 @@ def time_doubts(seen: Sequence[FootEvent], measured: Sequence[FootEvent]) -> tup
     least = max(LATE_S, LATE_SHARE * float(np.median(strides))) if strides else LATE_S
     alike = len(means) == 2 and np.ptp(means) < LATE_S and min(map(abs, means)) > least
     return (PlateDoubt(None, "time", float(np.mean(means))),) if alike else ()
+
+
+def place_doubts(
+    plates: Sequence[ForcePlate], contacts: Sequence[Contact], seen: Sequence[FootEvent], *, rate: float
+) -> tuple[PlateDoubt, ...]:
+    """Plates that are elsewhere by (5), with mm to the foot that stood when they were loaded, or whose sensors cannot
+    be where their origin is by (6), with mm off the surface or the middle; of each plate one.
+
+    Args:
+        plates: of the trial. contacts: on them. seen: events from markers. rate: frames a second.
+    """
+    origins = {k: mm for k, plate in enumerate(plates) if (mm := _origin_off(plate))}
+    in_time = sorted(seen, key=lambda event: event.time)
+    stands = [(a.time, b.time) for side in SIDES
+              for a, b in pairwise(e for e in in_time if e.side == side) if a.strike and not b.strike]  # fmt: skip
+    known = {one.plate for one in contacts if one.reason != "no_foot"} | {
+        k for k, mm in origins.items() if mm > DEPTH_MM[1]
+    }
+    away: dict[int, float] = {}
+    for one in contacts:
+        first, last = one.first / rate, one.stop / rate
+        alike = any(max(abs(first - a), abs(last - b)) < ALIKE_S for a, b in stands)
+        if one.plate not in known and alike and np.isfinite(one.distance):
+            away[one.plate] = min(away.get(one.plate, np.inf), one.distance)
+    return (
+        *(PlateDoubt(plate, "elsewhere", mm) for plate, mm in away.items()),
+        *(PlateDoubt(plate, "origin", mm) for plate, mm in origins.items() if plate not in away),
+    )
+
+
+def _origin_off(plate: ForcePlate) -> float:
+    """mm by which its sensors are off the surface or the middle where they cannot be there by (6), else 0."""
+    if plate.type not in range(2, 6) or not np.isfinite(plate.corners).all():
+        return 0.0
+    R, middle = plate_axes(plate.corners)
+    half, off = np.abs((plate.corners - middle) @ R[:, :2]).max(0), np.abs(plate.origin)
+    if off[2] and not DEPTH_MM[0] <= off[2] <= DEPTH_MM[1]:
+        return float(off[2])
+    return float(off[:2].max()) if (off[:2] > half).any() else 0.0
 
 
 def saturation_doubts(plates: Sequence[ForcePlate], analog: Sequence[Analog]) -> tuple[PlateDoubt, ...]:

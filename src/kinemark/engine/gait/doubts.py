@@ -14,7 +14,14 @@ from ...gait.foot_events import marker_events
 from ...gait.gait_trial import GaitTrial
 from ...gait.marker_doubts import MarkerDoubts, marker_doubts
 from ...gait.marker_leaps import MarkerLeaps, marker_leaps
-from ...gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
+from ...gait.plate_doubts import (
+    PlateDoubt,
+    place_doubts,
+    plate_doubts,
+    saturation_doubts,
+    time_doubts,
+    weight_doubts,
+)
 from ...gait.static_checks import FeetTaken, feet_taken
 from ...io.c3d.subject_measures import measures_of
 
@@ -63,10 +70,12 @@ def doubted_plates(
     rate = trial.trajectories.rate
     weighed = mass_on_plates(gait.reactions, gait.contacts, events, rate=rate)
     measured = [event for event in events if event.source == "plate"]
-    late = time_doubts(marker_events(points, rate), measured) if measured else ()
+    seen = marker_events(points, rate)
+    late = time_doubts(seen, measured) if measured else ()
     return (
         *plate_doubts(gait.reactions, gait.contacts, points),
         *weight_doubts(weighed, mass_kg, gait.contacts),
         *late,
+        *place_doubts(trial.plates, gait.contacts, seen, rate=rate),
         *saturation_doubts(trial.plates, trial.analog),
     )

@@ -138,12 +138,16 @@ DOUBTFUL = {
     "weight": "by the plates the body weighs {by_share} more than by the measures",
     "time": "its events come {late_ms:0} after those of the markers",
     "saturated": "a channel is cut off at its limit, in {by_share} of the samples under load",
+    "elsewhere": "it is loaded while a foot stands {away_mm} away, and by nobody else",
+    "origin": "its sensors would be {away_mm} off its surface or its middle, as the file has its origin",
 }
 FOR_DOUBTFUL = {
     "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
     "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",
     "saturated": "Set the plate's amplifier to a wider range and record again; what is cut off is lost.",
+    "elsewhere": "Check where the file has the plate's corners, and their unit, mm or m.",
+    "origin": "Check the plate's ORIGIN in the file, and its unit, mm or m.",
     "time": "Check when cameras and plates begin, and the rate of the channels.",
 }
 
@@ -230,7 +234,8 @@ GAIT_WORDS = {
         "Give a trial in which the subject stands still: --static.",
     ),
     "gait_few_strides": Words(
-        "{strides} {strides:stride|strides} of the {side} side: how strides differ is hardly known.",
+        "{left_strides} left and {right_strides} right {right_strides:stride|strides}: how strides differ is hardly "
+        "known.",
         "Give several walks together.",
     ),
     "gait_angles_with_gaps": Words(

@@ -393,14 +393,16 @@ def plates(**changed):
         ({}, set()),
         ({"corners": lambda c: 1000 * c}, {"elsewhere"}),
         ({"corners": lambda c: c / 1000}, {"elsewhere"}),
-        ({"corners": lambda c: c + [2000.0, 1000.0, 0.0]}, {"elsewhere"}),
+        ({"corners": lambda c: c + np.array([2000.0, 1000.0, 0.0])}, {"elsewhere"}),
         ({"origin": lambda o: np.array([0.0, 0.0, 0.04])}, {"origin"}),
         ({"origin": lambda o: np.array([0.0, 0.0, 40e3])}, {"origin"}),
         ({"origin": lambda o: np.array([900.0, 0.0, 40.0])}, {"origin"}),
         ({"origin": lambda o: np.zeros(3)}, set()),
     ],
 )
-@pytest.mark.parametrize("name", ["pig_gait_child/HC030A05", "pig_gait_children/HC031A23", "pig_gait_children/HC002D25"])
+@pytest.mark.parametrize(
+    "name", ["pig_gait_child/HC030A05", "pig_gait_children/HC031A23", "pig_gait_children/HC002D25"]
+)
 def test_plates_that_are_elsewhere_and_origins_of_another_unit_are_told(name, changed, told):
     """A step on a plate 1000 times too far was no step, and nothing was said but that no foot was near."""
     walk = standard_trial(read_trial(shared_data("mocap3d") / f"{name}.c3d")).trial

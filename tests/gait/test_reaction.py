@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import Analog, ForcePlate, KinemarkError
-from kinemark.gait import contacts, reaction
+from kinemark.gait import contacts, marker_points, reaction, standard_trial
 from kinemark.gait.reaction import plate_axes
 from kinemark.io.trial import read_trial
 from support.shared import shared_data
@@ -232,6 +232,17 @@ def test_a_contact_that_does_not_count_says_why(left, right, stands, reason):
     assert one.reason == reason
 
 
+@pytest.mark.parametrize(("name", "plate"), [("HC031A23", 0), ("HC032A01", 0), ("HC002D02", 0)])
+def test_two_feet_on_one_plate_are_told_though_the_pressure_is_near_neither(name, plate):
+    """Who stands on one plate, or steps on it twice in a turn, was told that no foot was near, and to look for wrong
+    corners."""
+    walk = standard_trial(read_trial(shared_data("mocap3d/pig_gait_children") / f"{name}.c3d")).trial
+    rate, n = walk.trajectories.rate, walk.trajectories.n_frames
+    forces = [reaction(one, walk.analog, n_frames=n, rate=rate) for one in walk.plates]
+    found = contacts(forces, marker_points(walk), rate=rate)
+    assert [one.reason for one in found if one.plate == plate] == ["two_feet"]
+
+
 @pytest.mark.parametrize("loaded", [(0.05, 0.7), (0.3, 0.95)])
 def test_a_stick_that_loads_the_plate_while_the_foot_swings_is_noticed(loaded):
     (one,) = stepping((200, 300), (700, 500), loaded=loaded, speed=1100.0)
@@ -301,4 +312,6 @@ def test_a_measured_centre_has_a_unit(unit, mm):
 
 def test_a_load_between_the_feet_belongs_to_neither():
     (one,) = stepping((200, 220), (200, 380), other_stands=True, at=(200, 295))
+    assert (one.side, one.reason) == (None, "two_feet")
+    (one,) = stepping((200, 540), (200, 660), other_stands=True, at=(200, 598))  # the other stands beside the plate
     assert (one.side, one.reason) == (None, "unclear")

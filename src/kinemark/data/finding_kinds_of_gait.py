@@ -43,6 +43,8 @@ GAIT_KINDS = (
          {"leg_mm": "mm", "mass_kg": "kg", "widths": "text"}),
     Kind("gait_heels_from_static", "gait", "info", "Heels that the walks do not have sit on the feet as in the static "
          "trial."),
+    Kind("gait_one_leg", "gait", "amber", "No marker of one leg is in a walk: its side has no numbers.",
+         {"trial": "text", "side": "text"}),
     Kind("gait_markers_renamed", "gait", "info", "Markers of the file that were taken for the model's, as SACR = "
          "sacrum.", {"names_list": "text"}),
     Kind("gait_hips_functional", "gait", "info", "Hip joint centres come from a motion that turns them. way: score or "

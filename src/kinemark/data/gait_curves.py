@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -112,3 +112,18 @@ def known_mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -
     """Mean of y (…) over some of its axes of what is known; NaN where nothing is."""
     n = np.isfinite(y).sum(axis, keepdims=keep)
     return np.asarray(np.where(n > 0, np.nansum(y, axis, keepdims=keep) / np.maximum(n, 1), np.nan))
+
+
+def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:
+    """Curves of one name of all trials together."""
+    by_name: dict[str, list[GaitCurves]] = {}
+    for curves in each:
+        for one in curves:
+            by_name.setdefault(one.name, []).append(one)
+    return tuple(
+        same[0]._replace(
+            values=np.concatenate([c.values for c in same]), sd=np.concatenate([c.sd for c in same]),
+            foot_off=np.concatenate([c.foot_off for c in same]),
+        )
+        for same in by_name.values()
+    )  # fmt: skip

@@ -20,6 +20,8 @@ PELVIS = ("LASI", "RASI")
 """Above; conventional names of the gait model."""
 FEET = (("LANK", "RANK"), ("LHEE", "RHEE"), ("LTOE", "RTOE"))
 """Below, the first that are seen: a walk whose shanks follow clusters may have no ankles; conventional names."""
+ONE_FOOT = tuple((name,) for pair in FEET for name in pair)
+"""Where one leg alone has markers: it is 0.1 of its length aside of the pelvis' middle, far less than askew."""
 
 
 def unit(v: Floats) -> Floats:
@@ -64,18 +66,17 @@ def shows_up(points: Mapping[str, Floats]) -> bool:
 
 def _from_the_feet(points: Mapping[str, Floats]) -> Floats | None:
     """(3) of length 1 from the lowest pair of markers to the front of the pelvis; None where none is seen."""
-    middles = {pair: _middle(points, pair) for pair in (PELVIS, *FEET)}
-    below = next((middles[pair] for pair in FEET if middles[pair] is not None), None)
-    above = middles[PELVIS]
+    above = _middle(points, PELVIS)
+    below = next((at for pair in (*FEET, *ONE_FOOT) if (at := _middle(points, pair)) is not None), None)
     return None if above is None or below is None else unit(above - below)
 
 
-def _middle(points: Mapping[str, Floats], pair: tuple[str, str]) -> Floats | None:
-    """(3) mm between the median places of two markers; None where one is never seen."""
-    seen = [points[name][np.isfinite(points[name]).all(1)] for name in pair if name in points]
-    if len(seen) < 2 or not all(len(xyz) for xyz in seen):
+def _middle(points: Mapping[str, Floats], some: tuple[str, ...]) -> Floats | None:
+    """(3) mm between the median places of markers; None where one is never seen."""
+    seen = [points[name][np.isfinite(points[name]).all(1)] for name in some if name in points]
+    if len(seen) < len(some) or not all(len(xyz) for xyz in seen):
         return None
-    return np.asarray(sum(np.median(xyz, axis=0) for xyz in seen) / 2)
+    return np.asarray(sum(np.median(xyz, axis=0) for xyz in seen) / len(some))
 
 
 def axis_of(up: str) -> Floats:

@@ -11,7 +11,7 @@ from ..data import Events, Finding, make_finding
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import UNITS, FootEvent, Stride
-from ..data.subject_measures import SIDES, SubjectMeasures
+from ..data.subject_measures import SIDES, Side, SubjectMeasures
 from ..gait.emg import Emg
 from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical
@@ -27,6 +27,7 @@ from ..gait.way_of_walking import faced_aside
 from ..numerics.finite import finite_mean
 from ..version import __version__
 from .gait_doubts import of_doubts
+from .gait_events import of_events
 from .gait_muscles import of_muscles
 from .gait_numbers import (
     averages_of,
@@ -43,10 +44,6 @@ from .gait_subjects import BodyOfTrial, of_bodies, of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
-FAR_MS = 50.0
-"""Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
-OTHER_MS = 200.0
-"""Difference from which it is another event, ms; chosen: a step takes 500."""
 SIZE_OF = {"knee_width": "mm", "ankle_width": "mm", "device": "share"}
 """In which unit a doubt about a static trial is said; else in degrees."""
 LOOSE_MM = 8.0
@@ -64,7 +61,7 @@ class GaitOfTrial(NamedTuple):
         file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
         way: "level", "running", "stairs", "backward" or "to and fro". first_frame: its number in the recording.
         floor: how it moves. keys: key values of its strides that count. leaps: of its markers.
-        names, plates: what of its names and its plates cannot be.
+        names, plates: what of its names and its plates cannot be. bare: the side whose leg has no marker.
     """
 
     name: str
@@ -81,6 +78,7 @@ class GaitOfTrial(NamedTuple):
     leaps: MarkerLeaps = MarkerLeaps()
     names: MarkerDoubts = MarkerDoubts()
     plates: tuple[PlateDoubt, ...] = ()
+    bare: Side | None = None
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -295,14 +293,16 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     yield from of_doubts(trial.name, trial.names, trial.plates, trial.leaps)
-    yield from _of_events(trial)
+    yield from of_events(trial.name, trial.events, trial.file_events, trial.start_s, trial.bare)
+    if trial.bare is not None:
+        yield make_finding("gait_one_leg", trial=trial.name, side=trial.bare)
     if trial.way != "level":
         yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
     if trial.floor.moves:
         speed = float(np.linalg.norm(trial.floor.velocity)) / 1000
         yield make_finding("gait_on_treadmill", trial=trial.name, speed=speed)
     for contact in trial.gait.contacts:
-        if contact.reason:
+        if contact.reason and (trial.bare is None or contact.reason != "no_foot"):  # there is the leg without markers
             yield make_finding(
                 "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
                 frames=[(contact.first + trial.first_frame, contact.stop - 1 + trial.first_frame)],
@@ -337,30 +337,6 @@ def _turned(trial: GaitOfTrial) -> float:
     return quantile(off[inside], 0.9) if np.any(inside) else 0.0
 
 
-def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:
-    """Whence they are, and whether the file has others."""
-    if trial.events and not any(event.source == "plate" for event in trial.events):
-        sd = 1000 * float(np.median([event.sd for event in trial.events]))
-        yield make_finding("events_without_plates", trial=trial.name, sd_ms=sd)
-    off: list[float] = []
-    absent = 0
-    for label, side, time in zip(trial.file_events.label, trial.file_events.side, trial.file_events.time, strict=True):
-        strike = {"foot strike": True, "foot off": False}.get(label.lower())
-        if strike is None:
-            continue
-        near = [e.time for e in trial.events if e.strike == strike and e.side == side.lower()]
-        ms = 1000 * min((abs(t - (time - trial.start_s)) for t in near), default=np.inf)
-        if ms <= OTHER_MS:
-            off.append(ms)
-        else:
-            absent += 1
-    if absent:
-        yield make_finding("file_events_not_found", trial=trial.name, events=absent)
-    far = [ms for ms in off if ms > FAR_MS]
-    if far:
-        yield make_finding("file_events_differ", trial=trial.name, events=len(far), most_ms=max(far))
-
-
 def _no_moments(trials: Sequence[GaitOfTrial], measures: SubjectMeasures) -> str:
     """Why there are none; empty where there are some."""
     if not any(trial.gait.reactions for trial in trials):
@@ -388,7 +364,9 @@ def _verdict(
                 cadence=finite_mean(np.array([s.values["cadence"] for s in strides])),
             )
         )  # fmt: skip
-    knee: Mapping[str, Floats] = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), {})
+    rows = {row["name"]: row["by_cause"] for row in uncertainty}
+    knees = (rows.get(name, {}) for name in ("LKneeAngles", "RKneeAngles"))
+    knee: Mapping[str, Floats] = next((one for one in knees if any(np.isfinite(e[0]) for e in one.values())), {})
     squares = {cause: each[0] ** 2 for cause, each in knee.items() if np.isfinite(each[0])}
     if (total := sum(squares.values())) > 0:
         cause = max(squares, key=lambda c: squares[c])

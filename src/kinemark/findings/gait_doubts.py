@@ -27,6 +27,11 @@ def of_doubts(trial: str, names: MarkerDoubts, plates: Sequence[PlateDoubt], lea
         share = doubt.value if late is away is None else None
         plate = None if doubt.plate is None else doubt.plate + 1
         yield make_finding(
-            "gait_plate_doubtful", trial=trial, plate=plate, what=doubt.what, by_share=share, late_ms=late,
+            "gait_plate_doubtful",
+            trial=trial,
+            plate=plate,
+            what=doubt.what,
+            by_share=share,
+            late_ms=late,
             away_mm=away,
         )

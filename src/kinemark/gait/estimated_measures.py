@@ -19,6 +19,7 @@ from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LENGTHS_MM, LETTER, SIDES, LegMeasures, Side, SubjectMeasures
 from .inverse_dynamics import GRAVITY
+from .lower_limb import leg_seen
 from .plate_contacts import Contact
 from .reaction import Reaction
 from .segments import Z_UP, mean_length
@@ -46,7 +47,10 @@ def estimated_measures(
     Raises:
         KinemarkError: no frame has a pelvis and both ankles, or a leg is none of a person's.
     """
-    left, right = (_leg(points, side, marker_diameter_mm) for side in SIDES)
+    legs = [_leg(points, side, marker_diameter_mm) for side in SIDES if leg_seen(points, side)]
+    if not legs:
+        raise KinemarkError("No leg can be measured: no frame shows a marker of one. State the subject's measures.")
+    left, right = legs[0], legs[-1]  # a leg without markers counts as the other
     return SubjectMeasures(left, right, mass_kg=mass_kg, marker_diameter_mm=marker_diameter_mm)
 
 

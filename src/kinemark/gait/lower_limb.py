@@ -107,6 +107,11 @@ def absent_markers(points: Collection[str]) -> list[str]:
     return absent
 
 
+def leg_seen(points: Mapping[str, Floats], side: Side) -> bool:
+    """Whether any frame shows a marker of a leg, (F, 3) mm by the model's names."""
+    return any(np.isfinite(points[LETTER[side] + name]).any() for name in LEG_MARKERS if LETTER[side] + name in points)
+
+
 def check_markers(points: Mapping[str, Floats]) -> None:
     """Whether all markers are there.
 

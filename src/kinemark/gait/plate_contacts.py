@@ -134,12 +134,15 @@ def _judged(
     """A load with its foot."""
     distance = {side: _distance(reaction, foot, first, stop, up) for side, foot in feet.items()}
     near, far = sorted(SIDES, key=lambda side: np.nan_to_num(distance[side], nan=np.inf))
+    on = {side: _on_plate(reaction, foot, first, stop).mean() for side, foot in feet.items()}
     d, reason = distance[near], ""
-    if not d <= NEAR_FEET * feet[near].length:
+    if min(on.values()) > OTHER_SHARE:
+        reason = "two_feet"  # one after the other too, when the pressure of both together is near neither
+    elif not d <= NEAR_FEET * feet[near].length:
         reason = "no_foot"
     elif distance[far] < CLEARER * d:
         reason = "unclear"
-    elif _on_plate(reaction, feet[far], first, stop).mean() > OTHER_SHARE:
+    elif on[far] > OTHER_SHARE:
         reason = "two_feet"
     elif _swinging(feet[near].toe_v[first:stop]) > SWINGING_S * rate:
         reason = "aid"  # (2)

@@ -15,8 +15,8 @@ the pressure goes backward, or hardly moves at all. The contacts' impulses weigh
 events from markers and plates are at one time (3). A channel that stands still where it is farthest from its rest, and
 moves in fine steps elsewhere, is at the limit of its amplifier (4).
 
-A plate on which no foot ever is, and which is loaded from when a foot strikes till it leaves, is where that foot is, and
-not where its corners say (5). Its sensors are some centimetres off the surface, and between its edges (6).
+A plate on which no foot ever is, and which is loaded from when a foot strikes till it leaves, is where that foot is,
+and not where its corners say (5). Its sensors are some centimetres off the surface, and between its edges (6).
 """
 
 from __future__ import annotations

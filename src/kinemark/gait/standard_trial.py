@@ -17,7 +17,8 @@ import numpy as np
 from ..data import MarkerTrajectory, Origin, Trial
 from ..data.array_types import Floats
 from ..data.laboratory_axes import axis_of, level_axes, turned, up_shown
-from ..data.model_markers import model_names, with_model_names
+from ..data.marker_sides import without_subject
+from ..data.model_markers import LEG_MARKERS, model_names, with_model_names
 from ..data.subject_measures import LETTER
 from .clusters import Clusters, carried_landmarks, check_clusters, with_wands
 from .gait_trial import marker_points
@@ -81,6 +82,20 @@ def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTria
             continue
         added.append(_filled(letter + "HEE", points[names[0]] + Q @ np.nanmedian(local, axis=0)))
     return _with(walk, added)._replace(heels=tuple(path.name for path in added)) if added else walk
+
+
+def with_absent_leg(trial: StandardTrial) -> StandardTrial:
+    """The trial with markers that are never seen in place of a leg of which it has none, where the other leg has some.
+
+    Such a leg is none, or nobody put markers on it: the other one's gait is that of the side that is there.
+    """
+    names = trial.trial.trajectories.names
+    own = {letter: [letter + part for part in LEG_MARKERS] for letter in LETTER.values()}
+    bare = [letter for letter, legs in own.items() if not {without_subject(name) for name in names} & {*legs}]
+    if len(bare) != 1:
+        return trial
+    nowhere = np.full((trial.trial.trajectories.n_frames, 3), np.nan)
+    return _with(trial, [MarkerTrajectory.measured(name, nowhere) for name in own[bare[0]]])
 
 
 def with_landmarks(walk: StandardTrial, stood: Mapping[str, Floats], clusters: Clusters) -> StandardTrial:

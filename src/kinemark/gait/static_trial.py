@@ -13,7 +13,7 @@ from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Sid
 from ..kinematics import principal
 from .clusters import with_wands
 from .hip_centre import HipCentre
-from .lower_limb import FOOT_SEQUENCE, LowerLimbs, lower_limbs
+from .lower_limb import FOOT_SEQUENCE, LowerLimbs, leg_seen, lower_limbs
 from .segments import Z_UP, mean_length, relative, upright
 from .static_axes import with_knees, with_static_axes
 
@@ -54,6 +54,8 @@ def _with_offsets(
     measures: SubjectMeasures, limbs: LowerLimbs, static: Mapping[str, Floats], side: Side, flat: bool, up: Floats
 ) -> LegMeasures:
     own, leg = measures.leg(side), limbs.leg(side)
+    if not leg_seen(static, side):
+        return own  # nobody wears markers there
     heel, toe = static[LETTER[side] + "HEE"], static[LETTER[side] + "TOE"]
     if flat:
         lift = ((toe - heel) @ up)[..., None] + own.sole_mm

@@ -16,6 +16,7 @@ from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
 from ...findings.gait_subjects import BodyOfTrial
 from ...gait.clusters import Clusters, usual_clusters, with_wands
+from ...gait.standard_trial import with_absent_leg
 from ...io.c3d import write_c3d
 from ...io.files import write_json
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
@@ -193,6 +194,7 @@ def _walks_and_standing(
     found, unread = _each({path: path for path in walks}, lambda path: read(path, still))
     if still is not None:
         still = with_usual_clusters(still, list(found.values()), settings)
+        still = replace(still, standard=with_absent_leg(still.standard))
     whole, incomplete = _each(found, lambda walk: completed(walk, still))
     unusable = unread | incomplete
     if not whole:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...data import Events, KinemarkError, Signals, Trial
 from ...data.array_types import Floats
-from ...data.gait_curves import GaitCurves
+from ...data.gait_curves import GaitCurves, joined_curves
 from ...data.laboratory_axes import shows_up
 from ...data.marker_sides import without_subject
 from ...data.strides import FootEvent
@@ -25,8 +25,15 @@ from ...gait.functional_hip import functional_hip, with_functional_hips
 from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ...gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
 from ...gait.key_values import key_values
-from ...gait.lower_limb import check_markers, lower_limbs
-from ...gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels, with_landmarks
+from ...gait.lower_limb import check_markers, leg_seen, lower_limbs
+from ...gait.standard_trial import (
+    StandardTrial,
+    in_laboratory,
+    standard_trial,
+    with_absent_leg,
+    with_heels,
+    with_landmarks,
+)
 from ...gait.static_axes import with_knees
 from ...gait.static_checks import static_doubts
 from ...gait.time_distance import strides
@@ -148,6 +155,7 @@ def completed(walk: Recorded, static: Recorded | None) -> Recorded:
             walk = replace(walk, standard=with_landmarks(walk.standard, static.points, static.clusters))
         if static is not None:
             walk = replace(walk, standard=with_heels(walk.standard, static.points))
+        walk = replace(walk, standard=with_absent_leg(walk.standard))
         check_markers(walk.points)
         check_legs(walk.points)
     except KinemarkError as error:
@@ -322,21 +330,7 @@ def gait_of_trial(
     return GaitOfTrial(
         trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
         leaps=leaps, names=names, plates=doubted_plates(trial, points, gait, events, way, measures.mass_kg),
-    )  # fmt: skip
-
-
-def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:
-    """Curves of one name of all trials together."""
-    by_name: dict[str, list[GaitCurves]] = {}
-    for curves in each:
-        for one in curves:
-            by_name.setdefault(one.name, []).append(one)
-    return tuple(
-        same[0]._replace(
-            values=np.concatenate([c.values for c in same]), sd=np.concatenate([c.sd for c in same]),
-            foot_off=np.concatenate([c.foot_off for c in same]),
-        )
-        for same in by_name.values()
+        bare=next((side for side in SIDES if not leg_seen(points, side)), None),
     )  # fmt: skip
 
 

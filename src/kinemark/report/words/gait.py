@@ -266,6 +266,11 @@ GAIT_WORDS = {
         "The walks have no {markers}: heels sit on the feet where the standing trial had them.",
         "For events and step lengths to a few millimetres, let the subject wear them while walking.",
     ),
+    "gait_one_leg": Words(
+        "{trial}: there is no marker of the {side} leg. All numbers are of the other one; what counts from foot to "
+        "foot, as step length and support, is not known.",
+        "If the leg did have markers, see what they are called: --marker; where it has none, nothing is lost.",
+    ),
     "gait_markers_renamed": Words(
         "Markers were taken for the gait model's: {names_list}.",
         "If one is another marker, say which it is: --marker SACR=sacrum.",

@@ -1,0 +1,78 @@
+"""A walk of which one leg has no markers: the other one's numbers are those of the whole set."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError
+from kinemark.data.laboratory_axes import up_shown
+from kinemark.data.model_markers import LEG_MARKERS
+from kinemark.data.subject_measures import LETTER
+from kinemark.engine.gait.files import gait_of_files
+from kinemark.engine.gait.settings import GaitSettings
+from kinemark.gait import marker_points
+from kinemark.io.trial import write_trial
+from kinemark.synth import WalkingBody, gait_laboratory
+from support.shift_gait import MEASURES
+
+SETTINGS = GaitSettings(uncertainty=False, smoothing="none")  # else its cut-off is learned from all markers
+
+
+def bare(trial, *sides):
+    gone = {LETTER[side] + name for side in sides for name in LEG_MARKERS}
+    paths = tuple(path for path in trial.trajectories if path.name not in gone)
+    return replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+
+
+@pytest.fixture(scope="module")
+def lab():
+    return gait_laboratory(WalkingBody(MEASURES), duration_s=3.0)
+
+
+def gait(folder, lab, *sides, measures=MEASURES):
+    walk, static = folder / "walk.c3d", folder / "static.c3d"
+    write_trial(bare(lab.walk, *sides), walk)
+    write_trial(bare(lab.static, *sides), static)
+    return gait_of_files(
+        [walk], static=static, measures=measures, folder=folder / "gait", settings=SETTINGS, self_contained=False
+    )
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_leg_that_is_there_has_the_numbers_of_both_legs(tmp_path, lab, side):
+    """The whole report was refused: the model wants the markers LTHI, LKNE, ..."""
+    other = {"left": "right", "right": "left"}[side]
+    (tmp_path / "both").mkdir()
+    (tmp_path / "one").mkdir()
+    both, one = gait(tmp_path / "both", lab), gait(tmp_path / "one", lab, side)
+    was, now = (each.trials[0].gait.signals for each in (both, one))
+    for name in ("KneeAngles", "HipAngles", "AnkleAngles", "KneeMoment"):
+        a, b = (each[LETTER[other] + name].values for each in (now, was))
+        known = np.isfinite(a) & np.isfinite(b)  # of moments the last frame before a strike goes by the events
+        assert known.sum() > 0.95 * np.isfinite(b).sum() > 0
+        np.testing.assert_allclose(a[known], b[known], atol=1e-9)
+    assert any(curve.side == other for curve in one.curves) and not any(curve.side == side for curve in one.curves)
+    averages = one.figures["time_distance"]
+    assert averages[other]["stride_length"]["mean"] == pytest.approx(
+        both.figures["time_distance"][other]["stride_length"]["mean"], rel=0.01
+    )  # events by the markers of both feet are a few ms others
+    told = [found for found in one.figures["findings"] if found["kind"] == "gait_one_leg"]
+    assert [found["values"]["side"] for found in told] == [side] and f"{side} leg" in told[0]["text"]
+    assert not any(found["kind"] in ("contact_left_out", "file_events_not_found") for found in one.figures["findings"])
+
+
+def test_measures_of_a_leg_without_markers_are_the_others(tmp_path, lab):
+    found = gait(tmp_path, lab, "left", measures=None).figures
+    assert found["measures"]["left"]["leg_mm"] == found["measures"]["right"]["leg_mm"]
+
+
+def test_a_pelvis_without_legs_is_refused(tmp_path, lab):
+    with pytest.raises(KinemarkError, match="LTHI"):
+        gait(tmp_path, lab, "left", "right")
+
+
+def test_one_leg_shows_what_is_up(lab):
+    points = marker_points(bare(lab.walk, "left"))
+    turned = {name: xyz[:, [1, 2, 0]] for name, xyz in points.items()}  # y goes up
+    np.testing.assert_array_equal(up_shown(turned), [0, 1, 0])

@@ -33,7 +33,10 @@ def test_pieces_that_are_one_marker_are_said_together():
 
 def test_a_verdict_says_where():
     """Two spikes that were right were two equal lines."""
-    assert entry_text([Verdict("spike", (where(95, 99, 95, 97, 99),), True)]) == "spike? near frame 97: right as it is"
+    assert (
+        entry_text([Verdict("spike", (where(95, 99, 95, 97, 99),), True)])
+        == "spike? within frames 95–99: right as it is"
+    )
 
 
 def test_claims_of_other_places_are_said_one_by_one():

@@ -264,6 +264,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session}/gait": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Gait
+         * @description The page of the session's gait report.
+         */
+        get: operations["get_gait_api_sessions__session__gait_get"];
+        put?: never;
+        /**
+         * Post Gait
+         * @description Make the session's gait report.
+         */
+        post: operations["post_gait_api_sessions__session__gait_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session}/numbers": {
         parameters: {
             query?: never;
@@ -3370,11 +3394,17 @@ export interface components {
         };
         /**
          * SessionCard
-         * @description A session on Home; `words` where it cannot be read.
+         * @description A session on Home; `words` where it cannot be read; `gait` whether its gait report is there, or may be made.
          */
         SessionCard: {
             /** Folder */
             folder: string;
+            /**
+             * Gait
+             * @default
+             * @enum {string}
+             */
+            gait: "" | "possible" | "there";
             /** Id */
             id: string;
             /** Title */
@@ -4403,6 +4433,68 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["WhitePixels"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_gait_api_sessions__session__gait_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_gait_api_sessions__session__gait_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Standing"];
                 };
             };
             /** @description Unprocessable Entity */

@@ -151,6 +151,8 @@ def _judged(
     elif first == 0 or stop == len(reaction.loaded) or reaction.unknown[first - 1] or reaction.unknown[stop]:
         reason = "cut"
     side = None if reason in ("no_foot", "unclear", "two_feet", "aid") else near
+    if reason == "no_foot" and np.isfinite(d) and np.isnan(feet[far].length):
+        side = far  # whose markers nobody wears
     return Contact(plate, first, stop, side, reason, float(d))
 
 

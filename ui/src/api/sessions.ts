@@ -37,6 +37,8 @@ export const white = (id: string, camera: string, threshold: number | null, inve
   json(`${session(id)}/control/${part(camera)}/white?inverted=${inverted}${threshold === null ? "" : `&threshold=${threshold}`}`);
 export const threshold = (id: string, said: { camera: string | null; threshold: number; inverted: boolean }): Promise<Control> => json(`${session(id)}/threshold`, body(said));
 export const controlImage = (id: string, camera: string): string => `/api${session(id)}/control/${part(camera)}/image`;
+export const gaitPage = (id: string): string => `/api${session(id)}/gait`;
+export const makeGait = (id: string): Promise<Schemas["Standing"]> => json(`${session(id)}/gait`, body({}));
 export const calibrationPage = (id: string): string => `/api${session(id)}/calibration`;
 export const angles = (trial: string, said: AngleChoice): Promise<Angles> => json(angle(trial), body(said));
 export const spike = (trial: string, said: AngleChoice & { joint: number; turn: number; frame: number }): Promise<Spike> => json(`${angle(trial)}/spike`, body(said));

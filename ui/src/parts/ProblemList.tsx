@@ -63,7 +63,7 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
 
 /** How probable a way is, what comes of it, and how far off each sample at stake is to be expected then. */
 function Consequence({ of: a, stake }: { of: Alternative; stake: number }): React.JSX.Element | null {
-  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null || !stake || a.cost < 0.05 ? "" : `${mm(a.cost / stake)} mm off expected`].filter(Boolean);
+  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null || !stake || a.cost / stake < 0.005 ? "" : `${mm(a.cost / stake)} mm off expected`].filter(Boolean);
   return parts.length ? <small className="number">{parts.join(" · ")}</small> : null;
 }
 
@@ -73,7 +73,7 @@ function Open({ problem: p, number }: { problem: Problem; number: number }): Rea
   const drawn = shown?.problem === p.id ? shown.key : first;
   return (
     <div className={styles.open} aria-current="true">
-      <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span>{p.wrong !== null && <b className={`${styles.weight} number`}>{percent(p.wrong)}</b>}</div>
+      <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span>{p.wrong !== null && <span className={`${styles.weight} number`}><b>{percent(p.wrong)}</b></span>}</div>
       <p data-words>{p.words}</p>
       <p className="soft number">{many(p.at_stake, "sample")} at stake{p.cost_mm !== null && `, ${mm(p.cost_mm)} mm off each ${p.kind === "gap" ? "where filled" : "if it is wrong"}`}</p>
       <ul className={styles.ways}>

@@ -1,7 +1,8 @@
-import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, FolderPlus, PenLine, Play, RotateCw, Square } from "lucide-react";
+import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, FolderPlus, Footprints, PenLine, Play, RotateCw, Square } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import * as api from "../api/client";
-import type { TrialCard } from "../api/types";
+import { gaitPage, makeGait } from "../api/sessions";
+import type { SessionCard, TrialCard } from "../api/types";
 import { count, when } from "../model/format";
 import { goTo, say, tried } from "../state/load";
 import { Asked } from "../parts/Shown";
@@ -38,7 +39,7 @@ export function Home(): React.JSX.Element {
         {!home && <div className={styles.none}><Asked words="The folders are looked through …" /></div>}
         {home?.sessions.map((session) => (
           <section key={session.id} className={styles.card} aria-label={session.title}>
-            <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><RunAll trials={session.trials} /></header>
+            <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><button type="button" className="button" aria-label={`Cameras of ${session.title}`} onClick={() => (location.hash = cameraAddress(session.id))}><Aperture size={14} aria-hidden />Cameras</button><Gait of={session} /><RunAll trials={session.trials} /></header>
             {session.words ? <p className={styles.wrong}>{session.words}</p> : <Trials trials={session.trials} />}
           </section>
         ))}
@@ -51,6 +52,17 @@ export function Home(): React.JSX.Element {
       </div>
     </div>
   );
+}
+
+/** The gait report of a session: shown where it is there, else made. */
+function Gait({ of }: { of: SessionCard }): React.JSX.Element | null {
+  const busy = useStore((s) => s.busy > 0);
+  const make = async (): Promise<void> => {
+    const made = await tried(() => makeGait(of.id)), home = made && (await tried(api.home));
+    if (home) set({ home }), say("done", `The gait report is there. ${made.words}`);
+  };
+  if (of.gait === "there") return <a className="button" href={gaitPage(of.id)} target="_blank" rel="noreferrer" aria-label={`Gait report of ${of.title}`}><Footprints size={14} aria-hidden />Gait report</a>;
+  return of.gait === "possible" ? <button type="button" className="button" disabled={busy} onClick={() => void make()}><Footprints size={14} aria-hidden />Make gait report</button> : null;
 }
 
 /** What a run says of its trial, as its report does. */

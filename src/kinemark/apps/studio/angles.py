@@ -34,10 +34,8 @@ from .desk import OpenDocument
 from .export_routes import free_name
 from .gaps import chosen_fills
 from .header import header
+from .session_gait import MARKERS
 from .shelf import NotThere
-
-GAIT = {"LASI", "RASI", "LKNE", "RKNE", "LANK", "RANK", "LTOE", "RTOE"}
-"""Markers by which a trial is one of the gait model; conventional: in all its variants the walks wear these."""
 
 
 class Basis(NamedTuple):
@@ -164,10 +162,10 @@ def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
     lacking = {name: missing(model, names) for name, model in wanted.items()}
     near = [name for name in known if 2 * len(lacking[name]) < len(wanted[name].markers)]
     lacks = "".join(f"; {name} lacks {', '.join(lacking[name])}" for name in near)
-    if model_names(names).keys() >= GAIT:
+    if model_names(names).keys() >= MARKERS:
         return (
-            "This trial has the markers of the gait model, whose angles stand in the gait report: write [gait] into "
-            "session.toml and run the trials again, or give files to kinemark gait."
+            "This trial has the markers of the gait model, whose angles stand in the gait report of its session: Gait "
+            "report on Home makes it and shows it. Of a file, kinemark gait makes it."
         )
     return (
         f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of "

@@ -20,11 +20,12 @@ from ...io.images import png_bytes
 from ...report.drawing_library import ASSETS, self_contained
 from ...report.words.first_session import ROLES, reason_text
 from . import camera_messages as c
+from . import session_gait
 from .cameras import balls_of, control, say, session_cameras, set_threshold, state_numbers, white_pixels
 from .export_routes import SANDBOX
 from .home_routes import PNG, desk_of
 from .live import TheLive
-from .messages import Job
+from .messages import Job, Standing
 from .new_session import asked_row
 from .shelf import NotThere
 
@@ -72,6 +73,18 @@ def get_page(folder: Folder) -> HTMLResponse:
     if not (results / PAGE).is_file():
         raise NotThere("There is no calibration yet: calibrate the cameras.")
     return HTMLResponse(self_contained(results / PAGE, results / ASSETS), headers={"Content-Security-Policy": SANDBOX})
+
+
+@router.get("/gait", response_class=HTMLResponse)
+def get_gait(folder: Folder) -> HTMLResponse:
+    """The page of the session's gait report."""
+    return HTMLResponse(session_gait.page(folder), headers={"Content-Security-Policy": SANDBOX})
+
+
+@router.post("/gait")
+def post_gait(folder: Folder) -> Standing:
+    """Make the session's gait report."""
+    return Standing(ready=True, words=session_gait.make(folder))
 
 
 @router.get("/control")

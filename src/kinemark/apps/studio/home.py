@@ -19,6 +19,7 @@ from ...findings.verdict import grade_shown
 from ...io.files import read_json
 from ...io.trial import read_trial
 from ...version import __version__
+from . import session_gait
 from .messages import Home, Last, SessionCard, TrialCard, TrialState
 from .shelf import Place, Shelf
 
@@ -52,7 +53,9 @@ def _session(folder: Path, failed: dict[str, str]) -> SessionCard:
     except KinemarkError as error:
         return SessionCard(id=key, title=folder.name, folder=folder.name, trials=[], words=str(error))
     trials = [_trial(session.trial(name), Place(folder, name), failed) for name in session.names]
-    return SessionCard(id=key, title=session.settings.name, folder=folder.name, trials=trials)
+    return SessionCard(
+        id=key, title=session.settings.name, folder=folder.name, trials=trials, gait=session_gait.state(session)
+    )
 
 
 def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:

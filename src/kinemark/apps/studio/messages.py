@@ -69,13 +69,14 @@ class Standing(Message):
 
 
 class SessionCard(Message):
-    """A session on Home; `words` where it cannot be read."""
+    """A session on Home; `words` where it cannot be read; `gait` whether its gait report is there, or may be made."""
 
     id: str
     title: str
     folder: str
     trials: list[TrialCard]
     words: str = ""
+    gait: Literal["", "possible", "there"] = ""
 
 
 class Home(Message):

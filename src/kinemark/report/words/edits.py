@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-import numpy as np
-
 from ...data.edits import (
     SMOOTHING,
     AddEvent,
@@ -111,7 +109,7 @@ def _whole_text(edit: Edit) -> str:
     match edit:
         case Verdict():
             frames = [witness.frame for stretch in edit.where for witness in stretch.witnesses]
-            at = f" near frame {round(float(np.median(frames)))}" if frames else ""
+            at = f" within {span_of_frames(min(frames), max(frames))}" if frames else ""
             what = DECISIONS.get(edit.decision, edit.decision)
             return f"{what}?{at}: {'right as it is' if edit.right else 'it was wrong'}"
         case Trim():

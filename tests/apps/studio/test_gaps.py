@@ -282,3 +282,13 @@ def test_the_difference_of_two_versions_names_the_gaps_that_are_filled_otherwise
     assert studio.page.get(f"{studio.trial}/diff?of=2&other=3").json()["fills"] == [
         {**gap, "before": "cubic", "after": "open"}
     ]
+
+
+def test_a_way_that_somebody_chose_stands_in_the_table_with_its_own_error(studio):
+    """It stood there with the error of the best: 0.09 mm, where the button had said 0.6."""
+    row = next(row for row in judged(studio) if any(other["expected_mm"] for other in row["others"]))
+    other = row["others"][-1]
+    studio.act(kind="gap", marker=row["marker"], first=row["first"], last=row["last"], method=other["method"])
+    (now,) = (one for one in judged(studio) if (one["marker"], one["first"]) == (row["marker"], row["first"]))
+    assert (now["state"], now["choice"]) == ("chosen", other["method"])
+    assert now["expected_mm"] == other["expected_mm"] != row["expected_mm"]

@@ -1,14 +1,18 @@
 """All of a trial but its samples: what the page draws and offers by."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
+from kinemark.apps.studio.header import _up
 from kinemark.data import Trial
 from kinemark.data.laboratory_axes import axis_of, level_axes, turned
 from kinemark.io.trial import write_trial
+from support.laboratory import ring
 from support.studio import Studio
 from support.walked import clean
 
@@ -36,3 +40,13 @@ def test_markers_without_a_partner_are_named_beside_the_pairs(tmp_path):
     header = header_of(Trial("walk", found), tmp_path)
     assert header["pairs"] == [["LASI", "RASI"], ["LKNE", "RKNE"]]
     assert header["one_sided"] == ["RBAK", "LELB"]
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_session_stands_as_its_cameras_do(axis):
+    """A walk of BTS, whose y goes up, went up a wall."""
+    turn = np.roll(np.eye(3), axis - 2, axis=0).T  # z becomes this axis
+    cameras = ring()
+    turned_rig = replace(cameras, cameras=tuple(replace(c, R=c.R @ turn) for c in cameras))
+    document = SimpleNamespace(kept={}, trial=object(), editing=SimpleNamespace(rig=turned_rig, source=None))
+    assert _up(document) == tuple(np.eye(3)[axis].tolist())

@@ -342,6 +342,18 @@ def test_a_wand_that_never_turns_says_how_little_it_tells():
     assert (np.abs([camera.K[0, 0] - 1300 for camera in fit.rig]) < 4 * sd).all()
 
 
+def test_a_frame_that_a_camera_lost_is_told():
+    """From there on its images are those of the next frame."""
+    rig, observed = waved([150.0, 350.0], cameras=4, frames=150)
+    seen, frames = observed.detections, np.arange(150)
+    order = [np.where((frames >= 90) & (c == 2), np.minimum(frames + 1, 149), frames) for c in range(4)]
+    parts = [seen[c, f] for c in range(4) for f in order[c]]
+    counts = np.reshape([len(part) for part in parts], seen.counts.shape)
+    late = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
+    with pytest.raises(KinemarkError, match=r"Camera cam3 .*begin at about frame (8|9)\d: it may have lost a frame"):
+        calibrate_wand(late, lengths=[150.0, 350.0], sizes=[camera.size for camera in rig])
+
+
 def test_a_camera_that_is_late_is_named():
     rig, observed = waved([150.0, 350.0], cameras=4, frames=80)
     with pytest.raises(KinemarkError, match="cam4"):

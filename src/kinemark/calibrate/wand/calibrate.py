@@ -229,7 +229,7 @@ def _final_fit(
         freedoms=[freedom] * len(first),
         method=method.bundle,
     )
-    check_calibration(fit, complete(uv))
+    check_calibration(fit, complete(uv), np.repeat(frames, len(along)))
     return _among_frames(fit, frames, rows.shape[1], len(along))
 
 

@@ -7,9 +7,8 @@ the first-order distance in px to the nearest pair that satisfies it (Hartley & 
 
     d = x₂ᵀ F x₁ / √((F x₁)₁² + (F x₁)₂² + (Fᵀ x₂)₁² + (Fᵀ x₂)₂²)        (3)
 
-Wrong pairs: F from many samples of eight, the one whose median d (4) or, at a known tolerance, whose Σ min(d², tol²)
-is least (5), refitted to the pairs within tolerance. Without a tolerance it is 3 standard deviations, that of a
-normal distribution being 1.4826 times the median of |d| (Rousseeuw 1984).
+Wrong pairs: F from many samples of eight, the one whose median |d| is least (4), refitted to the pairs within 3
+standard deviations, that of a normal distribution being 1.4826 times the median of |d| (5) (Rousseeuw 1984).
 
 With known inner parameters E = K₂ᵀ F K₁ = [t]× R = U diag(1, 1, 0) Vᵀ (6) gives four poses,
 
@@ -47,18 +46,30 @@ def fit_fundamental(uv1: Floats, uv2: Floats) -> Floats:
             f"Two cameras have {both.sum()} points in common, and their epipolar geometry needs {FEWEST}. "
             "Show them more points at the same time."
         )
-    return _fit(uv1[both][None], uv2[both][None])[0]
+    return fundamentals(uv1[both][None], uv2[both][None])[0]
 
 
-def robust_fundamental(
-    uv1: Floats, uv2: Floats, *, tolerance: float | None = None, seed: int = 0, trials: int = TRIALS
-) -> tuple[Floats, Bools]:
-    """F (3, 3) from pairs (N, 2) of which some are wrong, and which ones (N) are within tolerance of it.
+def fundamentals(uv1: Floats, uv2: Floats) -> Floats:
+    """F (T, 3, 3) of T sets of n ≥ 8 pairs (T, n, 2), each of unit norm and rank 2, by (1) and (2)."""
+    x1, T1 = _scaled(uv1)
+    x2, T2 = _scaled(uv2)
+    rows = (x2[..., :, None] * x1[..., None, :]).reshape(*x1.shape[:-1], 9)  # (1)
+    if rows.shape[-2] > 4 * FEWEST:
+        F = np.linalg.eigh(np.swapaxes(rows, -1, -2) @ rows)[1][..., :, 0].reshape(-1, 3, 3)
+    else:
+        F = np.linalg.svd(rows)[2][..., -1, :].reshape(-1, 3, 3)
+    U, s, Vt = np.linalg.svd(F)
+    F = (U[..., :2] * s[..., None, :2]) @ Vt[..., :2, :]  # (2)
+    F = np.swapaxes(T2, -1, -2) @ F @ T1
+    return np.asarray(F / np.maximum(np.linalg.norm(F, axis=(-2, -1), keepdims=True), 1e-300))
+
+
+def robust_fundamental(uv1: Floats, uv2: Floats, *, seed: int = 0, trials: int = TRIALS) -> tuple[Floats, Bools]:
+    """F (3, 3) from pairs (N, 2) of which less than half are wrong, and which ones (N) fit it.
 
     Args:
         uv1: (N, 2) ideal pixels in the first camera; NaN where not seen.
         uv2: (N, 2) in the second.
-        tolerance: Sampson distance, px, of a right pair; None takes it from the median, so that half may be wrong.
         seed: of the samples.
         trials: how many samples of eight.
 
@@ -71,17 +82,16 @@ def robust_fundamental(
     rng = np.random.default_rng(seed)
     sample = both[rng.random((trials, len(both))).argpartition(FEWEST - 1, axis=1)[:, :FEWEST]]
     scored = both if len(both) <= SCORED else rng.choice(both, SCORED, replace=False)
-    F = _fit(uv1[sample], uv2[sample])
+    F = fundamentals(uv1[sample], uv2[sample])
     d = np.abs(sampson_distance(F[:, None], uv1[scored], uv2[scored]))
-    cost = np.median(d, axis=1) if tolerance is None else (np.minimum(d, tolerance) ** 2).sum(1)  # (4), (5)
-    best, inliers = F[cost.argmin()], np.zeros(len(uv1), np.bool_)
+    best, inliers = F[np.median(d, axis=1).argmin()], np.zeros(len(uv1), np.bool_)  # (4)
     for _ in range(5):
         d = np.abs(sampson_distance(best, uv1[both], uv2[both]))
-        near = d <= (tolerance or max(SPREAD * SD_PER_MEDIAN * float(np.median(d)), 1e-9))
+        near = d <= max(SPREAD * SD_PER_MEDIAN * float(np.median(d)), 1e-9)  # (5)
         if near.sum() < FEWEST or (near == inliers[both]).all():
             break
         inliers[both] = near
-        best = _fit(uv1[inliers][None], uv2[inliers][None])[0]
+        best = fundamentals(uv1[inliers][None], uv2[inliers][None])[0]
     return best, inliers
 
 
@@ -136,21 +146,6 @@ def midpoints(R: Floats, t: Floats, xy1: Floats, xy2: Floats) -> tuple[Floats, F
     det = np.maximum(aa * bb - ab * ab, 1e-300)
     depth1, depth2 = (bb * ao - ab * bo) / det, (ab * ao - aa * bo) / det
     return (depth1[..., None] * a + origin + depth2[..., None] * b) / 2, depth1, depth2
-
-
-def _fit(uv1: Floats, uv2: Floats) -> Floats:
-    """(T, 3, 3) from T sets of pairs (T, n, 2)."""
-    x1, T1 = _scaled(uv1)
-    x2, T2 = _scaled(uv2)
-    rows = (x2[..., :, None] * x1[..., None, :]).reshape(*x1.shape[:-1], 9)  # (1)
-    if rows.shape[-2] > 4 * FEWEST:
-        F = np.linalg.eigh(np.swapaxes(rows, -1, -2) @ rows)[1][..., :, 0].reshape(-1, 3, 3)
-    else:
-        F = np.linalg.svd(rows)[2][..., -1, :].reshape(-1, 3, 3)
-    U, s, Vt = np.linalg.svd(F)
-    F = (U[..., :2] * s[..., None, :2]) @ Vt[..., :2, :]  # (2)
-    F = np.swapaxes(T2, -1, -2) @ F @ T1
-    return np.asarray(F / np.maximum(np.linalg.norm(F, axis=(-2, -1), keepdims=True), 1e-300))
 
 
 def _scaled(uv: Floats) -> tuple[Floats, Floats]:

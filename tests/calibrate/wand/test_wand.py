@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.calibrate.wand import Wand, calibrate_wand, thinned
 from kinemark.calibrate.wand.completion import completed
-from kinemark.calibrate.wand.ends import best_signs
+from kinemark.calibrate.wand.ends import best_signs, pair_evidence
 from kinemark.calibrate.wand.identify import at_rows, identify_wand, marker_places, wand_points, wanted
 from kinemark.calibrate.wand.lengths import wand_lengths
 from kinemark.calibrate.wand.rows import read_rows
@@ -15,7 +15,7 @@ from kinemark.data import Detections, KinemarkError
 from kinemark.detect import detect
 from kinemark.geometry import project, rigid_align, triangulate, undistort
 from kinemark.geometry.sphere_offset import sphere_offset
-from kinemark.synth import film, observe, ring, truth, walking, wand
+from kinemark.synth import film, look_at, observe, ring, truth, walking, wand
 from support.films import Film
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
@@ -71,6 +71,37 @@ def test_ends_are_told_apart_whatever_the_cameras(rig, lengths):
     off = off_truth(observed, uv, symmetric(lengths))
     assert (off[np.isfinite(off)] < 1).mean() > 0.995
     assert np.isfinite(off).mean() > 0.7
+
+
+def test_few_neighbouring_frames_tell_two_cameras_that_face_each_other_the_ends():
+    """The wand's images are long, and their middles are far from the image of its middle."""
+    rig = [
+        look_at(n, [x, y, 1500.0], [0.0, 0.0, 800.0], focal_px=1000.0)
+        for n, x, y in (("a", -500, -2000), ("b", 1200, 2000))
+    ]
+    for seed in range(10):
+        rng, time = np.random.default_rng(seed), np.linspace(0, 1, 24)[:, None]
+        middle, along = (np.sin(2 * np.pi * (time * rng.uniform(0.3, 1.2, 3) + rng.random(3))) for _ in range(2))
+        along *= 400 / np.linalg.norm(along, axis=1, keepdims=True)
+        xyz = (np.array([200.0, 0.0, 900.0]) + middle * [500, 400, 400])[:, None] + np.stack([-along, along], 1)
+        a, b = (project(camera, xyz.reshape(-1, 3)).reshape((*xyz.shape[:2], 2)) for camera in rig)
+        turned = rng.random(len(time)) < 0.5
+        a, b = a + 0.1 * rng.normal(size=a.shape), np.where(turned[:, None, None], b[:, ::-1], b)
+        evidence = pair_evidence(a, b)
+        sure = np.abs(evidence) > 3
+        assert sure.mean() > 0.5
+        np.testing.assert_array_equal((evidence < 0)[sure], turned[sure])
+
+
+def test_few_poses_that_two_halves_of_a_room_share_are_not_thinned_out():
+    rig, observed = waved([500.0], rig=ring(4, sweep_deg=180.0), frames=630)
+    seen, link = observed.detections, np.repeat([0, 1, 2], [300, 30, 300])[observed.detections.frame]
+    kept, counts = (link == seen.camera) | (link == seen.camera - 1), np.zeros_like(seen.counts)
+    np.add.at(counts, (seen.camera[kept], seen.frame[kept]), 1)
+    pairwise = Detections.build(seen.cameras, seen.rate, counts, seen.uv[kept], seen.cov[kept])
+    fit = calibrate_wand(pairwise, lengths=[500.0], sizes=[camera.size for camera in rig])
+    far, found = (np.linalg.norm(r.centres[0] - r.centres[3]) for r in (rig, fit.rig))
+    assert abs(found - far) < 30
 
 
 def test_a_wand_given_from_its_other_end_is_the_same():
@@ -309,6 +340,18 @@ def test_a_wand_that_never_turns_says_how_little_it_tells():
     fit = calibrate_wand(seen, lengths=[500.0], sizes=[camera.size for camera in rig])
     sd = np.sqrt([camera.cov[0, 0] for camera in fit.rig])
     assert (np.abs([camera.K[0, 0] - 1300 for camera in fit.rig]) < 4 * sd).all()
+
+
+def test_a_frame_that_a_camera_lost_is_told():
+    """From there on its images are those of the next frame."""
+    rig, observed = waved([150.0, 350.0], cameras=4, frames=150)
+    seen, frames = observed.detections, np.arange(150)
+    order = [np.where((frames >= 90) & (c == 2), np.minimum(frames + 1, 149), frames) for c in range(4)]
+    parts = [seen[c, f] for c in range(4) for f in order[c]]
+    counts = np.reshape([len(part) for part in parts], seen.counts.shape)
+    late = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
+    with pytest.raises(KinemarkError, match=r"Camera cam3 .*begin at about frame (8|9)\d: it may have lost a frame"):
+        calibrate_wand(late, lengths=[150.0, 350.0], sizes=[camera.size for camera in rig])
 
 
 def test_a_camera_that_is_late_is_named():

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import KinemarkError, Rig
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
 from ...numerics.small_sample import variance_factor
@@ -30,6 +30,7 @@ VAGUE = 0.1
 """A focal length is not known if its standard deviation is more than this share of it; chosen (see
 benchmarks/bundle.py)."""
 MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchmarks/bundle.py)
+SUDDEN = 0.7  # change of the share of points left out that is said to begin at a frame; chosen
 IMPLAUSIBLE = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
 
 
@@ -218,8 +219,8 @@ def observed(uv: Floats, cov: Floats | None) -> ImageObservations:
     return ImageObservations(uv, whiten, there)
 
 
-def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) -> None:
-    """Raises a KinemarkError where the fit to what was seen (C, N) is no calibration."""
+def check_calibration(fit: BundleFit, seen: Bools, frame: Ints, *, focus_held: bool = False) -> None:
+    """Raises a KinemarkError where the fit to what was seen (C, N), in frames (N) that rise, is no calibration."""
     there = seen & complete(fit.xyz)
     for c, camera in enumerate(fit.rig):
         lost = 1 - fit.kept[c].sum() / max(there[c].sum(), 1)
@@ -227,6 +228,7 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
             raise Misfit(
                 f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")
+                + _since(~fit.kept[c, there[c]], frame[there[c]])
                 + "Check that it is synchronous and did not move, that markers are not mixed up and lengths are right; "
                 "a lens that bends lines strongly needs more lens terms."
             )
@@ -237,3 +239,18 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
             f"The focal length of camera {least_certain.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
             "nearer to it and farther away, in all its image, turn the stick in all directions, or linearise it first."
         )
+
+
+def _since(lost: Bools, frame: Ints) -> str:
+    """From which of the frames (n) on, or up to which, points are lost; nothing where they are so all along."""
+    excess = np.cumsum(lost - lost.mean())  # turns where the share of lost ones changes most
+    first = int(np.abs(excess).argmax()) + 1
+    if first >= len(lost):
+        return ""
+    before, after = lost[:first].mean(), lost[first:].mean()
+    if abs(after - before) < SUDDEN:
+        return ""
+    when = (
+        f"begin at about frame {frame[first] + 1}" if after > before else f"end at about frame {frame[first - 1] + 1}"
+    )
+    return f"Those {when}: it may have lost a frame there, or been moved. "

@@ -143,7 +143,8 @@ def _calibrated(
     found = found._replace(state=_in_place(found.state, along is None))
     what = "bundle adjustment of " + ("single points" if along is None else "sticks")
     fit = completed(found, seen, what=what)
-    check_calibration(fit, seen.used, focus_held=held)
+    frame = np.arange(uv.shape[1]) // (1 if along is None else len(along))
+    check_calibration(fit, seen.used, frame, focus_held=held)
     _check_found(fit.rig, noise)
     return fit
 

@@ -30,6 +30,7 @@ from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
 from ..bundle.adjust import Misfit, check_calibration
 from ..bundle.camera_step import camera_step
+from ..bundle.initial.view_pairs import weakest_link
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
@@ -39,7 +40,8 @@ from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wan
 from .moved_camera import step_of_part, step_words
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
-FIRST_POSES = 150  # poses of the first rig; chosen for speed
+FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
+ENOUGH = 40  # poses by which two cameras are joined well; chosen: three times the fewest
 CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
 SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
@@ -119,7 +121,7 @@ def calibrate_wand(
     rows = identify_wand(detections, want, along)
 
     def first_rig(rows: Ints) -> tuple[Rig, Floats]:
-        return _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
+        return _first_rig(detections, _first_poses(detections, rows, sizes), sizes, along, method, lenses)
 
     try:
         fit, chosen = _calibrated(detections, want, rows, sizes, *first_rig(rows), method, lenses is not None)
@@ -160,6 +162,17 @@ def thinned(detections: Detections, rows: Ints, sizes: ArrayLike, most: int) -> 
     chosen = np.full_like(rows, -1)
     chosen[:, frames] = rows[:, frames]
     return chosen
+
+
+def _first_poses(detections: Detections, rows: Ints, sizes: Ints) -> Ints:
+    """Rows (C, F, K) of few frames by which all cameras hang together well, or of all."""
+    most = FIRST_POSES
+    while True:
+        chosen = thinned(detections, rows, sizes, most)
+        seen = (chosen.min(2) >= 0).astype(np.int64)
+        if most >= rows.shape[1] or weakest_link(seen @ seen.T) >= ENOUGH:
+            return chosen
+        most *= 2
 
 
 def _shared(rows: Ints) -> Bools:
@@ -216,7 +229,7 @@ def _final_fit(
         freedoms=[freedom] * len(first),
         method=method.bundle,
     )
-    check_calibration(fit, complete(uv))
+    check_calibration(fit, complete(uv), np.repeat(frames, len(along)))
     return _among_frames(fit, frames, rows.shape[1], len(along))
 
 

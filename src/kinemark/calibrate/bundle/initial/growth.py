@@ -26,7 +26,7 @@ from ..solver import BundleState, placed
 from .rough_resection import equal_covariances, resected, rough_freedom
 from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
 from .unknown_optics import UnknownOptics
-from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
+from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs, weakest_link
 
 BODIES = 120  # bodies of a rough adjustment at most; chosen for speed
 PAIRS = 6  # pairs of cameras that beginnings are taken from; chosen (see benchmarks/bundle.py)
@@ -95,13 +95,11 @@ def start(views: TargetViews, *, seed: int = 0, focal_known: bool = False) -> tu
 
 
 def thinned(views: TargetViews) -> TargetViews:
-    """Every so many-th body, as few as leave each camera `AMPLE` points in common with another."""
+    """Every so many-th body, as few as let all cameras hang together by `AMPLE` points that two have in common."""
     uv = views.poses
     for step in range(uv.shape[1] // AMPLE, 1, -1):
         some = uv[:, ::step].reshape(len(uv), -1, 2)
-        common = common_points(some)
-        np.fill_diagonal(common, 0)
-        if (common.max(0) >= AMPLE).all():
+        if weakest_link(common_points(some)) >= AMPLE:
             return views._replace(uv=some)
     return views
 
@@ -223,8 +221,7 @@ def _by_pair(views: TargetViews, cameras: dict[int, Camera], pairs: list[Pair]) 
     for pair in pairs:
         if views.along is None or (pair.a in cameras) == (pair.b in cameras):
             continue
-        for guess in stick_seeds(views.optics, pair, views.poses, views.along, best=1):
-            two, _ = _adjusted(views, _two(views, guess))
+        if (two := _adjusted_pair(views, pair)) is not None:
             known, new = (pair.a, pair.b) if pair.a in cameras else (pair.b, pair.a)
             R = cameras[known].R.T @ two[known].R  # the pair's world → this one
             t = cameras[known].R.T @ (two[known].t - cameras[known].t)
@@ -234,3 +231,17 @@ def _by_pair(views: TargetViews, cameras: dict[int, Camera], pairs: list[Pair]) 
         f"Camera{'s' if len(missing) > 1 else ''} {', '.join(missing)}: fewer than {FEWEST_KNOWN} points are seen by "
         "it and by two other cameras at the same time. Wave where three cameras see it together, or leave it out."
     )
+
+
+def _adjusted_pair(views: TargetViews, pair: Pair) -> dict[int, Camera] | None:
+    """The two cameras of a pair by the beginning from which they fit best; None where none leads anywhere."""
+    assert views.along is not None
+    found: list[tuple[dict[int, Camera], float]] = []
+    for guess in stick_seeds(views.optics, pair, views.poses, views.along):
+        try:
+            found.append(_adjusted(views, _two(views, guess)))
+        except KinemarkError:
+            continue
+        if found[-1][1] <= GOOD * pair.scale:
+            break
+    return min(found, key=lambda each: each[1])[0] if found else None

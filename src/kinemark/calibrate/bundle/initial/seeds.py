@@ -27,7 +27,9 @@ from .view_pairs import FEWEST_COMMON, Pair
 
 FOCI = np.geomspace(0.45, 4.0, 14)
 """Focal lengths that are tried, in image widths; chosen (see benchmarks/bundle.py)."""
+FEWEST_STICKS = 8  # that fit a pair's F; chosen: of twelve that the pair must share
 JUDGES = 60  # points that a beginning is judged by at most; chosen for speed
+BY_STICKS = 3  # beginnings of a pair that are tried, at most, by (1); chosen
 BY_POINTS = 4  # beginnings of a pair that are tried, at most, by (2); chosen
 CHECK_CAMERAS = 3  # further cameras that a beginning is judged by; chosen for speed
 
@@ -58,12 +60,12 @@ def _width(optics: UnknownOptics) -> float:
     return float(optics.camera.size.max())
 
 
-def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floats, *, best: int = 3) -> list[Seed]:
+def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floats) -> list[Seed]:
     """The most likely focal lengths of a pair by (1), from sticks seen at uv (C, F, K, 2)."""
     K, (i, j) = len(along), (int(along.argmin()), int(along.argmax()))
     good = pair.good.reshape(-1, K)
     rows = np.flatnonzero(good[:, i] & good[:, j])
-    if len(rows) < FEWEST_COMMON // 2:
+    if len(rows) < FEWEST_STICKS:
         return []
     rows = _evenly(rows)
     x, y = (optics[c].ideal(np.concatenate([uv[c, rows, i], uv[c, rows, j]])) for c in (pair.a, pair.b))
@@ -74,7 +76,7 @@ def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floa
     median = np.median(length, axis=1)
     spread = np.median(np.abs(length - median[:, None]), axis=1) + behind  # (1)
     size = float(np.ptp(along)) / np.exp(median)
-    chosen = _minima(spread.reshape(len(FOCI), len(FOCI)))[:best]
+    chosen = _minima(spread.reshape(len(FOCI), len(FOCI)))[:BY_STICKS]
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], size[g] * t[g], float(spread[g])) for g in chosen]
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from ....data import KinemarkError
 from ....data.array_types import Bools, Floats, Ints
@@ -41,6 +42,13 @@ def common_points(uv: Floats) -> Ints:
     """(C, C) how many points two cameras both see."""
     seen = complete(uv).astype(np.int64)
     return np.asarray(seen @ seen.T)
+
+
+def weakest_link(common: Ints) -> int:
+    """How many things the two cameras share that share least, of those by which all hang together: `common` (C, C)."""
+    apart = np.divide(1.0, common, out=np.zeros(common.shape), where=common > 0)  # 0 is no link
+    links = scipy.sparse.csgraph.minimum_spanning_tree(apart).data
+    return round(1 / links.max()) if 0 < len(links) == len(common) - 1 else 0
 
 
 def find_pairs(optics: list[UnknownOptics], uv: Floats, *, seed: int) -> tuple[list[UnknownOptics], list[Pair]]:

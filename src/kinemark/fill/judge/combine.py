@@ -31,7 +31,7 @@ keeps rounding away; chosen (see benchmarks/gaps.py)."""
 
 
 def close_ones(typical: Sequence[float]) -> list[int]:
-    """The methods to be averaged, by index in rising order, so that a mean has one name; empty where one stands alone."""
+    """The methods to be averaged, by index, rising so that a mean has one name; empty where one stands alone."""
     close = [k for k, one in enumerate(typical) if one <= CLOSE * min(typical)]
     return close if len(close) > 1 and np.isfinite(min(typical)) else []
 

@@ -27,7 +27,7 @@ class ChosenFill(NamedTuple):
 
     def tied(self) -> TiedFill:
         """The fill, and the method that is asked again without suspicious samples."""
-        return TiedFill(self.prediction.xyz, method_again(self.found.method, self.candidates))
+        return TiedFill(self.prediction.xyz, method_again(self.found, self.candidates))
 
 
 class KnownEdges(NamedTuple):

@@ -74,10 +74,10 @@ class TestApart:
             moved = elsewhere(motion, turn, (100, 50, 0), slice(310, None), other).hidden([GAP])
             assert apart_on_the_body(moved, GAP) == 0
 
-    def test_three_others_on_a_line_at_rest_or_few_frames_tell_nothing(self):
+    def test_two_others_on_a_line_at_rest_or_few_frames_tell_nothing(self):
         motion, turn = on_a_body()
         moved = elsewhere(motion, turn, (150, 0, 0), slice(330, None)).hidden([GAP])
-        few = MarkerArray(moved.xyz[:4], moved.rate, moved.names[:4])
+        few = MarkerArray(moved.xyz[:3], moved.rate, moved.names[:3])
         ghost = moved.hidden([Gap(0, 332, 400)])
         line = moved._replace(xyz=np.concatenate([moved.xyz[:1], moved.xyz[1] + np.arange(5)[:, None, None] * 50.0]))
         still = moved._replace(xyz=np.where(np.arange(6)[:, None, None] > 0, moved.xyz[1], moved.xyz))
@@ -87,6 +87,49 @@ class TestApart:
         motion, _ = on_a_body()
         for gap in (Gap(0, 0, 50), Gap(0, 500, 600), Gap(0, 0, 600)):
             assert apart_on_the_body(motion.hidden([gap]), gap) == 0
+
+
+def two_segments(seed=1):
+    """A trunk of five markers, 0 to 4, and two plates of four that swing to its front and back; and its turn."""
+    motion, turn = on_a_body(bend=0.0, markers=13, seed=seed)
+    xyz, t = motion.xyz.copy(), np.arange(600) / 100
+    trunk = xyz[:5].mean(0)
+    rng = np.random.default_rng(seed)
+    for plate, side in ((LEFT, 150.0), (RIGHT, -150.0)):
+        swing = np.stack([200 * np.sin(5 * t + side), side + 5 * np.sin(3 * t), -400 + 20 * np.cos(5 * t)], 1)
+        local = swing + rng.normal(0, 40, (4, 1, 3))
+        xyz[plate] = trunk + np.einsum("fij,mfj->mfi", turn, local) + rng.normal(0, 0.2, (4, 600, 3))
+    return motion._replace(xyz=xyz), turn
+
+
+LEFT, RIGHT = [5, 6, 7, 8], [9, 10, 11, 12]
+AFTER = slice(GAP.stop, None)
+
+
+class TestSegments:
+    @pytest.mark.parametrize("seed", range(5))
+    def test_plates_that_are_exchanged_in_a_common_gap_are_told_by_markers_seen_throughout(self, seed):
+        motion, _ = two_segments(seed)
+        swapped = exchanged(motion, LEFT, RIGHT, AFTER)
+        lost = [GAP._replace(marker=k) for k in LEFT + RIGHT]
+        told = [apart_on_the_body(swapped.hidden(lost), gap) > 0 for gap in lost]
+        assert np.mean(told) > 0.7
+        assert not any(apart_on_the_body(motion.hidden(lost), gap) for gap in lost)
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_so_is_a_plate_that_slips(self, seed):
+        motion, turn = two_segments(seed)
+        lost = [GAP._replace(marker=k) for k in LEFT]
+        for k in LEFT:
+            motion = elsewhere(motion, turn, (0, 120, 0), AFTER, k)
+        assert np.mean([apart_on_the_body(motion.hidden(lost), gap) > 100 for gap in lost]) > 0.7
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_the_three_others_of_a_wand_that_are_seen_throughout_tell(self, seed):
+        motion, turn = on_a_body(markers=4, seed=seed, bend=0.5)
+        moved = elsewhere(motion, turn, (60, 0, 0), AFTER)
+        assert apart_on_the_body(moved.hidden([GAP]), GAP) == pytest.approx(60, abs=8)
+        assert apart_on_the_body(motion.hidden([GAP]), GAP) == 0
 
 
 def test_the_gap_stays_open_and_is_told_and_an_infinite_limit_fills_it():

@@ -31,9 +31,9 @@ keeps rounding away; chosen (see benchmarks/gaps.py)."""
 
 
 def close_ones(typical: Sequence[float]) -> list[int]:
-    """The methods to be averaged, by index; empty where one stands alone."""
-    order = [int(k) for k in np.argsort(typical) if typical[k] <= CLOSE * min(typical)]
-    return order if len(order) > 1 and np.isfinite(min(typical)) else []
+    """The methods to be averaged, by index, rising so that a mean has one name; empty where one stands alone."""
+    close = [k for k, one in enumerate(typical) if one <= CLOSE * min(typical)]
+    return close if len(close) > 1 and np.isfinite(min(typical)) else []
 
 
 def together(results: Sequence[list[HoldOutResult]]) -> Floats:

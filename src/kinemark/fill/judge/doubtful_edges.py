@@ -32,10 +32,10 @@ class TiedFill(NamedTuple):
     method: Any
 
 
-def method_again(name: str, answers: Sequence[CandidateFill]) -> Any:
-    """The method of that name as it was tried, or the first of those that a mean names."""
-    first = name.split(" + ")[0]
-    return next(answer.method for answer in answers if answer.name == first)
+def method_again(found: FilledGap, answers: Sequence[CandidateFill]) -> Any:
+    """The method of a fill as it was tried; of those that a mean names the one of the least expected error."""
+    best = min(found.method.split(" + "), key=lambda name: found.candidates[name])
+    return next(answer.method for answer in answers if answer.name == best)
 
 
 def without_suspicious(trimmed: MarkerArray, fills: Mapping[Gap, TiedFill]) -> dict[Gap, Floats]:

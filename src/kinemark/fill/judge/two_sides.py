@@ -22,6 +22,17 @@ breadth of all window means of a side.
 A reference may itself be elsewhere after the gap. So all of them are tried, and all but each. Of the set with the least
 s the first and second of (3) must hold, for without the one that moved the marker's own step is small, and of one set
 all three.
+
+Where references are missing in the gap too, a whole segment may have been exchanged in it, or moved: they went along,
+and (3) does not hold. A marker that is seen throughout the gap cannot have been exchanged in it. So references
+are the one of these that keeps its distance best, of whatever segment, and those that move with it. Three are enough,
+as none of them moved (5). Parts move far against each other, but not in all directions: a leg swings to the front and
+to the back, and hardly ever to the other side. So for the last of (3) a step r counts
+
+    |r|² = rᵀ (C + (NOISE STEP d)² I)⁻¹ r,    C the mean of u uᵀ over all usual steps u                      (6)
+
+and must be TIMES_LIMB times that of the greatest. Usual steps must begin in as many frames as a window has: one place
+of a stride says little.
 """
 
 from __future__ import annotations
@@ -30,7 +41,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import rigid_poses
 from ..marker_array import Gap, MarkerArray
 from ..methods.rigid_body import on_line
@@ -43,6 +54,10 @@ FEWEST = 3
 """Frames without a gap that a side must have; chosen: fewer are a ghost more often than a marker."""
 REFERENCES, LEAST = 5, 4
 """Reference markers, at most and at least: three must be left where one moved; by definition."""
+WITNESSES = 3
+"""Of (5), at least: three define a frame; by definition."""
+NOISE = 1 / 3
+"""Share of the least step that usual steps vary by in any direction (6); chosen."""
 RANKED = 20
 """Frames of each side in which distances are compared; chosen for time."""
 SHAPED = 32
@@ -68,6 +83,8 @@ ENOUGH = 0.5
 moves."""
 TIMES_USUAL = 1.5
 """Times u of (3), without unit; chosen: see docs/theory/fill.md."""
+TIMES_LIMB = 2.0
+"""Times the greatest usual step by (6), without unit; chosen: see docs/theory/fill.md."""
 
 
 class _Window(NamedTuple):
@@ -88,6 +105,8 @@ class _Steps(NamedTuple):
 
     references: float
     marker: float
+    apart: Floats = np.zeros(3)
+    """(3) mm, that of the marker, in the references' frame."""
 
 
 class _Body(NamedTuple):
@@ -121,8 +140,15 @@ def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
     first = max(gap.start - reach, 0)
     x, gap = motion.xyz[:, first : gap.stop + reach], Gap(gap.marker, gap.start - first, gap.stop - first)
     windows = _windows(x, gap, motion.rate)
-    references = _references(x, gap, windows[-1]) if windows else np.zeros(0, np.int64)
-    if len(references) < LEAST or _carried(x, references, gap, least := STEP * _extent(x, gap)):
+    if not windows:
+        return 0.0
+    references, least = _references(x, gap, windows[-1]), STEP * _extent(x, gap)
+    return _marker_apart(x, references, gap, windows, least) or _segment_apart(x, references, gap, windows, least)
+
+
+def _marker_apart(x: Floats, references: Ints, gap: Gap, windows: list[_Window], least: float) -> float:
+    """The step (2), mm, of a marker on its own segment; 0 where it is none."""
+    if len(references) < LEAST or _carried(x, references, gap, least):
         return 0.0
     every = _Body.shown(x, references)
     if every is not None and _steps(x, every, gap, windows[0]).marker < least:
@@ -130,6 +156,42 @@ def apart_on_the_body(motion: MarkerArray, gap: Gap) -> float:
     fewer = [_Body.shown(x, np.delete(references, k)) for k in range(len(references))]
     bodies = [body for body in (every, *fewer) if body is not None]
     return _apart(x, bodies, gap, windows, least)
+
+
+def _segment_apart(x: Floats, references: Ints, gap: Gap, windows: list[_Window], least: float) -> float:
+    """The same against (5), where some of its references are missing in the gap too, or there are too few."""
+    lost = np.logical_or.reduce(np.isnan(x[:, gap.start - 1 : gap.stop + 1, 0]), axis=1)
+    if len(references) >= LEAST and not lost[references].any():
+        return 0.0
+    witnesses = _witnesses(x, lost, gap, windows[-1])
+    body = _Body.shown(x, witnesses) if len(witnesses) >= WITNESSES else None
+    if body is None:
+        return 0.0
+    for window in windows:
+        step = _steps(x, body, gap, window)
+        if step.marker > max(least, TIMES_OWN * step.references) and _beyond_usual(x, body, gap, window, step, least):
+            return step.marker
+    return 0.0
+
+
+def _witnesses(x: Floats, lost: Bools, gap: Gap, window: _Window) -> Ints:
+    """(5): of the markers that are not lost (M) the one that keeps its distance best, and those that move with it."""
+    seen = np.where(lost[:, None, None], np.nan, x)
+    seen[gap.marker] = x[gap.marker]
+    nearest = _references(seen, gap, window)[:1]
+    seen[gap.marker] = np.nan
+    others = [_references(seen, gap._replace(marker=k), window) for k in nearest.tolist()]
+    return np.concatenate([nearest, *others])[:REFERENCES]
+
+
+def _beyond_usual(x: Floats, body: _Body, gap: Gap, window: _Window, step: _Steps, least: float) -> bool:
+    """(6)."""
+    usual = _usual_steps(body.places(x, gap.marker, slice(None))[:, -1], x, gap, window)
+    if len(usual) < sum(window):
+        return False
+    L = np.linalg.cholesky(usual.T @ usual / len(usual) + (NOISE * least) ** 2 * np.eye(3))
+    own, most = (np.linalg.norm(np.linalg.solve(L, r.T), axis=0).max() for r in (step.apart[None], usual))
+    return bool(own > TIMES_LIMB * most)
 
 
 def _extent(x: Floats, gap: Gap) -> float:
@@ -212,24 +274,30 @@ def _steps(x: Floats, body: _Body, gap: Gap, window: _Window) -> _Steps:
     known = np.isfinite(q[:, -1, 0])
     if not (known[:LOOKED].any() and known[LOOKED:].any()):
         return _Steps(0.0, 0.0)
-    step = np.linalg.norm(q[LOOKED:][known[LOOKED:]].mean(0) - q[:LOOKED][known[:LOOKED]].mean(0), axis=1)
-    return _Steps(float(step[:-1].max()), float(step[-1]))
+    apart = q[LOOKED:][known[LOOKED:]].mean(0) - q[:LOOKED][known[:LOOKED]].mean(0)
+    step = np.linalg.norm(apart, axis=1)
+    return _Steps(float(step[:-1].max()), float(step[-1]), apart[-1])
 
 
 def _usual(q: Floats, x: Floats, gap: Gap, window: _Window) -> float:
     """u of (3), from the marker in its references (F, 3)."""
+    steps = _usual_steps(q, x, gap, window)
+    if len(steps):
+        return float(np.linalg.norm(steps, axis=1).max())
+    b, a = _means(q, window.before), _means(q, window.after)
+    return max(_breadth(b[: gap.start - window.before + 1]), _breadth(a[gap.stop :]))
+
+
+def _usual_steps(q: Floats, x: Floats, gap: Gap, window: _Window) -> Floats:
+    """(K, 3) mm, (2) of all intervals, from the marker in its references (F, 3); none where none is known."""
     b, a = _means(q, window.before), _means(q, window.after)
     first = np.arange(len(q) - sum(window) + 1)
-    after = first + window.before + window.inside
-    step = np.linalg.norm(a[after] - b[first], axis=1)
+    steps = a[first + window.before + window.inside] - b[first]
     missing = np.append(0, np.cumsum(np.isnan(x[gap.marker, :, 0])))
-    whole = missing[first + sum(window)] == missing[first]
-    elsewhere = (first + sum(window) <= gap.start) | (first >= gap.stop)
-    whole, elsewhere = whole & np.isfinite(step), elsewhere & np.isfinite(step)
-    some = step[whole] if whole.sum() > ENOUGH * elsewhere.sum() else step[elsewhere]
-    if len(some):
-        return float(some.max())
-    return max(_breadth(b[: gap.start - window.before + 1]), _breadth(a[gap.stop :]))
+    known = np.isfinite(steps[:, 0])
+    whole = known & (missing[first + sum(window)] == missing[first])
+    elsewhere = known & ((first + sum(window) <= gap.start) | (first >= gap.stop))
+    return np.asarray(steps[whole] if whole.sum() > ENOUGH * elsewhere.sum() else steps[elsewhere])
 
 
 def _means(q: Floats, n: int) -> Floats:

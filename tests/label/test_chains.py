@@ -41,19 +41,30 @@ def line_of_markers(n, off):
 def test_names_that_all_moved_up_one_place_move_back_as_one():
     """Five markers have the next one's name each, the last that of an absent label."""
     nats, score = line_of_markers(5, 8.0)
-    found = rechained(np.arange(5) + 1, nats, score, least=-2.0, absent=10.0)
+    found = rechained(np.arange(5) + 1, nats, score, score, least=-2.0, absent=10.0)
     np.testing.assert_array_equal(found, np.arange(5))
     two = np.array([0, 1, 3, 2, 4])
-    np.testing.assert_array_equal(rechained(two, nats, score, least=-2.0, absent=10.0), np.arange(5))
+    np.testing.assert_array_equal(rechained(two, nats, score, score, least=-2.0, absent=10.0), np.arange(5))
+
+
+def test_a_chain_is_found_that_seems_to_lose_on_its_way():
+    """Where a marker takes a name, the places by which it is judged are still those of wrong names."""
+    nats, score = line_of_markers(5, 8.0)
+
+    def misled(now):
+        return nats(now) - 40.0 * (np.arange(6) == 0)
+
+    found = rechained(np.arange(5) + 1, misled, score, score, least=-2.0, absent=10.0)
+    np.testing.assert_array_equal(found, np.arange(5))
 
 
 def test_no_chain_begins_where_all_markers_fit_and_none_is_taken_that_scores_less():
     nats, score = line_of_markers(5, 8.0)
     up = np.arange(5) + 1
-    np.testing.assert_array_equal(rechained(up, nats, score, least=-4.0, absent=10.0), up)
-    np.testing.assert_array_equal(rechained(up, nats, lambda now: 0.0, least=-2.0, absent=10.0), up)
+    np.testing.assert_array_equal(rechained(up, nats, score, score, least=-4.0, absent=10.0), up)
+    np.testing.assert_array_equal(rechained(up, nats, score, lambda now: 0.0, least=-2.0, absent=10.0), up)
     given = up.copy()
-    rechained(given, nats, score, least=-2.0, absent=10.0)
+    rechained(given, nats, score, score, least=-2.0, absent=10.0)
     np.testing.assert_array_equal(given, up)  # what was given is left as it is
 
 

@@ -41,7 +41,7 @@ LABELLING = (
          "template says, so that the template does not learn from it: the share of the distances within segments that "
          "are off, and the most.", {"pairs_share": "share", "off_mm": "mm"}),
     Kind("template_names_impossible", "label", "amber", "Markers of a labelled trial that the template learns from "
-         "cannot be where their names say, as a body is made: left and right, or the order along a leg. The template "
+         "cannot be where their names say, as a body is made: left and right, or the order along it. The template "
          "learns them all the same.", {"file": "text"}),
     Kind("template_names_exchanged", "label", "amber", "Two markers carry each other's names in a part of a labelled "
          "trial that the template learns from: the distances to their neighbours vary less with both exchanged there. "

@@ -13,7 +13,8 @@ left-handed; where (2) fails as well, the front of the pelvis is its back. Two m
 distance but for skin (4).
 
 Legs that scissor, and feet that turn in, bring ankles, heels and toes across as well. These count as exchanged only
-where they leave their own leg: where (4) fails, or the joint above is exchanged as well (5).
+where they leave their own leg: where (4) fails, the joint above is exchanged as well, or a heel or toe of either side
+is nearer to the ankle of the other (5).
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ SEGMENTS = (
 """Pairs of (4), after L or R; conventional."""
 ABOVE = {"ANK": "KNE", "HEE": "ANK", "TOE": "ANK"}
 """The joint above of (5), after L or R; by definition."""
+ON_FOOT = ("HEE", "TOE")
+"""Of (5), on one bone with the ankle but for skin; by definition."""
 OPPOSITE_MM = 30.0
 """By which (1) or (2) must fail, mm; chosen: in 17 public walks and turns the least of (1) was +63 and of (2)
 +126; legs that cross by less are a person's."""
@@ -92,16 +95,16 @@ def _exchanged_sides(
     points: Mapping[str, Floats], up: Floats, changing: Sequence[tuple[str, str, float]]
 ) -> Iterator[tuple[Exchange, tuple[str, ...]]]:
     """By (1), (2) and (5), with what fails (4)."""
-    forward = _forward(points, up)
+    forward = forward_of(points, up)
     if forward is None:
         return
     left = np.cross(up, forward)
     pairs = [("L" + name, "R" + name) for name in ACROSS if {"L" + name, "R" + name} <= set(points)]
-    apart = {(a, b): _along(points[a] - points[b], left) for a, b in pairs}
-    across = [pair for pair, mm in apart.items() if mm < -OPPOSITE_MM]
+    aside = {(a, b): along(points[a] - points[b], left) for a, b in pairs}
+    across = [pair for pair, mm in aside.items() if mm < -OPPOSITE_MM]
     feet = [(s + "HEE", s + "TOE") for s in LETTER.values() if {s + "HEE", s + "TOE"} <= set(points)]
-    back = [(heel, toe) for heel, toe in feet if _along(points[toe] - points[heel], forward) < -OPPOSITE_MM]
-    if len(across) > 2 and max(apart.values()) <= OPPOSITE_MM:
+    back = [(heel, toe) for heel, toe in feet if along(points[toe] - points[heel], forward) < -OPPOSITE_MM]
+    if len(across) > 2 and max(aside.values()) <= OPPOSITE_MM:
         pelvis = tuple(name for name in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if name in points)
         yield ("pelvis", pelvis) if back and len(back) == len(feet) else ("sides", ())
         return
@@ -109,7 +112,8 @@ def _exchanged_sides(
     exchanged: list[str] = []
     for pair in across:  # joints come before what is below them
         name = pair[0][1:]
-        if name not in ABOVE or ABOVE[name] in exchanged or moved.intersection(pair):
+        off = name in ON_FOOT and nearer_to_other(points, "ANK", name)
+        if name not in ABOVE or ABOVE[name] in exchanged or moved.intersection(pair) or off:
             exchanged.append(name)
             yield "across", pair
     for pair in back:
@@ -147,7 +151,20 @@ def _moved(points: Mapping[str, Floats]) -> Iterator[tuple[str, str, float]]:
                 yield a, b, width
 
 
-def _forward(points: Mapping[str, Floats], up: Floats) -> Floats | None:
+def apart(points: Mapping[str, Floats], a: str, b: str) -> float:
+    """mm between two markers, the median; NaN, which is no more than anything, where one is not there."""
+    return finite_median(np.linalg.norm(points[a] - points[b], axis=-1)) if {a, b} <= set(points) else np.nan
+
+
+def nearer_to_other(points: Mapping[str, Floats], joint: str, name: str) -> bool:
+    """Whether a marker of either side is clearly nearer to the joint of the other side than to that of its own."""
+    return all(
+        apart(points, own + joint, own + name) > apart(points, other + joint, own + name) + OPPOSITE_MM
+        for own, other in (("L", "R"), ("R", "L"))
+    )
+
+
+def forward_of(points: Mapping[str, Floats], up: Floats) -> Floats | None:
     """(F, 3) p; None where the pelvis has no markers in front or at the back."""
     back = ["SACR"] if "SACR" in points else ["LPSI", "RPSI"]
     if not {"LASI", "RASI", *back} <= set(points):
@@ -156,6 +173,6 @@ def _forward(points: Mapping[str, Floats], up: Floats) -> Floats | None:
     return unit(p - (p @ up)[:, None] * up)
 
 
-def _along(v: Floats, way: Floats) -> float:
+def along(v: Floats, way: Floats) -> float:
     """mm of (F, 3) along (F, 3), the median; 0 where nothing is known."""
     return finite_median((v * way).sum(-1), 0.0)

@@ -12,6 +12,7 @@ that is kept whose sum of (1) is greater; each label without a marker costs 10 n
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -73,12 +74,13 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
         if total > most + 1e-6:
             best, most = now, total
     few = markers._replace(xyz=markers.xyz[:: max(1, len(markers.xyz) // CHAIN_FRAMES)])
-    worth, placed, was = nats_of(few, best, shapes, pairs, 0.0), own_places(markers, best, shapes), best
+    worth, was = nats_of(few, best, shapes, pairs, 0.0), best
     known = np.where(shapes.known, 0.0, -np.inf)
     best = rechained(
         was,
         lambda now: _moved_nats(few, was, now, shapes, worth) + known,
-        lambda now: sum_of(markers, now, shapes, pairs, moved_places(markers, was, now, shapes, placed)),
+        _sum_from(few, was, shapes, pairs),
+        _sum_from(markers, was, shapes, pairs),
         least=TRUSTED,
         absent=ABSENT,
     )
@@ -176,6 +178,12 @@ def sum_of(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, placed
     nats = nats + TEMPER * pairs.of_own(y).sum(0) / np.maximum(seen, 1)
     share = seen / len(y)
     return float((share * nats).sum()) - ABSENT * float(L - share.sum())
+
+
+def _sum_from(markers: Markers, was: Ints, shapes: Shapes, pairs: PairScore) -> Callable[[Ints], float]:
+    """`sum_of` labels (M) that were others of a few."""
+    placed = own_places(markers, was, shapes)
+    return lambda now: sum_of(markers, now, shapes, pairs, moved_places(markers, was, now, shapes, placed))
 
 
 def own_places(markers: Markers, now: Ints, shapes: Shapes, at: Ints | slice = ALL) -> Floats:

@@ -27,8 +27,9 @@ EACH, BEAM = 3, 2
 """Names that a marker tries, and chains that go on; chosen."""
 PASSES = 4
 """Chains that are moved one after the other, at most; chosen."""
-TRIED = 3
-"""Chains from one marker that are scored as wholes, those that gain most; chosen."""
+TRIED, EXCHANGED = 12, 3
+"""Chains from one marker, and its exchanges with another, that are scored as wholes, those that gain most; chosen: of
+three the right one was none, as four names lose by its third step."""
 
 Nats = Callable[[Ints], Floats]
 """(M, L) of markers as labels, where the labels of markers (M) are these."""
@@ -45,22 +46,23 @@ class Chain(NamedTuple):
     given: Bools
 
 
-def rechained(now: Ints, nats: Nats, score: Score, *, least: float, absent: float) -> Ints:
+def rechained(now: Ints, nats: Nats, rough: Score, score: Score, *, least: float, absent: float) -> Ints:
     """(M) labels after the best chains, one after the other, or as they were where none scores better.
 
     Args:
-        now: (M) −1 for none. least: nats of a marker under its own name up to which a chain begins at it. absent: what
-            a label without a marker costs, nats.
+        now: (M) −1 for none. nats: of markers as labels. rough: chooses among the chains of a marker. score: judges
+            what it chose. least: nats of a marker under its own name up to which a chain begins at it. absent: what a
+            label without a marker costs, nats.
     """
     for _ in range(PASSES):
-        new = _once(now, nats, score, least, absent)
+        new = _once(now, nats, rough, score, least, absent)
         if (new == now).all():
             break
         now = new
     return now
 
 
-def _once(now: Ints, nats: Nats, score: Score, least: float, absent: float) -> Ints:
+def _once(now: Ints, nats: Nats, rough: Score, score: Score, least: float, absent: float) -> Ints:
     """(M) labels after the best chain."""
     worth = nats(now)
     own = worth[np.arange(len(now)), np.maximum(now, 0)]
@@ -69,10 +71,11 @@ def _once(now: Ints, nats: Nats, score: Score, least: float, absent: float) -> I
     best, most = now, score(now) if starts else 0.0
     for start in starts:
         chains = sorted(_ends(now, start, worth.shape[1], nats, absent), key=lambda one: -one.gain)[:TRIED]
-        for label in (*(chain.label for chain in chains), *_exchanged(now, start, worth, absent)):
-            total = score(label)
-            if total > most + 1e-6:
-                best, most = label, total
+        tried = (*(chain.label for chain in chains), *_exchanged(now, start, worth, absent))
+        label = max(tried, key=rough, default=now)
+        total = score(label)
+        if total > most + 1e-6:
+            best, most = label, total
     return best
 
 
@@ -83,7 +86,7 @@ def _exchanged(now: Ints, start: int, worth: Floats, absent: float) -> list[Ints
         return []
     both = worth[start, now[named]] + worth[named, now[start]] - np.maximum(worth[named, now[named]], -absent)
     out = []
-    for other in named[np.argsort(-np.where(np.isfinite(both), both, -np.inf), kind="stable")[:TRIED]]:
+    for other in named[np.argsort(-np.where(np.isfinite(both), both, -np.inf), kind="stable")[:EXCHANGED]]:
         label = now.copy()
         label[[start, other]] = now[[other, start]]
         out.append(label)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory
@@ -18,7 +19,15 @@ def renamed(trajectories, names):
     return replace(trajectories, paths=tuple(replace(p, name=names.get(p.name, p.name)) for p in trajectories))
 
 
-@pytest.mark.parametrize(("a", "b"), [("LKNE", "RKNE"), ("LHEE", "LTOE")])
+UPPER_BODY = [
+    *(("L" + name, "R" + name) for name in ("FHD", "BHD", "SHO", "ELB", "WRA", "WRB", "FIN")),
+    *(("LFHD", "LBHD"), ("C7", "CLAV"), ("C7", "T10"), ("CLAV", "STRN"), ("RSHO", "RELB"), ("RELB", "RWRA")),
+    ("LWRA", "LFIN"),
+]
+FEET = [("LHEE", "RHEE"), ("LTOE", "RTOE")]
+
+
+@pytest.mark.parametrize(("a", "b"), [("LKNE", "RKNE"), ("LHEE", "LTOE"), *FEET, *UPPER_BODY])
 def test_exchanged_names_of_a_static_trial_are_told(tmp_path, a, b):
     """Walks were named by it surely and wrongly, without a word."""
     trial = read_trial(shared_data(STATIC))
@@ -26,6 +35,28 @@ def test_exchanged_names_of_a_static_trial_are_told(tmp_path, a, b):
     said = []
     subject_template([tmp_path / "stood.c3d"], Known(static=True, say=said.append))
     assert len(said) == 1 and said[0].startswith("In stood.c3d, ") and a in said[0] and b in said[0]
+
+
+@pytest.mark.parametrize("joint", ["KNE", "ANK"])
+def test_exchanged_knees_do_not_make_a_walk_look_like_sitting(joint):
+    """By the wrong knee the shank was so long that nobody seemed to stand, and nothing was told."""
+    own = read_trial(shared_data("mocap3d/pig_gait_children/HC032A03.c3d")).trajectories
+    names = {"L" + joint: "R" + joint, "R" + joint: "L" + joint}
+    assert set(names) in [set(found.markers) for found in impossible_names([renamed(own, names)], ["walk"])]
+
+
+def test_folded_arms_are_not_told():
+    """Hands lie on the other side of the body, before the other elbow."""
+    own = read_trial(shared_data(STATIC)).trajectories
+    folded = {}
+    for side, other in ("LR", "RL"):
+        elbow, across = own[side + "ELB"].xyz, own[other + "ELB"].xyz - own[side + "ELB"].xyz
+        reach = across / np.linalg.norm(across, axis=1, keepdims=True)
+        forearm = np.linalg.norm(own[side + "WRA"].xyz - elbow, axis=1, keepdims=True)
+        for name, mm in (("WRA", 0), ("WRB", 0), ("FIN", 60)):
+            folded[side + name] = elbow + (forearm + mm) * reach
+    paths = (MarkerTrajectory.measured(p.name, folded.get(p.name, p.xyz)) for p in own)
+    assert not list(impossible_names([replace(own, paths=tuple(paths))], ["folded"]))
 
 
 def test_right_names_are_not_told_wherever_they_are_and_whatever_they_are_called():

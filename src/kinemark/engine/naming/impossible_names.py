@@ -13,6 +13,7 @@ from ...data.laboratory_axes import shows_up
 from ...gait.gait_trial import marker_points
 from ...gait.marker_doubts import marker_doubts
 from ...gait.standard_trial import standard_trial
+from ...gait.upper_body_doubts import upper_body_doubts
 from ...numerics.finite import finite_median
 
 UPRIGHT = 1.5
@@ -21,7 +22,7 @@ it is 2 and more there, and 1 where somebody sits."""
 
 
 def impossible_names(trials: Sequence[Trajectories], sources: Sequence[str]) -> Iterator[Finding]:
-    """A finding for each of the legs' markers that cannot be where their names say, of trials that stand or walk.
+    """A finding for markers that cannot be where their names say, of trials that stand or walk.
 
     Args:
         trials: labelled, without the subject's prefix. sources: what each is called.
@@ -34,7 +35,9 @@ def impossible_names(trials: Sequence[Trajectories], sources: Sequence[str]) -> 
         points = marker_points(found.trial)
         if not shows_up(points) or not _upright(points):
             continue
-        for _, markers in marker_doubts(points).exchanged:
+        legs = marker_doubts(points).exchanged
+        turned = any(how in ("sides", "pelvis") for how, _ in legs)  # what is above has no front to be judged by
+        for markers in (*(two for _, two in legs), *(() if turned else upper_body_doubts(points))):
             own = [found.known.get(name, name) for name in markers or sorted(found.known)]
             yield make_finding("template_names_impossible", markers=own, file=source)
 
@@ -43,7 +46,8 @@ def _upright(points: Mapping[str, Floats]) -> bool:
     """Whether the pelvis is high above one of the ankles most of the time."""
     for side in "LR":
         if {side + "ASI", side + "KNE", side + "ANK"} <= set(points):
-            shank = finite_median(np.linalg.norm(points[side + "KNE"] - points[side + "ANK"], axis=-1))
+            knees = [points[s + "KNE"] for s in "LR" if s + "KNE" in points]  # the nearer one, as sides may be wrong
+            shank = finite_median(np.min([np.linalg.norm(knee - points[side + "ANK"], axis=-1) for knee in knees], 0))
             if finite_median((points[side + "ASI"] - points[side + "ANK"])[:, 2]) > UPRIGHT * shank:
                 return True
     return False

@@ -110,7 +110,7 @@ LABELLING_WORDS = {
     ),
     "template_names_impossible": Words(
         "In {file}, {markers} cannot be where their names say: they are on the other side of the body, or would follow "
-        "each other along the leg in another order. What is named by this file has the same wrong names.",
+        "each other along the body in another order. What is named by this file has the same wrong names.",
         "Exchange their names in that file, and name the trial again.",
     ),
     "template_names_exchanged": Words(

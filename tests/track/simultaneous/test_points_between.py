@@ -65,15 +65,17 @@ BESIDE = Rig(
 RESOLUTION = 6.0
 
 
-def no_track_beside(half, shown=(-1.0, 1.0), own=False):
+def no_track_beside(half, shown=(-1.0, 1.0), own=False, until=FRAMES):
     """Points of the common images of two markers, which two cameras side by side have, `half` (3) mm from either; the
-    third camera has images at these shares of `half`. The first of them may have a track, of an image in camera 0."""
+    third camera has images at these shares of `half`, of all but the first `until` a frame. The first of them may have
+    a track, of an image in camera 0."""
     one = dance(n=1, frames=FRAMES, seed=2)
     detections, marker = observe(
         BESIDE, np.concatenate([one, *(one + share * half for share in shown)]), noise=0.05, seed=3
     )
     c = np.repeat(np.arange(3), detections.counts.sum(1))
     kept = np.where(c == 2, marker > 0, marker == 0) | ((c == 0) & (marker == 1) & own)
+    kept &= (marker < 2) | (np.concatenate([np.repeat(np.arange(FRAMES), n) for n in detections.counts]) < until)
     images = read_images(detections.keep(kept), BESIDE)
     held = np.full((3, len(shown) + 1, FRAMES), -1)
     held[images.camera, marker[kept], images.frame] = np.arange(kept.sum())
@@ -85,6 +87,12 @@ def no_track_beside(half, shown=(-1.0, 1.0), own=False):
 
 def test_a_point_that_another_camera_sees_as_two_is_given_up():
     assert between_markers(*no_track_beside(ALONG)).all()
+
+
+@pytest.mark.parametrize(("until", "given_up"), [(1, True), (0, False)])
+def test_a_point_of_which_one_of_both_is_hidden_later_is_given_up(until, given_up):
+    """Half of a track and more: with one image alone, at times or always, nothing tells that it is of one of two."""
+    assert (between_markers(*no_track_beside(ALONG, until=until)) == given_up).all()
 
 
 @pytest.mark.parametrize(

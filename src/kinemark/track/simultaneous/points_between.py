@@ -17,10 +17,14 @@ are nearest to each other in the cameras k of the point, they run together in ea
 
     |2 J_k d| < r                                                                            (3)
 
-and so do not if a or a′ is of a track that has an image of its own there.
+and so do not if a or a′ is of a track that has an image of its own there. Often a limb hides one of both there for a
+while. So where (2) and (3) hold in some frame of a track, in others one image a is enough that is not of the point, by
+(3) with
 
-A point all of whose images lie by (1), or of which some camera has two images by (2) and (3), is given up, if MOST of
-its track lies so. GATE standard deviations are allowed for.
+    J d = a − q,   |2 (a − q)| > r                                                           (4)
+
+A point all of whose images lie by (1), or of which some camera has two images by (2) and (3), or one by (4), is given
+up, if MOST of its track lies so. GATE standard deviations are allowed for.
 """
 
 from __future__ import annotations
@@ -53,12 +57,12 @@ another marker for 90 frames."""
 
 def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
     """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one."""
-    out = np.zeros(len(points.id), bool)
+    both, one = np.zeros((2, len(points.id)), bool)
     if not r:
-        return out
+        return both
     for part in parts_of_frames(points.frame, AT_ONCE):
-        out[part] = _seen_on_both_sides(points.take(part), detection[:, part], images, r)
-    out |= _between_tracks(points, detection, images, r)
+        both[part], one[part] = _seen_beside(points.take(part), detection[:, part], images, r)
+    out = both | (one & (np.bincount(points.id, both) > 0)[points.id]) | _between_tracks(points, detection, images, r)
     return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
 
 
@@ -91,8 +95,8 @@ def _middle(one: NearHeld, other: NearHeld, images: Images) -> Bools:
     return np.asarray((off**2).sum(0) < GATE**2 * (room + SHARE**2 * ((one.uv - other.uv) ** 2).sum(0)))
 
 
-def _seen_on_both_sides(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points of which some camera has two images by (2) and (3)."""
+def _seen_beside(points: TrackPoints, detection: Ints, images: Images, r: float) -> tuple[Bools, Bools]:
+    """(P) the points of which some camera has two images by (2) and (3), and those of which one has one by (4)."""
     expected = predict_images(images.P, KalmanStates(points.xyz.T, points.cov.transpose(1, 2, 0)))
     known = np.isfinite(expected.uv[:, 0]) & (np.maximum(expected.S[:, 0], expected.S[:, 2]) < (r / 2) ** 2)
     c, row = np.nonzero((detection < 0) & known)
@@ -100,15 +104,30 @@ def _seen_on_both_sides(points: TrackPoints, detection: Ints, images: Images, r:
     off = images.uv[image] - expected.uv[c[at], :, row[at]]
     good = (np.hypot(*off.T) < REACH * r) & ~_sees_both(detection, row[at], image, len(images.uv))
     order = np.flatnonzero(good)[np.argsort(at[good], kind="stable")]
-    i, j = (order[k] for k in _pairs(at[order]))
-    c, row, middle, half = c[at[i]], row[at[i]], (off[i] + off[j]) / 2, (off[i] - off[j]) / 2
-    room = (images.variance[image[i]] + images.variance[image[j]]) / 4 + SHARE**2 * 4 * (half**2).sum(1)
-    x, y = middle.T
-    a, b, d = expected.S[c, :, row].T + np.stack([room, 0 * room, room])
-    good = (d * x * x - 2 * b * x * y + a * y * y < GATE**2 * (a * d - b * b)) & (2 * np.hypot(*half.T) > r)  # (2)
-    out = np.zeros(len(points.id), bool)
-    c, row = c[good], row[good]
-    out[row[_apart(expected, detection[:, row] >= 0, c, row, half[good]) < r]] = True  # (3)
+    c, row, off, variance = c[at[order]], row[at[order]], off[order], images.variance[image[order]]
+    i, j = _pairs(at[order])
+    middle, half = (off[i] + off[j]) / 2, (off[i] - off[j]) / 2
+    room = (variance[i] + variance[j]) / 4 + SHARE**2 * 4 * (half**2).sum(1)
+    halfway = _within(middle, expected.S[c[i], :, row[i]], room)  # (2)
+    k, strange = i[halfway], ~_within(off, expected.S[c, :, row], variance)
+    both = _made_by_two(expected, detection, c[k], row[k], half[halfway], r)
+    return both, _made_by_two(expected, detection, c[strange], row[strange], off[strange], r)  # (4)
+
+
+def _within(off: Floats, S: Floats, room: Floats) -> Bools:
+    """(n) whether places off (n, 2) px lie within GATE standard deviations, by S (n, 3) and room (n) px²."""
+    x, y = off.T
+    a, b, d = S.T + np.stack([room, 0 * room, room])
+    return np.asarray(d * x * x - 2 * b * x * y + a * y * y < GATE**2 * (a * d - b * b))
+
+
+def _made_by_two(expected: PredictedImages, detection: Ints, c: Ints, row: Ints, half: Floats, r: float) -> Bools:
+    """(P) the points row (n) that two markers make, half (n, 2) px from them in camera c (n), which run together in the
+    cameras of the point alone."""
+    out = np.zeros(detection.shape[1], bool)
+    far = 2 * np.hypot(*half.T) > r
+    c, row, half = c[far], row[far], half[far]
+    out[row[_apart(expected, detection[:, row] >= 0, c, row, half) < r]] = True  # (3)
     return out
 
 

@@ -104,7 +104,7 @@ def test_a_rival_that_is_a_little_likelier_tells():
 
 
 def test_ghosts_of_images_that_have_rivals_are_not_given():
-    """Of sixty markers on three cameras: where rivals are not asked there are more ghosts, with the same samples. Those
+    """Of sixty markers on three cameras: where rivals are not asked there are 14 ghosts, with the same samples. Those
     that are left are points of markers' tracks. With 18 of what is left of one chance track there are 29."""
     made = make(scene(130122))
     found = tally(made, track_detections(made.detections, made.rig))

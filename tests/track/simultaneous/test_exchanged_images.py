@@ -64,9 +64,9 @@ def test_images_stay_where_the_other_way_fits_no_better(wrong, above):
 
 
 def test_ghosts_of_exchanged_images_become_markers():
-    """Of sixty markers on four cameras: without it 113 ghosts, and 7714 samples of two cameras. Of those that are left
-    31 are of three chance tracks of remaining images."""
+    """Of sixty markers on four cameras: without it 113 ghosts, and 7714 samples of two cameras. Most of those that
+    are left are of two chance tracks of remaining images. With what is left of others there are 38."""
     made = make(scene(130008))
     found = tally(made, track_detections(made.detections, made.rig))
-    assert found.ghosts <= 38
+    assert found.ghosts <= 31
     assert found.two_found >= 7780

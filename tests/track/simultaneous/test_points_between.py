@@ -62,22 +62,26 @@ ALONG, UP = np.array([20.0, 0.0, 0.0]), np.array([0.0, 0.0, 20.0])
 BESIDE = Rig(
     tuple(camera(f"c{i}", place) for i, place in enumerate([(4000, -400, 1500), (4000, 400, 1500), (0, 4000, 1500)]))
 )
+ACROSS = Rig((*BESIDE, camera("c3", (0, -4000, 1500))))
 RESOLUTION = 6.0
 
 
-def no_track_beside(half, shown=(-1.0, 1.0), own=False):
+def no_track_beside(half, shown=(-1.0, 1.0), own=False, until=FRAMES, rig=BESIDE):
     """Points of the common images of two markers, which two cameras side by side have, `half` (3) mm from either; the
-    third camera has images at these shares of `half`. The first of them may have a track, of an image in camera 0."""
+    third camera has images at these shares of `half`, of all but the first `until` a frame; a fourth one has the last
+    instead. The first of them may have a track, of an image in camera 0."""
     one = dance(n=1, frames=FRAMES, seed=2)
     detections, marker = observe(
-        BESIDE, np.concatenate([one, *(one + share * half for share in shown)]), noise=0.05, seed=3
+        rig, np.concatenate([one, *(one + share * half for share in shown)]), noise=0.05, seed=3
     )
-    c = np.repeat(np.arange(3), detections.counts.sum(1))
-    kept = np.where(c == 2, marker > 0, marker == 0) | ((c == 0) & (marker == 1) & own)
-    images = read_images(detections.keep(kept), BESIDE)
-    held = np.full((3, len(shown) + 1, FRAMES), -1)
+    c = np.repeat(np.arange(len(rig)), detections.counts.sum(1))
+    shows = marker > 0 if rig is BESIDE else marker == c - 1
+    kept = np.where(c >= 2, shows, marker == 0) | ((c == 0) & (marker == 1) & own)
+    kept &= (marker < 2) | (np.concatenate([np.repeat(np.arange(FRAMES), n) for n in detections.counts]) < until)
+    images = read_images(detections.keep(kept), rig)
+    held = np.full((len(rig), len(shown) + 1, FRAMES), -1)
     held[images.camera, marker[kept], images.frame] = np.arange(kept.sum())
-    held = held[:, : 1 + own].reshape(3, -1)
+    held = held[:, : 1 + own].reshape(len(rig), -1)
     point = intersect(images, held)
     frame, id = np.tile(np.arange(FRAMES), 1 + own), np.repeat(np.arange(1 + own), FRAMES)
     return TrackPoints(frame, id, point.xyz.T, point.cov.transpose(2, 0, 1)), held, images, RESOLUTION
@@ -85,6 +89,17 @@ def no_track_beside(half, shown=(-1.0, 1.0), own=False):
 
 def test_a_point_that_another_camera_sees_as_two_is_given_up():
     assert between_markers(*no_track_beside(ALONG)).all()
+
+
+@pytest.mark.parametrize(("shown", "given_up"), [((1.0, -1.0), True), ((1.0, 1.0), False), ((1.0, -2.0), False)])
+def test_a_point_of_which_two_cameras_see_one_side_each_is_given_up(shown, given_up):
+    assert (between_markers(*no_track_beside(ALONG, shown, rig=ACROSS)) == given_up).all()
+
+
+@pytest.mark.parametrize(("until", "given_up"), [(1, True), (0, False)])
+def test_a_point_of_which_one_of_both_is_hidden_later_is_given_up(until, given_up):
+    """Half of a track and more: with one image alone, at times or always, nothing tells that it is of one of two."""
+    assert (between_markers(*no_track_beside(ALONG, until=until)) == given_up).all()
 
 
 @pytest.mark.parametrize(

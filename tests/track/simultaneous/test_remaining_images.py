@@ -94,6 +94,11 @@ def test_of_a_track_the_blocks_that_are_one_markers_are_given():
     assert (Remaining(part, off).given() == part[part >= 48]).all()
 
 
+def test_what_is_left_of_a_track_of_two_markers_is_not():
+    part = np.arange(24, 96)
+    assert not len(Remaining(part, off=np.where(part < 72, np.linspace(-2, 2, len(part)), 0.0)).given())
+
+
 def test_too_few_points_are_not():
     assert not len(Remaining(PART[:3]).given())
 

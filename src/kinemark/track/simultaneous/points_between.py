@@ -7,25 +7,29 @@ expected in a camera, s_p and s_p′ in each axis, the common image b of markers
 
     b = (p + p′) / 2,   variance s² + (s_p² + s_p′²) / 4 + (SHARE |p − p′|)²                 (1)
 
-as in `unmarked_merging`. Often neither has a track, as only those cameras see both. Then it is told by a camera that
-has no image of the point itself, but one on either side of the place q where the point is expected: a and a′, with
+as in `unmarked_merging`. Often neither has a track, as only those cameras see both. Then it is told by cameras that
+have no image of the point itself, but one on either side of the places where the point is expected: at a and a′ from
+them, in one camera or in two, c and c′. Two markers at x ± d make them, if
 
-    (a + a′) / 2 = q,   covariance S_q + ((s_a² + s_a′²) / 4 + (SHARE |a − a′|)²) I,   |a − a′| > r      (2)
+    a = J_c d,  a′ = −J_c′ d,   covariance S_c + ((s_a² + s_a′²) / 4 + (2 SHARE |a|)²) I,   |2a|, |2a′| > r      (2)
 
-Two markers at x ± d make them, J d = (a − a′) / 2, which leaves open what d is along the ray. With that by which both
-are nearest to each other in the cameras k of the point, they run together in each of these if
+by least squares. One camera leaves open what d is along its ray: that by which both are nearest to each other in the
+cameras k of the point. They run together in each of these if
 
     |2 J_k d| < r                                                                            (3)
 
-and so do not if a or a′ is of a track that has an image of its own there.
+and so do not if either image is of a track that has an image of its own there. Often a limb hides one of both for a
+while. So where (2) and (3) hold in some frame of a track, in others one image by (3) is enough, with a = J_c d, that is
+too far off to be the point's (4).
 
-A point all of whose images lie by (1), or of which some camera has two images by (2) and (3), is given up, if MOST of
-its track lies so. GATE standard deviations are allowed for.
+A point all of whose images lie by (1), or that has two images beside it by (2) and (3), or one by (4), is given up, if
+MOST of its track lies so. GATE standard deviations are allowed for.
 """
 
 from __future__ import annotations
 
 from collections import Counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,14 +55,18 @@ MOST = 0.5
 another marker for 90 frames."""
 
 
+ONE_RAY = 1e-3
+"""Radians between rays of two cameras, or what follows from rounding alone, that count as one ray; chosen."""
+
+
 def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
     """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one."""
-    out = np.zeros(len(points.id), bool)
+    both, one = np.zeros((2, len(points.id)), bool)
     if not r:
-        return out
+        return both
     for part in parts_of_frames(points.frame, AT_ONCE):
-        out[part] = _seen_on_both_sides(points.take(part), detection[:, part], images, r)
-    out |= _between_tracks(points, detection, images, r)
+        both[part], one[part] = _seen_beside(points.take(part), detection[:, part], images, r)
+    out = both | (one & (np.bincount(points.id, both) > 0)[points.id]) | _between_tracks(points, detection, images, r)
     return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
 
 
@@ -91,25 +99,57 @@ def _middle(one: NearHeld, other: NearHeld, images: Images) -> Bools:
     return np.asarray((off**2).sum(0) < GATE**2 * (room + SHARE**2 * ((one.uv - other.uv) ** 2).sum(0)))
 
 
-def _seen_on_both_sides(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points of which some camera has two images by (2) and (3)."""
+def _seen_beside(points: TrackPoints, detection: Ints, images: Images, r: float) -> tuple[Bools, Bools]:
+    """(P) the points that have two images beside them by (2) and (3), and those that have one by (4)."""
     expected = predict_images(images.P, KalmanStates(points.xyz.T, points.cov.transpose(1, 2, 0)))
     known = np.isfinite(expected.uv[:, 0]) & (np.maximum(expected.S[:, 0], expected.S[:, 2]) < (r / 2) ** 2)
     c, row = np.nonzero((detection < 0) & known)
     at, image = images.near(points.frame[row] * len(images.P) + c, expected.uv[c, 0, row], np.full(len(c), REACH * r))
-    off = images.uv[image] - expected.uv[c[at], :, row[at]]
-    good = (np.hypot(*off.T) < REACH * r) & ~_sees_both(detection, row[at], image, len(images.uv))
-    order = np.flatnonzero(good)[np.argsort(at[good], kind="stable")]
-    i, j = (order[k] for k in _pairs(at[order]))
-    c, row, middle, half = c[at[i]], row[at[i]], (off[i] + off[j]) / 2, (off[i] - off[j]) / 2
-    room = (images.variance[image[i]] + images.variance[image[j]]) / 4 + SHARE**2 * 4 * (half**2).sum(1)
-    x, y = middle.T
-    a, b, d = expected.S[c, :, row].T + np.stack([room, 0 * room, room])
-    good = (d * x * x - 2 * b * x * y + a * y * y < GATE**2 * (a * d - b * b)) & (2 * np.hypot(*half.T) > r)  # (2)
-    out = np.zeros(len(points.id), bool)
-    c, row = c[good], row[good]
-    out[row[_apart(expected, detection[:, row] >= 0, c, row, half[good]) < r]] = True  # (3)
-    return out
+    c, row = c[at], row[at]
+    off = images.uv[image] - expected.uv[c, :, row]
+    good = (np.hypot(*off.T) < REACH * r) & ~_sees_both(detection, row, image, len(images.uv))
+    good &= 2 * np.hypot(*off.T) > r
+    good &= ~_within(off, expected.S[c, :, row], images.variance[image])
+    order = np.flatnonzero(good)[np.argsort(row[good], kind="stable")]
+    beside = _Beside(row[order], c[order], off[order], images.variance[image[order]])
+    i, j = _pairs(beside.row)
+    both, one = np.zeros((2, len(points.id)), bool)
+    both[beside.row[i[_on_both_sides(expected, detection, beside.take(i), beside.take(j), r)]]] = True
+    J = np.tile(expected.J[beside.camera, :, :, beside.row], (1, 2, 1))
+    d = _displacement(J, np.tile(beside.off, 2))
+    one[beside.row[_apart(expected, detection, beside.row, J, d) < r]] = True  # (4)
+    return both, one
+
+
+class _Beside(NamedTuple):
+    """N images beside points: row of the point and camera (N), off (N, 2) px from the point, variance (N) px²."""
+
+    row: Ints
+    camera: Ints
+    off: Floats
+    variance: Floats
+
+    def take(self, which: Ints) -> _Beside:
+        """Only these."""
+        return _Beside(self.row[which], self.camera[which], self.off[which], self.variance[which])
+
+
+def _on_both_sides(expected: PredictedImages, detection: Ints, one: _Beside, other: _Beside, r: float) -> Bools:
+    """(N) whether images lie on either side of their points by (2) and (3)."""
+    J, S = ([of[each.camera, ..., each.row] for each in (one, other)] for of in (expected.J, expected.S))
+    both, h = np.concatenate(J, axis=1), np.concatenate([one.off, -other.off], axis=1)
+    d = _displacement(both, h)
+    seen = np.einsum("nij,nj->ni", both, d)
+    room = (one.variance + other.variance) / 4 + 2 * SHARE**2 * (seen**2).sum(1)
+    good = _within((h - seen)[:, :2], S[0], room) & _within((h - seen)[:, 2:], S[1], room)
+    return np.asarray(good & (_apart(expected, detection, one.row, both, d) < r))
+
+
+def _within(off: Floats, S: Floats, room: Floats) -> Bools:
+    """(n) whether places off (n, 2) px lie within GATE standard deviations, by S (n, 3) and room (n) px²."""
+    x, y = off.T
+    a, b, d = S.T + np.stack([room, 0 * room, room])
+    return np.asarray(d * x * x - 2 * b * x * y + a * y * y < GATE**2 * (a * d - b * b))
 
 
 def _sees_both(detection: Ints, row: Ints, image: Ints, D: int) -> Bools:
@@ -121,12 +161,17 @@ def _sees_both(detection: Ints, row: Ints, image: Ints, D: int) -> Bools:
     return np.asarray((other >= 0) & ((detection[:, row] >= 0) & (detection[:, other] >= 0)).any(0))
 
 
-def _apart(expected: PredictedImages, has: Bools, c: Ints, row: Ints, half: Floats) -> Floats:
-    """(n) px of (3) in that camera of a point, of those that have (C, n) an image of it, in which it is most."""
-    J, of_all = expected.J[c, :, :, row], expected.J[..., row]
-    d = np.einsum("nij,nj->in", np.linalg.pinv(J), half)
-    ray = np.cross(J[:, 0], J[:, 1]).T
-    ray /= np.linalg.norm(ray, axis=0)
-    across, along = (np.where(has[:, None], np.einsum("kijn,jn->kin", of_all, v), 0.0) for v in (d, ray))
+def _displacement(J: Floats, h: Floats) -> Floats:
+    """d (n, 3) mm, the least of those for which J (n, 4, 3) d is nearest to h (n, 4) px."""
+    return np.asarray(np.einsum("nij,nj->ni", np.linalg.pinv(J, rcond=ONE_RAY), h))
+
+
+def _apart(expected: PredictedImages, detection: Ints, row: Ints, J: Floats, d: Floats) -> Floats:
+    """(n) px of (3) in that camera of a point, of those that have an image of it, in which it is most; with d (n, 3) mm
+    that follows from J (n, 4, 3), which may leave it open along one ray."""
+    _, size, axes = np.linalg.svd(J)
+    ray = axes[:, 2] * (size[:, 2] < ONE_RAY * size[:, 0])[:, None]
+    has, of_all = detection[:, row] >= 0, expected.J[..., row]
+    across, along = (np.where(has[:, None], np.einsum("kijn,nj->kin", of_all, v), 0.0) for v in (d, ray))
     along_ray = -(across * along).sum((0, 1)) / np.maximum((along * along).sum((0, 1)), np.finfo(float).tiny)
     return np.asarray(2 * np.linalg.norm(across + along_ray * along, axis=1).max(0))

@@ -9,9 +9,10 @@ has are tracked once more, with new tracks in every frame, and of these points t
     have images of their own, without those of other markers that drift past the others,
     and are in every block of frames rather one marker's than two markers'               (1)
 
-are given, if FEWEST of their track are. Where nothing tells what is usual, nothing is tracked. Of more than FEW cameras
-most markers have a point, and what lies so near to the place of one without an image there that both would merge, in
-files that do not say so, is mostly that marker's own (2).
+are given, if FEWEST of their track are, and MOST of it is. For its images are followed from frame to frame: where most
+of them are two markers', the rest are too, though these hardly drift there. Where nothing tells what is usual, nothing
+is tracked. Of more than FEW cameras most markers have a point, and what lies so near to the place of one without an
+image there that both would merge, in files that do not say so, is mostly that marker's own (2).
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from ...data import Cloud
 from ...data.array_types import Bools, Ints
 from .candidate_points import intersect
 from .detection_index import Images
-from .drifting_pairs import UsualResiduals, of_one_marker, without_strangers
+from .drifting_pairs import MOST, UsualResiduals, of_one_marker, without_strangers
 from .passes import Associations, run
 from .simultaneous_method import Simultaneous
 
@@ -85,7 +86,8 @@ def of_markers(
     detection = np.concatenate([cloud.detection.T, every.detection], 1)
     new = np.arange(len(frame)) >= len(cloud)
     which = new | ((detection >= 0).sum(0) == 2)  # the given ones tell what the calibration leaves where two see
-    rows = _many(every.id, of_one_marker(frame, id, detection, which, images, usual, gate)[new])
+    one = of_one_marker(frame, id, detection, which, images, usual, gate)[new]
+    rows = _many(every.id, one & (np.bincount(every.id, one) >= MOST * np.bincount(every.id))[every.id])
     return rows[np.lexsort([every.id[rows], every.frame[rows]])]
 
 

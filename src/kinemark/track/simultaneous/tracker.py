@@ -42,7 +42,7 @@ from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import without_between, without_drifting, without_merged
+from .given_up_points import without_between, without_drifting, without_merged, without_reflections
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, sampled_frames
@@ -222,6 +222,7 @@ def _passes_over(
     held, ids = with_second_pass(held, ids, images, solver, method)
     held, ids = without_between(held, ids, merging, images)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
+    held, ids = without_reflections(held, ids, images, method.gate)
     held, ids, became = with_rigid_pass(held, ids, images, solver, method)
     return held.pop(), ids, became
 

@@ -30,7 +30,7 @@ def seen(uv: Floats, rng: np.random.Generator) -> Detections:
     for c, f in np.ndindex(*counts.shape):
         of = uv[c, f] + rng.normal(0, NOISE, uv[c, f].shape)
         if c == 2:
-            of = np.vstack([of[1:], of[:1] + [8.0, 0.0]] if f in FALSE else [of[1:]])
+            of = np.vstack([of[1:], of[:1] + np.array([8.0, 0.0])] if f in FALSE else [of[1:]])
         counts[c, f] = len(of)
         rows.append(of)
     return Detections.build(("cam0", "cam1", "cam2"), 100.0, counts, np.concatenate(rows))

@@ -5,26 +5,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from kinemark.data import Camera, Detections, Rig
+from kinemark.data import Detections, Rig
 from kinemark.data.array_types import Bools, Floats
 from kinemark.geometry import project_all
 from kinemark.track.simultaneous import track_detections
+from support.plain_ring import ring
 
 CAMERAS, FRAMES, MARKERS, NOISE = 8, 64, 12, 0.2
-
-
-def ring() -> Rig:
-    """Cameras all round, 4 m from the middle."""
-    cameras = []
-    for c in range(CAMERAS):
-        a = 2 * np.pi * c / CAMERAS
-        centre = np.array([4000 * np.cos(a), 4000 * np.sin(a), 2000.0])
-        z = (np.array([0.0, 0.0, 1000.0]) - centre) / np.linalg.norm(centre - [0, 0, 1000])
-        x = np.cross(z, [0.0, 0.0, 1.0]) / np.linalg.norm(np.cross(z, [0.0, 0.0, 1.0]))
-        R = np.stack([x, np.cross(z, x), z])
-        K = np.array([[1000.0, 0.0, 640.0], [0.0, 1000.0, 512.0], [0.0, 0.0, 1.0]])
-        cameras.append(Camera(f"cam{c}", np.array([1280, 1024]), K, R, -R @ centre))
-    return Rig(tuple(cameras))
 
 
 def seen(rig: Rig, xyz: Floats, visible: Bools, spots: int, rng: np.random.Generator) -> Detections:
@@ -56,7 +43,7 @@ def turned(rig: Rig, px: float, rng: np.random.Generator) -> Rig:
 def test_reflections_that_meet_by_chance_are_no_points() -> None:
     for seed in range(2):
         rng = np.random.default_rng(seed)
-        rig, xyz = ring(), body(rng, 700.0)
+        rig, xyz = ring(CAMERAS), body(rng, 700.0)
         visible = rng.random((CAMERAS, FRAMES, MARKERS)) < 0.9
         detections = seen(rig, xyz, visible, 12, rng)
         cloud = track_detections(detections, turned(rig, 0.3, rng)).cloud
@@ -67,7 +54,7 @@ def test_reflections_that_meet_by_chance_are_no_points() -> None:
 
 def test_markers_that_stand_before_two_cameras_are_kept() -> None:
     rng = np.random.default_rng(5)
-    rig, xyz = ring(), body(rng, 0.0)
+    rig, xyz = ring(CAMERAS), body(rng, 0.0)
     visible = np.ones((CAMERAS, FRAMES, MARKERS), bool)
     visible[2:, :, :4] = False  # four are seen by two cameras alone
     cloud = track_detections(seen(rig, xyz, visible, 2, rng), rig).cloud

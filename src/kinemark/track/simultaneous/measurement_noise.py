@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...numerics.evenly import scattered
 from .associate import predict_images
 from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
@@ -104,7 +105,7 @@ def sampled_frames(images: Images) -> list[int]:
     """Frames all over the recording with about SAMPLED_IMAGES images."""
     n = images.n_frames
     count = int(np.clip(SAMPLED_IMAGES * n // max(len(images.by_cell.order), 1), 2, max(n // FRAME_STEP, 2)))
-    return np.unique(np.linspace(0, n - 1, count + 2)[1:-1].astype(int)).tolist() if n else []
+    return scattered(n, count).tolist()
 
 
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:

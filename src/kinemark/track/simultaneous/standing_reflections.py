@@ -22,7 +22,7 @@ import scipy
 from scipy.spatial import cKDTree
 
 from ...data.array_types import Bools, Ints
-from ...numerics.evenly import evenly
+from ...numerics.evenly import scattered
 from .candidate_points import fundamentals
 from .detection_index import Images
 from .drifting_pairs import residual
@@ -71,7 +71,7 @@ def of_reflections(id: Ints, detection: Ints, images: Images, gate: float) -> Bo
 
 def _spots(images: Images, c: int, gate: float) -> Ints:
     """A row of `images` at each spot of camera c."""
-    frames = evenly(images.n_frames, LOOKED_AT)
+    frames = scattered(images.n_frames, LOOKED_AT)
     rows = np.flatnonzero(images.usable & (images.camera == c) & np.isin(images.frame, frames))
     if not len(rows):
         return rows

@@ -68,6 +68,9 @@ SAMPLED_IMAGES = 1500
 """Images that are looked at, about, in two frames at least and at most in one of FRAME_STEP.
 Chosen (see benchmarks/tracking.py)."""
 
+MISSED = 0.5
+"""Of the images of a camera that are met in as many frames in the mean; chosen: of every second image none is met."""
+
 FRAME_STEP = 5
 """Frames of which one is looked at at most; chosen: with few images, few frames hold too few pairs of them."""
 
@@ -102,10 +105,13 @@ class Noise(NamedTuple):
 
 
 def sampled_frames(images: Images) -> list[int]:
-    """Frames all over the recording with about SAMPLED_IMAGES images."""
-    n = images.n_frames
+    """Frames all over the recording with about SAMPLED_IMAGES images, evenly spaced where that misses no camera."""
+    n, C = images.n_frames, len(images.P)
     count = int(np.clip(SAMPLED_IMAGES * n // max(len(images.by_cell.order), 1), 2, max(n // FRAME_STEP, 2)))
-    return scattered(n, count).tolist()
+    even = np.unique(np.linspace(0, n - 1, count + 2)[1:-1].astype(int)) if n else np.zeros(0, int)
+    met = np.bincount(images.camera[images.usable & np.isin(images.frame, even)], minlength=C)
+    usual = np.bincount(images.camera[images.usable], minlength=C) * len(even) / max(n, 1)
+    return (scattered(n, count) if (met < MISSED * usual).any() else even).tolist()
 
 
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:

@@ -22,6 +22,7 @@ from .neighbouring_points import TrackPoints, smoothed
 from .points_between import between_markers
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, kept_points, precise_enough, solved, taken_out, with_columns
+from .standing_reflections import of_reflections
 from .unmarked_merging import Merging
 
 
@@ -31,6 +32,12 @@ def without_between(held: Held, ids: Ints, merging: Merging, images: Images) -> 
     cloud = held[0]
     sound = ~between_markers(TrackPoints.of(cloud, ids), cloud.detection.T, images, merging.resolution)
     del cloud
+    return kept_points(held, sound), ids[sound]
+
+
+def without_reflections(held: Held, ids: Ints, images: Images, gate: float) -> tuple[Held, Ints]:
+    """The points and their tracks, without those that reflections that stand still make by chance."""
+    sound = ~of_reflections(ids, held[0].detection.T, images, gate)
     return kept_points(held, sound), ids[sound]
 
 

@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...numerics.evenly import scattered
 from .associate import predict_images
 from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
@@ -67,6 +68,9 @@ SAMPLED_IMAGES = 1500
 """Images that are looked at, about, in two frames at least and at most in one of FRAME_STEP.
 Chosen (see benchmarks/tracking.py)."""
 
+MISSED = 0.5
+"""Of the images of a camera that are met in as many frames in the mean; chosen: of every second image none is met."""
+
 FRAME_STEP = 5
 """Frames of which one is looked at at most; chosen: with few images, few frames hold too few pairs of them."""
 
@@ -101,10 +105,13 @@ class Noise(NamedTuple):
 
 
 def sampled_frames(images: Images) -> list[int]:
-    """Frames all over the recording with about SAMPLED_IMAGES images."""
-    n = images.n_frames
+    """Frames all over the recording with about SAMPLED_IMAGES images, evenly spaced where that misses no camera."""
+    n, C = images.n_frames, len(images.P)
     count = int(np.clip(SAMPLED_IMAGES * n // max(len(images.by_cell.order), 1), 2, max(n // FRAME_STEP, 2)))
-    return np.unique(np.linspace(0, n - 1, count + 2)[1:-1].astype(int)).tolist() if n else []
+    even = np.unique(np.linspace(0, n - 1, count + 2)[1:-1].astype(int)) if n else np.zeros(0, int)
+    met = np.bincount(images.camera[images.usable & np.isin(images.frame, even)], minlength=C)
+    usual = np.bincount(images.camera[images.usable], minlength=C) * len(even) / max(n, 1)
+    return (scattered(n, count) if (met < MISSED * usual).any() else even).tolist()
 
 
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:

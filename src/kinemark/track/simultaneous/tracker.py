@@ -42,9 +42,10 @@ from .companions import once_a_frame, with_companions
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import without_between, without_drifting, without_merged
+from .given_up_points import without_between, without_drifting, without_merged, without_reflections
 from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
+from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
 from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
@@ -222,6 +223,7 @@ def _passes_over(
     held, ids = with_second_pass(held, ids, images, solver, method)
     held, ids = without_between(held, ids, merging, images)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
+    held, ids = without_reflections(held, ids, images, method.gate)
     held, ids, became = with_rigid_pass(held, ids, images, solver, method)
     return held.pop(), ids, became
 
@@ -287,7 +289,8 @@ def _first_pass(
 def _followed(
     rate: float, images: Images, working: Working, method: Simultaneous
 ) -> tuple[Associations, Associations, Floats]:
-    """The associations of all tracks, without `cov` and `squared`; those of tracks that have enough; the evidence (N).
+    """The associations of all tracks, without `cov` and `squared`; those of tracks that have enough, without lone
+    images; the evidence (N).
 
     What this needs in between takes much memory, and ends with it.
     """
@@ -315,7 +318,7 @@ def _followed(
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
     every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     return_memory()
-    return every, seen, speaks
+    return every, without_lone(seen, working.images), speaks
 
 
 def _working(

@@ -1,4 +1,9 @@
-"""Tracks through all frames, forwards and then backwards from where each began."""
+"""Tracks through all frames, forwards and then backwards from where each began.
+
+A new track that the very next frame does not show was made of images of several markers, or its marker is hidden there
+and is followed back from where it is seen again. So its images are free again, for tracks that begin in that frame: kept,
+they would leave those that are right without a beginning, frame after frame (1).
+"""
 
 from __future__ import annotations
 
@@ -132,11 +137,12 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        active = self.no_tracks()
+        active, new, since = self.no_tracks(), 0, 0
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
-            active = self.step(active.take(active.frame < self.images.n_frames))
+            active = self.step_of_new(active.take(active.frame < self.images.n_frames), new, since)
+            new, since = self.n, len(self.seen)
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 
@@ -198,6 +204,19 @@ class Run:
             N = inverse(group.cov)
             motion = update(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
+
+    def step_of_new(self, active: ActiveTracks, new: int, since: int) -> ActiveTracks:
+        """The tracks one frame on, without those from number `new` on that it does not show (1); all that these have
+        stands in `seen` from place `since` on."""
+        after = self.step(active)
+        gone = np.setdiff1d(active.id[active.id >= new], after.id[after.alone == 0])
+        for k in range(since if len(gone) else len(self.seen), len(self.seen)):
+            seen = self.seen[k]
+            theirs = np.isin(seen.id, gone)
+            self.free[seen.detection[(seen.detection >= 0) & ~seen.shared & theirs]] = True
+            self.seen[k] = seen.take(~theirs)
+        self.initiated = self.initiated.take(~np.isin(self.initiated.id, gone))
+        return after.take(~np.isin(after.id, gone))
 
     def step(self, active: ActiveTracks) -> ActiveTracks:
         """The tracks one frame on."""

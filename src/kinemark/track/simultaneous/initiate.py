@@ -5,7 +5,13 @@ acceleration have the standard deviations v and a,
 
     c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + |x₃ − x₁|² / (2 v T)²    (1)
 
-and of all triples, those of the least c² less the scores of their groups are taken, each group once. Of what is left,
+and of all triples, those of the least c² less the scores of their groups are taken, each group once. Of the n points
+other than the marker's that lie within its reach in the last frame, in a volume U, one fits by chance as well as it does
+itself where its bend, of the covariance S and at d² from none, has
+
+    n √|2π S| / U > exp(−d²/2)                                                            (2)
+
+so such triples are left: a marker among others at few frames a second begins where it is not accelerated much. Of the rest,
 points of SOUND and more images, which hardly meet by chance, are looked at again as if v were FAST, where frames follow
 each other within SHORT: what is struck or thrown is faster than all else in a recording, and leaves no track that could
 tell how fast.
@@ -27,6 +33,9 @@ from .standing_images import find_standing_points
 
 LEAST_FRAMES = 3
 """From which a track is initiated; by definition of (1)."""
+
+REACH = 3
+"""Standard deviations of velocities within which a point may have gone on; chosen: all but one marker in a hundred."""
 
 FAST, SOUND = 15_000.0, 3
 """mm/s, and images of a point, a number; chosen: steps are looked for up to three times FAST, and few balls that are
@@ -97,10 +106,17 @@ def _triples(
     squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
     pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.velocity_sd * T) ** 2
     cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
-    fits = np.flatnonzero(squared < method.gate**2)
+    fits = np.flatnonzero(squared < -2 * np.log(_chance(S, np.bincount(b2, minlength=1)[j] - 1, T, method)))  # (2)
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
     return i[order[chosen]], j[order[chosen]], k[order[chosen]]
+
+
+def _chance(S: Floats, others: Ints, T: float, method: Simultaneous) -> Floats:
+    """The left side of (2) for bends of covariances S (3, 3, n) mm², at least exp(−gate²/2), beyond which none fits."""
+    volume = 4 / 3 * np.pi * (REACH * method.velocity_sd * T) ** 3
+    many = others * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.transpose(2, 0, 1))) / volume
+    return np.asarray(np.maximum(many, np.exp(-(method.gate**2) / 2)))
 
 
 def _once(triples: list[list[int]]) -> list[int]:
@@ -116,9 +132,9 @@ def _once(triples: list[list[int]]) -> list[int]:
 
 
 def _neighbours(one: CandidatePoints, other: CandidatePoints, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
-    """Points of successive frames between which a point may have gone: within three times the usual speed."""
+    """Points of successive frames between which a point may have gone: within REACH times the usual speed."""
     apart = np.linalg.norm(one.xyz[:, :, None] - other.xyz[:, None], axis=0)
-    a, b = np.nonzero(apart < 3 * method.velocity_sd * T + _spread(one)[:, None] + _spread(other))
+    a, b = np.nonzero(apart < REACH * method.velocity_sd * T + _spread(one)[:, None] + _spread(other))
     return a, b
 
 

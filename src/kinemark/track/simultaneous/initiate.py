@@ -6,15 +6,15 @@ acceleration have the standard deviations v and a,
     c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + |x₃ − x₁|² / (2 v T)²    (1)
 
 and of all triples, those of the least c² less the scores of their groups are taken, each group once. Of the n points
-other than the marker's that lie within its reach in the last frame, in a volume U, one fits by chance as well as it does
-itself where its bend, of the covariance S and at d² from none, has
+other than the marker's that lie within its reach in the last frame, in a volume U, one fits as well by chance as the
+marker does itself where the bend, of the covariance S and d standard deviations from none, has
 
     n √|2π S| / U > exp(−d²/2)                                                            (2)
 
-so such triples are left: a marker among others at few frames a second begins where it is not accelerated much. Of the rest,
-points of SOUND and more images, which hardly meet by chance, are looked at again as if v were FAST, where frames follow
-each other within SHORT: what is struck or thrown is faster than all else in a recording, and leaves no track that could
-tell how fast.
+so such triples are left: at few frames a second a marker among others begins where it is hardly accelerated. Of the
+rest, points of SOUND and more images, which hardly meet by chance, are looked at again as if v were FAST, where frames
+follow each other within SHORT: what is struck or thrown is faster than all else in a recording, and leaves no track
+that could tell how fast.
 """
 
 from __future__ import annotations

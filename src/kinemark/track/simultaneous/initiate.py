@@ -106,17 +106,12 @@ def _triples(
     squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
     pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.velocity_sd * T) ** 2
     cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
-    fits = np.flatnonzero(squared < -2 * np.log(_chance(S, np.bincount(b2, minlength=1)[j] - 1, T, method)))  # (2)
+    reach = REACH * method.velocity_sd * T + _spread(middle)[j] + _spread(last)[k]
+    chance = (np.bincount(b2)[j] - 1) * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.T)) / (4 / 3 * np.pi * reach**3)
+    fits = np.flatnonzero(squared < -2 * np.log(np.maximum(chance, np.exp(-(method.gate**2) / 2))))  # (2)
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
     return i[order[chosen]], j[order[chosen]], k[order[chosen]]
-
-
-def _chance(S: Floats, others: Ints, T: float, method: Simultaneous) -> Floats:
-    """The left side of (2) for bends of covariances S (3, 3, n) mm², at least exp(−gate²/2), beyond which none fits."""
-    volume = 4 / 3 * np.pi * (REACH * method.velocity_sd * T) ** 3
-    many = others * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.transpose(2, 0, 1))) / volume
-    return np.asarray(np.maximum(many, np.exp(-(method.gate**2) / 2)))
 
 
 def _once(triples: list[list[int]]) -> list[int]:

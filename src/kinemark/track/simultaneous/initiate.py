@@ -11,10 +11,10 @@ marker does itself where the bend, of the covariance S and d standard deviations
 
     n √|2π S| / U > exp(−d²/2)                                                            (2)
 
-so such triples are left: at few frames a second a marker among others begins where it is hardly accelerated. Of the
-rest, points of SOUND and more images, which hardly meet by chance, are looked at again as if v were FAST, where frames
-follow each other within SHORT: what is struck or thrown is faster than all else in a recording, and leaves no track
-that could tell how fast.
+so such triples are left, but none of less than LEAST_GATE: at few frames a second a marker among others begins where it
+is hardly accelerated. Of the rest, points of SOUND and more images, which hardly meet by chance, are looked at again as
+if v were FAST, where frames follow each other within SHORT: what is struck or thrown is faster than all else in a
+recording, and leaves no track that could tell how fast.
 """
 
 from __future__ import annotations
@@ -36,6 +36,10 @@ LEAST_FRAMES = 3
 
 REACH = 3
 """Standard deviations of velocities within which a point may have gone on; chosen: all but one marker in a hundred."""
+
+LEAST_GATE = 3.0
+"""Standard deviations of a bend that are always tried; chosen: 97 % of the markers with accelerations as expected. The
+plate of studies/infrared_footage.py moves by half of its pitch more from frame to frame, as all LEDs do alike."""
 
 FAST, SOUND = 15_000.0, 3
 """mm/s, and images of a point, a number; chosen: steps are looked for up to three times FAST, and few balls that are
@@ -108,7 +112,8 @@ def _triples(
     cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
     reach = REACH * method.velocity_sd * T + _spread(middle)[j] + _spread(last)[k]
     chance = (np.bincount(b2)[j] - 1) * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.T)) / (4 / 3 * np.pi * reach**3)
-    fits = np.flatnonzero(squared < -2 * np.log(np.maximum(chance, np.exp(-(method.gate**2) / 2))))  # (2)
+    rare = np.clip(chance, np.exp(-(method.gate**2) / 2), np.exp(-(LEAST_GATE**2) / 2))
+    fits = np.flatnonzero(squared < -2 * np.log(rare))  # (2)
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
     return i[order[chosen]], j[order[chosen]], k[order[chosen]]

@@ -47,7 +47,8 @@ ROUNDS = 3
 
 
 PROOF = 3
-"""Frames of (1); chosen: with two markers in turn, A B B A, a parabola fits, and the fifth point shows it."""
+"""Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
+fifth point shows it. At 10 Hz three frames set right tracks aside too (studies/infrared_footage.py)."""
 
 
 class ActiveTracks(NamedTuple):
@@ -142,7 +143,8 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        active, new = self.no_tracks(), deque([(0, 0)], PROOF)
+        proof = int(np.clip(round(self.method.max_coasting / self.T), 1, PROOF))
+        active, new = self.no_tracks(), deque([(0, 0)], proof)
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)

@@ -112,8 +112,9 @@ def _triples(
     cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
     reach = REACH * method.velocity_sd * T + _spread(middle)[j] + _spread(last)[k]
     chance = (np.bincount(b2)[j] - 1) * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.T)) / (4 / 3 * np.pi * reach**3)
-    rare = np.clip(chance, np.exp(-(method.gate**2) / 2), np.exp(-(LEAST_GATE**2) / 2))
-    fits = np.flatnonzero(squared < -2 * np.log(rare))  # (2)
+    least = LEAST_GATE if method.max_coasting >= 2 * T else method.gate  # at 10 Hz all LEDs of a plate bend alike
+    rare = -2 * np.log(np.maximum(chance, np.finfo(float).tiny))
+    fits = np.flatnonzero(squared < np.clip(rare, min(least, method.gate) ** 2, method.gate**2))  # (2)
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
     return i[order[chosen]], j[order[chosen]], k[order[chosen]]

@@ -48,7 +48,7 @@ ROUNDS = 3
 
 PROOF = 3
 """Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
-fifth point shows it. At 10 Hz three frames set right tracks aside too (studies/infrared_footage.py)."""
+fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial."""
 
 
 class ActiveTracks(NamedTuple):
@@ -143,13 +143,13 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        proof = int(np.clip(round(self.method.max_coasting / self.T), 1, PROOF))
-        active, new = self.no_tracks(), deque([(0, 0)], proof)
+        proof = int(min(self.method.max_coasting / self.T, PROOF))
+        active, new = self.no_tracks(), deque([(0, 0)], max(proof, 1))
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.proven(active.take(active.frame < self.images.n_frames), *new[0])
-            new.append((self.n, len(self.seen)))
+            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 

@@ -363,6 +363,14 @@ def test_three_points_bend_as_far_as_their_covariances_say(share, initiated):
     assert len(_triples(*groups, T, quick)[0]) == initiated
 
 
+@pytest.mark.parametrize(("beside", "initiated"), [(0, 1), (3, 0)])
+def test_at_few_frames_a_second_a_bend_begins_no_track_among_other_points(beside, initiated):
+    """Of two markers seen in turn: at 25 Hz a bend of 90 mm is within the gate, and no rarer than a chance."""
+    others = [[60, 100, 40 * k] for k in range(beside)]
+    groups = places([[0, 0, 0]], 0), places([[0, 90, 0]], 1), places([[0, 90, 0], *others], 2)
+    assert len(_triples(*groups, 0.04, METHOD)[0]) == initiated
+
+
 def test_points_less_sure_than_asked_for_are_not_given():
     """Two cameras side by side know the depth poorly."""
     rig = ring(12).select(["c0", "c1"])

@@ -5,10 +5,16 @@ acceleration have the standard deviations v and a,
 
     c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + |x₃ − x₁|² / (2 v T)²    (1)
 
-and of all triples, those of the least c² less the scores of their groups are taken, each group once. Of what is left,
-points of SOUND and more images, which hardly meet by chance, are looked at again as if v were FAST, where frames follow
-each other within SHORT: what is struck or thrown is faster than all else in a recording, and leaves no track that could
-tell how fast.
+and of all triples, those of the least c² less the scores of their groups are taken, each group once. Of the n points
+other than the marker's that lie within its reach in the last frame, in a volume U, one fits as well by chance as the
+marker does itself where the bend, of the covariance S and d standard deviations from none, has
+
+    n √|2π S| / U > exp(−d²/2)                                                            (2)
+
+so such triples are left, but none of less than LEAST_GATE: at few frames a second a marker among others begins where it
+is hardly accelerated. Of the rest, points of SOUND and more images, which hardly meet by chance, are looked at again as
+if v were FAST, where frames follow each other within SHORT: what is struck or thrown is faster than all else in a
+recording, and leaves no track that could tell how fast.
 """
 
 from __future__ import annotations
@@ -27,6 +33,13 @@ from .standing_images import find_standing_points
 
 LEAST_FRAMES = 3
 """From which a track is initiated; by definition of (1)."""
+
+REACH = 3
+"""Standard deviations of velocities within which a point may have gone on; chosen: all but one marker in a hundred."""
+
+LEAST_GATE = 3.0
+"""Standard deviations of a bend that are always tried; chosen: 97 % of the markers with accelerations as expected. The
+plate of studies/infrared_footage.py moves by half of its pitch more from frame to frame, as all LEDs do alike."""
 
 FAST, SOUND = 15_000.0, 3
 """mm/s, and images of a point, a number; chosen: steps are looked for up to three times FAST, and few balls that are
@@ -97,7 +110,11 @@ def _triples(
     squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
     pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.velocity_sd * T) ** 2
     cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
-    fits = np.flatnonzero(squared < method.gate**2)
+    reach = REACH * method.velocity_sd * T + _spread(middle)[j] + _spread(last)[k]
+    chance = (np.bincount(b2)[j] - 1) * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.T)) / (4 / 3 * np.pi * reach**3)
+    least = LEAST_GATE if method.max_coasting >= 2 * T else method.gate  # at 10 Hz all LEDs of a plate bend alike
+    rare = -2 * np.log(np.maximum(chance, np.finfo(float).tiny))
+    fits = np.flatnonzero(squared < np.clip(rare, min(least, method.gate) ** 2, method.gate**2))  # (2)
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
     return i[order[chosen]], j[order[chosen]], k[order[chosen]]
@@ -116,9 +133,9 @@ def _once(triples: list[list[int]]) -> list[int]:
 
 
 def _neighbours(one: CandidatePoints, other: CandidatePoints, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
-    """Points of successive frames between which a point may have gone: within three times the usual speed."""
+    """Points of successive frames between which a point may have gone: within REACH times the usual speed."""
     apart = np.linalg.norm(one.xyz[:, :, None] - other.xyz[:, None], axis=0)
-    a, b = np.nonzero(apart < 3 * method.velocity_sd * T + _spread(one)[:, None] + _spread(other))
+    a, b = np.nonzero(apart < REACH * method.velocity_sd * T + _spread(one)[:, None] + _spread(other))
     return a, b
 
 

@@ -1,7 +1,14 @@
-"""Tracks through all frames, forwards and then backwards from where each began."""
+"""Tracks through all frames, forwards and then backwards from where each began.
+
+A new track that one of the PROOF frames after it does not show may be of images of several markers, or its marker is
+hidden there and is followed back from where it is seen again. So it is set aside and its images are free again, for
+tracks that begin in that frame: kept, they would leave those that are right without a beginning, frame after frame. It
+returns where, after both passes, no other track has any of its images (1).
+"""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from typing import Any, NamedTuple, cast
 
@@ -37,6 +44,11 @@ agrees with itself; chosen (see benchmarks/tracking.py)."""
 
 ROUNDS = 3
 """Images at most that are taken from a track as outliers in one frame; chosen (see benchmarks/tracking.py)."""
+
+
+PROOF = 3
+"""Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
+fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial."""
 
 
 class ActiveTracks(NamedTuple):
@@ -111,17 +123,16 @@ class Run:
         self.seen: list[Associations] = []
         self.initiated = self.no_tracks()
         self.n = 0
+        self.aside: list[Associations] = []
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
         first = self.stretches()
         length = int(np.diff(first).max())
         self.go_forwards(first[:-1], length)
-        active = self.initiated
-        while len(active.id):
-            tell(length, 2 * length)
-            active = active._replace(frame=active.frame - 1)
-            active = self.step(active.take(active.frame >= 0))
+        aside = np.isin(self.initiated.id, [id for seen in self.aside for id in seen.id])
+        self.go_backwards(self.initiated.take(~aside), length)
+        self.go_backwards(self.returned(), length)
         return self.associations()
 
     def forwards(self, first: Ints, length: int) -> Associations:
@@ -132,24 +143,27 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        active = self.no_tracks()
+        proof = int(min(self.method.max_coasting / self.T, PROOF))
+        active, new = self.no_tracks(), deque([(0, 0)], max(proof, 1))
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
-            active = self.step(active.take(active.frame < self.images.n_frames))
+            active = self.proven(active.take(active.frame < self.images.n_frames), *new[0])
+            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 
+    def go_backwards(self, active: ActiveTracks, length: int) -> None:
+        """Associate backwards from where tracks were initiated."""
+        while len(active.id):
+            tell(length, 2 * length)
+            active = active._replace(frame=active.frame - 1)
+            active = self.step(active.take(active.frame >= 0))
+
     def associations(self) -> Associations:
         """All that were made, which are then no longer kept here."""
-        if not self.seen:
-            return _nothing(len(self.images.P))
-        columns = [list(column) for column in zip(*self.seen, strict=True)]
-        self.seen, whole = [], []
-        while columns:
-            whole.append(np.concatenate(columns.pop(0), -1))
-            return_memory()  # of its parts, before those of the next column are in memory twice
-        return Associations(*whole)
+        parts, self.seen = self.seen, []
+        return _whole(parts) if parts else _nothing(len(self.images.P))
 
     def stretches(self) -> Ints:
         """First frames of the stretches that are tracked side by side, and the number of frames."""
@@ -198,6 +212,36 @@ class Run:
             N = inverse(group.cov)
             motion = update(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
+
+    def proven(self, active: ActiveTracks, new: int, since: int) -> ActiveTracks:
+        """The tracks one frame on; those from number `new` on that it does not show are set aside (1). All that these
+        have stands in `seen` from place `since` on."""
+        after = self.step(active)
+        gone = np.setdiff1d(active.id[active.id >= new], after.id[after.alone == 0])
+        for k in range(since if len(gone) else len(self.seen), len(self.seen)):
+            seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
+            self.free[_own(seen.take(theirs))] = True
+            self.aside.append(seen.take(theirs))
+            self.seen[k] = seen.take(~theirs)
+        return after.take(~np.isin(after.id, gone))
+
+    def returned(self) -> ActiveTracks:
+        """Where tracks were initiated that were set aside, of those whose images are all still free, the longest first;
+        they have them then."""
+        if not self.aside:
+            return self.no_tracks()
+        seen, self.aside = _whole(self.aside), []
+        order = np.argsort(seen.id, kind="stable")
+        each = np.split(order, np.flatnonzero(np.diff(seen.id[order])) + 1)
+        back = []
+        for rows in sorted(each, key=len, reverse=True):
+            images = _own(seen.take(rows))
+            if self.free[images].all():
+                self.free[images] = False
+                back.append(rows)
+        if back:
+            self.seen.append(seen := seen.take(np.sort(np.concatenate(back))))
+        return self.initiated.take(np.isin(self.initiated.id, seen.id if back else []))
 
     def step(self, active: ActiveTracks) -> ActiveTracks:
         """The tracks one frame on."""
@@ -266,6 +310,21 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
     det = np.maximum(a * d - b * b, (MIN_VARIANCE_SHARE * v) ** 2)
     x, y = off.swapaxes(0, 1)
     return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
+
+
+def _own(seen: Associations) -> Ints:
+    """The images that are of one track alone."""
+    return seen.detection[(seen.detection >= 0) & ~seen.shared]
+
+
+def _whole(parts: list[Associations]) -> Associations:
+    """All parts, which are then nowhere else."""
+    columns, whole = [list(column) for column in zip(*parts, strict=True)], []
+    parts.clear()
+    while columns:
+        whole.append(np.concatenate(columns.pop(0), -1))
+        return_memory()  # of its parts, before those of the next column are in memory twice
+    return Associations(*whole)
 
 
 def _short(detection: Ints) -> Ints:

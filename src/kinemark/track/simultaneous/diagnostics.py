@@ -312,7 +312,11 @@ def _in_no_track(result: TrackingResult, c: int, name: str) -> list[Finding]:
 
 
 def _doubtful(result: TrackingResult, c: int, name: str) -> list[Finding]:
-    """About a camera that hardly fits the others, and that too few points confirm."""
+    """About a camera that hardly fits the others, and that too few points confirm, or about those of which one was
+    moved, once."""
+    if c in result.undecided:
+        names = [result.rig.names[k] for k in result.undecided]
+        return [make_finding("camera_in_doubt", cameras=names)] if c == result.undecided[0] else []
     if c not in result.doubtful or is_confirmed(c, result.tracks, result.images):
         return []
     return [make_finding("camera_in_doubt", cameras=[name])]

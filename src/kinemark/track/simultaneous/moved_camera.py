@@ -4,7 +4,7 @@ Cameras all round a subject share each marker by twos, and no third image tells 
 camera c alone was moved, there is one pose of c by which its images meet those of all others, while these meet as they
 do; another camera that is moved instead mends some pairs and breaks others. So each camera is suspected in turn, and
 fitted to some blocks of the recording; G_c is by how much the evidence in the other blocks (`image_pairs` (1)) then
-exceeds that for the rig as given.
+exceeds that for the rig as given, less ln (1 + |d|)² of how many places a pixel wide the images by d may have come from.
 
 The pose is looked for by a Hough transform (Hough 1962): if the images of c lie beside by d, a pair with the residual e
 has e = l · d, a line in the plane of d, and the lines of pairs of one marker meet (1). From where most do, and from
@@ -15,7 +15,7 @@ d = 0, camera c is turned, and then also moved and refocused (`rig_of_tracks` (1
 w being Cauchy's weights and g the probability that a pair is one marker, in rounds with less v. Who moves besides has
 to gain MORE than who turns alone. Camera c was moved where, for all other cameras b,
 
-    G_c > ENOUGH,   G_c > G_b + CLEAR   and its images lie beside by FAR and more.        (3)
+    G_c > ENOUGH,   CLEAR · G_c > G_b   and its images lie beside by FAR and more.        (3)
 
 If only the second is not so, it is one of the cameras within CLEAR that lie as far beside, and nobody can tell which.
 """
@@ -44,6 +44,8 @@ REACH, STEP = 120.0, 4.0
 turn about its axis do beside is mostly less."""
 AROUND = 9
 """Steps to a side about a d, in which lines are counted as usual there; chosen."""
+LEAST_PAIRS = 100
+"""Of images with those of other cameras, from which on a camera is suspected; chosen: there are some thousand."""
 STARTS, BETTER_STARTS = 4, 2
 """Of (1), and those from which a camera is moved as well; chosen for speed."""
 TURNED = np.array([0.1, 0.1, 0.1, 3e-4, 3e-4, 3e-4, 3e-4])
@@ -54,8 +56,8 @@ TURNING, MOVING = (5.0, 3.0, 1.5, 0.8, 0.5), (5.0, 3.0, 1.5, 0.8, 0.5, 0.3)
 """px, √v of (2), a round each; chosen: to below the noise of most cameras."""
 MORE = 8.0
 """Of (2); chosen: four parameters, each known to a hundredth of what it may be, are ln 100 each, halved for clumps."""
-ENOUGH, CLEAR = 20.0, 7.0
-"""Of (3), natural logarithms; chosen on scenes 10000 to 10059, 1 to 40 and 2000 to 2030 of three and four cameras."""
+ENOUGH, CLEAR = 20.0, 0.8
+"""Of (3), a natural logarithm, and a share; chosen on scenes 10000 to 10059, 1 to 40 and 2000 to 2030 of three and four cameras."""
 FAR = 3.0
 """px of (3); chosen: right cameras of files 1 px off gain by up to 2.6."""
 
@@ -88,7 +90,7 @@ def moved_camera(detections: Detections, rig: Rig) -> Moved:
     best = max(one.gain for one in found)
     if best < ENOUGH:
         return Moved({})
-    near = {c: one for c, one in enumerate(found) if one.gain > best - CLEAR}
+    near = {c: one for c, one in enumerate(found) if one.gain > CLEAR * best}
     far = {c: one for c, one in near.items() if np.linalg.norm(one.offset) > FAR}
     return Moved(far if len(far) == len(near) else {})
 
@@ -128,6 +130,8 @@ class _Search(NamedTuple):
 
 def _suspect(search: _Search) -> Suspect:
     """Camera c where it fits best in the blocks for fitting."""
+    if len(search.pairs.judging) < LEAST_PAIRS:
+        return Suspect(search.camera, 0.0, np.zeros(2))
     fitting = search._replace(pairs=search.pairs.take(~search.pairs.judging))
     turned = [_fitted(fitting, theta, TURNED, TURNING) for theta in _starts(fitting)]
     said = [search.said(theta) for theta in turned]
@@ -136,10 +140,11 @@ def _suspect(search: _Search) -> Suspect:
     said_moved = [search.said(theta) for theta in moved]
     best, other = order[0], int(np.argmax([each[1] for each in said_moved]))
     gains = said[best][0], said_moved[other][0] - MORE
-    theta = turned[best] if gains[0] > gains[1] else moved[other]
-    return Suspect(
-        search.changed(theta), float(max(gains) - search.said(np.zeros(7))[0]), _image_offset(search, theta)
-    )
+    theta, usual = (turned[best], TURNED) if gains[0] > gains[1] else (moved[other], MOVED)
+    theta = _fitted(search, theta, usual, MOVING[-2:])  # by all blocks
+    offset = _image_offset(search, theta)
+    gain = max(gains) - search.said(np.zeros(7))[0] - 2 * np.log1p(np.linalg.norm(offset))
+    return Suspect(search.changed(theta), float(gain), offset)
 
 
 def _image_offset(search: _Search, theta: Floats) -> Floats:

@@ -27,6 +27,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
@@ -71,12 +72,12 @@ FEW = 30
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
     """What is odd about the input, cameras by the rig as given; nothing where nothing is."""
-    rig = result.rig
+    given, rig = rig, result.rig
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
-    turned = {one.camera: [_put_right(one, rig)] for one in result.put_right}
+    turned = {one.camera: [_put_right(one, given, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
         most = max(LEAST_SHIFT, STANDS_OUT * finite_median(np.delete(usual, c), 0.0))  # (9)
         found += (
@@ -116,9 +117,13 @@ def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) 
     return [make_finding("camera_shifted", cameras=[name], offset_u_px=u, offset_v_px=v, left_out=True)]
 
 
-def _put_right(one: ImageOffset, rig: Rig) -> Finding:
-    """About a camera that was turned until it fitted the others."""
-    return make_finding("camera_put_right", cameras=[rig.names[one.camera]], offset_u_px=one.u, offset_v_px=one.v)
+def _put_right(one: ImageOffset, given: Rig, rig: Rig) -> Finding:
+    """About a camera that was turned and moved until it fitted the others, and by how much."""
+    was, now = given[one.camera], rig[one.camera]
+    turned_deg = np.rad2deg(Rotation.from_matrix(now.R @ was.R.T).magnitude())
+    moved_mm = float(np.linalg.norm(now.centre - was.centre))
+    offset = {"offset_u_px": one.u, "offset_v_px": one.v}
+    return make_finding("camera_put_right", cameras=[now.name], **offset, turned_deg=turned_deg, moved_mm=moved_mm)
 
 
 def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:

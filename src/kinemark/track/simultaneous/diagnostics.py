@@ -27,7 +27,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
@@ -41,7 +40,8 @@ from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
 from .mirror_images import mirror_images
 from .misfitting_cameras import image_offset, is_confirmed
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
-from .tracker import CameraTimes, ImageOffset, TrackingResult
+from .tracker import CameraTimes, TrackingResult
+from .turned_camera import told_put_right
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
@@ -77,7 +77,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
-    turned = {one.camera: [_put_right(one, given, rig)] for one in result.put_right}
+    turned = {one.camera: [told_put_right(one, given, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
         most = max(LEAST_SHIFT, STANDS_OUT * finite_median(np.delete(usual, c), 0.0))  # (9)
         found += (
@@ -115,15 +115,6 @@ def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) 
         return [_inconsistent_camera(result._replace(images=images), rig, c)]
     u, v = offset
     return [make_finding("camera_shifted", cameras=[name], offset_u_px=u, offset_v_px=v, left_out=True)]
-
-
-def _put_right(one: ImageOffset, given: Rig, rig: Rig) -> Finding:
-    """About a camera that was turned and moved until it fitted the others, and by how much."""
-    was, now = given[one.camera], rig[one.camera]
-    turned_deg = np.rad2deg(Rotation.from_matrix(now.R @ was.R.T).magnitude())
-    moved_mm = float(np.linalg.norm(now.centre - was.centre))
-    offset = {"offset_u_px": one.u, "offset_v_px": one.v}
-    return make_finding("camera_put_right", cameras=[now.name], **offset, turned_deg=turned_deg, moved_mm=moved_mm)
 
 
 def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:

@@ -48,6 +48,7 @@ LEAST_PAIRS = 100
 STARTS, BETTER_STARTS = 4, 2
 """Of (1), and those from which a camera is moved as well; chosen for speed."""
 TURNED = np.array([0.1, 0.1, 0.1, 3e-4, 3e-4, 3e-4, 3e-4])
+"""θ₀ of (2): rad, shares of the distance, and of the focal length; chosen, as in `turned_camera`."""
 MOVED = np.array([0.1, 0.1, 0.1, 0.02, 0.02, 0.02, 3e-3])
 """θ₀ of (2): rad, shares of the distance, and of the focal length; chosen: a knock turns a camera, and one that was put
 elsewhere stands some cm away."""

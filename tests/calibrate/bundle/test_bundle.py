@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, KnownPoints, Sticks, bundle, sticks_through
-from kinemark.calibrate.bundle.adjust import observed
+from kinemark.calibrate.bundle.adjust import BundleFit, Misfit, check_calibration, observed
 from kinemark.calibrate.bundle.lens_prior import LensPrior
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
@@ -41,7 +41,7 @@ def small_state():
 
 
 FREEDOMS = (
-    Freedom(np.ones(15, bool), square=False, prior=LensPrior.of(np.ones(6, bool)).weighed(1e-2)),
+    Freedom(np.ones(15, bool), square=False, prior=LensPrior.of(np.ones(6, bool), np.zeros(6, bool)).weighed(1e-2)),
     Freedom(np.arange(15) != 6, square=True),
     Freedom(np.isin(np.arange(15), [0, 1, 9, 10, 11, 12, 13, 14]), square=True, lens_in_pixels=True),
 )
@@ -236,3 +236,18 @@ def test_points_are_placed_by_the_cameras_that_agree():
     assert agreed.any()
     assert np.allclose(found[agreed], xyz[agreed], atol=1e-3)
     assert np.isnan(found[~agreed]).all(1).mean() > 0.8  # else wrong along the other one's epipolar line
+
+
+@pytest.mark.parametrize(
+    "shared, words",
+    [(12, "Cameras cam2 and cam3 share 12 poses only.* wave more where both"), (60, "^Camera cam4 does not")],
+)
+def test_cameras_that_few_poses_join_are_named_where_one_does_not_fit(shared, words):
+    rig = Rig(tuple(replace(camera, residual=0.1) for camera in ring(4)))
+    frame = np.arange(300)
+    seen = np.array([frame < 120, frame < 120 + shared, frame >= 120, frame >= 120])
+    kept = seen & (np.arange(4) < 3)[:, None]
+    fit = BundleFit(rig, np.ones((300, 3)), np.zeros((4, 300, 2)), kept, np.zeros((60, 60)), 1.0, 1)
+    with pytest.raises(Misfit, match=words) as error:
+        check_calibration(fit, seen, frame)
+    assert ("wave more" in str(error.value)) == (shared < 40)

@@ -77,6 +77,20 @@ def test_terms_that_are_told_little_of_stay_usual():
     assert np.abs(off / sd).max() < 4
 
 
+@pytest.mark.parametrize("seed", [3, 5, 8, 9])  # without what is usual of k1 and k2 these fold
+def test_few_poses_give_no_lens_that_folds_the_image_over(seed):
+    rng = np.random.default_rng(seed)
+    rig = Rig(tuple(replace(c, distortion=np.array([-0.2, 0.06, 0, 0, 0])) for c in ring(2)))
+    way = rng.normal(size=(25, 1, 3))
+    way /= np.linalg.norm(way, axis=2, keepdims=True)
+    xyz = MIDDLE + rng.uniform(-1, 1, (25, 1, 3)) * 450 + np.array([[-250.0], [250.0]]) * way
+    uv = project_all(rig, xyz.reshape(-1, 3)) + 0.3 * rng.normal(size=(2, 50, 2))
+    fit = bundle(rig, (sticks_through(xyz, [0, 500]),), uv)
+    width, height = rig[0].size
+    edge = np.stack(np.meshgrid([0, width / 2, width - 1], [0, height / 2, height - 1]), -1).reshape(-1, 1, 2)
+    assert np.isfinite(undistort_all(fit.rig, edge.repeat(2, 1))).all()
+
+
 @pytest.mark.parametrize("method", [{"usual_lens": False}, {"radial": 0}])
 def test_lenses_that_are_exact_stay_so(method):
     _, fit, *_ = calibrated(41, **method)

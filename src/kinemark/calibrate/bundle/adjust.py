@@ -19,6 +19,7 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
 from ...numerics.small_sample import variance_factor
 from .camera_step import CameraStep
+from .initial.view_pairs import ENOUGH, weakest_link
 from .lens_prior import LensPrior
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
@@ -73,7 +74,7 @@ class Bundle(Method):
             return Freedom(free, self.square_pixels)
         known = np.append(self.square_pixels, ~free[4:9])
         free[4:9] = True
-        return Freedom(free, False, prior=LensPrior.of(known))
+        return Freedom(free, False, prior=LensPrior.of(known, ~known))
 
 
 class BundleFit(NamedTuple):
@@ -228,7 +229,7 @@ def check_calibration(fit: BundleFit, seen: Bools, frame: Ints, *, focus_held: b
             raise Misfit(
                 f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")
-                + _since(~fit.kept[c, there[c]], frame[there[c]])
+                + (_weak_link(fit.rig.names, seen, frame) or _since(~fit.kept[c, there[c]], frame[there[c]]))
                 + "Check that it is synchronous and did not move, that markers are not mixed up and lengths are right; "
                 "a lens that bends lines strongly needs more lens terms."
             )
@@ -239,6 +240,18 @@ def check_calibration(fit: BundleFit, seen: Bools, frame: Ints, *, focus_held: b
             f"The focal length of camera {least_certain.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
             "nearer to it and farther away, in all its image, turn the stick in all directions, or linearise it first."
         )
+
+
+def _weak_link(names: Sequence[str], seen: Bools, frame: Ints) -> str:
+    """That all cameras hang together by few of the frames (N) of what is seen (C, N); nothing where by enough."""
+    shown = np.array([np.isin(np.unique(frame), frame[each]) for each in seen], np.int64)
+    a, b, shared = weakest_link(shown @ shown.T)
+    if a == b or shared >= ENOUGH:
+        return ""
+    return (
+        f"Cameras {names[a]} and {names[b]} share {shared} poses only, and nothing joins the cameras on their two "
+        "sides better: wave more where both see it. "
+    )
 
 
 def _since(lost: Bools, frame: Ints) -> str:

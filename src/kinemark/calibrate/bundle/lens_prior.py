@@ -14,6 +14,9 @@ those of usual cameras differ from what is taken by σ (`USUAL`). That is one mo
 factor s², so that s² / σ² is the precision (3). Where the points say anything of a term, (2) has no weight. Where they
 say nothing it stays at v₀, and the covariance of the camera has its σ², or less where the lenses of the whole rig are
 nearer to v₀ than that (`usual_terms`).
+
+Few images may leave open even the radial terms that they are to tell: what then fits best is a lens that folds its
+image over. So those too have (2), about an ideal lens whatever they begin with, and without being learned from the rig.
 """
 
 from __future__ import annotations
@@ -30,17 +33,26 @@ USUAL = np.array([1e-3, 0.2, 0.1, 1e-3, 1e-3, 0.05])
 """Standard deviations σ of (1), without unit; chosen: by judgement of usual lenses, before any was tried, p1 and p2 as
 in `lens.plane_views`."""
 
+RADIAL = np.isin(np.arange(6), (1, 2, 5))  # of (1); by definition
+
 
 class LensPrior(NamedTuple):
-    """v₀ and precision of (1), each (6); 0 of what is not known beforehand."""
+    """v₀ and precision of (1), each (6), 0 of what is not known beforehand; and which (6) the images are to tell."""
 
     usual: Floats
     precision: Floats
+    told: Bools
 
     @classmethod
-    def of(cls, terms: Bools) -> LensPrior:
-        """Of some of (1), (6), for images whose covariances are right, about an ideal lens."""
-        return cls(np.array([1.0, 0, 0, 0, 0, 0]), np.where(terms, USUAL**-2, 0.0))
+    def of(cls, terms: Bools, told: Bools) -> LensPrior:
+        """Of some of (1), (6), and radial ones of `told`, about an ideal lens, for images of right covariances."""
+        told = told & RADIAL
+        return cls(np.array([1.0, 0, 0, 0, 0, 0]), np.where(terms | told, USUAL**-2, 0.0), told)
+
+    @property
+    def learned(self) -> Bools:
+        """(6) what is known beforehand, of terms that the images need not tell."""
+        return (self.precision > 0) & ~self.told
 
     @property
     def known(self) -> int:
@@ -49,7 +61,8 @@ class LensPrior(NamedTuple):
 
     def about(self, camera: Camera, terms: Bools) -> LensPrior:
         """About this camera, of those `terms` (6) only."""
-        return LensPrior(values_of(camera), np.where(terms, self.precision, 0.0))
+        usual = np.where(self.told, self.usual, values_of(camera))
+        return self._replace(usual=usual, precision=np.where(terms, self.precision, 0.0))
 
     def weighed(self, scale: float) -> LensPrior:
         """For images whose standard deviations are to be multiplied by `scale`, (3)."""

@@ -64,10 +64,10 @@ class Freedom(NamedTuple):
         return self._replace(prior=self.prior and self.prior.weighed(scale))
 
     def held(self) -> Freedom:
-        """Terms of which something is known beforehand stay as they are."""
+        """Terms that the images need not tell, of which something is known beforehand, stay as they are."""
         if not self.prior:
             return self
-        known = self.prior.precision > 0
+        known = self.prior.learned
         free = self.free.copy()
         free[4:9] &= ~known[1:]
         return self._replace(free=free, square=self.square or bool(known[0]))

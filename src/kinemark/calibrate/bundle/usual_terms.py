@@ -1,10 +1,10 @@
 """How far the lenses of a rig are from what is usual, and from each other, learned from all its cameras.
 
-Terms with a prior (`lens_prior`) are fitted with the others, to v with covariance P, both in units of the prior's σ. It
-is wide enough for all kinds of cameras. Those of one rig are mostly of one make, and may be nearer to what was taken:
-by a factor τ ≤ 1, one for each kind of terms (`KINDS`), of which the fit tells. Or they are so near to each other, and
-their mean is as far from what was taken as is usual. One camera may be of another make, with τ = 1. With the terms S z,
-z of unit covariance,
+Terms with a prior (`lens_prior`), but those that images are to tell, are fitted with the others, to v with covariance
+P, both in units of the prior's σ. It is wide enough for all kinds of cameras. Those of one rig are mostly of one make,
+and may be nearer to what was taken: by a factor τ ≤ 1, one for each kind of terms (`KINDS`), of which the fit tells. Or
+they are so near to each other, and their mean is as far from what was taken as is usual. One camera may be of another
+make, with τ = 1. With the terms S z, z of unit covariance,
 
     S = (τ),   or   S = (τ, √(1 − τ²) E)                                 (1)
 
@@ -125,8 +125,8 @@ def covariance_with(
 
 
 def _precision(freedoms: tuple[Freedom, ...]) -> Floats:
-    """(C, 6) of all cameras' terms, 0 where nothing is known beforehand."""
-    return np.array([f.prior.precision if f.prior else np.zeros(6) for f in freedoms])
+    """(C, 6) of all cameras' terms to learn about, 0 of others."""
+    return np.array([f.prior.precision * f.prior.learned if f.prior else np.zeros(6) for f in freedoms])
 
 
 def _directions(cameras: tuple[Camera, ...], freedoms: tuple[Freedom, ...]) -> Floats:

@@ -30,7 +30,7 @@ from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
 from ..bundle.adjust import Misfit, check_calibration
 from ..bundle.camera_step import camera_step
-from ..bundle.initial.view_pairs import weakest_link
+from ..bundle.initial.view_pairs import ENOUGH, weakest_link
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
@@ -41,7 +41,6 @@ from .moved_camera import step_of_part, step_words
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
-ENOUGH = 40  # poses by which two cameras are joined well; chosen: three times the fewest
 CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
 SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
@@ -170,7 +169,7 @@ def _first_poses(detections: Detections, rows: Ints, sizes: Ints) -> Ints:
     while True:
         chosen = thinned(detections, rows, sizes, most)
         seen = (chosen.min(2) >= 0).astype(np.int64)
-        if most >= rows.shape[1] or weakest_link(seen @ seen.T) >= ENOUGH:
+        if most >= rows.shape[1] or weakest_link(seen @ seen.T).shared >= ENOUGH:
             return chosen
         most *= 2
 

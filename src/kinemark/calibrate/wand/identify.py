@@ -166,8 +166,9 @@ def _check_gaps(ratio: Floats, along: Floats) -> None:
         found = np.exp(median + wanted_ratio)
         raise KinemarkError(
             f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
-            f"median, and the wand's lengths {gaps.tolist()} mm say {np.exp(wanted_ratio):.2f}. Measure the wand "
-            "again, from centre to centre, and give its gaps in order."
+            f"median of {len(seen)} images, and the wand's lengths {', '.join(f'{mm:g}' for mm in gaps)} mm say "
+            f"{np.exp(wanted_ratio):.2f}. Measure the wand again, from centre to centre, and give its gaps in order. "
+            "If they are right, other points lie in a row: mask reflections, and wave longer where both its ends show."
         )
 
 

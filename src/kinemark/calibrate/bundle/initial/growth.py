@@ -78,7 +78,8 @@ def start(views: TargetViews, *, seed: int = 0, focal_known: bool = False) -> tu
     best: Start | None = None
     trouble = KinemarkError(
         "No focal lengths make sense of what any two cameras see. Check that points of one place have one index in all "
-        "cameras and, for a stick, that its lengths are right and its ends are not mixed up."
+        "cameras and, for a stick, that its lengths are right and its ends are not mixed up. Cameras that face each "
+        "other tell least: linearise them first, add a camera, or move one aside."
     )
     for guess in _seeds(views, pairs, focal_known):
         try:
@@ -99,7 +100,7 @@ def thinned(views: TargetViews) -> TargetViews:
     uv = views.poses
     for step in range(uv.shape[1] // AMPLE, 1, -1):
         some = uv[:, ::step].reshape(len(uv), -1, 2)
-        if weakest_link(common_points(some)) >= AMPLE:
+        if weakest_link(common_points(some)).shared >= AMPLE:
             return views._replace(uv=some)
     return views
 

@@ -24,6 +24,7 @@ from ..parts import complete
 from .unknown_optics import UnknownOptics, straightened
 
 FEWEST_COMMON = 24  # points that a pair must share; chosen: three times the eight of a fundamental matrix
+ENOUGH = 40  # poses by which two cameras are joined well; chosen: three times the fewest
 FLAT = 0.003
 """Of the image's diagonal; pairs that a homography explains to this are no use; chosen (see benchmarks/bundle.py)."""
 
@@ -44,11 +45,22 @@ def common_points(uv: Floats) -> Ints:
     return np.asarray(seen @ seen.T)
 
 
-def weakest_link(common: Ints) -> int:
-    """How many things the two cameras share that share least, of those by which all hang together: `common` (C, C)."""
+class Link(NamedTuple):
+    """Two cameras, and how many things both see."""
+
+    a: int
+    b: int
+    shared: int
+
+
+def weakest_link(common: Ints) -> Link:
+    """Of the cameras by which all hang together, `common` (C, C), the two that share least; 0 where some are apart."""
     apart = np.divide(1.0, common, out=np.zeros(common.shape), where=common > 0)  # 0 is no link
-    links = scipy.sparse.csgraph.minimum_spanning_tree(apart).data
-    return round(1 / links.max()) if 0 < len(links) == len(common) - 1 else 0
+    links = scipy.sparse.csgraph.minimum_spanning_tree(apart).tocoo()
+    if not 0 < links.nnz == len(common) - 1:
+        return Link(0, 0, 0)
+    a, b = (int(each[links.data.argmax()]) for each in (links.row, links.col))
+    return Link(a, b, int(common[a, b]))
 
 
 def find_pairs(optics: list[UnknownOptics], uv: Floats, *, seed: int) -> tuple[list[UnknownOptics], list[Pair]]:

@@ -33,7 +33,8 @@ USUAL = np.array([1e-3, 0.2, 0.1, 1e-3, 1e-3, 0.05])
 """Standard deviations σ of (1), without unit; chosen: by judgement of usual lenses, before any was tried, p1 and p2 as
 in `lens.plane_views`."""
 
-RADIAL = np.isin(np.arange(6), (1, 2, 5))  # of (1); by definition
+RADIAL = np.isin(np.arange(6), (1, 2, 5))
+"""Which of (1) are radial terms, without unit; by definition."""
 
 
 class LensPrior(NamedTuple):

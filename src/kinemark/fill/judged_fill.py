@@ -79,15 +79,16 @@ class KnownEdges(NamedTuple):
 
 def judged(fills: Sequence[ChosenFill], known: KnownEdges) -> list[tuple[FilledGap, Floats]]:
     """What is said of each fill in the end, and its covariance (L, 3, 3) mm²."""
-    known = known.contradicted(fills)
+    sides = [apart_on_the_body(known.trimmed, one.gap) for one in fills]
+    known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
     apart = without_suspicious(known.trimmed, {one.gap: one.tied() for one in fills if known.is_doubtful(one)})
-    return [_judged(one, known, apart.get(one.gap)) for one in fills]
+    return [_judged(one, known, mm, apart.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
 
 
-def _judged(one: ChosenFill, known: KnownEdges, apart: Floats | None) -> tuple[FilledGap, Floats]:
+def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, apart: Floats | None) -> tuple[FilledGap, Floats]:
     """Of one; `apart` (L, 3) mm from it without suspicious samples."""
     beside = known.suspicious.get(one.gap, ())
     xyz, references = one.prediction.xyz, one.prediction.references
     jump = 0.0 if beside else largest_jump(known.motion, one.gap, xyz, references)  # none to a bad sample
-    found = replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=apart_on_the_body(known.trimmed, one.gap))
+    found = replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm)
     return (found, one.cov) if apart is None else doubted(found, one.cov, apart)

@@ -2,8 +2,9 @@
 
 A marker that drifts off its place before it is lost, or comes back beside it, goes along smoothly: its own motion
 (`edges`) shows nothing. The other markers do. So `FIRST` fills each gap once more with REACH samples on both sides
-missing. With d(t) from that fill to a sample t, and C(t) the fill's calibrated covariance, the samples on one side of
-the gap are suspicious, from the gap on, as long as
+missing, or half of those up to the next gap, lest it know less than in any hold-out gap. With d(t) from that fill to a
+sample t, and C(t) the fill's calibrated covariance, the samples on one side of the gap are suspicious, from the gap on,
+as long as
 
     |d(t)| > TIMES √(tr C(t))     and     |d(t)| > the least error of `edges`                              (1)
 """
@@ -11,7 +12,7 @@ the gap are suspicious, from the gap on, as long as
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import groupby, takewhile
+from itertools import takewhile
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from ...data.array_types import Bools
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..methods.stage import filler_of
 from .choice import CandidateFill
-from .doubtful_edges import unseen_around
 from .expected_error import likeness
 from .hold_out import edge_distance
 
@@ -41,17 +41,20 @@ def contradicted_edges(
         least_mm: of (1), mm.
     """
     found = {}
-    for _, group in groupby(sorted(witnesses), key=lambda gap: gap.marker):
-        own = list(group)  # of one marker: those of others stay, as references
-        by = witnesses[own[0]]
-        hidden = motion.hidden(Gap(gap.marker, max(gap.start - REACH, 0), gap.stop + REACH) for gap in own)
-        longer = [unseen_around(hidden.seen[gap.marker], gap) for gap in own]
-        again = filler_of(by.method)(hidden, longer, method=by.method)
-        for gap, more, prediction in zip(own, longer, again, strict=True):
-            beyond = np.flatnonzero(_beyond(motion, more, prediction, by, least_mm)) + more.start
-            if frames := _next_to(gap, set(beyond.tolist())):
-                found[gap] = frames
+    for gap, by in witnesses.items():
+        longer = _longer(motion.seen[gap.marker], gap)
+        (again,) = filler_of(by.method)(motion.hidden([longer]), [longer], method=by.method)
+        beyond = np.flatnonzero(_beyond(motion, longer, again, by, least_mm)) + longer.start
+        if frames := _next_to(gap, set(beyond.tolist())):
+            found[gap] = frames
     return found
+
+
+def _longer(seen: Bools, gap: Gap) -> Gap:
+    """A gap with what is hidden beside it: up to REACH frames on each side, and half of those that are seen there."""
+    before, after = seen[: gap.start][::-1], seen[gap.stop :]
+    reach = [min(REACH, int(np.argmin(np.append(side, False))) // 2) for side in (before, after)]
+    return Gap(gap.marker, gap.start - reach[0], gap.stop + reach[1])
 
 
 def _beyond(motion: MarkerArray, gap: Gap, prediction: Prediction, by: CandidateFill, least_mm: float) -> Bools:

@@ -45,7 +45,7 @@ def without_suspicious(trimmed: MarkerArray, fills: Mapping[Gap, TiedFill]) -> d
         trimmed: the trial in which these samples are missing.
         fills: by their gaps; one that cannot be filled without them is left out.
     """
-    longer = {gap: unseen_around(trimmed.seen[gap.marker], gap) for gap in fills}
+    longer = {gap: _run(trimmed.seen[gap.marker], gap) for gap in fills}
     found = {}
     for method in dict.fromkeys(fill.method for fill in fills.values()):
         mine = [gap for gap, fill in fills.items() if fill.method == method]
@@ -66,7 +66,7 @@ def doubted(found: FilledGap, cov: Floats, d: Floats) -> tuple[FilledGap, Floats
     return replace(found, expected_mm=max(found.expected_mm, apart), sd_mm=sd), cov
 
 
-def unseen_around(seen: Bools, gap: Gap) -> Gap:
+def _run(seen: Bools, gap: Gap) -> Gap:
     """All frames in one piece with a gap in which its marker is not seen."""
     before, after = np.flatnonzero(seen[: gap.start]), np.flatnonzero(seen[gap.stop :])
     start = int(before[-1]) + 1 if len(before) else 0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Body, Gap, LocalRegression, fill
+from kinemark.fill.edges import GapEdges
 from support.filling import moving, trial
 
 GAP = Gap(2, 100, 125)
@@ -42,3 +43,25 @@ def test_a_fill_that_suspicious_samples_pull_away_stays_open():
     xyz[GAP.marker, GAP.start - 1] += 150.0
     (found,) = fill(trial(motion._replace(xyz=xyz))).gaps
     assert found.state == "above_limit" and found.suspicious == (GAP.start - 1,)
+
+
+def test_a_slow_drift_to_the_gap_is_told_by_the_other_markers():
+    """Its own motion shows nothing of a millimetre a frame; where nothing drifts, nothing is listed."""
+    motion = moving(300, soft=3.0, noise=0.2)
+    xyz = motion.hidden([GAP]).xyz
+    xyz[GAP.marker, GAP.start - 10 : GAP.start] += np.linspace(0.5, 10.0, 10)[:, None] / np.sqrt(3)
+    done = fill(trial(motion._replace(xyz=xyz)), limit_mm=np.inf)
+    (found,) = done.gaps
+    d = done.trajectories.xyz[GAP.marker, GAP.start : GAP.stop] - motion.xyz[GAP.marker, GAP.start : GAP.stop]
+    assert len(found.suspicious) >= 5 and max(found.suspicious) == GAP.start - 1
+    assert found.expected_mm > 0.5 * np.linalg.norm(d, axis=1).mean() > 0.5
+    seen = ~np.isnan(xyz)
+    assert np.array_equal(done.trajectories.xyz[seen], xyz[seen])
+
+
+def test_nobody_who_wants_no_check_gets_one():
+    motion = moving(300, soft=3.0, noise=0.2)
+    xyz = motion.hidden([GAP]).xyz
+    xyz[GAP.marker, GAP.start - 10 : GAP.start] += np.linspace(1.0, 10.0, 10)[:, None]
+    (found,) = fill(trial(motion._replace(xyz=xyz)), edges=GapEdges(most_trimmed=0)).gaps
+    assert not found.suspicious

@@ -1,9 +1,9 @@
 """Fills that rest on suspicious samples: how far they would be elsewhere without these.
 
-A fill is tied to the samples beside its gap. Where those are suspicious (`edges`) they may be wrong by any amount, and
-no hold-out gap, whose edges are good, says so. So the method that was chosen fills the gap once more with the
-suspicious samples missing. With d(t) from the one fill to the other, what is expected of the fill, and its covariance,
-become
+A fill is tied to the samples beside its gap. Where those are suspicious (`edges`, `contradicted_edges`) they may be
+wrong by any amount, and no hold-out gap, whose edges are good, says so. So the method that was chosen fills the gap
+once more with the suspicious samples missing. With d(t) from the one fill to the other, what is expected of the fill,
+and its covariance, become
 
     max(ē, mean |d|),     V + d dᵀ                                                                          (1)
 

@@ -248,13 +248,14 @@ def _second(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints) 
     nats = every[t]
     own = nats[np.arange(len(t)), a]
     apart = own[:, None] - nats
-    meet = together(stretches.seen)
+    meet, n = together(stretches.seen), stretches.seen[t].sum(1)
     i, j = np.nonzero(meet[np.ix_(t, t)])  # u = j holds b, the label of j
-    lost = np.maximum(own[j] - np.maximum(nats[j, a[i]], 0.0), 0.0)
+    lost = own[j] - np.maximum(nats[j, a[i]], 0.0)
+    lost = np.maximum(lost, np.minimum(1.0, n[j] / n[i]) * lost)  # what u gains counts by its frames
     both = np.full_like(apart, -np.inf)
     np.maximum.at(both, (i, a[j]), own[i] - nats[i, a[j]] + lost)
     none = np.minimum(own, _taken_over(stretches, t, a, every, label, meet[t]))
-    rest = np.concatenate([np.maximum(apart, both), none[:, None]], axis=1)
+    rest = np.concatenate([np.where(np.isfinite(both), both, apart), none[:, None]], axis=1)
     rest[np.arange(len(t)), a] = np.inf
     second = rest.argmin(1)
     return rest[np.arange(len(t)), second], np.where(second == nats.shape[1], -1, second)

@@ -5,11 +5,12 @@ A name is right when two things hold: what is called a all through the trial is 
     p = p_label(a) · p_track(t)                                                                                   (1)
 
 *The track.* A track t with label a could be b. Where another track u seen at the same time is b, both would have to
-change, so that what u loses counts too:
+change, so that what u loses or gains counts too:
 
     m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (2)
 
-and b may be "none", worth 0, also where u, seen for n_u frames to n_t, takes a instead, from b or no name:
+where what u gains, seen for n_u frames to n_t, counts min(1, n_u / n_t) times, and b may be "none", worth 0, also
+where u takes a instead, from b or no name:
 
     m_t ≤ e(t, a) − min(1, n_u / n_t) [ e(u, a) − max(e(u, b), 0) ]                                              (2')
 

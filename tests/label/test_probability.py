@@ -1,6 +1,7 @@
 """What is said of a name: how likely, by what, what else, and whether left and right can be told at all."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from kinemark.label.margin import (
     BETA_TRACK,
     GAINED_OTHER,
     Margins,
+    _second,
     label_probability,
     logistic,
     margins,
@@ -205,6 +207,16 @@ def test_a_track_has_its_share_of_the_samples_of_its_label():
     share = margins(stretches, true, template(), pairs).share
     np.testing.assert_allclose(np.bincount(true[true >= 0], share[true >= 0]), 1.0)
     assert np.isnan(share[true < 0]).all() and (share[true >= 0] < 1).all()
+
+
+@pytest.mark.parametrize(("frames", "least"), [(10, -8.0), (5, -1.0), (1, 4.6)])
+def test_a_track_is_less_sure_where_another_gains_by_the_exchange_of_both(frames, least):
+    """Of two wrists in pieces one hardly lost by it and was sure, though the other gained twice as much."""
+    seen = np.ones((2, 10), bool)
+    seen[1, frames:] = False
+    nats, label = np.array([[30.0, 24.0], [24.0, 10.0]]), np.arange(2)
+    margin, second = _second(SimpleNamespace(seen=seen), label, label, nats, label)
+    assert margin[0] == pytest.approx(least) and second[0] == 1
 
 
 def test_an_exchange_all_through_the_trial_makes_its_two_labels_improbable_and_no_other():

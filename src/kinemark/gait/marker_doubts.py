@@ -156,10 +156,10 @@ def apart(points: Mapping[str, Floats], a: str, b: str) -> float:
     return finite_median(np.linalg.norm(points[a] - points[b], axis=-1)) if {a, b} <= set(points) else np.nan
 
 
-def nearer_to_other(points: Mapping[str, Floats], joint: str, name: str) -> bool:
-    """Whether a marker of either side is clearly nearer to the joint of the other side than to that of its own."""
+def nearer_to_other(points: Mapping[str, Floats], joint: str, name: str, *, times: float = 1.0) -> bool:
+    """Whether a marker of either side is clearly, so many times, nearer to the other side's joint than to its own."""
     return all(
-        apart(points, own + joint, own + name) > apart(points, other + joint, own + name) + OPPOSITE_MM
+        apart(points, own + joint, own + name) > times * apart(points, other + joint, own + name) + OPPOSITE_MM
         for own, other in (("L", "R"), ("R", "L"))
     )
 

@@ -1,13 +1,18 @@
 """Markers of head, trunk and arms that cannot be where their names say, of somebody who stands or walks.
 
-With p and l of `marker_doubts`, and z upwards, in the median over the frames
+With l to the left and p to the front of the shoulders, which is the same whatever side these are called, or of the
+pelvis (`marker_doubts`), and z upwards, in the median over the frames in which the trunk stands above the pelvis
 
-    (left − right) · l > 0   of shoulders and head                                                            (1)
+    (left − right) · l > 0   of shoulders, by the pelvis, and head                                            (1)
     (front − back) · p > 0   of head and trunk                                                                (2)
     (upper − lower) · z > 0   of the trunk                                                                    (3)
+
+and in all frames
+
     |near − end| < |far − end|   of the markers of an arm, which follow each other from neck to hand          (4)
 
-Arms may be folded, with hands on the other side, so that (1) tells nothing of them. But an elbow is nearer to its own
+Exchanged names turn a direction by 180°; who bends down, or looks over the shoulder, turns it by less than 120°. Arms
+may be folded, with hands on the other side, so that (1) tells nothing of them. But an elbow is nearer to its own
 shoulder than to the other one, and a forearm is not much longer than the upper arm,
 
     |elbow − wrist| < 1.5 |shoulder − elbow|                                                                  (5)
@@ -19,11 +24,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
 from ..data.landmarks import landmarks
 from ..data.subject_measures import LETTER
-from .marker_doubts import OPPOSITE_MM, along, apart, forward_of, nearer_to_other
-from .segments import Z_UP
+from .marker_doubts import along, apart, forward_of, nearer_to_other
+from .segments import Z_UP, unit
 
 WORDS = {
     "FHD": ("fhd", "fronthead", "headfront"),
@@ -39,17 +44,26 @@ WORDS = {
     "STRN": ("strn", "sternum", "px", "xiphoid"),
 }
 """What laboratories call them, after the side, most usual first; conventional."""
-ACROSS = ("FHD", "BHD", "SHO")
-"""Pairs of (1), after L and R; conventional."""
+SHOULDERS = ("LSHO", "RSHO")
+"""Pair of (1); conventional."""
+ACROSS = ("FHD", "BHD")
+"""Pairs of (1) on the head, after L and R; conventional."""
 IN_FRONT = (("LFHD", "LBHD"), ("RFHD", "RBHD"), ("CLAV", "C7"), ("STRN", "T10"))
 """Front and back of (2); conventional."""
 ABOVE = (("C7", "T10"), ("CLAV", "STRN"))
 """Upper and lower of (3); conventional."""
 ALONG = (("SHO", "ELB", "C7"), ("WRA", "ELB", "FIN"), ("WRB", "ELB", "FIN"), ("WRA", "FIN", "ELB"))
 """Near, far and end of (4), after L or R where they have a side; conventional."""
+TURNED = -0.5
+"""Cosine with the direction of (1) to (3) below which it fails; by definition of 120°."""
+TRUNK = (*SHOULDERS, "C7", "CLAV", "T10", "STRN")
+"""Which together are above the pelvis rather than beside it where (1) to (3) tell something; conventional."""
 LEAST_MM = 10.0
-"""By which (2), (3) and (4) must fail, mm; chosen: of 29 public trials, in which people stand, walk, dance and serve,
-the least was +32, from wrist to hand, and +86 of the others."""
+"""By which (4) must fail, mm; chosen: of 29 public trials, in which people stand, walk, dance and serve, the least was
++32, from wrist to hand, and +86 of the others."""
+FARTHER = 1.3
+"""Times as far from its own shoulder as from the other one, from which an elbow is of the other; chosen: the other
+one is 1.4 times as far and more, also of folded arms, and elbows that cross before the chest are up to 1.2 of it."""
 PARTS = (("SHO", "ELB", "WRA"), ("SHO", "ELB", "WRB"), ("ELB", "WRA", "FIN"))
 """Of (5), after L and R; conventional."""
 LONGER = 1.5
@@ -62,13 +76,13 @@ def upper_body_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> Ite
     Args:
         points: (F, 3) mm by names. up: of the laboratory.
     """
+    own = _model_names(points)
+    known = {name: points[one] for name, one in own.items()}
     forward = forward_of(points, up)
     if forward is None:
         return
-    own = _model_names(points)
-    known = {name: points[one] for name, one in own.items()}
     told = set[str]()
-    for two, by in _exchanged(known, forward, np.cross(up, forward), up):
+    for two, by in _exchanged(known, _stands(points, known, up), np.cross(up, forward), up):
         if told.isdisjoint((*two, *by)):  # what is wrong above makes what is below it look wrong
             told |= {*two}
             yield tuple(own[name] for name in two)
@@ -91,15 +105,43 @@ Told = tuple[tuple[str, str], tuple[str, ...]]
 """Two markers that are exchanged, and others by which that is told."""
 
 
-def _exchanged(known: Mapping[str, Floats], forward: Floats, left: Floats, up: Floats) -> Iterator[Told]:
+def _stands(points: Mapping[str, Floats], known: Mapping[str, Floats], up: Floats) -> Bools:
+    """(F) whether the trunk is above the pelvis rather than beside it; yes where it has no markers."""
+    trunk = [known[name] for name in TRUNK if name in known]
+    if not trunk:
+        return np.ones(len(points["LASI"]), bool)
+    v = sum(trunk) / len(trunk) - (points["LASI"] + points["RASI"]) / 2
+    return np.asarray(v @ up > np.linalg.norm(v - (v @ up)[:, None] * up, axis=1))
+
+
+def _left_of_trunk(known: Mapping[str, Floats], left: Floats, up: Floats) -> Floats:
+    """(F, 3) l by the shoulders, whatever side they are called; as that of the pelvis, `left`, without them."""
+    if not {*SHOULDERS} <= set(known):
+        return left
+    across = known["LSHO"] - known["RSHO"]
+    across = unit(across - (across @ up)[:, None] * up)
+    return across * np.sign(along(across, left))
+
+
+def _exchanged(known: Mapping[str, Floats], stands: Bools, left: Floats, up: Floats) -> Iterator[Told]:
     """By (1) to (5), from the trunk on."""
-    for name in ACROSS:
-        if _along(known, "L" + name, "R" + name, left) < -OPPOSITE_MM:
-            yield ("L" + name, "R" + name), ()
-    for rows, way in ((IN_FRONT, forward), (ABOVE, np.broadcast_to(up, forward.shape))):
-        yield from ((two, ()) for two in rows if _along(known, *two, way) < -LEAST_MM)
-    if nearer_to_other(known, "SHO", "ELB"):
-        yield ("LELB", "RELB"), ("LSHO", "RSHO")
+    by = _left_of_trunk(known, left, up)
+    head = [("L" + name, "R" + name) for name in ACROSS]
+    above = np.broadcast_to(up, left.shape)
+    for rows, way in (((SHOULDERS,), left), (head, by), (IN_FRONT, np.cross(by, up)), (ABOVE, above)):
+        yield from ((two, ()) for two in rows if _turned(known, *two, way, stands))
+    yield from _exchanged_in_arms(known)
+
+
+def _turned(known: Mapping[str, Floats], a: str, b: str, way: Floats, stands: Bools) -> bool:
+    """Whether a − b points the other way than (F, 3), by (1) to (3); no where one is not there."""
+    return {a, b} <= set(known) and along(unit(known[a] - known[b])[stands], way[stands]) < TURNED
+
+
+def _exchanged_in_arms(known: Mapping[str, Floats]) -> Iterator[Told]:
+    """By (4) and (5)."""
+    if nearer_to_other(known, "SHO", "ELB", times=FARTHER):
+        yield ("LELB", "RELB"), SHOULDERS
     for a, b, c in PARTS:
         if all(apart(known, s + b, s + c) > LONGER * apart(known, s + a, s + b) for s in LETTER.values()):
             yield ("L" + c, "R" + c), ("L" + a, "R" + a, "L" + b, "R" + b)
@@ -108,8 +150,3 @@ def _exchanged(known: Mapping[str, Floats], forward: Floats, left: Floats, up: F
             own = end if end in known else side + end
             if apart(known, side + near, own) > apart(known, side + far, own) + LEAST_MM:
                 yield (side + near, side + far), (own,)
-
-
-def _along(known: Mapping[str, Floats], a: str, b: str, way: Floats) -> float:
-    """mm of a − b along (F, 3), the median; 0 where one is not there."""
-    return along(known[a] - known[b], way) if {a, b} <= set(known) else 0.0

@@ -5,11 +5,12 @@ A name is right when two things hold: what is called a all through the trial is 
     p = p_label(a) · p_track(t)                                                                                   (1)
 
 *The track.* A track t with label a could be b. Where another track u seen at the same time is b, both would have to
-change, so that what u loses counts too:
+change, so that what u loses or gains counts too:
 
     m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (2)
 
-and b may be "none", worth 0, also where u, seen for n_u frames to n_t, takes a instead, from b or no name:
+where what u gains, seen for n_u frames to n_t, counts min(1, n_u / n_t) times, and b may be "none", worth 0, also
+where u takes a instead, from b or no name:
 
     m_t ≤ e(t, a) − min(1, n_u / n_t) [ e(u, a) − max(e(u, b), 0) ]                                              (2')
 
@@ -248,13 +249,14 @@ def _second(stretches: Stretches, t: Ints, a: Ints, every: Floats, label: Ints) 
     nats = every[t]
     own = nats[np.arange(len(t)), a]
     apart = own[:, None] - nats
-    meet = together(stretches.seen)
+    meet, n = together(stretches.seen), stretches.seen[t].sum(1)
     i, j = np.nonzero(meet[np.ix_(t, t)])  # u = j holds b, the label of j
-    lost = np.maximum(own[j] - np.maximum(nats[j, a[i]], 0.0), 0.0)
+    lost = own[j] - np.maximum(nats[j, a[i]], 0.0)
+    lost = np.maximum(lost, np.minimum(1.0, n[j] / n[i]) * lost)  # what u gains counts by its frames
     both = np.full_like(apart, -np.inf)
     np.maximum.at(both, (i, a[j]), own[i] - nats[i, a[j]] + lost)
     none = np.minimum(own, _taken_over(stretches, t, a, every, label, meet[t]))
-    rest = np.concatenate([np.maximum(apart, both), none[:, None]], axis=1)
+    rest = np.concatenate([np.where(np.isfinite(both), both, apart), none[:, None]], axis=1)
     rest[np.arange(len(t)), a] = np.inf
     second = rest.argmin(1)
     return rest[np.arange(len(t)), second], np.where(second == nats.shape[1], -1, second)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kinemark.data import MarkerTrajectory
 from kinemark.engine.naming.impossible_names import impossible_names
@@ -78,3 +79,32 @@ def test_somebody_who_sits_is_not_judged():
         for p in renamed(own, {"LKNE": "RKNE", "RKNE": "LKNE"})
     )
     assert not list(impossible_names([replace(own, paths=tuple(paths))], ["sits"]))
+
+
+def turned(own, names, about, degrees):
+    """The trial with some markers turned about the hips, forwards, or about the upright line through one marker."""
+    at = np.mean([own[name].xyz for name in about], axis=0)
+    axis = np.array([0.0, 0, 1]) if len(about) == 1 else np.nanmedian(own["LASI"].xyz - own["RASI"].xyz, axis=0)
+    turn = Rotation.from_rotvec(np.deg2rad(degrees) * axis / np.linalg.norm(axis))
+    moved = {name: at + turn.apply(own[name].xyz - at) for name in names}
+    return replace(own, paths=tuple(MarkerTrajectory.measured(p.name, moved.get(p.name, p.xyz)) for p in own))
+
+
+HEAD = {side + name for side in "LR" for name in ("FHD", "BHD")}
+TRUNK = HEAD | {"C7", "T10", "CLAV", "STRN", "LSHO", "RSHO", "LELB", "RELB"}
+TRUNK |= {side + name for side in "LR" for name in ("WRA", "WRB", "FIN")}
+
+
+@pytest.mark.parametrize("degrees", [60, 90, 120])
+def test_somebody_who_bends_down_is_not_told(degrees):
+    """The chest is then behind the neck, and the neck below the back."""
+    own = read_trial(shared_data(STATIC)).trajectories
+    bent = turned(own, TRUNK, ("LASI", "RASI"), degrees)
+    assert bent["C7"].xyz[0, 2] < own["C7"].xyz[0, 2]
+    assert not list(impossible_names([bent], ["bends"]))
+
+
+def test_somebody_who_looks_over_the_shoulder_is_not_told():
+    own = read_trial(shared_data(STATIC)).trajectories
+    looks = turned(turned(own, TRUNK, ("C7",), 35), HEAD, ("C7",), 75)
+    assert not list(impossible_names([looks], ["looks back"]))

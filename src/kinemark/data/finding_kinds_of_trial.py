@@ -152,6 +152,9 @@ TRIAL_KINDS = (
     Kind("tracks_confusable", "track", "amber", "Tracks came so near each other, for the rate, that they may have been "
          "exchanged: how many such decisions, and the share of all points; red where many times more.",
          {"decisions": "count", "points_share": "share"}),
+    Kind("rate_too_low", "track", "amber", "Points leave the course of their track from one frame to the next by more "
+         "than half of the distance to another track: their share; red where many, and tracks are broken.",
+         {"points_share": "share", "rate_hz": "Hz"}),
     Kind("long_gaps", "track", "amber", "Gaps above the limit are left.", {"limit_s": "s"}),
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),
     Kind("markers_uncertain", "reconstruct", "amber", "The mean standard deviation is above the limit.",

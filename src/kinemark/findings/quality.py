@@ -18,6 +18,7 @@ from ..version import __version__
 from .cameras import AsGiven, camera_figures, residuals
 from .left_over import left_over
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
+from .off_course import off_course_share
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 from .room import room_at
 from .trial_findings import trial_findings
@@ -173,6 +174,7 @@ def _tracks(tracks: Tracks) -> dict[str, Any]:
         "count": (lengths > 0).sum(),
         "length_mean_frames": mean(lengths[lengths > 0].astype(float)),
         "length_median_frames": quantile(lengths[lengths > 0].astype(float), 0.5),
+        "off_course_share": off_course_share(tracks),
         "lengths_frames": lengths,
     }
 

@@ -188,6 +188,8 @@ class TracksData(TypedDict):
     count: Count
     length_mean_frames: Number
     length_median_frames: Number
+    off_course_share: Share
+    """Points that leave the course of their track, in a frame, by more than half of the distance to another."""
     lengths_frames: list[Count]
 
 

@@ -221,6 +221,11 @@ TRIAL_WORDS = {
         "they may have been exchanged.",
         "Look at the ambiguous decisions of kind swap; record at a higher rate, or with more cameras.",
     ),
+    "rate_too_low": Words(
+        "In {points_share} of the points markers leave their course between two frames by more than half of their "
+        "distance to the next marker: at {rate_hz} their motion does not tell them apart.",
+        "Record at a higher rate, or put markers farther apart where they move fast; look at exchanges there.",
+    ),
     "long_gaps": Words(
         "Gaps longer than {limit_s:.3g} in {markers}.",
         "Fill them from neighbouring markers on the same segment, or leave these stretches out.",

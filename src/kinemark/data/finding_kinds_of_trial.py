@@ -153,7 +153,7 @@ TRIAL_KINDS = (
          "exchanged: how many such decisions, and the share of all points; red where many times more.",
          {"decisions": "count", "points_share": "share"}),
     Kind("rate_too_low", "track", "amber", "Points leave the course of their track from one frame to the next by more "
-         "than half of the distance to another track: their share; red where many, and tracks are broken.",
+         "than half of the distance to another track: their share.",
          {"points_share": "share", "rate_hz": "Hz"}),
     Kind("long_gaps", "track", "amber", "Gaps above the limit are left.", {"limit_s": "s"}),
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),

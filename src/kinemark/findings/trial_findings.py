@@ -48,10 +48,9 @@ NEAR_SHARE, NEAR_SHARE_RED = 0.01, 0.25
 """Share of the points on tracks so near another that either could have its images. Of 40 simulated recordings without a
 swap one in six had more than the first, none more than 0.11; walking at 25 Hz, with few swaps, 0.21, and at 10 Hz, with
 one a track, 0.28; chosen (see benchmarks/tracking_scenes.py)."""
-OFF_COURSE, OFF_COURSE_RED, PIECES_RED = 0.005, 0.02, 2.0
-"""Share of the points off their course, and what is red where there are so many tracks a marker as well; chosen on
-simulated recordings: 55 at 50 Hz and more have at most 0.0002; of 39 at 25 and 30 Hz 14 have more than the first, 12 of
-them with exchanges; of those with more than the second, 4 in pieces had 0.5 to 6 % of their samples on wrong tracks."""
+OFF_COURSE = 0.005
+"""Share of the points off their course; chosen on simulated recordings: 55 at 50 Hz and more have at most 0.0002; of 39
+at 25 and 30 Hz 14 have more, 12 of them with exchanges."""
 NEAREST_MM, FARTHEST_MM = 30.0, 500_000.0
 """How far apart the two outermost cameras may stand; chosen: nearer than cameras are wide, and farther than they see
 markers, where metres were taken for mm, or mm for metres."""
@@ -345,10 +344,7 @@ def _confusable(figures: Figures) -> Findings:
 def _rate_too_low(figures: Figures) -> Findings:
     share = figures["tracks"]["off_course_share"] or 0.0
     if share > OFF_COURSE:
-        rate, trajectories = figures["recording"]["rate_hz"], figures["trajectories"]
-        in_pieces = trajectories["count"] > PIECES_RED * max(trajectories["markers_worn"], 1)
-        unsure = share > OFF_COURSE_RED and in_pieces and trajectories["unlabelled"]
-        yield make_finding("rate_too_low", severity=red_if(unsure), points_share=share, rate_hz=rate)
+        yield make_finding("rate_too_low", points_share=share, rate_hz=figures["recording"]["rate_hz"])
 
 
 def _scale(figures: Figures) -> Findings:

@@ -24,8 +24,14 @@ TRIAL_KINDS = (
     Kind("calibration_verdict", "calibrate", "info", "The calibration's own verdict is not green; red where it is. "
          "sd_mm: standard deviation per axis in that share of the volume.",
          {"grade": "text", "sd_mm": "mm", "volume_share": "share"}),
-    Kind("detections_unused", "reconstruct", "amber", "Few of a camera's valid detections belong to a point; red "
-         "where most of all do not. used_share is the least of these cameras.", {"used_share": "share"}),
+    Kind("detections_unused", "reconstruct", "amber", "Few of a camera's valid detections belong to a point, of those "
+         "that neither stand nor are fleeting; red where most of all do not. used_share is the least of these cameras.",
+         {"used_share": "share"}),
+    Kind("reflections_standing", "detect", "info", "Detections of cameras that belong to no point stay at so many "
+         "places, camera by camera, while tracks move: lamps or reflections. images_share is the most of a camera.",
+         {"spots_list": "count", "images_share": "share"}),
+    Kind("images_fleeting", "detect", "info", "Many detections of a camera belong to no point and are seen in one "
+         "frame alone. images_share is the most of a camera.", {"images_share": "share"}),
     Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",
          {"points_share": "share"}),
     Kind("scale_impossible", "calibrate", "red", "The outermost cameras stand nearer to each other than cameras are "
@@ -146,6 +152,9 @@ TRIAL_KINDS = (
     Kind("tracks_confusable", "track", "amber", "Tracks came so near each other, for the rate, that they may have been "
          "exchanged: how many such decisions, and the share of all points; red where many times more.",
          {"decisions": "count", "points_share": "share"}),
+    Kind("rate_too_low", "track", "amber", "Points leave the course of their track from one frame to the next by more "
+         "than half of the distance to another track: their share.",
+         {"points_share": "share", "rate_hz": "Hz"}),
     Kind("long_gaps", "track", "amber", "Gaps above the limit are left.", {"limit_s": "s"}),
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),
     Kind("markers_uncertain", "reconstruct", "amber", "The mean standard deviation is above the limit.",

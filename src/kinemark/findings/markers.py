@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..signal.white_noise import white_noise_sd
+from .left_over import used_of_possible
 from .plain import mean, quantile, runs, share
 
 IN_VIEW = 0.75
@@ -158,10 +159,8 @@ def completeness(trajectories: Trajectories, inside: Bools | None = None) -> flo
 
 def completeness_known(cameras: list[dict[str, Any]]) -> bool:
     """Whether the images of the cameras, of which these are the figures, leave no room for as many markers again."""
-    valid = [camera["detections"] - sum(camera["invalid"].values()) for camera in cameras]
-    used = [n * camera["used_of_valid_share"] if n else 0.0 for n, camera in zip(valid, cameras, strict=True)]
-    poor = sum(n > 0 and part < LEFT_OVER * n for n, part in zip(valid, used, strict=True))
-    return poor < 2 or sum(used) >= LEFT_OVER * sum(valid)
+    used, possible = used_of_possible(cameras)
+    return bool((used < LEFT_OVER * possible).sum() < 2 or used.sum() >= LEFT_OVER * possible.sum())
 
 
 def marker_figures(trajectories: Trajectories, inside: Bools) -> list[dict[str, Any]]:

@@ -16,7 +16,9 @@ from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
 from ..version import __version__
 from .cameras import AsGiven, camera_figures, residuals
+from .left_over import left_over
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
+from .off_course import off_course_share
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 from .room import room_at
 from .trial_findings import trial_findings
@@ -67,7 +69,8 @@ def quality(
     _check(cloud, detections)
     offsets = residuals(rig_used, detections, cloud)
     before = given and given._replace(rig=given.rig.select(detections.cameras))
-    cameras = camera_figures(rig_used, detections, cloud, offsets, before)
+    seen = camera_figures(rig_used, detections, cloud, offsets, before)
+    cameras = [one | left for one, left in zip(seen, left_over(detections, tracks), strict=True)]
     figures: dict[str, Any] = plain(
         {
             "kinemark": __version__,
@@ -171,6 +174,7 @@ def _tracks(tracks: Tracks) -> dict[str, Any]:
         "count": (lengths > 0).sum(),
         "length_mean_frames": mean(lengths[lengths > 0].astype(float)),
         "length_median_frames": quantile(lengths[lengths > 0].astype(float), 0.5),
+        "off_course_share": off_course_share(tracks),
         "lengths_frames": lengths,
     }
 

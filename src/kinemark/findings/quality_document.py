@@ -142,6 +142,12 @@ class CameraData(TypedDict):
     """Distinct detections that a point refers to, over all."""
     used_of_valid_share: Share
     """The same over the valid ones."""
+    standing_spots: Count
+    """Places at which valid detections of no point stay while tracks move."""
+    standing_share: Share
+    """These detections over the valid ones."""
+    fleeting_share: Share
+    """Valid detections of no point near which the frames before and after show none, over the valid ones."""
     invalid: dict[str, Count]
     """Detections by the reason why they are not valid."""
     invalid_share: dict[str, Share]
@@ -182,6 +188,8 @@ class TracksData(TypedDict):
     count: Count
     length_mean_frames: Number
     length_median_frames: Number
+    off_course_share: Share
+    """Points that leave the course of their track, in a frame, by more than half of the distance to another."""
     lengths_frames: list[Count]
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..data import Finding, Severity, make_finding
 from ..data.finding import most_severe_first, red_if
+from .left_over import used_of_possible
 
 RESIDUAL_RATIO = 3.0
 """A camera stands out when its median residual is above this many times the median of the other cameras …; chosen."""
@@ -21,10 +22,13 @@ CALIBRATION_AMBER_PX = 1.0
 """RMS residual of one camera's calibration; chosen."""
 USED_SHARE = 0.6
 """Share of a camera's valid detections that should belong to a point; chosen."""
+FLEETING = 0.1
+"""Share of a camera's valid detections that may flash up for a frame; chosen."""
 USED_RED = 0.3
 """The same of all cameras together, below which what was reconstructed is not what was seen; chosen."""
-COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
-"""Share of samples that are present while the subject is in view; chosen."""
+COMPLETE_AMBER, COMPLETE_RED, HALF = 0.97, 0.8, 0.5
+"""Share of samples that are present while the subject is in view: red below the second where the cameras may have seen
+what is missing, and else, as markers were hidden, up to the third; chosen."""
 STRETCH = 0.06
 """How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video; chosen."""
 FRAGMENTS, FRAGMENTS_RED = 1.3, 8.0
@@ -44,6 +48,9 @@ NEAR_SHARE, NEAR_SHARE_RED = 0.01, 0.25
 """Share of the points on tracks so near another that either could have its images. Of 40 simulated recordings without a
 swap one in six had more than the first, none more than 0.11; walking at 25 Hz, with few swaps, 0.21, and at 10 Hz, with
 one a track, 0.28; chosen (see benchmarks/tracking_scenes.py)."""
+OFF_COURSE = 0.005
+"""Share of the points off their course; chosen on simulated recordings: 55 at 50 Hz and more have at most 0.0002; of 39
+at 25 and 30 Hz 14 have more, 12 of them with exchanges."""
 NEAREST_MM, FARTHEST_MM = 30.0, 500_000.0
 """How far apart the two outermost cameras may stand; chosen: nearer than cameras are wide, and farther than they see
 markers, where metres were taken for mm, or mm for metres."""
@@ -84,6 +91,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         (one for one in noted if one.kind != WITHOUT_IMAGES or not blind.issuperset(one.cameras)),
         _close_decisions(figures),
         _confusable(figures),
+        _rate_too_low(figures),
         _not_square(figures),
     )
     return most_severe_first(list(found))
@@ -171,7 +179,8 @@ def _unused(figures: Figures, named: set[str]) -> Findings:
 
     Those that were named for another reason are left out, unless most cameras are such.
     """
-    used = {c["name"]: share for c in figures["cameras"] if (share := c["used_of_valid_share"]) is not None}
+    numbers = zip(figures["cameras"], *used_of_possible(figures["cameras"]), strict=True)
+    used = {camera["name"]: float(part / n) for camera, part, n in numbers if n > 0}
     told = named if used and statistics.median(used.values()) >= USED_RED else set()
     little = {name: part for name, part in used.items() if part < USED_SHARE and name not in told}
     if figures["points"]["count"] and little:
@@ -182,10 +191,21 @@ def _unused(figures: Figures, named: set[str]) -> Findings:
 
 
 def used_share(figures: Figures) -> float:
-    """Share of the valid detections of all cameras that belong to a point."""
-    valid = [c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]]
-    used = [n * (c["used_of_valid_share"] or 0.0) for n, c in zip(valid, figures["cameras"], strict=True)]
-    return sum(used) / max(sum(valid), 1)
+    """Share of the detections of all cameras that belong to a point, of those that may be of markers."""
+    used, possible = used_of_possible(figures["cameras"])
+    return float(used.sum() / max(possible.sum(), 1.0))
+
+
+def _no_markers(figures: Figures) -> Findings:
+    """Cameras with images that stand, and those most of whose images of no point are fleeting."""
+    standing = {c["name"]: c for c in figures["cameras"] if c["standing_spots"]}
+    if standing:
+        spots = [c["standing_spots"] for c in standing.values()]
+        share = max(c["standing_share"] for c in standing.values())
+        yield make_finding("reflections_standing", cameras=standing, spots_list=spots, images_share=share)
+    fleeting = {c["name"]: share for c in figures["cameras"] if (share := c["fleeting_share"] or 0.0) > FLEETING}
+    if fleeting:
+        yield make_finding("images_fleeting", cameras=fleeting, images_share=max(fleeting.values()))
 
 
 def _few_cameras(figures: Figures) -> Findings:
@@ -221,10 +241,17 @@ def _incomplete(figures: Figures) -> Findings:
     least_complete = [m["name"] for m in sorted(markers, key=lambda m: m["completeness_in_view_share"] or 0.0)]
     yield make_finding(
         "incomplete",
-        severity=red_if(complete < COMPLETE_RED),
+        severity=red_if(complete <= HALF or (complete < COMPLETE_RED and _found_of_seen(figures) < COMPLETE_RED)),
         markers=() if trajectories["unlabelled"] else least_complete,
         complete_share=complete,
     )
+
+
+def _found_of_seen(figures: Figures) -> float:
+    """Share of the samples that are present, of these and those that images of no point would yet make, of two each."""
+    used, possible = used_of_possible(figures["cameras"])
+    samples = figures["trajectories"]["samples"]
+    return float(samples / (samples + (possible - used).sum() / 2))
 
 
 def _broken(figures: Figures) -> Findings:
@@ -314,6 +341,12 @@ def _confusable(figures: Figures) -> Findings:
         )
 
 
+def _rate_too_low(figures: Figures) -> Findings:
+    share = figures["tracks"]["off_course_share"] or 0.0
+    if share > OFF_COURSE:
+        yield make_finding("rate_too_low", points_share=share, rate_hz=figures["recording"]["rate_hz"])
+
+
 def _scale(figures: Figures) -> Findings:
     """Cameras that stand nearer to each other, or farther apart, than any do."""
     places = [camera["position_mm"] for camera in figures["cameras"]]
@@ -338,7 +371,7 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
     return [camera["name"] for camera in _outliers(figures)]
 
 
-CAMERA_CHECKS = (_scale, _blind, _unlike_others, _residual, _calibration, _judged)
+CAMERA_CHECKS = (_scale, _blind, _unlike_others, _residual, _calibration, _judged, _no_markers)
 MARKER_CHECKS = (
     *(
         _few_cameras,

@@ -46,6 +46,14 @@ def _incomplete(found: Finding) -> str:
     )
 
 
+def _standing(found: Finding) -> str:
+    spots = found.values["spots_list"]
+    assert isinstance(spots, tuple)
+    said = ", ".join(f"{name} {number}" for name, number in zip(found.cameras, spots, strict=False))
+    share = fill("up to {images_share} of a camera's images", found)
+    return f"Places where something shines that does not move while the markers do: {said} ({share})."
+
+
 def _contradicted(found: Finding) -> str:
     stated = found.values["stated_hz_list"]
     assert isinstance(stated, tuple)
@@ -112,6 +120,14 @@ TRIAL_WORDS = {
     "detections_unused": Words(
         "Much of what {cameras} saw became no part of a 3D point (used: {used_share} or more).",
         "Mask reflections and lamps in view; if there are none, suspect calibration or synchronisation.",
+    ),
+    "reflections_standing": Words(
+        _standing,
+        "Cover them, or mask them under [masks]; if they are markers on something that does not move, all is well.",
+    ),
+    "images_fleeting": Words(
+        "Many images in {cameras} flash up for one frame and belong to no marker (up to {images_share} of a camera's).",
+        "Raise the threshold or the least area in [detect], or look for flickering light.",
     ),
     "two_camera_points": Words(
         "{points_share} of the points rest on only two cameras, which cannot check one another.",
@@ -204,6 +220,11 @@ TRIAL_WORDS = {
         "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that "
         "they may have been exchanged.",
         "Look at the ambiguous decisions of kind swap; record at a higher rate, or with more cameras.",
+    ),
+    "rate_too_low": Words(
+        "In {points_share} of the points markers leave their course between two frames by more than half of their "
+        "distance to the next marker: at {rate_hz} their motion does not tell them apart.",
+        "Record at a higher rate, or put markers farther apart where they move fast; look at exchanges there.",
     ),
     "long_gaps": Words(
         "Gaps longer than {limit_s:.3g} in {markers}.",

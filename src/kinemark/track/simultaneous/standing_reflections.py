@@ -22,20 +22,13 @@ import scipy
 from scipy.spatial import cKDTree
 
 from ...data.array_types import Bools, Ints
-from ...numerics.evenly import scattered
+from ...numerics.lasting_places import lasting_places
 from .candidate_points import fundamentals
 from .detection_index import Images
 from .drifting_pairs import residual
 
 SOUND = 3
 """Images of a point that are taken for one marker's, a number; chosen, as in `drifting_pairs`."""
-
-LOOKED_AT = 60
-"""Frames in which spots are looked for; chosen: a spot is seen in twelve."""
-
-PRESENT = 0.2
-"""Of these frames the share in which a spot has an image, and half of it in the first and in the last third of them;
-chosen: reflections flicker, and whoever walks stands on a foot for a part of the recording only."""
 
 ASIDE = 29
 """Of (1), how many times as wide the part beside is; chosen: 9 finds too few of a few spots to tell N / M by."""
@@ -71,23 +64,10 @@ def of_reflections(id: Ints, detection: Ints, images: Images, gate: float) -> Bo
 
 def _spots(images: Images, c: int, gate: float) -> Ints:
     """A row of `images` at each spot of camera c."""
-    frames = scattered(images.n_frames, LOOKED_AT)
-    rows = np.flatnonzero(images.usable & (images.camera == c) & np.isin(images.frame, frames))
+    rows = np.flatnonzero(images.usable & (images.camera == c))
     if not len(rows):
         return rows
-    uv, when = images.uv[rows], np.searchsorted(frames, images.frame[rows])
-    near = cKDTree(uv).query_pairs(gate * _noise(images, rows), output_type="ndarray")
-    near = np.concatenate([near, near[:, ::-1], np.arange(len(rows))[:, None].repeat(2, 1)])
-    seen = np.zeros((len(rows), len(frames)), bool)
-    seen[near[:, 0], when[near[:, 1]]] = True
-    thirds = (part.mean(1) >= PRESENT / 2 for part in np.array_split(seen, 3, axis=1)[::2])
-    stands = (seen.mean(1) >= PRESENT) & np.logical_and(*thirds)
-    spots = list[int]()
-    for k in np.argsort(-seen.sum(1), kind="stable").tolist():
-        if stands[k]:
-            spots.append(k)
-            stands[near[near[:, 0] == k, 1]] = False
-    return rows[spots]
+    return rows[lasting_places(images.uv[rows], images.frame[rows], images.n_frames, gate * _noise(images, rows))]
 
 
 def _noise(images: Images, rows: Ints) -> float:

@@ -33,6 +33,7 @@ import numpy as np
 from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.detections import Validity
+from ...numerics.evenly import scattered
 from ...numerics.runs import true_runs, true_runs_of_rows
 from .associate import predict_images
 from .candidate_points import fundamentals
@@ -172,9 +173,9 @@ def is_followed(stretch: Stretch, tracks: Tracks, detections: Detections) -> boo
 
 
 def _sampled(frames: range, counts: Ints) -> list[int]:
-    """Some of these frames, by the counts (C, F) of their images."""
+    """Some of these frames, of no period, by the counts (C, F) of their images."""
     step = max(1, int(counts[:, frames.start : frames.stop].sum() // SAMPLED_IMAGES))
-    return list(frames[step // 2 :: step] or frames[:1])
+    return (frames.start + scattered(len(frames), max(len(frames) // step, 1))).tolist()
 
 
 def _fit(images: Images, F: Floats, counts: Ints, frames: list[int]) -> tuple[Floats, Floats, Floats]:

@@ -1,9 +1,10 @@
 """Tracks through all frames, forwards and then backwards from where each began.
 
-A new track that one of the PROOF frames after it does not show may be of images of several markers, or its marker is
-hidden there and is followed back from where it is seen again. So it is set aside and its images are free again, for
-tracks that begin in that frame: kept, they would leave those that are right without a beginning, frame after frame. It
-returns where, after both passes, no other track has any of its images (1).
+Where markers go from frame to frame about as far as they are apart, at SLOW rates, a new track that one of the PROOF
+frames after it does not show may be of images of several markers, or its marker is hidden there and is followed back
+from where it is seen again. So it is set aside and its images are free again, for tracks that begin in that frame:
+kept, they would leave those that are right without a beginning, frame after frame. It returns where, after both passes,
+no other track has any of its images, and goes on from there (1).
 """
 
 from __future__ import annotations
@@ -49,6 +50,11 @@ ROUNDS = 3
 PROOF = 3
 """Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
 fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial."""
+
+SLOW = 0.03
+"""s from frame to frame, from which new tracks are on trial; chosen: at 25 Hz it saves samples, ghosts and swaps. Seven
+fresh scenes at 100 Hz and more (seeds 5302 to 5328 of benchmarks/tracking_scenes.py) have as many samples and ghosts
+with it, three others (2109, 2147, 5204) 45 of 11 907 samples fewer and 25 ghosts more."""
 
 
 class ActiveTracks(NamedTuple):
@@ -124,6 +130,7 @@ class Run:
         self.initiated = self.no_tracks()
         self.n = 0
         self.aside: list[Associations] = []
+        self.waiting = self.no_tracks()
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
@@ -131,8 +138,10 @@ class Run:
         length = int(np.diff(first).max())
         self.go_forwards(first[:-1], length)
         aside = np.isin(self.initiated.id, [id for seen in self.aside for id in seen.id])
-        self.go_backwards(self.initiated.take(~aside), length)
-        self.go_backwards(self.returned(), length)
+        self.go_on(self.initiated.take(~aside), -1, length)
+        back = self.returned()
+        self.go_on(self.waiting.take(np.isin(self.waiting.id, back.id)), 1, length)
+        self.go_on(back, -1, length)
         return self.associations()
 
     def forwards(self, first: Ints, length: int) -> Associations:
@@ -143,7 +152,7 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        proof = int(min(self.method.max_coasting / self.T, PROOF))
+        proof = int(min(self.method.max_coasting / self.T, PROOF)) if self.T > SLOW else 0
         active, new = self.no_tracks(), deque([(0, 0)], max(proof, 1))
         for k in range(length):
             tell(k, 2 * length)
@@ -153,12 +162,12 @@ class Run:
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 
-    def go_backwards(self, active: ActiveTracks, length: int) -> None:
-        """Associate backwards from where tracks were initiated."""
+    def go_on(self, active: ActiveTracks, way: int, length: int) -> None:
+        """Associate forwards (1) or backwards (−1) from where tracks are."""
         while len(active.id):
             tell(length, 2 * length)
-            active = active._replace(frame=active.frame - 1)
-            active = self.step(active.take(active.frame >= 0))
+            active = active._replace(frame=active.frame + way)
+            active = self.step(active.take((active.frame >= 0) & (active.frame < self.images.n_frames)))
 
     def associations(self) -> Associations:
         """All that were made, which are then no longer kept here."""
@@ -223,6 +232,7 @@ class Run:
             self.free[_own(seen.take(theirs))] = True
             self.aside.append(seen.take(theirs))
             self.seen[k] = seen.take(~theirs)
+        self.waiting = self.waiting.plus(after.take(np.isin(after.id, gone)))
         return after.take(~np.isin(after.id, gone))
 
     def returned(self) -> ActiveTracks:

@@ -4,7 +4,7 @@ Where markers go from frame to frame about as far as they are apart, at SLOW rat
 frames after it does not show may be of images of several markers, or its marker is hidden there and is followed back
 from where it is seen again. So it is set aside and its images are free again, for tracks that begin in that frame:
 kept, they would leave those that are right without a beginning, frame after frame. It returns where, after both passes,
-no other track has any of its images, and goes on from there (1).
+no other track has any of its images (1).
 """
 
 from __future__ import annotations
@@ -130,7 +130,6 @@ class Run:
         self.initiated = self.no_tracks()
         self.n = 0
         self.aside: list[Associations] = []
-        self.waiting = self.no_tracks()
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
@@ -138,10 +137,8 @@ class Run:
         length = int(np.diff(first).max())
         self.go_forwards(first[:-1], length)
         aside = np.isin(self.initiated.id, [id for seen in self.aside for id in seen.id])
-        self.go_on(self.initiated.take(~aside), -1, length)
-        back = self.returned()
-        self.go_on(self.waiting.take(np.isin(self.waiting.id, back.id)), 1, length)
-        self.go_on(back, -1, length)
+        self.go_backwards(self.initiated.take(~aside), length)
+        self.go_backwards(self.returned(), length)
         return self.associations()
 
     def forwards(self, first: Ints, length: int) -> Associations:
@@ -162,12 +159,12 @@ class Run:
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 
-    def go_on(self, active: ActiveTracks, way: int, length: int) -> None:
-        """Associate forwards (1) or backwards (−1) from where tracks are."""
+    def go_backwards(self, active: ActiveTracks, length: int) -> None:
+        """Associate backwards from where tracks were initiated."""
         while len(active.id):
             tell(length, 2 * length)
-            active = active._replace(frame=active.frame + way)
-            active = self.step(active.take((active.frame >= 0) & (active.frame < self.images.n_frames)))
+            active = active._replace(frame=active.frame - 1)
+            active = self.step(active.take(active.frame >= 0))
 
     def associations(self) -> Associations:
         """All that were made, which are then no longer kept here."""
@@ -232,7 +229,6 @@ class Run:
             self.free[_own(seen.take(theirs))] = True
             self.aside.append(seen.take(theirs))
             self.seen[k] = seen.take(~theirs)
-        self.waiting = self.waiting.plus(after.take(np.isin(after.id, gone)))
         return after.take(~np.isin(after.id, gone))
 
     def returned(self) -> ActiveTracks:

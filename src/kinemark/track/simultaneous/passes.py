@@ -1,9 +1,10 @@
 """Tracks through all frames, forwards and then backwards from where each began.
 
-A new track that one of the PROOF frames after it does not show may be of images of several markers, or its marker is
-hidden there and is followed back from where it is seen again. So it is set aside and its images are free again, for
-tracks that begin in that frame: kept, they would leave those that are right without a beginning, frame after frame. It
-returns where, after both passes, no other track has any of its images (1).
+Where markers go from frame to frame about as far as they are apart, at SLOW rates, a new track that one of the PROOF
+frames after it does not show may be of images of several markers, or its marker is hidden there and is followed back
+from where it is seen again. So it is set aside and its images are free again, for tracks that begin in that frame:
+kept, they would leave those that are right without a beginning, frame after frame. It returns where, after both passes,
+no other track has any of its images (1).
 """
 
 from __future__ import annotations
@@ -49,6 +50,11 @@ ROUNDS = 3
 PROOF = 3
 """Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
 fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial."""
+
+SLOW = 0.03
+"""s from frame to frame, from which new tracks are on trial; chosen: at 25 Hz it saves samples, ghosts and swaps. Seven
+fresh scenes at 100 Hz and more (seeds 5302 to 5328 of benchmarks/tracking_scenes.py) have as many samples and ghosts
+with it, three others (2109, 2147, 5204) 45 of 11 907 samples fewer and 25 ghosts more."""
 
 
 class ActiveTracks(NamedTuple):
@@ -143,7 +149,7 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        proof = int(min(self.method.max_coasting / self.T, PROOF))
+        proof = int(min(self.method.max_coasting / self.T, PROOF)) if self.T > SLOW else 0
         active, new = self.no_tracks(), deque([(0, 0)], max(proof, 1))
         for k in range(length):
             tell(k, 2 * length)

@@ -45,3 +45,14 @@ def test_what_is_seen_for_five_frames_is_found():
     cloud = track_detections(shown, rig).cloud
     off = np.linalg.norm(cloud.xyz - xyz[8, cloud.frame], axis=1)
     assert set(cloud.frame[off < 10.0].tolist()) == set(range(20, 25))
+
+
+def test_at_250_hz_a_marker_that_flickers_is_not_set_aside():
+    """Every track of it began in the frame before one that does not show it, and the next began 12 frames later."""
+    xyz = dance(n=9, frames=120)
+    rig = ring(6)
+    detections, marker = observe(rig, xyz, noise=0.2, seed=1, rate=250.0)
+    shown = (marker != 8) | (detections.frame % 4 != 3)
+    cloud = track_detections(detections.keep(shown), rig).cloud
+    off = np.linalg.norm(cloud.xyz - xyz[8, cloud.frame], axis=1)
+    assert len(set(cloud.frame[off < 10.0].tolist())) == 90

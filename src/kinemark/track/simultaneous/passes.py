@@ -48,7 +48,8 @@ ROUNDS = 3
 
 PROOF = 3
 """Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
-fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial."""
+fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial, nor where no other begins within these
+frames, as from 70 Hz on: until then it would be lost."""
 
 
 class ActiveTracks(NamedTuple):
@@ -149,7 +150,7 @@ class Run:
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.proven(active.take(active.frame < self.images.n_frames), *new[0])
-            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
+            new.append((self.n if proof >= max(stride, 2) else np.iinfo(np.int64).max, len(self.seen)))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 

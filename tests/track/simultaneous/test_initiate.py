@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from kinemark.data import Rig
 from kinemark.track.simultaneous import track_detections
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -56,3 +57,13 @@ def test_at_250_hz_a_marker_that_flickers_is_not_set_aside():
     cloud = track_detections(detections.keep(shown), rig).cloud
     off = np.linalg.norm(cloud.xyz - xyz[8, cloud.frame], axis=1)
     assert len(set(cloud.frame[off < 10.0].tolist())) == 90
+
+
+@pytest.mark.parametrize(("n", "loses"), [(6, range(6)), (2, [0])])
+def test_frames_that_cameras_lost_set_no_track_aside(n, loses):
+    """Every fourth one, of all cameras or of one of two: no track was given."""
+    rig = Rig(tuple(ring(6))[:n])
+    detections, _ = observe(rig, dance(n=9, frames=120), noise=0.2, seed=1, rate=50.0)
+    camera = np.repeat(np.arange(n), detections.counts.sum(1))
+    shown = ~np.isin(camera, loses) | (detections.frame % 4 != 3)
+    assert len(track_detections(detections.keep(shown), rig).cloud) == 9 * 90

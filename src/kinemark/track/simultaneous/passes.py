@@ -1,9 +1,9 @@
 """Tracks through all frames, forwards and then backwards from where each began.
 
-A new track that one of the PROOF frames after it does not show may be of images of several markers, or its marker is
-hidden there and is followed back from where it is seen again. So it is set aside and its images are free again, for
-tracks that begin in that frame: kept, they would leave those that are right without a beginning, frame after frame. It
-returns where, after both passes, no other track has any of its images (1).
+A new track that one of the PROOF frames after it does not show, in which two cameras have images, may be of images of
+several markers, or its marker is hidden there and is followed back from where it is seen again. So it is set aside and
+its images are free again, for tracks that begin in that frame: kept, they would leave those that are right without a
+beginning, frame after frame. It returns where, after both passes, no other track has any of its images (1).
 """
 
 from __future__ import annotations
@@ -125,6 +125,9 @@ class Run:
         self.initiated = self.no_tracks()
         self.n = 0
         self.aside: list[Associations] = []
+        C = len(images.P)
+        shown = np.unique(images.frame[images.usable] * C + images.camera[images.usable]) // C
+        self.shown = np.bincount(shown, minlength=images.n_frames) >= 2
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
@@ -218,7 +221,8 @@ class Run:
         """The tracks one frame on; those from number `new` on that it does not show are set aside (1). All that these
         have stands in `seen` from place `since` on."""
         after = self.step(active)
-        gone = np.setdiff1d(active.id[active.id >= new], after.id[after.alone == 0])
+        on_trial = active.id[(active.id >= new) & self.shown[active.frame]]
+        gone = np.setdiff1d(on_trial, after.id[after.alone == 0])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
             self.free[_own(seen.take(theirs))] = True

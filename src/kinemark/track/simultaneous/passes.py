@@ -1,6 +1,6 @@
 """Tracks through all frames, forwards and then backwards from where each began.
 
-A new track that one of the PROOF frames after it does not show, in which two cameras have images, may be of images of
+A new track that one of the PROOF frames after it does not show, though no camera lost that frame, may be of images of
 several markers, or its marker is hidden there and is followed back from where it is seen again. So it is set aside and
 its images are free again, for tracks that begin in that frame: kept, they would leave those that are right without a
 beginning, frame after frame. It returns where, after both passes, no other track has any of its images (1).
@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_closing
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
@@ -125,9 +126,9 @@ class Run:
         self.initiated = self.no_tracks()
         self.n = 0
         self.aside: list[Associations] = []
-        C = len(images.P)
-        shown = np.unique(images.frame[images.usable] * C + images.camera[images.usable]) // C
-        self.shown = np.bincount(shown, minlength=images.n_frames) >= 2
+        has = np.zeros((len(images.P), images.n_frames), bool)
+        has[images.camera[images.usable], images.frame[images.usable]] = True
+        self.whole_frames = (has | ~binary_closing(has, np.ones((1, PROOF + 1)))).all(0)
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
@@ -221,7 +222,7 @@ class Run:
         """The tracks one frame on; those from number `new` on that it does not show are set aside (1). All that these
         have stands in `seen` from place `since` on."""
         after = self.step(active)
-        on_trial = active.id[(active.id >= new) & self.shown[active.frame]]
+        on_trial = active.id[(active.id >= new) & self.whole_frames[active.frame]]
         gone = np.setdiff1d(on_trial, after.id[after.alone == 0])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)

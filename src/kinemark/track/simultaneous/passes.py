@@ -128,7 +128,7 @@ class Run:
         self.aside: list[Associations] = []
         has = np.zeros((len(images.P), images.n_frames), bool)
         has[images.camera[images.usable], images.frame[images.usable]] = True
-        self.whole_frames = (has | ~binary_closing(has, np.ones((1, PROOF + 1)))).all(0)
+        self.whole_frames: Bools = np.all(has | ~binary_closing(has, np.ones((1, PROOF + 1), bool)), axis=0)
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""

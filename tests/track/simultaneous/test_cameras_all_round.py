@@ -84,10 +84,11 @@ def test_a_camera_that_shares_a_marker_at_a_time_is_not_left_out(seed):
     assert points > 0.95 * by_two
 
 
-@pytest.mark.parametrize(("n", "seed"), [(3, 2), (4, 2)])
-def test_a_camera_that_was_turned_elsewhere_is_told(n, seed):
+@pytest.mark.parametrize(("n", "seed", "markers"), [(3, 2, 30), (4, 2, 30), (3, 2, 45)])
+def test_a_camera_that_was_turned_elsewhere_is_told(n, seed, markers):
+    """The last was in doubt, with 1 206 ghosts, as tracks of its images were kept that the next frames do not show."""
     rig = all_round(n, seed)
-    detections, _ = seen_on(rig, seed)
+    detections, _ = seen_on(rig, seed, markers)
     kinds, _ = told(with_first_turned(rig, "yz", [9, 7]), detections)
     assert kinds == {("camera_fits_nothing", ("cam1",))}
 
@@ -131,8 +132,8 @@ def test_a_turned_camera_of_three_is_left_out_though_markers_that_stand_fit_it_b
 
 
 def test_where_three_cameras_do_not_tell_which_is_wrong_one_is_in_doubt():
-    rig = all_round(3, 2)
-    detections, _ = seen_on(rig, 2, markers=45)
+    rig = all_round(3, 8)
+    detections, _ = seen_on(rig, 8, markers=45)
     kinds, _ = told(with_first_turned(rig, "yz", [9, 7]), detections)
     assert kinds == {("camera_in_doubt", ("cam1",))}
 

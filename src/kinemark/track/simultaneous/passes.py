@@ -1,10 +1,10 @@
 """Tracks through all frames, forwards and then backwards from where each began.
 
 Where markers go from frame to frame about as far as they are apart, at SLOW rates, a new track that one of the PROOF
-frames after it does not show may be of images of several markers, or its marker is hidden there and is followed back
-from where it is seen again. So it is set aside and its images are free again, for tracks that begin in that frame:
-kept, they would leave those that are right without a beginning, frame after frame. It returns where, after both passes,
-no other track has any of its images (1).
+frames after it does not show, though no camera lost that frame, may be of images of several markers, or its marker is
+hidden there and is followed back from where it is seen again. So it is set aside and its images are free again, for
+tracks that begin in that frame: kept, they would leave those that are right without a beginning, frame after frame. It
+returns where, after both passes, no other track has any of its images (1).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_closing
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
@@ -130,6 +131,9 @@ class Run:
         self.initiated = self.no_tracks()
         self.n = 0
         self.aside: list[Associations] = []
+        has = np.zeros((len(images.P), images.n_frames), bool)
+        has[images.camera[images.usable], images.frame[images.usable]] = True
+        self.whole_frames: Bools = np.all(has | ~binary_closing(has, np.ones((1, PROOF + 1), bool)), axis=0)
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
@@ -155,7 +159,7 @@ class Run:
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.proven(active.take(active.frame < self.images.n_frames), *new[0])
-            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
+            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 
@@ -223,7 +227,8 @@ class Run:
         """The tracks one frame on; those from number `new` on that it does not show are set aside (1). All that these
         have stands in `seen` from place `since` on."""
         after = self.step(active)
-        gone = np.setdiff1d(active.id[active.id >= new], after.id[after.alone == 0])
+        on_trial = active.id[(active.id >= new) & self.whole_frames[active.frame]]
+        gone = np.setdiff1d(on_trial, after.id[after.alone == 0])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
             self.free[_own(seen.take(theirs))] = True

@@ -57,6 +57,8 @@ def test_the_leg_that_is_there_has_the_numbers_of_both_legs(tmp_path, lab, side)
     assert averages[other]["stride_length"]["mean"] == pytest.approx(
         both.figures["time_distance"][other]["stride_length"]["mean"], rel=0.01
     )  # events by the markers of both feet are a few ms others
+    widths = averages[other]["step_width"]
+    assert widths["mean"] is None and widths["sd"] is None  # it had a deviation of nothing
     told = [found for found in one.figures["findings"] if found["kind"] == "gait_one_leg"]
     assert [found["values"]["side"] for found in told] == [side] and f"{side} leg" in told[0]["text"]
     assert not any(found["kind"] in ("contact_left_out", "file_events_not_found") for found in one.figures["findings"])

@@ -54,6 +54,7 @@ def test_from_rendered_videos_to_a_labelled_session_without_touching_a_file(tmp_
         page.get_by_role("button", name="New session …").click()
         page.get_by_role("button", name=re.compile("monday")).click()
         page.get_by_label("Name", exact=True).fill("Monday's walk")
+        page.get_by_label("What keys would do now").get_by_text("make the session").wait_for()
         page.get_by_label("Date").focus()
         page.get_by_role("button", name="Make it, then calibrate").click()
         page.get_by_role("heading", name="Cameras & calibration").wait_for()

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { Names } from "../src/draw/names";
+import { Names, wouldBe } from "../src/draw/names";
 
 function drawn(): { names: Names; written: [string, number, number][] } {
   const written: [string, number, number][] = [];
@@ -30,4 +30,8 @@ test("where no place is left, what must be read is written still", () => {
   const { names, written } = drawn();
   for (let k = 0; k < 40; k++) names.write(`A M${k}`, [100, 100], "", true);
   expect(written.length).toBe(40);
+});
+
+test("a piece that would be without a name is called by none of the program's own", () => {
+  expect(["LTOE", "track22", "track22_1349", "tracker"].map(wouldBe)).toEqual(["B LTOE", "B", "B", "B tracker"]);
 });

@@ -120,7 +120,8 @@ def _stride(
             first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
         ),
     } | _distances(begin, end, other_strike, heels, rate, heel_sd, floor_sd, up)  # fmt: skip
-    value, sd = ({name: values[name][k] for name in UNITS} for k in (0, 1))
+    value = {name: values[name][0] for name in UNITS}
+    sd = {name: values[name][1] if np.isfinite(value[name]) else np.nan for name in UNITS}
     return Stride(begin.side, begin.time, end.time, value, sd)
 
 

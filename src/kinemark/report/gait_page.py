@@ -246,6 +246,8 @@ def uncertainty_table(figures: dict[str, Any]) -> Table:
     rows = []
     for row in rows_of:
         each = [row["by_cause"].get(cause, [None])[0] for cause in causes]
+        if each.count(None) == len(each):  # of a leg without markers
+            continue
         total = sum(value**2 for value in each if value is not None) ** 0.5
         title, digits = _titled(row["name"])
         rows.append([title, number(total, digits), *(number(value, digits) for value in each)])

@@ -123,7 +123,8 @@ def marker_figure(body: dict[str, Any] | None) -> Figure:
         marker={"color": HUES[2], "symbol": "diamond", "size": 9}, hovertemplate="%{x}: σ %{y:.3g} mm<extra></extra>",
     )  # fmt: skip
     title = {"text": "σ (mm)", "standoff": 10}
-    side = {"overlaying": "y", "side": "right", "rangemode": "tozero", "title": title, "showgrid": False, "nticks": 5}
+    side = {"overlaying": "y", "side": "right", "rangemode": "tozero", "title": title, "showgrid": False,
+            "tickmode": "auto", "nticks": 5}  # fmt: skip
     fig.arrange(barmode="group", yaxis2=side, margin={"r": 70})
     return fig.arrange(yaxis={"title": {"text": "samples measured (%)"}, "range": [0, 105]})
 

@@ -44,7 +44,10 @@ function job(said: Job): void {
   set((s) => ({ jobs: { ...s.jobs, [said.trial]: said } }));
   if (said.state === "running") return;
   if (said.state === "failed") say("refused", said.words);
-  if (said.trial === now().session) void fetchCameras();
+  if (said.trial === now().session) {
+    if (said.state === "done") set({ note: null }); // which says that it is being done
+    void fetchCameras();
+  }
   if (get().screen === "home") void fetchHome();
   else if (said.trial === get().id && said.state === "done") set({ header: null }), goTo(get().screen);
 }

@@ -8,7 +8,7 @@ import type { CameraRow, TrialHeader } from "../api/types";
 import { epipolarLine, project } from "../model/camera";
 import { detectedIn, type Detected } from "../model/detections";
 import type { Path, PathSet } from "../model/paths";
-import { MOST_NAMED } from "./names";
+import { MOST_NAMED, wouldBe } from "./names";
 import { fit } from "./palette";
 
 export interface Click { camera: string; u: number; v: number }
@@ -253,7 +253,7 @@ export class Cameras {
     }
     for (const path of this.view.instead) {
       const at = this.place(camera, path, frame);
-      if (at) cross(c, f, at, "#36d3a2", 7, this.view.instead.length <= MOST_NAMED ? `B ${path.name}` : "", true);
+      if (at) cross(c, f, at, "#36d3a2", 7, this.view.instead.length <= MOST_NAMED ? wouldBe(path.name) : "", true);
     }
   }
 

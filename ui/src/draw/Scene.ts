@@ -6,7 +6,7 @@ import {
 import type { TrialHeader } from "../api/types";
 import { withoutSubject } from "../model/names";
 import { nearestSample, type Path, type PathSet } from "../model/paths";
-import { MOST_NAMED, Names } from "./names";
+import { MOST_NAMED, Names, wouldBe } from "./names";
 import { Orbit, type Side } from "./orbit";
 import { byOrigin, fit, palette, SANS, type Palette } from "./palette";
 import { Balls } from "./balls";
@@ -257,7 +257,7 @@ export class Scene {
     for (const path of this.shown.instead) {
       const at = this.onScreen(path, index);
       if (at) ring(c, at, this.colours.b, true);
-      if (at && this.shown.instead.length <= MOST_NAMED) names.write(`B ${path.name}`, at, ink, true);
+      if (at && this.shown.instead.length <= MOST_NAMED) names.write(wouldBe(path.name), at, ink, true);
     }
     for (const path of drawn) {
       const at = some.has(path.name) ? null : this.onScreen(path, index);

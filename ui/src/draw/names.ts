@@ -8,6 +8,8 @@ const LINE = 13, FREE = 3;
 const LINES = 4;
 /** Paths that would be whose names are written, at most; of more the rings alone are drawn. Chosen: what can be read. */
 export const MOST_NAMED = 8;
+/** What is written beside a path that would be; a piece that would have no name has one of the program's own, which says nothing to people. */
+export const wouldBe = (name: string): string => (/^track\d+(_\d+)*$/.test(name) ? "B" : `B ${name}`);
 /** Widths of names, measured once. */
 const WIDTHS = new Map<string, number>();
 

@@ -1,7 +1,7 @@
 import { CircleAlert, CircleCheck, Info } from "lucide-react";
 import { byId, footLine } from "../keys/commands";
 import { shownKey } from "../keys/bind";
-import { useSeen } from "../state/store";
+import { useStore } from "../state/store";
 import styles from "./Foot.module.css";
 
 const ICON = { done: CircleCheck, refused: CircleAlert, news: Info };
@@ -16,7 +16,7 @@ const key = ({ key, words, id }: ReturnType<typeof footLine>[number]): React.JSX
 
 /** What the next key would do, and what the last one did. */
 export function Foot(): React.JSX.Element {
-  const state = useSeen(), line = footLine(state), note = state.note, Icon = ICON[note?.kind ?? "news"];
+  const state = useStore(), line = footLine(state), note = state.note, Icon = ICON[note?.kind ?? "news"];
   return (
     <footer className={styles.foot}>
       <ul className={styles.keys} aria-label="What keys would do now">

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...data import KinemarkError
 from ...data.answers import Undo
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ...digitise import (
     Answer,
     DigitisingPhase,
@@ -119,7 +119,8 @@ class OpenDigitising:
         return {name: line for name, line in found.items() if len(line) > 1}
 
     def spots(self) -> Floats:
-        """(n, 2) px what can be pointed at where a place is asked for, nearest to the one expected first."""
+        """(n, 2) px what can be pointed at where a place is asked for, nearest to the one expected first; what is
+        another marker's already comes last."""
         question = self.question
         if question.phase not in (DigitisingPhase.POINT, DigitisingPhase.CORRECT):
             return np.zeros((0, 2))
@@ -127,7 +128,13 @@ class OpenDigitising:
         if question.proposal is not None and np.isfinite(question.proposal.uv).all():
             at = question.proposal.uv
         near = np.hypot(*(spots - at).T) if np.isfinite(at).all() else spots[:, 1]  # else from the top down
-        return np.asarray(spots[np.argsort(near, kind="stable")])
+        return np.asarray(spots[np.lexsort((near, self._taken(spots)))])
+
+    def _taken(self, spots: Floats) -> Bools:
+        """(n) whether a spot is the nearest to a place that another marker has in this frame."""
+        others = np.delete(self.state.draft.uv, self.question.marker, axis=0)
+        apart = np.linalg.norm(spots - others[np.isfinite(others).all(1), None], axis=2)
+        return np.isin(np.arange(len(spots)), apart.argmin(1)) if len(spots) else np.zeros(0, bool)
 
     def answer(self, answer: Answer) -> None:
         """Take an answer to the question; what cannot be used changes nothing.

@@ -69,7 +69,7 @@ class Context:
 
     def name(self, path: int) -> str:
         """Of a path."""
-        return self.now.names[path]
+        return self.now.paths[path].name
 
     def marker(self, path: int, after: int | None = None) -> str:
         """The name of a marker that a path is, one of its own where it has none; or of the piece that begins in a frame

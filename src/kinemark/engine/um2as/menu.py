@@ -127,16 +127,14 @@ def standings(
         tdc: the file that angles are taken of.
     """
     place = files.tdc(cameras)
-    made = written(
-        tuple(files.cps()), tuple(balls_of(files)), "Process L Parameters first.", why=files.parameters_changed()
-    )
+    made = written(tuple(files.cps()), tuple(balls_of(files)), why=files.parameters_changed())
     digitised = saved is not None and all(n == of for n, of in saved.values())
     answers = tuple(answers_of(files)) if digitised else ()
-    marked = written(tuple(files.das()), answers, "Save Data first.", why=files.markers_changed())
+    marked = written(tuple(files.das()), answers, why=files.markers_changed())
     sources = (*files.cps(cameras), *files.das(cameras))
-    placed = written((place,), sources, "Not written yet.", why=_again(made, marked))
+    placed = written((place,), sources, why=_again(made, marked))
     before = _again(made, marked, *([placed] if tdc == place else []))
-    turned = written(tuple(files.angle_files(tdc)), (tdc,), "Not written yet.", why=before)
+    turned = written(tuple(files.angle_files(tdc)), (tdc,), why=before)
     factor = files.session.settings.cameras.aspect_ratio
     return {
         "aspect": Standing("", "Pixels count as square." if factor is None else f"V × {factor:g} in all files."),
@@ -215,11 +213,11 @@ def level_standing(key: str, of: dict[str, Standing]) -> Standing:
     return Standing(found, f"{n} of {len(counted)} done")
 
 
-def written(files: tuple[Path, ...], sources: tuple[Path, ...], otherwise: str, *, why: str = "") -> Standing:
+def written(files: tuple[Path, ...], sources: tuple[Path, ...], *, why: str = "") -> Standing:
     """Whether files were written, after what they are made of; `why` they have to be again besides."""
     if not all(path.is_file() for path in files):
         there = all(path.is_file() for path in sources)
-        return Standing("open" if there else "waits", otherwise, files)
+        return Standing("open" if there else "waits", "Not written yet.", files)
     oldest = min(path.stat().st_mtime_ns for path in files)
     newer = [path.name for path in sources if path.is_file() and path.stat().st_mtime_ns > oldest]
     if newer:

@@ -36,7 +36,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter, uniform_filter
 
 from ...data import Camera, Detections, Rig
-from ...data.array_types import Bools, Floats, Ints
+from ...data.array_types import Floats, Ints
 from ...geometry import fundamental
 from ...geometry.common_view import common_view_centre
 from ...numerics.robust import cauchy_weight
@@ -105,9 +105,12 @@ def suspects(detections: Detections, rig: Rig, centre: Floats) -> list[Suspect]:
     images = read_images(detections, rig)
     pairs = read_pairs(detections, images, REACH)
     search = _Search(pairs, images.P, rig, clump_lengths(pairs, pairs.residuals(images.P).e), centre)
-    zero, usual = np.zeros((len(rig), 7)), np.tile(USUAL, (len(rig), 1))
-    as_given = _fitted(search, zero, usual).evidence
-    return [_suspect(search, c, as_given) for c in range(len(rig))]
+    usual = np.tile(USUAL, (len(rig), 1))
+    fits = [_where_best(search, c) for c in range(len(rig))]
+    none = [_fitted(search, np.zeros_like(usual), usual)]
+    none += [_fitted(search, one.theta, usual, WIDTHS[1:]) for one in fits]  # some begin near a better one
+    least = max(one.evidence for one in none)
+    return [_suspect(search, c, fit, fit.evidence - least) for c, fit in enumerate(fits)]
 
 
 class _Search(NamedTuple):
@@ -134,26 +137,30 @@ class _Search(NamedTuple):
 
 
 class _Fit(NamedTuple):
-    """θ (C, 7) by (1) and its evidence S by (2)."""
+    """θ (C, 7) by (1) with θ₀ (C, 7), and its evidence S by (2)."""
 
     theta: Floats
+    usual: Floats
     evidence: float
 
 
-def _suspect(search: _Search, c: int, as_given: float) -> Suspect:
-    """Camera c where it fits best."""
+def _where_best(search: _Search, c: int) -> _Fit:
+    """Where camera c fits best if it was moved."""
+    own, usual = search._replace(pairs=search.pairs.of_camera(c)), np.tile(USUAL, (len(search.rig), 1))
+    fits = sorted((_fitted(own, theta, _alone(c, theta, TURNED)) for theta in _starts(own, c)), key=_said)
+    usual[c] = TURNED
+    turned = max((_fitted(search, one.theta, usual, WIDTHS[1:]) for one in fits[-BETTER_STARTS:]), key=_said)
+    moved = np.vstack([usual[:c], [MOVED], usual[c + 1 :]])
+    return max(turned, _fitted(search, turned.theta, moved, WIDTHS[1:]), key=_said)
+
+
+def _suspect(search: _Search, c: int, fit: _Fit, gain: float) -> Suspect:
+    """Camera c by the others as they stand in the file, from where it fits best."""
     if (search.pairs.camera == c).any(0).sum() < LEAST_PAIRS:
         return Suspect(search.rig[c], 0.0, np.zeros(2))
-    own = search._replace(pairs=search.pairs.of_camera(c))
-    fits = sorted((_fitted(own, theta, _alone(c, theta, TURNED)) for theta in _starts(own, c)), key=_said)
-    usual, begin = np.tile(USUAL, (len(search.rig), 1)), [one.theta for one in fits[-BETTER_STARTS:]]
-    usual[c] = TURNED
-    turned = max((_fitted(search, theta, usual, WIDTHS[1:]) for theta in begin), key=_said)
-    usual[c] = MOVED
-    best = max(turned, _fitted(search, turned.theta, usual, WIDTHS[1:]), key=_said)
-    scale = _alone(c, usual, TURNED if best is turned else MOVED)
-    theta = _fitted(own, np.where(scale > 0, best.theta, 0.0), scale, LAST).theta[c]  # by the others as given
-    return Suspect(search.changed(c, theta), best.evidence - as_given, _image_offset(search, c, theta))
+    own, usual = search._replace(pairs=search.pairs.of_camera(c)), _alone(c, fit.theta, fit.usual[c])
+    theta = _fitted(own, np.where(usual > 0, fit.theta, 0.0), usual, LAST).theta[c]
+    return Suspect(search.changed(c, theta), gain, _image_offset(search, c, theta))
 
 
 def _said(fit: _Fit) -> float:
@@ -223,14 +230,14 @@ def _fitted(search: _Search, theta: Floats, usual: Floats, widths: tuple[float, 
         pairs, e = search.pairs.take(near), found.e[near]
         g = _probability(e, pairs.group, search.pairs.C**2, sd)
         root = np.sqrt(g * cauchy_weight((e / sd) ** 2, SOFT) / search.D[pairs.group]) / sd
-        J = _jacobian(search, theta, pairs, usual.any(1)).reshape(-1, n) * root[:, None] * scale
+        J = _jacobian(search, theta, pairs, np.flatnonzero(usual.any(1))).reshape(-1, n) * root[:, None] * scale
         H = J.T @ J + np.eye(n)
         z = np.divide(theta.ravel(), scale, out=np.zeros(n), where=scale > 0)
         step = np.linalg.solve(H, J.T @ (root * e) + z)
         theta = theta - (scale * step).reshape(theta.shape)
     z = np.divide(theta, usual, out=np.zeros_like(theta), where=usual > 0)
     said = evidence(search.pairs, search.cameras(theta), search.D)
-    return _Fit(theta, said - float((z**2).sum() + np.linalg.slogdet(H)[1]) / 2)
+    return _Fit(theta, usual, said - float((z**2).sum() + np.linalg.slogdet(H)[1]) / 2)
 
 
 def _probability(e: Floats, group: Ints, n: int, sd: float) -> Floats:
@@ -244,12 +251,12 @@ def _probability(e: Floats, group: Ints, n: int, sd: float) -> Floats:
     return np.asarray(g)
 
 
-def _jacobian(search: _Search, theta: Floats, pairs: Pairs, free: Bools) -> Floats:
-    """(N, C, 7) the change of e by θ (C, 7) of the cameras (C) that are free."""
+def _jacobian(search: _Search, theta: Floats, pairs: Pairs, free: Ints) -> Floats:
+    """(N, C, 7) the change of e by θ (C, 7) of the cameras that are free, numbers."""
     group, J = pairs.group, np.zeros((pairs.x.shape[1], *theta.shape))
     step = 1 / np.array([one.K[0, 0] for one in search.rig])
     P = search.cameras(theta)
-    by = {c: [search.one(c, theta[c] + d) for d in step[c] * np.eye(7)] for c in np.flatnonzero(free).tolist()}
+    by = {c: [search.one(c, theta[c] + d) for d in step[c] * np.eye(7)] for c in free.tolist()}
     for pair in np.unique(group).tolist():
         own, (r, s) = group == pair, divmod(pair, pairs.C)
         x = pairs.x[:, own]

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from kinemark.data import Rig
 from kinemark.track.simultaneous import track_detections
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -56,24 +55,19 @@ def test_at_100_hz_new_tracks_are_not_on_trial():
     assert found.ghosts <= 20
 
 
-def test_at_250_hz_a_marker_that_flickers_is_not_set_aside():
-    """Every track of it began in the frame before one that does not show it, and the next began 12 frames later."""
+@pytest.mark.parametrize("rate", [25.0, 50.0, 250.0])
+def test_a_marker_that_flickers_is_not_set_aside(rate):
+    """Every track of it began in the frame before one that does not show it."""
     xyz = dance(n=9, frames=120)
-    rig = ring(6)
-    detections, marker = observe(rig, xyz, noise=0.2, seed=1, rate=250.0)
+    detections, marker = observe(ring(6), xyz, noise=0.2, seed=1, rate=rate)
     shown = (marker != 8) | (detections.frame % 4 != 3)
-    cloud = track_detections(detections.keep(shown), rig).cloud
+    cloud = track_detections(detections.keep(shown), ring(6)).cloud
     off = np.linalg.norm(cloud.xyz - xyz[8, cloud.frame], axis=1)
     assert len(set(cloud.frame[off < 10.0].tolist())) == 90
 
 
-@pytest.mark.parametrize(("n", "loses"), [(6, range(6)), (2, [0]), (3, [0])])
-def test_frames_that_cameras_lost_set_no_track_aside(n, loses):
-    """Every fourth one, of all cameras or of one: no track was given of what no two others see."""
-    rig = Rig(tuple(ring(6))[:n])
-    detections, marker = observe(rig, dance(n=9, frames=120), noise=0.2, seed=1, rate=25.0)
-    camera = np.repeat(np.arange(n), detections.counts.sum(1))
-    alone = (camera == 2) & (marker < 4)  # two of three cameras see these
-    shown = ~alone & (~np.isin(camera, loses) | (detections.frame % 4 != 3))
-    cloud = track_detections(detections.keep(shown), rig).cloud
-    assert (np.bincount(cloud.frame, minlength=120)[detections.frame[shown & (camera == loses[0])]] == 9).all()
+@pytest.mark.parametrize("rate", [25.0, 50.0])
+def test_frames_that_all_cameras_lost_set_no_track_aside(rate):
+    detections, _ = observe(ring(6), dance(n=9, frames=120), noise=0.2, seed=1, rate=rate)
+    cloud = track_detections(detections.keep(detections.frame % 4 != 3), ring(6)).cloud
+    assert len(cloud) == 810

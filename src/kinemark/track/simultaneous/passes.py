@@ -1,10 +1,10 @@
 """Tracks through all frames, forwards and then backwards from where each began.
 
-Where markers go from frame to frame about as far as they are apart, at SLOW rates, a new track that one of the PROOF
-frames after it does not show, though no camera lost that frame, may be of images of several markers, or its marker is
-hidden there and is followed back from where it is seen again. So it is set aside and its images are free again, for
-tracks that begin in that frame: kept, they would leave those that are right without a beginning, frame after frame. It
-returns where, after both passes, no other track has any of its images (1).
+Where markers go from frame to frame about as far as they are apart, at SLOW rates, a new track that two frames in
+succession of the PROOF after it do not show may be of images of several markers, or its marker is hidden there and is
+followed back from where it is seen again. So it is set aside and its images are free again, for tracks that begin in
+that frame: kept, they would leave those that are right without a beginning, frame after frame. It returns where, after
+both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
@@ -48,9 +47,10 @@ ROUNDS = 3
 """Images at most that are taken from a track as outliers in one frame; chosen (see benchmarks/tracking.py)."""
 
 
-PROOF = 3
-"""Frames of (1), and no more than `max_coasting` has; chosen: two markers in turn, A B B A, fit a parabola, and the
-fifth point shows it. Where it has fewer than two, as at 10 Hz, none is on trial."""
+PROOF, UNSEEN = 4, 2
+"""Frames of (1), no more than `max_coasting` has, and those in succession that do not show a track; chosen: two markers
+in turn, A B B A, fit a parabola, and the points after it show it. Where it has fewer than two, as at 10 Hz, none is on
+trial."""
 
 SLOW = 0.03
 """s from frame to frame, from which new tracks are on trial; chosen: at 25 Hz it saves samples, ghosts and swaps. Seven
@@ -131,9 +131,6 @@ class Run:
         self.initiated = self.no_tracks()
         self.n = 0
         self.aside: list[Associations] = []
-        has = np.zeros((len(images.P), images.n_frames), bool)
-        has[images.camera[images.usable], images.frame[images.usable]] = True
-        self.whole_frames: Bools = np.all(has | ~binary_closing(has, np.ones((1, PROOF + 1), bool)), axis=0)
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
@@ -159,7 +156,7 @@ class Run:
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.proven(active.take(active.frame < self.images.n_frames), *new[0])
-            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))
+            new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
 
@@ -224,11 +221,10 @@ class Run:
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 
     def proven(self, active: ActiveTracks, new: int, since: int) -> ActiveTracks:
-        """The tracks one frame on; those from number `new` on that it does not show are set aside (1). All that these
-        have stands in `seen` from place `since` on."""
+        """The tracks one frame on; those from number `new` on that are not shown any more are set aside (1). All that
+        these have stands in `seen` from place `since` on."""
         after = self.step(active)
-        on_trial = active.id[(active.id >= new) & self.whole_frames[active.frame]]
-        gone = np.setdiff1d(on_trial, after.id[after.alone == 0])
+        gone = np.setdiff1d(active.id[active.id >= new], after.id[after.alone < UNSEEN])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
             self.free[_own(seen.take(theirs))] = True

@@ -1,13 +1,13 @@
 """Pairs of images of two cameras, and how much they speak for a rig.
 
 Pairs of any two cameras (`epipolar_noise` (1)) are those of one marker, whose residual e is 0 but for noise, and those
-that meet by chance. With f the mixture (3) there as it is fitted, W its window, and v no less than LEAST_SD², as
-calibrations are off,
+that meet by chance. They are cut by time into blocks, which serve by turns for fitting and for judging. With f the
+mixture (3) there as it is fitted, W its window, and v no less than LEAST_SD², as calibrations are off,
 
     L = Σ ln (2 W f(e)) / D    over |e| < W                                               (1)
 
-is the evidence for a rig, 0 where all pairs meet by chance. D is the length of a clump ((8) there), as the pairs of
-markers that stand come again and again.
+is the evidence for a rig in the blocks that judge, 0 where all pairs meet by chance. D is the length of a clump ((8)
+there), as the pairs of markers that stand come again and again.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ MOST_PAIRS = 30_000
 """That are looked at, about; chosen: more say the same."""
 NEAR_SHARE = 0.3
 """Of the pairs of a frame, those within reach of each other's lines, about; chosen."""
+BLOCKS = 8
+"""Of a recording; chosen: a block is longer than most clumps, and either half has all parts of a recording."""
 LEAST_SD = 0.5
 """px of (1); chosen: right files are off by some tenths of a pixel, which is no evidence."""
 
@@ -35,11 +37,13 @@ class Pairs(NamedTuple):
     """N pairs of images.
 
     Attributes:
-        camera: (2, N); x: (2, N, 3) px, homogeneous. C: cameras; frames: those that are looked at.
+        camera: (2, N); x: (2, N, 3) px, homogeneous; judging: (N) whether they judge, or else are for fitting.
+        C: cameras; frames: those that judge.
     """
 
     camera: Ints
     x: Floats
+    judging: Bools
     C: int
     frames: int
 
@@ -50,7 +54,7 @@ class Pairs(NamedTuple):
 
     def take(self, which: Bools) -> Pairs:
         """Only these."""
-        return self._replace(camera=self.camera[:, which], x=self.x[:, which])
+        return self._replace(camera=self.camera[:, which], x=self.x[:, which], judging=self.judging[which])
 
     def of_camera(self, c: int) -> Pairs:
         """Those with images of a camera."""
@@ -87,12 +91,19 @@ def read_pairs(detections: Detections, images: Images, reach: float) -> Pairs:
     frames = np.unique(np.linspace(0, n - 1, int(np.clip(MOST_PAIRS / in_frame, 2, n))).astype(int))
     pair = near_pairs(images, fundamentals(images.P), frames.tolist(), reach)
     x = np.concatenate([images.uv[pair], np.ones((*pair.shape, 1))], -1)
-    return Pairs(images.camera[pair], x, len(images.P), len(frames))
+    judges = _judges(frames, n)
+    judging = _judges(images.frame[pair[0]], n)
+    return Pairs(images.camera[pair], x, judging, len(images.P), max(int(judges.sum()), 1))
+
+
+def _judges(frame: Ints, n: int) -> Bools:
+    """Whether frames of n are in blocks that judge."""
+    return np.asarray(frame * BLOCKS // n % 2 == 1)
 
 
 def clump_lengths(pairs: Pairs, e: Floats) -> Floats:
     """(C²) D of (1), frames, of residuals e (N) px."""
-    near = np.abs(e) < WINDOW
+    near = (np.abs(e) < WINDOW) & pairs.judging
     return clumps(e[near], pairs.group[near], pairs.C, pairs.frames, HEAP)[1]
 
 
@@ -103,15 +114,17 @@ def one_marker(e: Floats, variance: Floats | float) -> Floats:
     return np.asarray((core + wider) / np.sqrt(2 * np.pi * variance))
 
 
-def evidence(pairs: Pairs, P: Floats, D: Floats) -> float:
-    """L of (1) by cameras P (C, 3, 4)."""
+def evidence(pairs: Pairs, P: Floats, D: Floats) -> tuple[Floats, Floats]:
+    """(C²) L of (1) by cameras P (C, 3, 4); and the same of the blocks for fitting."""
     e, line = pairs.residuals(P)
     near, n = np.abs(e) < WINDOW, pairs.C**2
-    e, group = e[near], pairs.group[near]
+    e, group, judging = e[near], pairs.group[near], pairs.judging[near]
     window = WINDOW * np.sqrt((line[:, near] ** 2).sum(-1).min(0))
-    fit = likeliest(e, group, n, window)
-    total = np.maximum(np.bincount(group, minlength=n), 1)
+    fitting = ~judging
+    fit = likeliest(e[fitting], group[fitting], n, window[fitting])
+    total = np.maximum(np.bincount(group[fitting], minlength=n), 1)
     share = np.where(peaked(fit), np.minimum(fit.number / total, 1.0), 0.0)[group]
     variance = np.maximum(fit.variance, LEAST_SD**2)[group]
-    likelihood = 1 - share + share * 2 * window * one_marker(e, variance)
-    return float((np.log(np.maximum(likelihood, np.finfo(float).tiny)) / D[group]).sum())
+    said = np.log(np.maximum(1 - share + share * 2 * window * one_marker(e, variance), np.finfo(float).tiny))
+    judged, fitted = (np.bincount(group[own], said[own], n) / D for own in (judging, fitting))
+    return judged, fitted

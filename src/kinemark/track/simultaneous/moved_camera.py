@@ -1,31 +1,23 @@
 """One of few cameras that stands elsewhere than its file says: which one, and where it stands.
 
 Cameras all round a subject share each marker by twos, and no third image tells which of two cameras is wrong. But if
-camera c alone was moved, there is one pose of c by which its images meet those of all others; another camera that is
-moved instead mends some pairs and breaks others. Files are a little off in all cameras, too, and where all are adjusted
-by that little, hardly anything may be left for a moved one. So the rig of the file but for what is usual is compared
-with the same and one camera that may stand far off: hypotheses that differ in their θ₀ alone. Cameras are turned, moved
-and refocused (`rig_of_tracks` (1)) by θ, where
+camera c alone was moved, there is one pose of c by which its images meet those of all others, while these meet as they
+do; another camera that is moved instead mends some pairs and breaks others. So each camera is suspected in turn, and
+fitted to some blocks of the recording. G_c is by how much the evidence in the other blocks (`image_pairs` (1)) then
+exceeds that for the rig as given, less ln (1 + |d|)² for as many places at which images could lie beside by up to d px.
 
-    Σ w g e² / (v D) + Σ (θ / θ₀)²                                                        (1)
+The pose is looked for by a Hough transform (Hough 1962): if the images of c lie beside by d, a pair with the residual e
+has e = l · d, a line in the plane of d, and the lines of pairs of one marker meet (1). From where most do, and from
+d = 0, camera c is turned, and then also moved and refocused (`rig_of_tracks` (1)), so that
 
-is least, w being Cauchy's weights, g the probability that a pair is one marker, and D as in `image_pairs`, in rounds
-with less v. With H the matrix of the normal equations of (1) in units of θ₀, and L of `image_pairs` (1),
+    Σ w g e² / v + Σ (θ / θ₀)²  is least,                                                 (2)
 
-    S = L − ½ Σ (θ / θ₀)² − ½ ln det H                                                    (2)
+w being Cauchy's weights and g the probability that a pair is one marker, in rounds with less v. Who moves besides has
+to gain MORE than who turns alone. Camera c was moved where, for all other cameras b,
 
-is Laplace's approximation of the evidence (MacKay 1992): who may be anywhere pays for each way in which the images tell
-where, and nothing for those in which they do not. G_c is S for a moved camera c less that for none. Camera c was moved
-where, for all other cameras b,
+    G_c > ENOUGH,   CLEAR · G_c > G_b   and its images lie beside by FAR and more.        (3)
 
-    G_c > ENOUGH   and   G_c > G_b + ENOUGH.                                              (3)
-
-If only the second is not so, it is one of the cameras within ENOUGH, and nobody can tell which.
-
-A far pose is looked for by a Hough transform (Hough 1962): if the images of c lie beside by d, a pair with the residual
-e has e = l · d, a line in the plane of d, and the lines of pairs of one marker meet (4). From where most do, and from
-d = 0, camera c is fitted alone, and then the others with it. Its pose is at last fitted by the others as they stand in
-the file, as points are solved by these.
+If only the second is not so, it is one of the cameras within CLEAR that lie as far beside, and nobody can tell which.
 """
 
 from __future__ import annotations
@@ -47,30 +39,33 @@ from .rig_of_tracks import SOFT, changed_camera
 FEWEST, MOST = 3, 4
 """Cameras; by definition: of two nobody can tell; and chosen: of more, three see most markers."""
 REACH, STEP = 120.0, 4.0
-"""px of d of (4), chosen: by a turn of some 4°; and between the d that are counted, chosen: what a camera's way and
+"""px of d of (1), chosen: by a turn of some 4°; and between the d that are counted, chosen: what a camera's way and
 turn about its axis do beside is mostly less."""
 AROUND = 9
 """Steps to a side about a d, in which lines are counted as usual there; chosen."""
 LEAST_PAIRS = 100
 """Of images with those of other cameras, from which on a camera is suspected; chosen: there are some thousand."""
 STARTS, BETTER_STARTS = 4, 2
-"""Of (4), and those from which the other cameras are adjusted as well; chosen for speed."""
-USUAL = np.full(7, 1e-3)
-"""θ₀ of (1): rad, shares of the distance, and of the focal length; chosen: each is 1 to 2 px, what files are off."""
-TURNED, MOVED = (np.array([0.05] * 3 + [way] * 3 + [1e-3]) for way in (1e-3, 0.01))
-"""θ₀ of (1) of a camera that was moved; chosen: a knock turns it by 3°, and one that was put elsewhere stands 4 cm
-away; its lens is not touched. The better S counts."""
-WIDTHS = (5.0, 3.0, 1.5, 0.8, 0.5)
-"""px, √v of (1), a round each; chosen: from offsets between the d of (4) to LEAST_SD of `image_pairs`."""
-LAST = (*WIDTHS[-2:], *5 * WIDTHS[-1:])
-"""px, of the camera that is used; chosen: until it stays (turns about its axis are slow)."""
-ENOUGH = 10.0
-"""Of (3), a natural logarithm; chosen: one camera in a hundred was moved (ln 100), and one such finding in a hundred
-may be wrong (as much again)."""
+"""Of (1), and those from which a camera is moved as well; chosen for speed."""
+TURNED = np.array([0.1, 0.1, 0.1, 3e-4, 3e-4, 3e-4, 3e-4])
+"""θ₀ of (2): rad, shares of the distance, and of the focal length; chosen, as in `turned_camera`."""
+MOVED = np.array([0.1, 0.1, 0.1, 0.02, 0.02, 0.02, 3e-3])
+"""θ₀ of (2): rad, shares of the distance, and of the focal length; chosen: a knock turns a camera, and one that was put
+elsewhere stands some cm away."""
+TURNING, MOVING = (5.0, 3.0, 1.5, 0.8, 0.5), (5.0, 3.0, 1.5, 0.8, 0.5, 0.3)
+"""px, √v of (2), a round each; chosen: to below the noise of most cameras."""
+MORE = 8.0
+"""Of (2); chosen: four parameters, each known to a hundredth of what it may be, are ln 100 each, halved for clumps."""
+ENOUGH, CLEAR = 20.0, 0.8
+"""Of (3), a natural logarithm, and a share; chosen on 130 scenes of three and four cameras, half of them good: these
+had G of up to 10 with d of 3 px and more, and wrong ones that were rightly told 27 and more. Where another camera had
+0.83 to 0.95 of G, the wrong one was told in two of three."""
+FAR = 3.0
+"""px of (3); chosen: right cameras of files 1 px off gain by up to 2.6."""
 
 
 class Suspect(NamedTuple):
-    """A camera where it fits best, its G of (3), and how far (2) its images lie beside, px."""
+    """A camera where it fits best, its gain G, and how far (2) its images lie beside, px."""
 
     camera: Camera
     gain: float
@@ -97,98 +92,77 @@ def moved_camera(detections: Detections, rig: Rig) -> Moved:
     best = max(one.gain for one in found)
     if best < ENOUGH:
         return Moved({})
-    return Moved({c: one for c, one in enumerate(found) if one.gain > best - ENOUGH})
+    near = {c: one for c, one in enumerate(found) if one.gain > CLEAR * best}
+    far = {c: one for c, one in near.items() if np.linalg.norm(one.offset) > FAR}
+    return Moved(far if len(far) == len(near) else {})
 
 
 def suspects(detections: Detections, rig: Rig, centre: Floats) -> list[Suspect]:
     """Each camera as if it alone were moved, in a room with this middle (3) mm."""
     images = read_images(detections, rig)
     pairs = read_pairs(detections, images, REACH)
-    search = _Search(pairs, images.P, rig, clump_lengths(pairs, pairs.residuals(images.P).e), centre)
-    usual = np.tile(USUAL, (len(rig), 1))
-    fits = [_where_best(search, c) for c in range(len(rig))]
-    none = [_fitted(search, np.zeros_like(usual), usual)]
-    none += [_fitted(search, one.theta, usual, WIDTHS[1:]) for one in fits]  # some begin near a better one
-    least = max(one.evidence for one in none)
-    return [_suspect(search, c, fit, fit.evidence - least) for c, fit in enumerate(fits)]
+    D = clump_lengths(pairs, pairs.residuals(images.P).e)
+    return [_suspect(_Search(c, pairs.of_camera(c), images.P, rig[c], D, centre)) for c in range(len(rig))]
 
 
 class _Search(NamedTuple):
-    """Pairs, P (C, 3, 4) of the rig as given, D of `image_pairs`, and the middle of the room."""
+    """Camera c of the P (C, 3, 4), its pairs, D of `image_pairs`, and the middle of the room."""
 
+    c: int
     pairs: Pairs
     P: Floats
-    rig: Rig
+    camera: Camera
     D: Floats
     centre: Floats
 
-    def changed(self, c: int, theta: Floats) -> Camera:
-        """Camera c changed by θ (7)."""
-        return changed_camera(self.rig[c], theta, float(np.linalg.norm(self.rig[c].centre - self.centre)))
-
-    def one(self, c: int, theta: Floats) -> Floats:
-        """(3, 4) P of camera c with θ (7)."""
-        own = self.changed(c, theta)
-        return np.asarray(own.K @ np.column_stack([own.R, own.t]))
+    def changed(self, theta: Floats) -> Camera:
+        """The camera changed by θ (7)."""
+        return changed_camera(self.camera, theta, float(np.linalg.norm(self.camera.centre - self.centre)))
 
     def cameras(self, theta: Floats) -> Floats:
-        """P with θ (C, 7)."""
-        return np.array([self.one(c, each) for c, each in enumerate(theta)])
+        """P with it."""
+        P, own = self.P.copy(), self.changed(theta)
+        P[self.c] = own.K @ np.column_stack([own.R, own.t])
+        return P
+
+    def said(self, theta: Floats) -> Floats:
+        """(2) L, and that of the blocks for fitting."""
+        return np.array([each.sum() for each in evidence(self.pairs, self.cameras(theta), self.D)])
 
 
-class _Fit(NamedTuple):
-    """θ (C, 7) by (1) with θ₀ (C, 7), and its evidence S by (2)."""
-
-    theta: Floats
-    usual: Floats
-    evidence: float
-
-
-def _where_best(search: _Search, c: int) -> _Fit:
-    """Where camera c fits best if it was moved."""
-    own, usual = search._replace(pairs=search.pairs.of_camera(c)), np.tile(USUAL, (len(search.rig), 1))
-    fits = sorted((_fitted(own, theta, _alone(c, theta, TURNED)) for theta in _starts(own, c)), key=_said)
-    usual[c] = TURNED
-    turned = max((_fitted(search, one.theta, usual, WIDTHS[1:]) for one in fits[-BETTER_STARTS:]), key=_said)
-    moved = np.vstack([usual[:c], [MOVED], usual[c + 1 :]])
-    return max(turned, _fitted(search, turned.theta, moved, WIDTHS[1:]), key=_said)
-
-
-def _suspect(search: _Search, c: int, fit: _Fit, gain: float) -> Suspect:
-    """Camera c by the others as they stand in the file, from where it fits best."""
-    if (search.pairs.camera == c).any(0).sum() < LEAST_PAIRS:
-        return Suspect(search.rig[c], 0.0, np.zeros(2))
-    own, usual = search._replace(pairs=search.pairs.of_camera(c)), _alone(c, fit.theta, fit.usual[c])
-    theta = _fitted(own, np.where(usual > 0, fit.theta, 0.0), usual, LAST).theta[c]
-    return Suspect(search.changed(c, theta), gain, _image_offset(search, c, theta))
+def _suspect(search: _Search) -> Suspect:
+    """Camera c where it fits best in the blocks for fitting."""
+    if len(search.pairs.judging) < LEAST_PAIRS:
+        return Suspect(search.camera, 0.0, np.zeros(2))
+    fitting = search._replace(pairs=search.pairs.take(~search.pairs.judging))
+    turned = [_fitted(fitting, theta, TURNED, TURNING) for theta in _starts(fitting)]
+    said = [search.said(theta) for theta in turned]
+    order = np.argsort([-each[1] for each in said])[:BETTER_STARTS].tolist()
+    moved = [_fitted(fitting, turned[k], MOVED, MOVING) for k in order]
+    said_moved = [search.said(theta) for theta in moved]
+    best, other = order[0], int(np.argmax([each[1] for each in said_moved]))
+    gains = said[best][0], said_moved[other][0] - MORE
+    theta, usual = (turned[best], TURNED) if gains[0] > gains[1] else (moved[other], MOVED)
+    theta = _fitted(search, theta, usual, MOVING[-2:])  # by all blocks
+    offset = _image_offset(search, theta)
+    gain = max(gains) - search.said(np.zeros(7))[0] - 2 * np.log1p(np.linalg.norm(offset))
+    return Suspect(search.changed(theta), float(gain), offset)
 
 
-def _said(fit: _Fit) -> float:
-    """What is told of it."""
-    return fit.evidence
-
-
-def _alone(c: int, like: Floats, usual: Floats) -> Floats:
-    """θ₀ (C, 7) of camera c alone, as many as these."""
-    out = np.zeros_like(like)
-    out[c] = usual
-    return out
-
-
-def _image_offset(search: _Search, c: int, theta: Floats) -> Floats:
-    """(2) px, the median by which images of camera c at the distance of the middle move with θ (7)."""
-    camera, x = search.rig[c], search.pairs.x[search.pairs.camera == c]
-    rays = x @ np.linalg.inv(camera.K).T
+def _image_offset(search: _Search, theta: Floats) -> Floats:
+    """(2) px, the median by which images at the distance of the middle move with θ."""
+    camera, own = search.camera, search.pairs.camera == search.c
+    rays = search.pairs.x[own] @ np.linalg.inv(camera.K).T
     X = rays * float(camera.R[2] @ search.centre + camera.t[2])
-    h = np.column_stack([(X - camera.t) @ camera.R, np.ones(len(X))]) @ search.one(c, theta).T
-    return np.asarray(np.median(h[:, :2] / h[:, 2:] - x[:, :2], axis=0))
+    h = np.column_stack([(X - camera.t) @ camera.R, np.ones(len(X))]) @ search.cameras(theta)[search.c].T
+    return np.asarray(np.median(h[:, :2] / h[:, 2:] - search.pairs.x[own][:, :2], axis=0))
 
 
-def _starts(search: _Search, c: int) -> list[Floats]:
-    """θ (C, 7) of turns of camera c by the d of (4), and none."""
-    pairs, camera = search.pairs, search.rig[c]
-    e, line = pairs.residuals(search.P)
-    across = np.where((pairs.camera[0] == c)[:, None], line[0], line[1])
+def _starts(search: _Search) -> list[Floats]:
+    """θ (7) of turns by the d of (1), and none."""
+    pairs, P, camera = search.pairs, search.P, search.camera
+    e, line = pairs.residuals(P)
+    across = np.where((pairs.camera[0] == search.c)[:, None], line[0], line[1])
     half = round(REACH / STEP)
     n = 2 * half + 1
     clear = np.zeros((n, n))
@@ -201,8 +175,8 @@ def _starts(search: _Search, c: int) -> list[Floats]:
     clear = np.where(clear == maximum_filter(clear, 3), clear, -np.inf)
     best = np.argsort(-clear, axis=None)[:STARTS]
     d = STEP * (np.array(np.unravel_index(best, clear.shape)).T - half)
-    turns = np.zeros((STARTS + 1, len(search.rig), 7))
-    turns[1:, c, 0], turns[1:, c, 1] = -d[:, 1] / camera.K[1, 1], d[:, 0] / camera.K[0, 0]
+    turns = np.zeros((STARTS + 1, 7))
+    turns[1:, 0], turns[1:, 1] = -d[:, 1] / camera.K[1, 1], d[:, 0] / camera.K[0, 0]
     return list(turns)
 
 
@@ -220,28 +194,22 @@ def _lines(e: Floats, across: Floats, half: int) -> Floats:
     return out
 
 
-def _fitted(search: _Search, theta: Floats, usual: Floats, widths: tuple[float, ...] = WIDTHS) -> _Fit:
-    """θ (C, 7) by (1) with θ₀ (C, 7), 0 for what stays, from there."""
-    scale, n = usual.ravel(), usual.size
-    H = np.eye(n)
+def _fitted(search: _Search, theta: Floats, usual: Floats, widths: tuple[float, ...]) -> Floats:
+    """θ (7) by (2), from there."""
     for sd in widths:
-        found = search.pairs.residuals(search.cameras(theta))
+        P = search.cameras(theta)
+        found = search.pairs.residuals(P)
         near = np.abs(found.e) < 4 * sd
         pairs, e = search.pairs.take(near), found.e[near]
         g = _probability(e, pairs.group, search.pairs.C**2, sd)
-        root = np.sqrt(g * cauchy_weight((e / sd) ** 2, SOFT) / search.D[pairs.group]) / sd
-        J = _jacobian(search, theta, pairs, np.flatnonzero(usual.any(1))).reshape(-1, n) * root[:, None] * scale
-        H = J.T @ J + np.eye(n)
-        z = np.divide(theta.ravel(), scale, out=np.zeros(n), where=scale > 0)
-        step = np.linalg.solve(H, J.T @ (root * e) + z)
-        theta = theta - (scale * step).reshape(theta.shape)
-    z = np.divide(theta, usual, out=np.zeros_like(theta), where=usual > 0)
-    said = evidence(search.pairs, search.cameras(theta), search.D)
-    return _Fit(theta, usual, said - float((z**2).sum() + np.linalg.slogdet(H)[1]) / 2)
+        root = np.sqrt(g * cauchy_weight((e / sd) ** 2, SOFT)) / sd
+        J = _jacobian(search, theta, pairs) * root[:, None]
+        theta = theta - np.linalg.solve(J.T @ J + np.diag(usual**-2), J.T @ (root * e) + theta / usual**2)
+    return theta
 
 
 def _probability(e: Floats, group: Ints, n: int, sd: float) -> Floats:
-    """(N) g of (1), of pairs with residuals e (N) px within 4 sd, of n groups."""
+    """(N) g of (2), of pairs with residuals e (N) px within 4 sd, of n groups."""
     total, share = np.maximum(np.bincount(group, minlength=n), 1), np.full(n, 0.3)
     one = one_marker(e, sd**2)
     for _ in range(5):
@@ -251,17 +219,12 @@ def _probability(e: Floats, group: Ints, n: int, sd: float) -> Floats:
     return np.asarray(g)
 
 
-def _jacobian(search: _Search, theta: Floats, pairs: Pairs, free: Ints) -> Floats:
-    """(N, C, 7) the change of e by θ (C, 7) of the cameras that are free, numbers."""
-    group, J = pairs.group, np.zeros((pairs.x.shape[1], *theta.shape))
-    step = 1 / np.array([one.K[0, 0] for one in search.rig])
-    P = search.cameras(theta)
-    by = {c: [search.one(c, theta[c] + d) for d in step[c] * np.eye(7)] for c in free.tolist()}
-    for pair in np.unique(group).tolist():
-        own, (r, s) = group == pair, divmod(pair, pairs.C)
-        x = pairs.x[:, own]
-        e = residuals_of_two(x, fundamental(P[r], P[s])).e
-        for c in {r, s} & {*by}:
-            F = np.array([fundamental(P[r], each) if c == s else fundamental(each, P[s]) for each in by[c]])
-            J[own, c] = (residuals_of_two(x, F).e - e).T / step[c]
+def _jacobian(search: _Search, theta: Floats, pairs: Pairs) -> Floats:
+    """(N, 7) the change of e by θ."""
+    step, group, J = 1 / search.camera.K[0, 0], pairs.group, np.zeros((len(pairs.judging), 7))
+    P = [search.cameras(theta + change) for change in (np.zeros(7), *(step * np.eye(7)))]
+    for g in np.unique(group).tolist():
+        own, r, s = group == g, g // pairs.C, g % pairs.C
+        e = residuals_of_two(pairs.x[:, own], np.array([fundamental(each[r], each[s]) for each in P])).e
+        J[own] = (e[1:] - e[0]).T / step
     return J

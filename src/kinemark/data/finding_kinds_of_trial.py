@@ -93,8 +93,8 @@ TRIAL_KINDS = (
          "where that began within the recording; left_out where it lies so far beside that none of them was used.",
          {"offset_u_px": "px", "offset_v_px": "px", "left_out": "flag"}),
     Kind("camera_put_right", "track", "amber", "A camera's images lay beside where the others expect them in the "
-         "whole recording; it was turned, and moved, until they did not, and used. The trial's rig.toml has it as it "
-         "was found.", {"offset_u_px": "px", "offset_v_px": "px", "turned_deg": "deg", "moved_mm": "mm"}),
+         "whole recording; it was turned, and moved a little, until they did not, and used. The trial's rig.toml "
+         "has it as it was found.", {"offset_u_px": "px", "offset_v_px": "px"}),
     Kind("cameras_put_in_order", "track", "amber", "Cameras have images of each other, images_of_list those of which "
          "one, in the cameras' order; each was given the calibration of the one whose images it has, and used.",
          {"images_of_list": "text"}),
@@ -117,8 +117,7 @@ TRIAL_KINDS = (
     Kind("camera_fits_nothing", "track", "amber", "A camera's images fit nothing that the others see.",
          {"left_out": "flag"}),
     Kind("camera_in_doubt", "track", "amber", "A camera's images hardly fit those of the others, and too few points "
-         "have images of three cameras to tell which is wrong, or one of several cameras was moved and nobody can tell "
-         "which; points that two cameras see may be no markers."),
+         "have images of three cameras to tell which is wrong; points that two cameras see may be no markers."),
     Kind("nothing_goes_on", "track", "amber", "Cameras agree in single frames, but no marker goes on to the next: the "
          "frame rate may be wrong.", {"rate_hz": "Hz"}),
     Kind("too_few_frames", "track", "amber", "The recording has fewer frames than any track needs.",

@@ -143,20 +143,10 @@ def _shifted(found: Finding) -> str:
 def _put_right(found: Finding) -> str:
     offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.0f") for axis in "uv")
     return fill(
-        f"The images of {{cameras}} lay ({offset})\u00a0px beside where the other cameras expect them: it seems to "
-        "have turned by {turned_deg} and moved by {moved_mm} since the calibration. It was used from there.",
+        f"The images of {{cameras}} lay ({offset})\u00a0px beside where the other cameras expect them: it was turned "
+        "after the calibration. It was put right by the points of the others, and used.",
         found,
     )
-
-
-def _in_doubt(found: Finding) -> str:
-    which = (
-        "one of them was probably moved, and they do not tell which"
-        if len(found.cameras) > 1
-        else ("too few points are seen by three cameras to tell which of them is wrong")
-    )
-    text = "The images of {cameras} hardly fit those of the other cameras, and " + which
-    return fill(text + ": points that two cameras see may be no markers.", found)
 
 
 def _other(found: Finding) -> str:
@@ -270,7 +260,8 @@ CAMERA_WORDS = {
     ),
     "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
     "camera_in_doubt": Words(
-        _in_doubt,
+        "The images of {cameras} hardly fit those of the other cameras, and too few points are seen by three cameras "
+        "to tell which of them is wrong: points that two cameras see may be no markers.",
         "Track once more without it and compare; calibrate again where its points go and others do not come.",
     ),
     "camera_fits_nothing": Words(

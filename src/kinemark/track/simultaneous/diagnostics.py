@@ -40,8 +40,7 @@ from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
 from .mirror_images import mirror_images
 from .misfitting_cameras import image_offset, is_confirmed
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
-from .tracker import CameraTimes, TrackingResult
-from .turned_camera import told_put_right
+from .tracker import CameraTimes, ImageOffset, TrackingResult
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
@@ -72,12 +71,12 @@ FEW = 30
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
     """What is odd about the input, cameras by the rig as given; nothing where nothing is."""
-    given, rig = rig, result.rig
+    rig = result.rig
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [_parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
-    turned = {one.camera: [told_put_right(one, given, rig)] for one in result.put_right}
+    turned = {one.camera: [_put_right(one, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
         most = max(LEAST_SHIFT, STANDS_OUT * finite_median(np.delete(usual, c), 0.0))  # (9)
         found += (
@@ -115,6 +114,11 @@ def _left_out(c: int, result: TrackingResult, detections: Detections, rig: Rig) 
         return [_inconsistent_camera(result._replace(images=images), rig, c)]
     u, v = offset
     return [make_finding("camera_shifted", cameras=[name], offset_u_px=u, offset_v_px=v, left_out=True)]
+
+
+def _put_right(one: ImageOffset, rig: Rig) -> Finding:
+    """About a camera that was turned until it fitted the others."""
+    return make_finding("camera_put_right", cameras=[rig.names[one.camera]], offset_u_px=one.u, offset_v_px=one.v)
 
 
 def _lenses(rig: Rig, result: TrackingResult) -> list[Finding]:
@@ -308,11 +312,7 @@ def _in_no_track(result: TrackingResult, c: int, name: str) -> list[Finding]:
 
 
 def _doubtful(result: TrackingResult, c: int, name: str) -> list[Finding]:
-    """About a camera that hardly fits the others, and that too few points confirm, or about those of which one was
-    moved, once."""
-    if c in result.undecided:
-        names = [result.rig.names[k] for k in result.undecided]
-        return [make_finding("camera_in_doubt", cameras=names)] if c == result.undecided[0] else []
+    """About a camera that hardly fits the others, and that too few points confirm."""
     if c not in result.doubtful or is_confirmed(c, result.tracks, result.images):
         return []
     return [make_finding("camera_in_doubt", cameras=[name])]

@@ -198,16 +198,11 @@ def peak_height(fit: Mixture, n: int) -> float:
     return float(height * 2 * WINDOW / max(n - fit.number[ok].sum(), 1.0))
 
 
-def near_pairs(images: Images, F: Floats, frames: list[int], reach: float) -> Ints:
-    """(2, H) indices of all pairs of images of a frame that lie within reach px of each other's lines."""
-    rows = [own[~images.merged[own]] for own in images.in_frames(frames)]
-    wide = images._replace(variance=np.broadcast_to(reach**2 / 2, len(images.uv)))
-    return np.concatenate([near_lines(wide, part, F, 1.0) for part in batches(rows)], -1)
-
-
 def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     """(1) of all pairs of images that lie within WINDOW of each other's lines."""
-    i, j = near_pairs(images, F, frames, WINDOW)
+    rows = [own[~images.merged[own]] for own in images.in_frames(frames)]
+    wide = images._replace(variance=np.broadcast_to(WINDOW**2 / 2, len(images.uv)))
+    i, j = np.concatenate([near_lines(wide, part, F, 1.0) for part in batches(rows)], -1)
     r, s = images.camera[i], images.camera[j]
     x, other = (np.column_stack([images.uv[detection], np.ones(len(detection))]) for detection in (i, j))
     line = np.einsum("hij,hj->hi", F[r, s], x)
@@ -227,23 +222,17 @@ def partners(some: Residuals, C: int, frames: int) -> Bools:
     pair, half = pair_of(some, C), HEAP * _heap_scale(some, C)
     near = np.abs(some.off - SLIP[:, None]) < half
     heap = np.max([np.bincount(pair[own], minlength=C * C) for own in near], axis=0)
-    by_chance, D = clumps(some.off, pair, C, frames, half)
-    found = scipy.special.gammainc(np.maximum(heap, 0.5) / D, by_chance / D) < BY_CHANCE
-    found = found.reshape(C, C)
-    return np.asarray(found | found.T)
-
-
-def clumps(off: Floats, pair: Ints, C: int, frames: int, half: float) -> tuple[Floats, Floats]:
-    """(C²) pairs of images within half px of any place that meet by chance, and D of them, by (7) and (8)."""
     each = int((STRIPS[1] - STRIPS[0]) / (2 * half))  # strips on a side
-    strip = np.floor((np.abs(off) - STRIPS[0]) / (2 * half)).astype(np.int64)
+    strip = np.floor((np.abs(some.off) - STRIPS[0]) / (2 * half)).astype(np.int64)
     own = (strip >= 0) & (strip < each)
-    cell = (pair * 2 * each + strip + each * (off > 0))[own]
+    cell = (pair * 2 * each + strip + each * (some.off > 0))[own]
     count = np.bincount(cell, minlength=C * C * 2 * each).reshape(C * C, 2 * each)
     n, mean, squared = 2 * each, count.mean(1), count.var(1) * 2 * each
     usual = np.clip((squared.sum() + frames) / (mean.sum() * (n - 1) + 1), 1, frames)
-    D = np.clip((squared + usual**2) / (mean * (n - 1) + usual), 1, frames)
-    return mean + 0.5 * D / n, D
+    D = np.clip((squared + usual**2) / (mean * (n - 1) + usual), 1, frames)  # (8)
+    found = scipy.special.gammainc(np.maximum(heap, 0.5) / D, mean / D + 0.5 / n) < BY_CHANCE
+    found = found.reshape(C, C)
+    return np.asarray(found | found.T)
 
 
 def _heap_scale(some: Residuals, C: int) -> float:
@@ -258,7 +247,7 @@ def _heap_scale(some: Residuals, C: int) -> float:
 def mixture(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
     """(3) of residuals (H) px in n groups (H), each within its window (H) px; where none has a peak at 0, about those
     that they have elsewhere."""
-    usual = likeliest(off, group, n, window)
+    usual = _likeliest(off, group, n, window)
     if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
         return usual
     other, _ = _mixture(off - aside[group], group, window, aside, PEAK**2)
@@ -279,7 +268,7 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
     return out
 
 
-def likeliest(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
+def _likeliest(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
     """(3) about 0, begun with a wide v, and with a narrow one where it became wider and that is likelier."""
     begin = (WINDOW / 4) ** 2
     usual, said = _mixture(off, group, window, np.zeros(n), begin)

@@ -23,7 +23,6 @@ from ..stage import DETECTIONS, TRACK
 from .detection_index import Images, read_images
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
-from .moved_camera import moved_camera
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once
@@ -66,28 +65,10 @@ def track_simultaneously(
     Lens terms that were lost from the rig's file are learned (`missing_lens`). A camera is left out of the frames in
     which it fits the others no more (`unfitting_stretches`), or of all where it fits them nowhere
     (`misfitting_cameras`) and the others do not show how it was turned since (`turned_camera`). Points farther than
-    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all. One of
-    few cameras that points of three do not put right is put where pairs of images show it (`moved_camera`).
+    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all.
     """
     lenses = missing_lenses(detections, rig)
     rig = rig if lenses is None else lenses.on(rig)
-    moved, result = moved_camera(detections, rig), _as_it_fits(detections, rig, method, errors, volume_margin)
-    result = result._replace(lenses=lenses, undecided=tuple(moved.suspects) if len(moved.suspects) > 1 else ())
-    if not moved.sure:
-        return result
-    ((c, one),) = moved.suspects.items()
-    if c in {right.camera for right in result.put_right}:
-        return result  # by points of three cameras, which tell more than pairs
-    again = _as_it_fits(detections, with_camera(rig, c, one.camera), method, errors, volume_margin)
-    if c in {stretch.camera for stretch in again.unfitting} | {right.camera for right in again.put_right}:
-        return result
-    return again._replace(lenses=lenses, put_right=(ImageOffset(c, *one.offset.tolist()), *again.put_right))
-
-
-def _as_it_fits(
-    detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, volume_margin: float | None
-) -> TrackingResult:
-    """Tracks, without cameras where these fit the others no more, or with them put right."""
     suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
     while True:
         result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)
@@ -102,7 +83,7 @@ def _as_it_fits(
                 suspected = tuple(one for one in suspected if one not in followed)
                 continue
             doubtful = {one.camera for one in tried if one.whole(detections.n_frames) and not sure}
-            result = result._replace(unfitting=suspected, doubtful=tuple(sorted(doubtful)))
+            result = result._replace(unfitting=suspected, lenses=lenses, doubtful=tuple(sorted(doubtful)))
             return _with_put_right(result, detections, rig, method, errors, volume_margin)
         else:
             suspected = sure if sure != suspected else _with(sure, untried[0])
@@ -166,7 +147,7 @@ def _with_put_right(
     seen, before = ((one.tracks.cloud.detection[:, others] >= 0).sum() for one in (again, result))
     if seen < SAME * before or {*beside_tracks(again.tracks, again.images)} & {*own}:
         return result
-    return again._replace(unfitting=left, put_right=tuple(turned))
+    return again._replace(unfitting=left, lenses=result.lenses, put_right=tuple(turned))
 
 
 def _with_delays(

@@ -110,7 +110,6 @@ class TrackingResult(NamedTuple):
         rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
             were put right. put_right: these cameras, and how far their images lay beside.
         doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
-        undecided: cameras, numbers, of which one was moved, where nobody can tell which.
     """
 
     tracks: Tracks
@@ -127,7 +126,6 @@ class TrackingResult(NamedTuple):
     lenses: MissingLenses | None = None
     put_right: tuple[ImageOffset, ...] = ()
     doubtful: tuple[int, ...] = ()
-    undecided: tuple[int, ...] = ()
 
 
 def track_once(

@@ -17,15 +17,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ...data import Camera, Detections, Finding, Rig, Tracks, make_finding
+from ...data import Camera, Detections, Rig, Tracks
 from ...data.array_types import Floats, Ints
 from ...geometry import project
 from ...numerics.robust import cauchy_weight, plane_scale
 from .detection_index import Images, read_images
 from .rig_of_tracks import EXACT, SOFT, changed_camera, depths_of_points, image_derivatives
-from .tracker import ImageOffset
 
 REACH = (9.0, 5.0, 3.0, 3.0)
 """px of (2), a round each; chosen: offsets are known to some 3 px, and turns about the axis add some at the edges."""
@@ -72,17 +70,6 @@ def put_right(c: int, offset: Floats, tracks: Tracks, detections: Detections, ri
             return None
         camera, sd = _fitted(camera, xyz[point], images.uv[image])
     return camera if sd < MOST_SD else None
-
-
-def told_put_right(one: ImageOffset, given: Rig, rig: Rig) -> Finding:
-    """About a camera that was turned and moved until it fitted the others, and by how much."""
-    was, now = given[one.camera], rig[one.camera]
-    turned_deg = np.rad2deg(Rotation.from_matrix(now.R @ was.R.T).magnitude())
-    moved_mm = float(np.linalg.norm(now.centre - was.centre))
-    _, u, v = one
-    return make_finding(
-        "camera_put_right", cameras=[now.name], offset_u_px=u, offset_v_px=v, turned_deg=turned_deg, moved_mm=moved_mm
-    )
 
 
 def with_camera(rig: Rig, c: int, camera: Camera) -> Rig:

@@ -29,9 +29,11 @@ def lasting_places(uv: Floats, frame: Ints, n_frames: int, near: float) -> Ints:
     seen[pairs[:, 0], when[pairs[:, 1]]] = True
     thirds = (part.mean(1) >= PRESENT / 2 for part in np.array_split(seen, 3, axis=1)[::2])
     stands = (seen.mean(1) >= PRESENT) & np.logical_and(*thirds)
+    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
+    first = np.searchsorted(pairs[:, 0], np.arange(len(rows) + 1))
     found = list[int]()
     for k in np.argsort(-seen.sum(1), kind="stable").tolist():
         if stands[k]:
             found.append(k)
-            stands[pairs[pairs[:, 0] == k, 1]] = False
+            stands[pairs[first[k] : first[k + 1], 1]] = False
     return rows[found]

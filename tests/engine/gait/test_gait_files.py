@@ -415,10 +415,11 @@ def test_a_script_sees_that_there_is_no_result(tmp_path, asked, status):
 
 
 @pytest.mark.parametrize("flat", [True, False])
-def test_feet_that_the_file_took_the_other_way_are_told(flat):
+def test_feet_that_the_file_took_the_other_way_are_told(flat, tmp_path):
     """The whole body's static trial was processed without a flat foot."""
     walk, static = (shared_data(f"mocap3d/pig_wholebody/{name}_trial.c3d") for name in ("Movement", "Static"))
-    found = gait_of_files([walk], static=static, settings=replace(QUICK, flat_foot=flat)).figures["findings"]
+    settings = replace(QUICK, flat_foot=flat)
+    found = gait_of_files([walk], static=static, settings=settings, folder=tmp_path).figures["findings"]
     told = [f for f in found if f["kind"] == "gait_feet_otherwise"]
     assert len(told) == flat
     if flat:

@@ -8,9 +8,9 @@ two cameras, with e and s by (1) and (2) of `epipolar_noise` and a gate of g, le
     N with |e| < g s,   M with g s < |e| < (1 + ASIDE) g s                                       (1)
 
 By chance N is M / ASIDE in the mean. So where it has a Poisson probability of CHANCE to be as large, or more, points of
-two spots are given up, if no three cameras ever see their track. Spots of points that three cameras see do not count.
-Nothing is judged where there are no such points, as then no third camera lacks these, nor where most of them stand too:
-then those of two cameras are rather markers as well.
+two spots are given up, if MOST of their track are such and no SOUND cameras ever see it. Spots of points that SOUND
+cameras see do not count. Nothing is judged where there are no such points, as then no third camera lacks these, nor
+where MOST of their images stand too: then those of two cameras are rather markers as well.
 """
 
 from __future__ import annotations
@@ -25,20 +25,13 @@ from ...data.array_types import Bools, Ints
 from ...numerics.lasting_places import lasting_places
 from .candidate_points import fundamentals
 from .detection_index import Images
-from .drifting_pairs import residual
-
-SOUND = 3
-"""Images of a point that are taken for one marker's, a number; chosen, as in `drifting_pairs`."""
+from .drifting_pairs import MOST, SOUND, residual
 
 ASIDE = 29
 """Of (1), how many times as wide the part beside is; chosen: 9 finds too few of a few spots to tell N / M by."""
 
 CHANCE = 0.01
 """The probability of (1); conventional."""
-
-MOST = 0.5
-"""Of the points of a track, the share that are of two spots, and of images of sound points those at spots; chosen, as
-in `drifting_pairs`."""
 
 
 def of_reflections(id: Ints, detection: Ints, images: Images, gate: float) -> Bools:

@@ -34,10 +34,9 @@ def misses(rig: Rig, uv: Floats, lenses: Sequence[Camera] | None = None) -> Floa
     """(C, N) distance of points seen at (C, N, 2) from where they reproject, px; with lenses, the rig has none."""
     own = lenses or rig.cameras
     ideal = np.stack([undistort(camera, x) for camera, x in zip(own, uv, strict=True)], 1)
-    exact = Rig(tuple(replace(camera, cov=np.zeros((15, 15))) for camera in rig))
     start = triangulate(ideal, rig.P)
     seen = ideal if lenses else uv.transpose(1, 0, 2)
-    xyz = refine(exact, start, seen, np.broadcast_to(np.eye(2), (*seen.shape, 2))).xyz
+    xyz = refine(rig.as_known(), start, seen, np.broadcast_to(np.eye(2), (*seen.shape, 2))).xyz
     drawn = [project(camera, xyz) for camera in rig]
     drawn = [distort(lens, x) for lens, x in zip(lenses, drawn, strict=True)] if lenses else drawn
     return np.asarray(np.linalg.norm(uv - np.stack(drawn), axis=-1))

@@ -70,7 +70,7 @@ def _(by):
 def _(by):
     cameras, xyz = moved(rig(), by), POINTS + by
     origin = geometry.origin_near(xyz)
-    near, joint = geometry.rig_about(cameras, origin), quality.block_diagonal(cameras)
+    near, joint = geometry.rig_about(cameras, origin), quality.joint_of(cameras)
     one = geometry.camera_about(cameras[0], origin)
     assert np.allclose(one.cov, near[0].cov)
     spread = geometry.joint_about(cameras, joint, origin)
@@ -231,7 +231,7 @@ def _(by):
 @law(
     kinemark.predicted_covariance,
     quality.apart_from_frame,
-    quality.block_diagonal,
+    quality.joint_of,
     quality.visible,
     quality.views,
     quality.covariance_from,
@@ -240,7 +240,7 @@ def _(by):
 )
 def _(by):
     cameras, xyz = moved(rig(), by), POINTS + by
-    joint = quality.block_diagonal(cameras)
+    joint = quality.joint_of(cameras)
     said = quality.views(cameras, xyz, centroid_sd=0.1)
     apart = quality.apart_from_frame(cameras, joint, xyz, centroid_sd=0.1)
     spread = [quality.covariance_from(said, each) for each in (joint, apart)]

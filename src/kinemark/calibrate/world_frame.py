@@ -122,7 +122,7 @@ def carried(camera: Camera, A: ArrayLike, b: ArrayLike, s: float) -> tuple[Camer
     M = np.eye(15)
     M[12:15, 12:15] *= s
     M[12:15, 9:12] = cross_matrix(lever)  # (2)
-    return replace(camera, R=R, t=s * camera.t - lever, cov=M @ camera.cov @ M.T), M
+    return replace(camera, R=R, t=s * camera.t - lever, cov=M @ camera.cov @ M.T, common=M @ camera.common), M
 
 
 def _transformed(rig: Rig, A: Floats, b: Floats, s: float) -> Rig:

@@ -13,7 +13,7 @@ K[1, 1] is negative where the digitiser counts v upwards, so that R stays a rota
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -38,6 +38,9 @@ class Camera:
         t: (3,) translation world → camera, mm.
         cov: (15, 15) covariance of `PARAMETERS`; zero rows for those held fixed, all zero where unknown.
         residual: RMS reprojection error of its calibration, px; NaN where unknown.
+        common: (15, k) what k independent errors of unit variance, which all cameras of a calibration have in common,
+            change of `PARAMETERS`: two cameras a, b have the covariance a.common @ b.common.T between them. `cov` has
+            its share of them. k is 0 where nothing of that is known.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Camera:
     distortion: Floats = field(default_factory=lambda: np.zeros(5))
     cov: Floats = field(default_factory=lambda: np.zeros((15, 15)))
     residual: float = float("nan")
+    common: Floats = field(default_factory=lambda: np.zeros((15, 0)))
 
     def __post_init__(self) -> None:
         set_columns(
@@ -58,6 +62,7 @@ class Camera:
             t=column("t", self.t, np.float64, 3),
             distortion=column("distortion", self.distortion, np.float64, 5),
             cov=column("cov", self.cov, np.float64, 15, 15),
+            common=column("common", self.common, np.float64, 15, None),
         )
         if not np.isfinite(self.K).all() or abs(self.K[2, 2] - 1) > 1e-9 or self.K[0, 0] * self.K[1, 1] == 0:
             raise ValueError(f"camera {self.name}: K must be finite with K[2, 2] = 1 and focal lengths, found {self.K}")
@@ -94,6 +99,8 @@ class Rig:
         set_columns(self, cameras=tuple(self.cameras), volume=column("volume", self.volume, np.float64, 2, 3))
         if len(set(self.names)) != len(self.names):
             raise ValueError(f"camera names must differ, found {self.names}")
+        if len(found := {camera.common.shape[1] for camera in self.cameras} - {0}) > 1:
+            raise ValueError(f"cameras have {sorted(found)} errors in common, wanted those of one calibration")
 
     def __len__(self) -> int:
         return len(self.cameras)
@@ -108,6 +115,11 @@ class Rig:
     def names(self) -> tuple[str, ...]:
         """The cameras' names (C)."""
         return tuple(camera.name for camera in self.cameras)
+
+    @property
+    def has_common_errors(self) -> bool:
+        """Whether it is known what the calibration's errors of the cameras have in common."""
+        return any(camera.common.size for camera in self.cameras)
 
     @property
     def P(self) -> Floats:
@@ -129,3 +141,8 @@ class Rig:
         if missing:
             raise ValueError(f"cameras {missing} are not in the calibration, which has {list(self.names)}")
         return Rig(tuple(self.cameras[self.names.index(name)] for name in names), self.method, self.volume)
+
+    def as_known(self) -> Rig:
+        """The rig as if its cameras were known exactly."""
+        known = tuple(replace(c, cov=np.zeros((15, 15)), common=np.zeros((15, 0))) for c in self.cameras)
+        return replace(self, cameras=known)

@@ -53,7 +53,7 @@ def file_key(*paths: Path) -> str:
 
 def rig_key(rig: Rig) -> str:
     """A key of all that a rig says about geometry."""
-    return digest([(c.name, c.size, c.K, c.distortion, c.R, c.t, c.cov) for c in rig], rig.volume)
+    return digest([(c.name, c.size, c.K, c.distortion, c.R, c.t, c.cov, c.common) for c in rig], rig.volume)
 
 
 @lru_cache(maxsize=8)

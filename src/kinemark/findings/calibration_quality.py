@@ -12,8 +12,8 @@ from ..calibrate.quality import (
     Change,
     Evidence,
     VolumeMap,
-    block_diagonal,
     centroid_deviation,
+    joint_of,
     map_volume,
     view_volume,
 )
@@ -118,7 +118,7 @@ def headline_figures(figures: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _precision(grid: VolumeMap, sd: float, rig: Rig, evidence: Evidence) -> dict[str, Any]:
-    joint = block_diagonal(rig) if evidence.joint is None else evidence.joint
+    joint = joint_of(rig) if evidence.joint is None else evidence.joint
     return {
         "centroid_sd_px": sd,
         "calibration_known": bool(joint.any()),

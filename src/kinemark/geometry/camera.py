@@ -99,10 +99,13 @@ def parameter_jacobian(camera: Camera, xyz: Floats) -> Floats:
     return _last(_by_parameters(camera, *np.moveaxis(to_camera(camera, xyz), -1, 0)))
 
 
-def calibration_variance(camera: Camera, xyz: Floats) -> Floats:
-    """J_θ C_θ J_θᵀ (2, 2, n) px² with J_θ of `parameter_jacobian` at (3, n) mm: what the calibration contributes."""
+def calibration_errors(camera: Camera, xyz: Floats) -> tuple[Floats, Floats]:
+    """What a calibration's errors do to images at (3, n) mm: J_θ C_θ J_θᵀ (2, 2, n) px², and J_θ F (2, k, n) px.
+
+    J_θ is that of `parameter_jacobian`, C_θ is `Camera.cov` and F is `Camera.common`.
+    """
     J = _by_parameters(camera, *(camera.R @ xyz + camera.t[:, None]))
-    return np.asarray(np.einsum("ikn,jkn->ijn", camera.cov @ J, J))
+    return np.asarray(np.einsum("ikn,jkn->ijn", camera.cov @ J, J)), camera.common.T @ J
 
 
 def _by_parameters(camera: Camera, X: Floats, Y: Floats, Z: Floats) -> Floats:

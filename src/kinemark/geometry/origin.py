@@ -34,7 +34,7 @@ def origin_near(xyz: Floats) -> Floats:
 def camera_about(camera: Camera, origin: Floats) -> Camera:
     """The camera in a world whose origin is at `origin` (3,) mm of this one, by (1) and (2)."""
     M = parameters_about(camera, origin)
-    return replace(camera, t=camera.t + camera.R @ origin, cov=M @ camera.cov @ M.T)
+    return replace(camera, t=camera.t + camera.R @ origin, cov=M @ camera.cov @ M.T, common=M @ camera.common)
 
 
 def rig_about(rig: Rig, origin: Floats) -> Rig:

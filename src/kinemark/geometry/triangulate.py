@@ -10,7 +10,11 @@ pattern of visibility. (3) minimises no distance in the image, so a far camera w
 
 `refine` minimises Σ (uv − project(X))ᵀ C⁻¹ (uv − project(X)) (5), distortion included, by Gauss-Newton steps from
 (3). C is the covariance of each centroid plus what the camera's own calibration leaves open,
-C = C_centroid + J_θ C_θ J_θᵀ (6), and the inverse of the normal matrix, (Σ Jᵀ C⁻¹ J)⁻¹ (7), is the covariance of X.
+C = C_centroid + J_θ C_θ J_θᵀ (6), and the inverse of the normal matrix, V = (Σ Jᵀ C⁻¹ J)⁻¹ (7), is the covariance of X
+where each camera errs by itself. Errors F that the cameras have in common (`Camera.common`) move X by the sum of what
+they do in each camera c, M_c = V J_cᵀ C_c⁻¹ J_θ F_c, so that its covariance is
+
+    V + (Σ M_c)(Σ M_c)ᵀ − Σ M_c M_cᵀ                                     (8)
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ import numpy as np
 from ..data import Camera, Rig
 from ..data.array_types import Bools, Floats, Ints
 from ..numerics.small_matrices import inverse3, solve3
-from .camera import calibration_variance, project_with_jacobian
+from .camera import calibration_errors, project_with_jacobian
 
 
 class Triangulated(NamedTuple):
@@ -50,7 +54,7 @@ def refine(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, *, steps: int = 3, ex
     """The most likely points by (5), from first guesses xyz (N, 3) mm.
 
     Args:
-        rig: C cameras; where one has a parameter covariance, (6) adds it.
+        rig: C cameras; where one has a parameter covariance, (6) adds it, and (8) what cameras have in common.
         xyz: (N, 3) from `triangulate`.
         uv: (N, C, 2) pixels as the lens drew them, NaN where unseen.
         cov: (N, C, 2, 2) their covariance, px².
@@ -71,35 +75,57 @@ def refine(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, *, steps: int = 3, ex
     residual = np.full(uv.shape, np.nan)
     for c, (view, (beside, J)) in enumerate(zip(views, each, strict=True)):
         residual[view.point, c] = (beside if exact else beside - np.einsum("ain,ni->an", J, step[view.point])).T
-    return Triangulated(xyz, inverse3(normal), residual)  # (7)
+    V = inverse3(normal)  # (7)
+    return Triangulated(xyz, V + _in_common(views, each, V) if rig.has_common_errors else V, residual)
 
 
 class _View(NamedTuple):
-    """What a camera sees: the n points, their uv (2, n) px and the xx, xy and yy of C⁻¹ (3, n) 1/px²."""
+    """What a camera sees: n points, their uv (2, n) px, xx, xy and yy of C⁻¹ (3, n) 1/px², and J_θ F (2, k, n) px."""
 
     camera: Camera
     point: Ints
     uv: Floats
     weight: Floats
+    common: Floats
+
+    def weighed(self, J: Floats) -> Floats:
+        """C⁻¹ J (2, 3, n) of J (2, 3, n)."""
+        xx, xy, yy = self.weight
+        return np.stack([xx * J[0] + xy * J[1], xy * J[0] + yy * J[1]])
 
 
 def _view(camera: Camera, c: int, seen: Bools, xyz: Floats, uv: Floats, cov: Floats) -> _View:
     """What camera c sees of points at xyz (N, 3) mm."""
     point = np.flatnonzero(seen)
-    C = cov[point, c].transpose(1, 2, 0)
+    C, common = cov[point, c].transpose(1, 2, 0), np.zeros((2, 0, len(point)))
     if camera.cov.any():
-        C = C + calibration_variance(camera, xyz[point].T)  # (6)
+        variance, common = calibration_errors(camera, xyz[point].T)
+        C = C + variance  # (6)
     weight = np.stack([C[1, 1], -C[0, 1], C[0, 0]]) / (C[0, 0] * C[1, 1] - C[0, 1] * C[1, 0])
-    return _View(camera, point, uv[point, c].T, weight)
+    return _View(camera, point, uv[point, c].T, weight, common)
 
 
 def _normal_equations(views: list[_View], xyz: Floats) -> tuple[Floats, Floats, list[tuple[Floats, Floats]]]:
     """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ e (N, 3), and of each view e = uv − project (2, n) px and J (2, 3, n)."""
     normal, pull, each = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), list[tuple[Floats, Floats]]()
-    for camera, point, uv, (xx, xy, yy) in views:
-        drawn, J = project_with_jacobian(camera, xyz[point].T)
-        each.append((residual := uv - drawn, J))
-        WJ = np.stack([xx * J[0] + xy * J[1], xy * J[0] + yy * J[1]])
-        normal[..., point] += np.einsum("ain,ajn->ijn", WJ, J)
-        pull[:, point] += np.einsum("ain,an->in", WJ, residual)
+    for view in views:
+        drawn, J = project_with_jacobian(view.camera, xyz[view.point].T)
+        each.append((residual := view.uv - drawn, J))
+        WJ = view.weighed(J)
+        normal[..., view.point] += np.einsum("ain,ajn->ijn", WJ, J)
+        pull[:, view.point] += np.einsum("ain,an->in", WJ, residual)
     return normal.transpose(2, 0, 1), pull.T, each
+
+
+def _in_common(views: list[_View], each: list[tuple[Floats, Floats]], V: Floats) -> Floats:
+    """(N, 3, 3) mm² by which (8) differs from V (N, 3, 3), with J of `each` view."""
+    k = max(view.common.shape[1] for view in views)
+    together, apart = np.zeros((3, k, len(V))), np.zeros((3, 3, len(V)))
+    for view, (_, J) in zip(views, each, strict=True):
+        if not view.common.size:
+            continue
+        H = np.einsum("nij,ajn->ian", V[view.point], view.weighed(J))
+        M = np.einsum("ian,akn->ikn", H, view.common)
+        together[..., view.point] += M
+        apart[..., view.point] += np.einsum("ikn,jkn->ijn", M, M)
+    return (np.einsum("ikn,jkn->ijn", together, together) - apart).transpose(2, 0, 1)

@@ -110,6 +110,7 @@ def camera(where: str, key: str, table: Mapping[str, Any], own: Mapping[str, Any
         distortion=distortion(where, table),
         cov=array(where, own, "covariance", (15, 15)) if "covariance" in own else np.zeros((15, 15)),
         residual=float(array(where, own, "residual_px", ())) if "residual_px" in own else np.nan,
+        common=array(where, own, "common_errors", None) if "common_errors" in own else np.zeros((15, 0)),
     )
 
 
@@ -169,7 +170,8 @@ def shared(camera: Camera) -> dict[str, Any]:
 
 def own(camera: Camera) -> dict[str, Any]:
     """The table that only Kinemark reads."""
-    return {"rotation_matrix": camera.R, "residual_px": camera.residual, "covariance": camera.cov}
+    table = {"rotation_matrix": camera.R, "residual_px": camera.residual, "covariance": camera.cov}
+    return table | ({"common_errors": camera.common} if camera.common.size else {})
 
 
 def plain(value: Any) -> Any:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..calibrate.quality import (
     VolumeMap,
-    block_diagonal,
     covariance_from,
+    joint_of,
     points_of,
     views,
     volume_grid,
@@ -77,7 +77,7 @@ def _volume(rig: Rig, room: Room, diameter_mm: float, least_px: float, centroid_
     axes = volume_grid(room.volume)
     shape, xyz = tuple(len(axis) for axis in axes), points_of(axes)
     seen = np.array([seen_alone(camera, xyz, diameter_mm=diameter_mm, least_px=least_px) for camera in rig])
-    said, joint = _seen_views(rig, xyz, seen, centroid_sd), block_diagonal(rig)
+    said, joint = _seen_views(rig, xyz, seen, centroid_sd), joint_of(rig)
     cov = covariance_from(said, joint)
     without = [deviation(covariance_from(said, joint, without=(c,))).reshape(shape) for c in range(len(rig))]
     return VolumeMap(
@@ -99,7 +99,7 @@ def _body(rig: Rig, bodies: Sequence[Subject], least_px: float, centroid_sd: flo
         [seen_on_bodies(camera, bodies, own, least_px=least_px) for camera, own in zip(rig, free, strict=True)]
     )
     inside = np.isfinite(xyz).all(1)
-    said, joint = _seen_views(rig, np.where(inside[:, None], xyz, 0.0), seen, centroid_sd), block_diagonal(rig)
+    said, joint = _seen_views(rig, np.where(inside[:, None], xyz, 0.0), seen, centroid_sd), joint_of(rig)
     sd = deviation(covariance_from(said, joint))
     without = np.array([_lost(said, joint, inside, c) for c in range(len(rig))])
     views_of = np.where(inside, seen.sum(0), -1)

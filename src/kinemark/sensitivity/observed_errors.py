@@ -27,7 +27,6 @@ residuals are made larger by Σ 2 n / Σ (2 n − 3) (8).
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +102,7 @@ def gains(rig: Rig, xyz: Floats, seen: Bools) -> Gains:
 def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     """What images (N, C, 2) px, NaN where unseen, of points (N, 3) mm at times (N) s show by (3) to (8)."""
     origin = origin_near(xyz)  # about which the priors of (3) hold
-    plain = rig_about(Rig(tuple(replace(camera, cov=np.zeros((15, 15))) for camera in rig)), origin)
+    plain = rig_about(rig.as_known(), origin)
     xyz = xyz - origin
     place = refine(plain, xyz, uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)))
     views = np.isfinite(uv[..., 0]).sum(1)

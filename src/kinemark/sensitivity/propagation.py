@@ -38,7 +38,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..calibrate.quality import block_diagonal, views
+from ..calibrate.quality import joint_of, views
 from ..data import Rig
 from ..data.array_types import Floats
 from ..numerics.small_matrices import inverse3
@@ -86,7 +86,7 @@ def rig_points(rig: Rig, xyz: Floats, *, centroid_sd: float, joint: Floats | Non
     """
     if not centroid_sd > 0:
         raise ValueError(f"centroid_sd is {centroid_sd} px, wanted more than 0")
-    joint = block_diagonal(rig) if joint is None else joint
+    joint = joint_of(rig) if joint is None else joint
     flat = xyz.reshape(-1, 3)
     known = np.isfinite(flat).all(1)
     own, by = np.full((len(flat), 3, 3), np.nan), np.full((len(flat), 3, len(joint)), np.nan)

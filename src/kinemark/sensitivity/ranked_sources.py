@@ -29,7 +29,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..calibrate.quality import apart_from_frame, block_diagonal
+from ..calibrate.quality import apart_from_frame, joint_of
 from ..data import KinemarkError, Rig
 from ..data.array_types import Bools, Floats
 from ..data.method import Method, parameter
@@ -302,7 +302,7 @@ class _Work:
     def stated(self, noise: float) -> ErrorSource:
         """By the calibration's covariance."""
         there = self.seen.sum(1) >= 2
-        joint = apart_from_frame(self.rig, block_diagonal(self.rig), self.xyz[there][::EVERY], centroid_sd=noise)
+        joint = apart_from_frame(self.rig, joint_of(self.rig), self.xyz[there][::EVERY], centroid_sd=noise)
         by = -np.einsum("ncij,ncjk->nick", self.gain.H, self.gain.T).reshape(len(self.xyz), 3, -1)
         cov = np.where(there[:, None, None], by @ joint @ by.transpose(0, 2, 1), np.nan).reshape(*self.shape, 3, 3)
         spread = np.nan_to_num(by).reshape(*self.shape, 3, -1)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from kinemark.calibrate import calibrate_control_points
 from kinemark.calibrate.bundle import Bundle, calibrate_sticks
-from kinemark.calibrate.quality import apart_from_frame, block_diagonal, predicted_covariance, visible
+from kinemark.calibrate.quality import apart_from_frame, joint_of, predicted_covariance, visible
 from kinemark.calibrate.quality.calibration_evidence import Evidence, centroid_deviation
 from kinemark.calibrate.quality.change import compare
 from kinemark.calibrate.quality.image_coverage import image_coverage
@@ -289,6 +289,6 @@ def test_rigid_motions_of_rig_and_volume_change_no_figure():
     rig, _ = of_control_points(seen(RIG, POINTS, 0.05, np.random.default_rng(1)))
     shift = np.array([1000.0, 2000.0, -500.0])
     moved = replace(moved_to(rig, POINTS, POINTS + shift), volume=rig.volume + shift)
-    a, b = (map_volume(r, r.volume, centroid_sd=0.1, joint=block_diagonal(r), places=200) for r in (rig, moved))
+    a, b = (map_volume(r, r.volume, centroid_sd=0.1, joint=joint_of(r), places=200) for r in (rig, moved))
     assert np.allclose(a.sd, b.sd, rtol=1e-6)
     assert np.allclose(a.without, b.without, rtol=1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from room import judged
 
-from kinemark.calibrate.quality import block_diagonal, world_pose
+from kinemark.calibrate.quality import joint_of, world_pose
 from kinemark.calibrate.resection import moved
 from kinemark.calibrate.wand import Wand
 from kinemark.data import Rig
@@ -34,7 +34,7 @@ def motions(off, spread):
 
 @pytest.mark.parametrize(("frames", "free"), [(1, 6), (25, 6), (1, 7)])
 def test_an_l_frame_puts_the_room_as_far_off_as_is_stated(frames, free):
-    world = world_pose(RIG, block_diagonal(RIG), ARMS, centroid_sd=NOISE, frames=frames, grows=free == 7)
+    world = world_pose(RIG, joint_of(RIG), ARMS, centroid_sd=NOISE, frames=frames, grows=free == 7)
     back = np.linalg.pinv(motions(ARMS - world.centre, world.spread)[..., :free].reshape(-1, free))
     rng, seen, square = np.random.default_rng(1), project_all(RIG, ARMS), []
     for _ in range(150):
@@ -47,7 +47,7 @@ def test_an_l_frame_puts_the_room_as_far_off_as_is_stated(frames, free):
 
 
 def test_it_grows_away_from_the_l_frame_and_is_the_same_for_neighbours():
-    world = world_pose(RIG, block_diagonal(RIG), ARMS, centroid_sd=NOISE)
+    world = world_pose(RIG, joint_of(RIG), ARMS, centroid_sd=NOISE)
     near, far = world.at(np.array([world.centre, world.centre + np.array([0, 0, 1800.0])]))
     assert np.trace(far) > 4 * np.trace(near)
     assert np.linalg.eigvalsh(near).min() > 0
@@ -55,8 +55,8 @@ def test_it_grows_away_from_the_l_frame_and_is_the_same_for_neighbours():
 
 def test_points_that_do_not_fix_a_room_say_nothing():
     row = ARMS[0] + np.outer([0.0, 300, 600], [1.0, 0, 0])
-    assert world_pose(RIG, block_diagonal(RIG), row, centroid_sd=NOISE) is None
-    assert world_pose(RIG, block_diagonal(RIG), ARMS + np.array([0, 0, 9000.0]), centroid_sd=NOISE) is None
+    assert world_pose(RIG, joint_of(RIG), row, centroid_sd=NOISE) is None
+    assert world_pose(RIG, joint_of(RIG), ARMS + np.array([0, 0, 9000.0]), centroid_sd=NOISE) is None
 
 
 def test_positions_in_a_room_that_is_off_are_within_what_is_stated():

@@ -19,6 +19,7 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
 from ...numerics.small_sample import variance_factor
 from .camera_step import CameraStep
+from .common_errors import common_errors
 from .initial.view_pairs import ENOUGH, weakest_link
 from .lens_prior import LensPrior
 from .parameter_covariance import joint_covariance
@@ -86,8 +87,9 @@ class BundleFit(NamedTuple):
         residual: (C, N, 2) seen minus reprojected, px; NaN where not seen or the point is not used.
         kept: (C, N) which image points took part.
         joint: (15 C, 15 C) covariance of all cameras' `data.PARAMETERS` together, camera by camera, zero rows for
-            those held. `Camera.cov` are its blocks on the diagonal. Unless points or cameras were held, it is about
-            the frame in which the points rest as a whole.
+            those held. `Camera.cov` are its blocks on the diagonal, `Camera.common` what is strongest
+            of the others. Unless points or cameras were held, it is about the frame in which the points rest as a
+            whole.
         chi2: Σ of the kept points' squared residuals by their covariances.
         freedom: ν, degrees of freedom of it.
         step: that a camera was probably moved meanwhile, and when; None where nothing says so, or it was not looked
@@ -192,8 +194,9 @@ def completed(adjusted: Adjusted, seen: ImageObservations, *, what: str) -> Bund
             camera,
             cov=joint[15 * c : 15 * c + 15, 15 * c : 15 * c + 15],
             residual=float(np.sqrt((residual[c, kept[c]] ** 2).sum(1).mean())) if kept[c].any() else float("nan"),
+            common=common,
         )
-        for c, camera in enumerate(state.cameras)
+        for c, (camera, common) in enumerate(zip(state.cameras, common_errors(joint), strict=True))
     )
     there = xyz[complete(xyz)]
     lost = int(seen.used.sum() - kept.sum())

@@ -23,7 +23,6 @@ than two others would: then they all were, and the question is where the cameras
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -75,7 +74,7 @@ def leave_one_out(
         error[c, rows], spread[c, rows] = errors_without(here, xyz[rows], uv[c, rows], cov[c, rows], method=method)
     taken = np.stack([f.kept for f in fits])
     known = np.isfinite(error[..., 0]) & (taken | (taken.sum(0) < 2))  # (8)
-    rig = Rig(tuple(replace(f.camera, cov=np.zeros((15, 15))) for f in fits))  # (3) has their share already
+    rig = Rig(tuple(f.camera for f in fits)).as_known()  # (3) has their share already
     images = np.stack([project(camera, xyz) for camera in rig]) + error
     images[~known] = np.nan
     ideal = np.stack([undistort(camera, image) for camera, image in zip(rig, images, strict=True)], 1)

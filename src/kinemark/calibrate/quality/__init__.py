@@ -11,8 +11,8 @@ from .change import Change, compare
 from .image_coverage import ImageCoverage, image_coverage
 from .predicted_covariance import (
     apart_from_frame,
-    block_diagonal,
     covariance_from,
+    joint_of,
     predicted_covariance,
     views,
     visible,
@@ -29,11 +29,11 @@ __all__ = [
     "VolumeMap",
     "WorldPose",
     "apart_from_frame",
-    "block_diagonal",
     "centroid_deviation",
     "compare",
     "covariance_from",
     "image_coverage",
+    "joint_of",
     "judge_poses",
     "map_volume",
     "points_of",

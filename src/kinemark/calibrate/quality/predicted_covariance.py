@@ -107,7 +107,7 @@ def predicted_covariance(
         xyz: (N, 3) mm.
         centroid_sd: standard deviation of a centroid along u and along v, px.
         joint: (15 C, 15 C) covariance of `data.PARAMETERS` of all cameras together, one camera after the other, zero
-            for what is held; without it the cameras' own covariances, as if they did not depend on each other.
+            for what is held; without it that of the rig, `joint_of`.
         without: cameras, by their place in the rig, that are not used.
 
     Raises:
@@ -115,17 +115,20 @@ def predicted_covariance(
     """
     if not centroid_sd > 0:
         raise ValueError(f"centroid_sd is {centroid_sd}, wanted more than 0 px")
-    joint = block_diagonal(rig) if joint is None else joint
+    joint = joint_of(rig) if joint is None else joint
     wanted = (len(PARAMETERS) * len(rig),) * 2
     if joint.shape != wanted or xyz.ndim != 2 or xyz.shape[1] != 3:
         raise ValueError(f"joint has shape {joint.shape} and xyz {xyz.shape}, wanted {wanted} and (N, 3)")
     return covariance_from(views(rig, xyz, centroid_sd=centroid_sd), joint, without=without)
 
 
-def block_diagonal(rig: Rig) -> Floats:
-    """(15 C, 15 C) of the cameras' own covariances, with zeros between cameras."""
-    p = len(PARAMETERS)
-    joint = np.zeros((p * len(rig), p * len(rig)))
+def joint_of(rig: Rig) -> Floats:
+    """(15 C, 15 C) of the cameras' own covariances, and between cameras what they have in common."""
+    p, k = len(PARAMETERS), max((camera.common.shape[1] for camera in rig), default=0)
+    F = np.zeros((p * len(rig), k))
+    for c, camera in enumerate(rig):
+        F[p * c : p * (c + 1), : camera.common.shape[1]] = camera.common
+    joint = F @ F.T
     for c, camera in enumerate(rig):
         joint[p * c : p * (c + 1), p * c : p * (c + 1)] = camera.cov
     return joint

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.common_view import common_view_centre, seen_by
-from .predicted_covariance import block_diagonal, covariance_from, views
+from .predicted_covariance import covariance_from, joint_of, views
 
 PLACES = 1000  # points of the volume that are looked at, about; chosen for speed
 FEWEST_A_SIDE = 4  # of them along each axis; chosen (see studies/calibration_quality.py)
@@ -79,7 +79,7 @@ def map_volume(
     shape = (len(axes[0]), len(axes[1]), len(axes[2]))
     xyz = points_of(axes)
     said = views(rig, xyz, centroid_sd=centroid_sd)
-    joint = block_diagonal(rig) if joint is None else joint
+    joint = joint_of(rig) if joint is None else joint
     cov = covariance_from(said, joint)
     without = [deviation(covariance_from(said, joint, without=(c,))).reshape(shape) for c in range(len(rig))]
     return VolumeMap(

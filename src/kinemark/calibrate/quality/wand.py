@@ -96,8 +96,7 @@ def reconstructed(rig: Rig, uv: Floats) -> tuple[Floats, Floats]:
     seen = uv.reshape(c, f * k, 2).transpose(1, 0, 2)
     ideal = undistort_all(rig, seen)
     alike = np.broadcast_to(np.eye(2), (*seen.shape, 2))
-    plain = Rig(tuple(_known(camera) for camera in rig))
-    point = refine(plain, triangulate(ideal, rig.P), seen, alike, steps=2)
+    point = refine(rig.as_known(), triangulate(ideal, rig.P), seen, alike, steps=2)
     return point.xyz.reshape(f, k, 3), point.residual.transpose(1, 0, 2).reshape(uv.shape)
 
 
@@ -106,8 +105,3 @@ def image_errors(residual: Floats) -> Floats:
     n = np.isfinite(residual[..., 0]).sum(0)
     enlarged = np.sqrt(2 * n / np.where(n >= 2, 2 * n - 3, np.nan))
     return np.linalg.norm(residual, axis=-1) * enlarged
-
-
-def _known(camera: Camera) -> Camera:
-    """The camera as if its parameters were known, so that all images count alike."""
-    return replace(camera, cov=np.zeros_like(camera.cov))

@@ -26,7 +26,7 @@ from ...data.array_types import Floats, Ints
 from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate
 from ...geometry.camera import undistort_all
 from ...numerics.small_matrices import inverse3
-from ..quality import block_diagonal
+from ..quality import joint_of
 
 GUESS = 0.1
 """px; standard deviation of centroids that do not state theirs; chosen (see benchmarks/bundle.py)."""
@@ -89,4 +89,4 @@ def _variance(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, e: Floats, joint: 
     by_noise = np.einsum("ni,nij,nj->n", to_length, noise, to_length).reshape(-1, 2).sum(1)
     b = np.einsum("ni,nip->np", to_length, pull).reshape(-1, 2, p * len(rig))
     b = b[:, 1] - b[:, 0]
-    return by_noise + np.einsum("fp,pq,fq->f", b, block_diagonal(rig) if joint is None else joint, b)
+    return by_noise + np.einsum("fp,pq,fq->f", b, joint_of(rig) if joint is None else joint, b)

@@ -13,7 +13,6 @@ while the sum over all pairs of ln(mean square Sampson distance) falls (3).
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -66,7 +65,7 @@ class UnknownOptics(NamedTuple):
         k = self.camera.distortion * ratio**POWERS if self.lens else np.zeros(5)
         if not self.lens:
             k[0] = self.bend * f**2 / self.half**2  # (2)
-        return replace(self.camera, K=K, distortion=k, R=R, t=t, cov=np.zeros((15, 15)), residual=float("nan"))
+        return Camera(self.camera.name, self.camera.size, K, R, t, k)
 
 
 def unknown_optics(name: str, size: Ints) -> UnknownOptics:

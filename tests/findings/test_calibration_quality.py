@@ -119,6 +119,12 @@ def test_every_fault_is_named(good):
     assert found(grade(rig, evidence, residual=one)[2], "camera_fits_worse")[0].cameras == ("cam1",)
     narrow = np.where((evidence.uv[..., :1] < 640), evidence.uv, np.nan)
     assert "points_cover_part" in grade(rig, evidence, uv=narrow)[1]
+    lenses = [c.distortion for c in rig]
+    lenses[1] = np.array([-0.6, 0, 0, 0, 0])
+    folding = replace(rig, cameras=tuple(replace(c, distortion=k) for c, k in zip(rig, lenses, strict=True)))
+    (folds,) = found(grade(folding, evidence)[2], "lens_folds")
+    assert folds.cameras == ("cam2",) and 0 < folds.values["most_share"] < 1
+    assert "lens_folds" not in grade(rig, evidence)[1]
     noted = make_finding("world_of_first_camera")
     assert found(grade(rig, evidence, findings=(noted,))[2], "world_of_first_camera") == [noted]
     bent = replace(rig, cameras=tuple(replace(c, distortion=np.zeros(5), cov=np.zeros((15, 15))) for c in rig))

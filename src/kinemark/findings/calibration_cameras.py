@@ -34,6 +34,7 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
         "aim_px": cover.aim,
         "aim_centre_px": cover.aim[cover.aim.shape[0] // 2, cover.aim.shape[1] // 2],
         "aim_corner_px": np.max(cover.aim[[0, 0, -1, -1], [0, -1, 0, -1]]),
+        "folded_share": cover.folded,
         "aim_volume_max_px": quantile(cover.aim_volume, 1.0),
         "bend": _bend(camera),
         "mirrored": bool(camera.K[0, 0] * camera.K[1, 1] < 0),

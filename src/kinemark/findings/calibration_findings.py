@@ -150,6 +150,9 @@ def _image(figures: Figures) -> Iterator[Finding]:
     }
     if vague:
         yield make_finding("lens_uncertain", cameras=vague, max_px=max(vague.values()))
+    folded = {c["name"]: c["folded_share"] for c in figures["cameras"] if c["folded_share"]}
+    if folded:
+        yield make_finding("lens_folds", cameras=folded, most_share=max(folded.values()))
 
 
 def _precision(figures: Figures) -> Iterator[Finding]:

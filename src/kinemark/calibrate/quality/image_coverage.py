@@ -18,7 +18,7 @@ import scipy
 
 from ...data import Camera, Rig
 from ...data.array_types import Floats
-from ...geometry import parameter_jacobian, project, rays, to_camera
+from ...geometry import parameter_jacobian, project, rays, to_camera, undistort
 from .predicted_covariance import visible
 
 COLUMNS, ROWS = 16, 12
@@ -30,8 +30,8 @@ class ImageCoverage(NamedTuple):
 
     points: how many points it rests on; hull: (h, 2) px corners of their convex hull; image_share: of the image within
     the hull; volume_share: of the control volume, as far as the camera sees it, within the hull; u (COLUMNS) and
-    v (ROWS) px, the places of aim (ROWS, COLUMNS) px by (1); aim_volume: (M) px by (1) at the places of the volume that
-    the camera sees. NaN where unknown.
+    v (ROWS) px, the places of aim (ROWS, COLUMNS) px by (1); folded: share of these where the lens has no inverse;
+    aim_volume: (M) px by (1) at the places of the volume that the camera sees. NaN where unknown.
     """
 
     points: int
@@ -41,6 +41,7 @@ class ImageCoverage(NamedTuple):
     u: Floats
     v: Floats
     aim: Floats
+    folded: float
     aim_volume: Floats
 
 
@@ -56,6 +57,7 @@ def image_coverage(camera: Camera, uv: Floats, xyz: Floats) -> ImageCoverage:
         for n, c, k in zip(camera.size, np.abs(camera.K[:2, 2]), (COLUMNS, ROWS), strict=True)
     )
     depth = float(np.median(to_camera(camera, places)[:, 2])) if len(places) else np.nan
+    pixels = np.stack(np.meshgrid(u, v), -1)
     return ImageCoverage(
         points=len(uv),
         hull=hull,
@@ -63,7 +65,8 @@ def image_coverage(camera: Camera, uv: Floats, xyz: Floats) -> ImageCoverage:
         volume_share=share_within(hull, project(camera, places)),
         u=u,
         v=v,
-        aim=aim_deviation(camera, at_depth(camera, np.stack(np.meshgrid(u, v), -1), depth)),
+        aim=aim_deviation(camera, at_depth(camera, pixels, depth)),
+        folded=float(np.isnan(undistort(camera, pixels)[..., 0]).mean()),
         aim_volume=aim_deviation(camera, places),
     )
 

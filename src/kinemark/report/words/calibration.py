@@ -131,6 +131,11 @@ CALIBRATION_WORDS = {
         "to {max_px:1} there.",
         "Use more points near the corners, or fewer lens terms.",
     ),
+    "lens_folds": Words(
+        "Near the edges of the images of {cameras} (up to {most_share} of one) the lens terms fold the image over: "
+        "markers seen there are not used.",
+        "Bring points or the wand there; a very wide lens needs three radial terms.",
+    ),
     "scale_doubtful": Words(
         "The scale is uncertain: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",
         "Measure both lengths again, centre to centre of the markers.",

@@ -68,10 +68,19 @@ def frames_of(n, *, noise=0.5, seed=6):
     return frames
 
 
-@pytest.mark.parametrize("times", [0.9, 1.1])
-def test_a_scale_that_is_wrong_is_told_from_a_frame_that_is_not_the_stated_one(rig, times):
+@pytest.mark.parametrize(
+    ("times", "unit"),
+    [
+        (0.9, ""),
+        (1.1, ""),
+        (0.001, ", as if the lengths that give the scale were stated in m"),
+        (1 / 25.4, ", as if the lengths that give the scale were stated in inches"),
+        (10.0, ", as if the L-frame's arms were stated in cm"),
+    ],
+)
+def test_a_scale_that_is_wrong_is_told_from_a_frame_that_is_not_the_stated_one(rig, times, unit):
     seen = times * np.array([[0, 0, 0], [400, 0, 0], [0, 250, 0.0]])
-    with pytest.raises(KinemarkError, match=rf"All are {times:.3f} times as long: correct lengths_mm of the wand"):
+    with pytest.raises(KinemarkError, match=f"All are {times:.3f} times as long{unit}: correct lengths_mm of the wand"):
         l_frame(rig, seen, long=400.0, short=250.0)
 
 

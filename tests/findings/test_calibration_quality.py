@@ -119,6 +119,9 @@ def test_every_fault_is_named(good):
     assert found(grade(rig, evidence, residual=one)[2], "camera_fits_worse")[0].cameras == ("cam1",)
     narrow = np.where((evidence.uv[..., :1] < 640), evidence.uv, np.nan)
     assert "points_cover_part" in grade(rig, evidence, uv=narrow)[1]
+    small = replace(rig, cameras=(rig[0], replace(rig[1], size=np.array([900, 1024])), *rig.cameras[2:]))
+    (outside,) = found(grade(small, evidence)[2], "points_outside_image")
+    assert outside.cameras == ("cam2",) and outside.values["most_share"] > 0.1
     lenses = [c.distortion for c in rig]
     lenses[1] = np.array([-0.6, 0, 0, 0, 0])
     folding = replace(rig, cameras=tuple(replace(c, distortion=k) for c, k in zip(rig, lenses, strict=True)))

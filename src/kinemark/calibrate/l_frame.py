@@ -27,6 +27,8 @@ MOST_FRAMES = 200
 MOVED = 5.0
 """Times the median distance of its markers from their medians: the L-frame, or what is taken for it, was moved.
 Chosen."""
+MM_PER = {"m": 1000.0, "cm": 10.0, "inches": 25.4}  # by definition
+SAME_UNIT = 0.05  # share by which a ratio of lengths may be off that of units; chosen: no two are nearer
 STILL = 0.002  # of its longest distance; smaller movements do no harm; chosen
 
 
@@ -168,10 +170,19 @@ def _advice(found: Floats, wanted: Floats, tolerance: float) -> str:
     likest = np.argmin(off)
     if off[likest] <= tolerance / 2:
         return (
-            f"All are {times[likest]:.3f} times as long: correct lengths_mm of the wand, or the distance, that gives "
-            "the scale, or arms_mm."
+            f"All are {times[likest]:.3f} times as long{_as_if(times[likest])}: correct lengths_mm of the wand, or the "
+            "distance, that gives the scale, or arms_mm."
         )
     return "Check its lengths, and that all its markers are seen."
+
+
+def _as_if(times: float) -> str:
+    """Which unit was probably taken for mm, where what is seen is so many times as long as it should be."""
+    for unit, mm in MM_PER.items():
+        for whose, ratio in (("lengths that give the scale", 1 / mm), ("L-frame's arms", mm)):
+            if abs(times / ratio - 1) < SAME_UNIT:
+                return f", as if the {whose} were stated in {unit}"
+    return ""
 
 
 def _distances(points: Floats) -> Floats:

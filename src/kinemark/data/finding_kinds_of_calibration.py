@@ -62,6 +62,8 @@ CALIBRATION_KINDS = (
          "images; amber where it is very little.", {"least_share": "share"}),
     Kind("lens_uncertain", "calibrate", "amber", "The lens is hardly determined in parts of these cameras' images.",
          {"max_px": "px"}),
+    Kind("points_outside_image", "calibrate", "amber", "Points lie outside these cameras' images, up to this share of "
+         "one's.", {"most_share": "share"}),
     Kind("lens_folds", "calibrate", "info", "In parts of these cameras' images, up to this share, the lens terms fold "
          "the image over, so that nothing seen there has a direction.", {"most_share": "share"}),
     Kind("scale_doubtful", "calibrate", "amber", "A length that took no part comes out wrong; red above 2 %.",

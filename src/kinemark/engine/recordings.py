@@ -92,6 +92,8 @@ def recorded(
         found = _read(root / str(seen.detections))
         whole = of_cameras(found, names, root / str(seen.detections))
         if whole is None:
+            if not len(found):
+                raise KinemarkError(f"{root / str(seen.detections)} has no points. Record or detect it again.")
             have, lack = ", ".join(found.cameras), ", ".join(sorted(set(names) - set(found.cameras)))
             raise KinemarkError(
                 f"{root / str(seen.detections)} has cameras {have}, not {lack}. Give them the same names."

@@ -15,6 +15,9 @@ from ..geometry.lens import distort
 from .cameras import camera_description
 from .plain import over_volume, quantile, rms, share
 
+OUTSIDE_PX = 1.0
+"""How far beyond an image's outermost pixels a centroid may be; chosen: spheres' are corrected by less."""
+
 
 def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> dict[str, Any]:
     """The figures of camera c: what it is, how it fits, how its image is covered, and what is left without it."""
@@ -46,15 +49,23 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
 
 def _camera_fit(camera: Camera, c: int, evidence: Evidence) -> dict[str, Any]:
     if not len(evidence.uv):
-        keys = ("points", "points_left_out", "left_out_rms_px")
+        keys = ("points", "points_left_out", "points_outside_share", "left_out_rms_px")
         return {"residual_rms_px": camera.residual, **dict.fromkeys(keys)}
     seen, kept = np.isfinite(evidence.uv[c, :, 0]), evidence.kept[c]
     return {
         "residual_rms_px": rms(np.linalg.norm(evidence.residual[c][kept], axis=-1)),
         "points": int(kept.sum()),
         "points_left_out": int((seen & ~kept).sum()),
+        "points_outside_share": _outside(camera, evidence.uv[c, seen]),
         "left_out_rms_px": rms(evidence.left_out[c][kept]) if evidence.left_out.size else None,
     }
+
+
+def _outside(camera: Camera, uv: Floats) -> float:
+    """Share of points (n, 2) px that no image of the camera's size can show; 0 where that is not known."""
+    if not (camera.size > 0).all() or not len(uv):
+        return 0.0
+    return float(((uv < -OUTSIDE_PX) | (uv > camera.size - 1 + OUTSIDE_PX)).any(1).mean())
 
 
 def _trend(camera: Camera, c: int, evidence: Evidence) -> dict[str, Any] | None:

@@ -150,6 +150,9 @@ def _image(figures: Figures) -> Iterator[Finding]:
     }
     if vague:
         yield make_finding("lens_uncertain", cameras=vague, max_px=max(vague.values()))
+    outside = {c["name"]: share for c in figures["cameras"] if (share := c["points_outside_share"])}
+    if outside:
+        yield make_finding("points_outside_image", cameras=outside, most_share=max(outside.values()))
     folded = {c["name"]: c["folded_share"] for c in figures["cameras"] if c["folded_share"]}
     if folded:
         yield make_finding("lens_folds", cameras=folded, most_share=max(folded.values()))

@@ -187,4 +187,4 @@ def _short(values: Floats) -> NDArray[np.float64]:
     """Four digits are enough to draw."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimals = np.power(10.0, 3 - np.floor(np.log10(np.abs(values))))
-    return np.where(np.isfinite(decimals), np.round(values * decimals) / decimals, values)
+        return np.where(np.isfinite(decimals), np.round(values * decimals) / decimals, values)

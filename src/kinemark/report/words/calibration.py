@@ -131,6 +131,10 @@ CALIBRATION_WORDS = {
         "to {max_px:1} there.",
         "Use more points near the corners, or fewer lens terms.",
     ),
+    "points_outside_image": Words(
+        "Points lie outside the images of {cameras}: up to {most_share} of what one saw.",
+        "Correct its size_px (width, height), or the names, if two cameras' files were exchanged.",
+    ),
     "lens_folds": Words(
         "Near the edges of the images of {cameras} (up to {most_share} of one) the lens terms fold the image over: "
         "markers seen there are not used.",

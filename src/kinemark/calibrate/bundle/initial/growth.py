@@ -198,7 +198,9 @@ def _some_bodies(part: Part, uv: Floats) -> Ints:
     if len(good) < FEWEST_KNOWN // 2:
         raise KinemarkError(
             f"Only {len(good)} of {n} poses or places are seen whole by two cameras and fit each other. Wave longer, "
-            "where the cameras look, and check the lengths and the order of the markers."
+            "where the cameras look, and check the lengths and the order of the markers, that all recordings begin at "
+            "the same moment, and that no camera's images are mirrored or another's: leave out one camera after "
+            "the other."
         )
     return good[evenly(len(good), BODIES)]
 

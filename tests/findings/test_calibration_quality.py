@@ -10,7 +10,7 @@ from kinemark.calibrate.control_points.judgement import Judgement
 from kinemark.calibrate.quality.calibration_evidence import Check, Evidence
 from kinemark.calibrate.quality.volume import map_volume
 from kinemark.data import Rig, make_finding
-from kinemark.findings.calibration_quality import calibration_figures
+from kinemark.findings.calibration_quality import _short, calibration_figures
 from kinemark.findings.trial_findings import _judged
 from kinemark.geometry import project_all
 from kinemark.report.calibration_page import calibration_page
@@ -214,3 +214,8 @@ def test_where_a_lost_camera_is_missed_is_drawn_as_it_is_predicted(good):
     assert len(drawn) == len(RIG)
     for c, panel in enumerate(drawn):
         assert np.allclose(panel.z, (grid.without[c] / grid.sd)[:, :, k].T, rtol=2e-3)
+
+
+def test_figures_that_are_zero_or_infinite_are_shortened_without_a_warning():
+    short = _short(np.array([0.0, np.inf, np.nan, 1.23456]))
+    assert np.array_equal(short, [0.0, np.nan, np.nan, 1.235], equal_nan=True)

@@ -17,12 +17,12 @@ from .chosen_gaps import chosen_gaps, groups
 from .edges import GapEdges
 from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
-from .judge.choice import CandidateFill, best_candidate, choose_candidate, expected_errors
+from .judge.choice import CandidateFill, ChosenFill, best_candidate, expected_errors
 from .judge.contradiction import contradicts_jump, contradicts_sd
 from .judge.expected_error import ErrorCalibration, MeasuredErrors
 from .judge.hold_out import MANY, draw_hold_out_gaps, run
 from .judge.motion import PartMotion
-from .judged_fill import ChosenFill, KnownEdges, judged
+from .judged_fill import KnownEdges, judged
 from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
@@ -32,6 +32,8 @@ from .trial_copy import TrialCopy
 
 SLOW = 600_000
 """Gaps times frames above which methods that look at the whole trial for each hold-out gap are not tried; chosen."""
+NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
+"""Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 LIMIT = 20.0
 """mm of expected error above which a gap stays open; chosen: about a marker's diameter (see benchmarks/gaps.py)."""
 ENOUGH = 60
@@ -46,8 +48,6 @@ uncertain; chosen."""
 MOSTLY = 0.6
 """Of what is known must be left where all tests are hidden at once, for methods to learn from that.
 Chosen (see benchmarks/gaps.py)."""
-NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
-"""Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 
 
 @one_blas_thread()
@@ -91,17 +91,22 @@ def fill(
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
     chosen = chosen_gaps(known.motion, trajectories, choices)
+
+    def again(motion: MarkerArray, longer: list[Gap]) -> list[ChosenFill]:
+        wanted = chosen_gaps(motion, trajectories, choices)
+        own = {gap: wanted[gap] for gap in longer if wanted.get(gap, OPEN) != OPEN}
+        return _fills(motion, longer, candidates, own, seed)
+
     fills = _fills(known.motion, gaps, candidates, chosen, seed)
-    said = judged(fills, known)
     written = TrialCopy(trajectories)
     written.drop(~known.plausible)
     done = [_left_open(known.motion, gap) for gap, choice in chosen.items() if choice == OPEN]
-    for one, (found, cov) in zip(fills, said, strict=True):
-        found = replace(found, trimmed=written.measured(one.gap))
+    for one in judged(fills, known, again):
+        found = replace(one.found, trimmed=written.measured(one.gap))
         found = found if one.gap in chosen else _within(found, limit_mm)
         done.append(found)
         if found.method:
-            written.put(one.gap, one.prediction.xyz, cov)
+            written.put(one.gap, one.prediction.xyz, one.cov)
     done.sort(key=lambda found: (known.motion.names.index(found.marker), found.start))
     filled = Filled(written.trajectories(), tuple(done))
     return filled if static is None else _with_static(filled, static, limit_mm)
@@ -136,10 +141,7 @@ def _fills(
     for some, methods in groups(chosen, candidates):
         own = evaluate_candidates(motion, some, methods, seed=seed)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
-    return [
-        ChosenFill(gap, *choose_candidate(motion, among, index, by), by)
-        for gap, among, index, by in sorted(todo, key=lambda one: one[0])
-    ]
+    return [ChosenFill.of(motion, among, index, by) for _, among, index, by in sorted(todo, key=lambda one: one[0])]
 
 
 def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:

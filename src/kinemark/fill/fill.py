@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence, Sized
 from dataclasses import replace
 from typing import Any, cast
 
@@ -42,6 +42,9 @@ Chosen (see benchmarks/gaps.py)."""
 MOST_TESTED = 300
 """Gaps for which tests are made where a method is chosen for each; the others are judged by the tests of these. Chosen
 for time and memory, which grow with the square of the tests. In trials of fewer gaps nothing changes."""
+FEWEST = 4
+"""Hold-out gaps of each gap that is filled once more without suspicious samples; chosen for time: what is usual of a
+method counts as many (`judge.expected_error`)."""
 LONGEST = 0.3
 """Of these, the share that are the longest gaps of the trial, which each have tests of their own as they are the most
 uncertain; chosen."""
@@ -92,10 +95,10 @@ def fill(
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
     chosen = chosen_gaps(known.motion, trajectories, choices)
 
-    def again(motion: MarkerArray, longer: list[Gap]) -> list[ChosenFill]:
+    def again(motion: MarkerArray, longer: list[Gap], names: Collection[str]) -> list[ChosenFill]:
         wanted = chosen_gaps(motion, trajectories, choices)
         own = {gap: wanted[gap] for gap in longer if wanted.get(gap, OPEN) != OPEN}
-        return _fills(motion, longer, candidates, own, seed)
+        return _fills(motion, longer, called(candidates, names), own, seed, tests_again(longer, gaps))
 
     fills = _fills(known.motion, gaps, candidates, chosen, seed)
     written = TrialCopy(trajectories)
@@ -133,13 +136,18 @@ def of_markers(gaps: list[Gap], names: Sequence[str]) -> list[Gap]:
 
 
 def _fills(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], chosen: dict[Gap, str], seed: int
+    motion: MarkerArray,
+    gaps: list[Gap],
+    candidates: Sequence[Any],
+    chosen: dict[Gap, str],
+    seed: int,
+    per_gap: int | None = None,
 ) -> list[ChosenFill]:
     """The best fill of each gap, and that of those for which somebody chose a method, by marker and frame."""
-    answers = judged_together(motion, gaps, candidates, seed=seed)
+    answers = judged_together(motion, gaps, candidates, seed=seed, per_gap=per_gap)
     todo = [(gap, gaps, index, answers) for index, gap in enumerate(gaps) if gap not in chosen]
     for some, methods in groups(chosen, candidates):
-        own = evaluate_candidates(motion, some, methods, seed=seed)
+        own = evaluate_candidates(motion, some, methods, seed=seed, per_gap=per_gap)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
     return [ChosenFill.of(motion, among, index, by) for _, among, index, by in sorted(todo, key=lambda one: one[0])]
 
@@ -158,6 +166,16 @@ def within_time(method: FillMethod, gaps: list[Gap], source: MarkerArray | None)
 def tests_per_gap(gaps: int) -> int:
     """How often each gap is tried: more where there are few gaps, as tests of other gaps tell less of it."""
     return int(np.clip(200 // gaps, 1, 12))
+
+
+def tests_again(longer: Sized, gaps: Sized) -> int:
+    """The same for some of a trial's gaps that are filled once more: as many as all had, or FEWEST."""
+    return min(tests_per_gap(len(longer)), max(tests_per_gap(len(gaps)), FEWEST))
+
+
+def called(methods: Sequence[Any], names: Collection[str]) -> list[Any]:
+    """Those of the methods that have one of these names."""
+    return [method for method in methods if FILL.of(method).name in names]
 
 
 def without_outliers(motion: MarkerArray) -> MarkerArray:
@@ -180,22 +198,22 @@ def evaluate_candidates(
 
 
 def judged_together(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0, per_gap: int | None = None
 ) -> list[CandidateFill]:
     """Each method's results in one set of hold-out gaps of all gaps, with the predictions needed to choose and fill."""
     evaluate = evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates
-    return evaluate(motion, gaps, candidates, seed=seed)
+    return evaluate(motion, gaps, candidates, seed=seed, per_gap=per_gap)
 
 
 def evaluate_leading(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0, per_gap: int | None = None
 ) -> list[CandidateFill]:
     """As `evaluate_candidates`, but each gap is predicted only by the methods needed to choose and fill: it is faster.
 
     That is the one that does best in the tests; the next best where that has no prediction; and those
     that answer for all gaps together.
     """
-    answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together)
+    answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together, per_gap)
     left = set(range(len(gaps)))
     while left:
         lead: dict[int, CandidateFill] = {}

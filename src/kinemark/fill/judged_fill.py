@@ -65,7 +65,7 @@ def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[C
     """The fills as they are in the end, made by `fill` without samples that these contradict; what is said of them."""
     sides = [apart_on_the_body(known.trimmed, one.gap) for one in fills]
     known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
-    again = filled_without(known.trimmed, [one.gap for one in fills if known.is_doubtful(one)], fill)
+    again = filled_without(known.trimmed, [one for one in fills if known.is_doubtful(one)], fill)
     return [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
 
 

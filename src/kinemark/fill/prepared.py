@@ -23,7 +23,7 @@ from ..data.array_types import Floats
 from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
 from .edges import GapEdges
-from .fill import affordable, evaluate_candidates, judged_together, of_markers, without_outliers
+from .fill import affordable, called, evaluate_candidates, judged_together, of_markers, tests_again, without_outliers
 from .filled_gap import FilledGap
 from .judge.auto import Auto
 from .judge.choice import CandidateFill, ChosenFill
@@ -155,8 +155,9 @@ class PreparedFill:
     def _judged(self, fills: Sequence[ChosenFill], methods: Sequence[Any]) -> tuple[GapFill, ...]:
         """These, made by the best of some methods, with what samples beside their gaps say of them."""
 
-        def again(motion: MarkerArray, gaps: list[Gap]) -> list[ChosenFill]:
-            answers = judged_together(motion, gaps, methods, seed=self.seed)
+        def again(motion: MarkerArray, gaps: list[Gap], names: Collection[str]) -> list[ChosenFill]:
+            some, each = called(methods, names), tests_again(gaps, fills)
+            answers = judged_together(motion, gaps, some, seed=self.seed, per_gap=each)
             return [ChosenFill.of(motion, gaps, index, answers) for index in range(len(gaps))]
 
         start = self.trajectories.first_frame

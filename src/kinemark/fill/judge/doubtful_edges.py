@@ -13,24 +13,28 @@ and with d(t) from it to the one without them, what is expected of it and its co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...data.array_types import Bools
 from ..marker_array import Gap, MarkerArray
-from .choice import ChosenFill
+from .choice import FIRST, ChosenFill
 from .contradiction import largest_sd
 
-Fill = Callable[[MarkerArray, list[Gap]], list[ChosenFill]]
-"""Fills some gaps of a trial, each as it is done best."""
+Fill = Callable[[MarkerArray, list[Gap], Collection[str]], list[ChosenFill]]
+"""Fills some gaps of a trial, each as it is done best by methods of these names."""
 
 
-def filled_without(trimmed: MarkerArray, gaps: Sequence[Gap], fill: Fill) -> dict[Gap, ChosenFill]:
-    """Fills of gaps in the trial without the suspicious samples beside them; one that cannot be filled is left out."""
-    longer = {gap: _run(trimmed.seen[gap.marker], gap) for gap in gaps}
-    made = {one.gap: one for one in fill(trimmed, sorted(set(longer.values())))}
+def filled_without(trimmed: MarkerArray, fills: Sequence[ChosenFill], fill: Fill) -> dict[Gap, ChosenFill]:
+    """Fills once more, by gap, in the trial without the suspicious samples; one that cannot be made so is left out.
+
+    For time, by no other methods than made these, and `FIRST`.
+    """
+    longer = {one.gap: _run(trimmed.seen[one.gap.marker], one.gap) for one in fills}
+    methods = {FIRST, *(name for one in fills for name in one.found.method.split(" + "))}
+    made = {one.gap: one for one in fill(trimmed, sorted(set(longer.values())), methods)} if fills else {}
     return {gap: _cut(made[all_of_it], gap) for gap, all_of_it in longer.items() if made[all_of_it].found.method}
 
 

@@ -75,6 +75,22 @@ def test_nothing_measured_is_replaced_by_default_and_what_is_suspicious_is_liste
             assert (path.origin[measured] == Origin.MEASURED).all()
 
 
+def test_how_far_samples_are_off_that_a_fill_does_not_follow_is_said_beside_them():
+    before = trial_of(with_gap(segment(120))).trajectories
+    filled = fill(before, method=Linear(), limit_mm=np.inf)
+    (gap,) = filled.gaps
+    gap = replace(gap, suspicious=(gap.start - 2, gap.start - 1, gap.stop), off_mm=12.34)
+    figures = filling_figures(filled._replace(gaps=(gap,)), before, source="s", method="l", limit_mm=np.inf)
+    check_findings(figures)
+    (listed,) = found(figures, "samples_suspicious")
+    first, last = gap.start + before.first_frame, gap.stop + before.first_frame
+    name = f"{gap.marker} "
+    assert listed.values["where_list"] == (
+        f"{name}{first - 2}–{first - 1}, up to 12.3 mm off",
+        f"{name}{last}, up to 12.3 mm off",
+    )
+
+
 def test_trim_is_the_same_in_a_session_in_python_and_on_the_command_line(tmp_path):
     source, _ = trimmed_file(tmp_path)
     assert whole_of("fill", {"method": "linear", "trim": 0}).trim == 0 and whole_of("fill", {"trim": 5}).trim == 5

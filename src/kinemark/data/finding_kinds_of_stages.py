@@ -64,7 +64,7 @@ FILLING = (
     Kind("samples_replaced", "fill", "info", "Measured samples beside gaps that were replaced.",
          {"samples": "count", "gaps": "count"}),
     Kind("samples_suspicious", "fill", "info",
-         "Measured samples beside gaps that stand out from the marker's own motion and were kept.",
+         "Measured samples beside gaps that stand out from the marker's own motion, or contradict the others; kept.",
          {"samples": "count", "gaps": "count", "where_list": "text"}),
     Kind("markers_mostly_filled", "fill", "info", "More than the limit of these markers is filled.",
          {"limit_share": "share"}),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence, Sized
 from dataclasses import replace
 from typing import Any, cast
 
@@ -17,12 +17,12 @@ from .chosen_gaps import chosen_gaps, groups
 from .edges import GapEdges
 from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
-from .judge.choice import CandidateFill, best_candidate, choose_candidate, expected_errors
+from .judge.choice import CandidateFill, ChosenFill, best_candidate, expected_errors
 from .judge.contradiction import contradicts_jump, contradicts_sd
 from .judge.expected_error import ErrorCalibration, MeasuredErrors
 from .judge.hold_out import MANY, draw_hold_out_gaps, run
 from .judge.motion import PartMotion
-from .judged_fill import ChosenFill, KnownEdges, judged
+from .judged_fill import KnownEdges, judged
 from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
@@ -32,6 +32,8 @@ from .trial_copy import TrialCopy
 
 SLOW = 600_000
 """Gaps times frames above which methods that look at the whole trial for each hold-out gap are not tried; chosen."""
+NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
+"""Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 LIMIT = 20.0
 """mm of expected error above which a gap stays open; chosen: about a marker's diameter (see benchmarks/gaps.py)."""
 ENOUGH = 60
@@ -40,14 +42,15 @@ Chosen (see benchmarks/gaps.py)."""
 MOST_TESTED = 300
 """Gaps for which tests are made where a method is chosen for each; the others are judged by the tests of these. Chosen
 for time and memory, which grow with the square of the tests. In trials of fewer gaps nothing changes."""
+FEWEST = 4
+"""Hold-out gaps of each gap that is filled once more without suspicious samples; chosen for time: what is usual of a
+method counts as many (`judge.expected_error`)."""
 LONGEST = 0.3
 """Of these, the share that are the longest gaps of the trial, which each have tests of their own as they are the most
 uncertain; chosen."""
 MOSTLY = 0.6
 """Of what is known must be left where all tests are hidden at once, for methods to learn from that.
 Chosen (see benchmarks/gaps.py)."""
-NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
-"""Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 
 
 @one_blas_thread()
@@ -91,17 +94,22 @@ def fill(
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
     chosen = chosen_gaps(known.motion, trajectories, choices)
+
+    def again(motion: MarkerArray, longer: list[Gap], names: Collection[str]) -> list[ChosenFill]:
+        wanted = chosen_gaps(motion, trajectories, choices)
+        own = {gap: wanted[gap] for gap in longer if wanted.get(gap, OPEN) != OPEN}
+        return _fills(motion, longer, called(candidates, names), own, seed, tests_again(longer, gaps))
+
     fills = _fills(known.motion, gaps, candidates, chosen, seed)
-    said = judged(fills, known)
     written = TrialCopy(trajectories)
     written.drop(~known.plausible)
     done = [_left_open(known.motion, gap) for gap, choice in chosen.items() if choice == OPEN]
-    for one, (found, cov) in zip(fills, said, strict=True):
-        found = replace(found, trimmed=written.measured(one.gap))
+    for one in judged(fills, known, again):
+        found = replace(one.found, trimmed=written.measured(one.gap))
         found = found if one.gap in chosen else _within(found, limit_mm)
         done.append(found)
         if found.method:
-            written.put(one.gap, one.prediction.xyz, cov)
+            written.put(one.gap, one.prediction.xyz, one.cov)
     done.sort(key=lambda found: (known.motion.names.index(found.marker), found.start))
     filled = Filled(written.trajectories(), tuple(done))
     return filled if static is None else _with_static(filled, static, limit_mm)
@@ -128,18 +136,20 @@ def of_markers(gaps: list[Gap], names: Sequence[str]) -> list[Gap]:
 
 
 def _fills(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], chosen: dict[Gap, str], seed: int
+    motion: MarkerArray,
+    gaps: list[Gap],
+    candidates: Sequence[Any],
+    chosen: dict[Gap, str],
+    seed: int,
+    per_gap: int | None = None,
 ) -> list[ChosenFill]:
     """The best fill of each gap, and that of those for which somebody chose a method, by marker and frame."""
-    answers = judged_together(motion, gaps, candidates, seed=seed)
+    answers = judged_together(motion, gaps, candidates, seed=seed, per_gap=per_gap)
     todo = [(gap, gaps, index, answers) for index, gap in enumerate(gaps) if gap not in chosen]
     for some, methods in groups(chosen, candidates):
-        own = evaluate_candidates(motion, some, methods, seed=seed)
+        own = evaluate_candidates(motion, some, methods, seed=seed, per_gap=per_gap)
         todo += [(gap, some, index, own) for index, gap in enumerate(some)]
-    return [
-        ChosenFill(gap, *choose_candidate(motion, among, index, by), by)
-        for gap, among, index, by in sorted(todo, key=lambda one: one[0])
-    ]
+    return [ChosenFill.of(motion, among, index, by) for _, among, index, by in sorted(todo, key=lambda one: one[0])]
 
 
 def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:
@@ -156,6 +166,16 @@ def within_time(method: FillMethod, gaps: list[Gap], source: MarkerArray | None)
 def tests_per_gap(gaps: int) -> int:
     """How often each gap is tried: more where there are few gaps, as tests of other gaps tell less of it."""
     return int(np.clip(200 // gaps, 1, 12))
+
+
+def tests_again(longer: Sized, gaps: Sized) -> int:
+    """The same for some of a trial's gaps that are filled once more: as many as all had, or FEWEST."""
+    return min(tests_per_gap(len(longer)), max(tests_per_gap(len(gaps)), FEWEST))
+
+
+def called(methods: Sequence[Any], names: Collection[str]) -> list[Any]:
+    """Those of the methods that have one of these names."""
+    return [method for method in methods if FILL.of(method).name in names]
 
 
 def without_outliers(motion: MarkerArray) -> MarkerArray:
@@ -178,22 +198,22 @@ def evaluate_candidates(
 
 
 def judged_together(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0, per_gap: int | None = None
 ) -> list[CandidateFill]:
     """Each method's results in one set of hold-out gaps of all gaps, with the predictions needed to choose and fill."""
     evaluate = evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates
-    return evaluate(motion, gaps, candidates, seed=seed)
+    return evaluate(motion, gaps, candidates, seed=seed, per_gap=per_gap)
 
 
 def evaluate_leading(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0, per_gap: int | None = None
 ) -> list[CandidateFill]:
     """As `evaluate_candidates`, but each gap is predicted only by the methods needed to choose and fill: it is faster.
 
     That is the one that does best in the tests; the next best where that has no prediction; and those
     that answer for all gaps together.
     """
-    answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together)
+    answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together, per_gap)
     left = set(range(len(gaps)))
     while left:
         lead: dict[int, CandidateFill] = {}

@@ -45,7 +45,10 @@ class FilledGap:
             place (`judge.two_sides`); else 0.
         motion_ratio: how many times as much the body part moves in it as in any hold-out gap that tells its error
             (`judge.motion`); much above 1, the error is expected by what those show of how errors grow. NaN: not known.
-        suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
+        suspicious: measured frames beside the gap that stand out from the marker's own motion, or that the fill made
+            without them contradicts; kept as they are.
+        off_mm: how far the farthest of these is from that fill, which then stands in the gap and steps there; 0 where
+            the fill is tied to them.
         state: filled, or why it stays open.
         reason: what the method lacked where it has no prediction; else empty.
     """
@@ -60,6 +63,7 @@ class FilledGap:
     reference_markers: tuple[str, ...] = ()
     trimmed: tuple[int, ...] = ()
     suspicious: tuple[int, ...] = ()
+    off_mm: float = 0.0
     sd_mm: float = np.nan
     jump_mm: float = 0.0
     sides_mm: float = 0.0

@@ -1,4 +1,4 @@
-"""The fill that was chosen for each gap, and what is said of it besides: whether it rests on suspicious samples."""
+"""The fill that was chosen for each gap, and what suspicious samples beside the gap make of it."""
 
 from __future__ import annotations
 
@@ -6,33 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools
 from .edges import GapEdges, trim_edges
-from .filled_gap import FilledGap
-from .judge.choice import FIRST, CandidateFill
-from .judge.contradicted_edges import contradicted_edges
+from .judge.choice import ChosenFill
+from .judge.contradicted_edges import ContradictedEdge, contradicted_edges
 from .judge.contradiction import largest_jump
-from .judge.doubtful_edges import TiedFill, doubted, method_again, without_suspicious
+from .judge.doubtful_edges import Fill, doubted, filled_without
 from .judge.two_sides import apart_on_the_body
-from .marker_array import Gap, MarkerArray, Prediction, find_gaps
-
-
-class ChosenFill(NamedTuple):
-    """The method chosen for a gap, what is said of it, its prediction with the covariance, and all candidates."""
-
-    gap: Gap
-    found: FilledGap
-    prediction: Prediction
-    cov: Floats
-    candidates: Sequence[CandidateFill]
-
-    def tied(self) -> TiedFill:
-        """The fill, and the method that is asked again without suspicious samples."""
-        return TiedFill(self.prediction.xyz, method_again(self.found, self.candidates))
-
-    def witness(self) -> CandidateFill | None:
-        """How `FIRST` did, which tells best where the marker is; None where it was not tried."""
-        return next((one for one in self.candidates if one.name == FIRST), None)
+from .marker_array import Gap, MarkerArray, find_gaps
 
 
 class KnownEdges(NamedTuple):
@@ -44,6 +25,7 @@ class KnownEdges(NamedTuple):
         suspicious: frames of those that are kept, by their gap.
         plausible: (M, F) samples that can be positions.
         method: how they were judged.
+        against: what contradicts a fill made without it, by the gap.
     """
 
     motion: MarkerArray
@@ -51,6 +33,7 @@ class KnownEdges(NamedTuple):
     suspicious: Mapping[Gap, tuple[int, ...]]
     plausible: Bools
     method: GapEdges
+    against: Mapping[Gap, ContradictedEdge] = {}
 
     @classmethod
     def of(cls, motion: MarkerArray, edges: GapEdges, *, keep: bool) -> KnownEdges:
@@ -65,30 +48,37 @@ class KnownEdges(NamedTuple):
         witnesses = {one.gap: by for one in fills if one.found.method and (by := one.witness())}
         if not self.method.most_trimmed or not witnesses:
             return self
-        more = contradicted_edges(self.motion, witnesses, self.method.least_error)
-        suspicious = dict(self.suspicious)
-        for gap, frames in more.items():
-            suspicious[gap] = tuple(sorted({*suspicious.get(gap, ()), *frames}))
-        trimmed = self.trimmed.hidden(Gap(gap.marker, f, f + 1) for gap, frames in more.items() for f in frames)
-        return self._replace(trimmed=trimmed, suspicious=suspicious)
+        against = contradicted_edges(self.motion, witnesses, self.method.least_error)
+        own = {gap: self.suspicious.get(gap, ()) for gap in against}
+        ignored = [Gap(gap.marker, f, f + 1) for gap, one in against.items() for f in one.ignored(gap, own[gap])]
+        listed = {gap: tuple(sorted({*own[gap], *one.frames})) for gap, one in against.items()}
+        return self._replace(
+            trimmed=self.trimmed.hidden(ignored), suspicious={**self.suspicious, **listed}, against=against
+        )
 
     def is_doubtful(self, one: ChosenFill) -> bool:
         """Whether a fill is tied to suspicious samples."""
         return one.gap in self.suspicious and bool(one.found.method)
 
 
-def judged(fills: Sequence[ChosenFill], known: KnownEdges) -> list[tuple[FilledGap, Floats]]:
-    """What is said of each fill in the end, and its covariance (L, 3, 3) mm²."""
+def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[ChosenFill]:
+    """The fills as they are in the end, made by `fill` without samples that these contradict; what is said of them."""
     sides = [apart_on_the_body(known.trimmed, one.gap) for one in fills]
     known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
-    apart = without_suspicious(known.trimmed, {one.gap: one.tied() for one in fills if known.is_doubtful(one)})
-    return [_judged(one, known, mm, apart.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
+    again = filled_without(known.trimmed, [one for one in fills if known.is_doubtful(one)], fill)
+    return [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
 
 
-def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, apart: Floats | None) -> tuple[FilledGap, Floats]:
-    """Of one; `apart` (L, 3) mm from it without suspicious samples."""
+def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:
+    """One; `again`: the same without suspicious samples."""
     beside = known.suspicious.get(one.gap, ())
+    if again:
+        against = known.against.get(one.gap)
+        one = (
+            doubted(one, again)
+            if against is None
+            else again._replace(found=replace(again.found, off_mm=against.off_mm))
+        )
     xyz, references = one.prediction.xyz, one.prediction.references
     jump = 0.0 if beside else largest_jump(known.motion, one.gap, xyz, references)  # none to a bad sample
-    found = replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm)
-    return (found, one.cov) if apart is None else doubted(found, one.cov, apart)
+    return one._replace(found=replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm))

@@ -23,11 +23,11 @@ from ..data.array_types import Floats
 from ..data.progress import tell
 from ..numerics.blas_threads import one_blas_thread
 from .edges import GapEdges
-from .fill import affordable, evaluate_candidates, judged_together, of_markers, without_outliers
+from .fill import affordable, called, evaluate_candidates, judged_together, of_markers, tests_again, without_outliers
 from .filled_gap import FilledGap
 from .judge.auto import Auto
-from .judge.choice import CandidateFill, choose_candidate
-from .judged_fill import ChosenFill, KnownEdges, judged
+from .judge.choice import CandidateFill, ChosenFill
+from .judged_fill import KnownEdges, judged
 from .marker_array import Gap, MarkerArray, find_gaps
 from .methods.pca import PCA
 from .methods.polynomials import Cubic, Linear
@@ -106,8 +106,9 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        fills = [self._chosen([gap], 0, [answer]) for answer in self._evaluated(gap, tuple(methods), EARLY)]
-        found = [one for fill in fills for one in self._judged([fill])]  # each of this gap, which names it
+        answers = self._evaluated(gap, tuple(methods), EARLY)
+        fills = [(self._chosen([gap], 0, [answer]), answer.method) for answer in answers]
+        found = [one for fill, by in fills for one in self._judged([fill], (by,))]  # each of this gap, which names it
         return tuple(sorted(found, key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm)))
 
     def best(self, marker: str, frame: int) -> GapFill:
@@ -117,7 +118,8 @@ class PreparedFill:
             KeyError: there is no gap at that frame.
         """
         gap = self.gap_at(marker, frame)
-        (found,) = self._judged([self._chosen([gap], 0, self._evaluated(gap, self.method.methods, None))])
+        methods = self.method.methods
+        (found,) = self._judged([self._chosen([gap], 0, self._evaluated(gap, methods, None))], methods)
         return found
 
     def all_best(self, away: Collection[str] = ()) -> tuple[GapFill, ...]:
@@ -135,7 +137,7 @@ class PreparedFill:
         for index in range(len(gaps)):
             tell(index, len(gaps))
             found.append(self._chosen(gaps, index, answers))
-        return self._judged(found)
+        return self._judged(found, methods)
 
     def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
         key = gap, methods, tests
@@ -148,14 +150,26 @@ class PreparedFill:
 
     def _chosen(self, gaps: list[Gap], index: int, answers: list[CandidateFill]) -> ChosenFill:
         """That of one of the gaps that were judged together."""
-        return ChosenFill(gaps[index], *choose_candidate(self.motion, gaps, index, answers), answers)
+        return ChosenFill.of(self.motion, gaps, index, answers)
 
-    def _judged(self, fills: Sequence[ChosenFill]) -> tuple[GapFill, ...]:
-        """These, with what samples beside their gaps say of them."""
-        start, some = self.trajectories.first_frame, judged(fills, self._edges)
+    def _judged(self, fills: Sequence[ChosenFill], methods: Sequence[Any]) -> tuple[GapFill, ...]:
+        """These, made by the best of some methods, with what samples beside their gaps say of them."""
+
+        def again(motion: MarkerArray, gaps: list[Gap], names: Collection[str]) -> list[ChosenFill]:
+            some, each = called(methods, names), tests_again(gaps, fills)
+            answers = judged_together(motion, gaps, some, seed=self.seed, per_gap=each)
+            return [ChosenFill.of(motion, gaps, index, answers) for index in range(len(gaps))]
+
+        start = self.trajectories.first_frame
         return tuple(
-            GapFill(found, found.method or one.candidates[0].name, found.start + start, one.prediction.xyz, cov)
-            for one, (found, cov) in zip(fills, some, strict=True)
+            GapFill(
+                one.found,
+                one.found.method or one.candidates[0].name,
+                one.found.start + start,
+                one.prediction.xyz,
+                one.cov,
+            )
+            for one in judged(fills, self._edges, again)
         )
 
     @property

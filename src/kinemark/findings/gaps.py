@@ -156,6 +156,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "reference_markers": list(gap.reference_markers),
         "trimmed": [frame + after.first_frame for frame in gap.trimmed] if gap.method else [],
         "suspicious": [frame + after.first_frame for frame in gap.suspicious],
+        "off_mm": gap.off_mm,
         "state": gap.state,
         "reason": gap.reason,
     }
@@ -226,19 +227,27 @@ def _odd_samples(figures: dict[str, Any]) -> Iterator[Finding]:
 
 
 def _suspicious(figures: dict[str, Any]) -> Finding:
-    """Measured samples beside gaps that stand out and were kept: how many, of which markers, in which frames."""
+    """Measured samples beside gaps that stand out and were kept: how many, of which markers, in which frames.
+
+    How far the farthest of a gap is off a fill that does not follow them stands beside them.
+    """
     about = [gap for gap in figures["list"] if gap["suspicious"]]
-    spans = [(gap["marker"], *span) for gap in about for span in _spans(gap["suspicious"])]
+    spans = [(gap, *span) for gap in about for span in _spans(gap["suspicious"])]
     return make_finding(
         "samples_suspicious",
         markers=dict.fromkeys(gap["marker"] for gap in about),
         frames=[(first, last) for _, first, last in spans],
         samples=figures["suspicious"],
         gaps=len(about),
-        where_list=[
-            f"{marker} {first}–{last}" if last > first else f"{marker} {first}" for marker, first, last in spans
-        ],
+        where_list=[_where(*span) for span in spans],
     )
+
+
+def _where(gap: dict[str, Any], first: int, last: int) -> str:
+    """One run of suspicious samples beside a gap, in words."""
+    frames = f"{first}–{last}" if last > first else f"{first}"
+    off = f", up to {gap['off_mm']:.1f} mm off" if gap["off_mm"] else ""
+    return f"{gap['marker']} {frames}{off}"
 
 
 def _spans(frames: list[int]) -> list[tuple[int, int]]:

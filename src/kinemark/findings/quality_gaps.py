@@ -37,7 +37,9 @@ class GapData(TypedDict):
     trimmed: list[int]
     """Measured frames that were replaced."""
     suspicious: list[int]
-    """Measured frames beside it that stand out from the marker's own motion and were kept."""
+    """Measured frames beside it that stand out from the marker's own motion, or contradict the other markers; kept."""
+    off_mm: float
+    """How far the farthest of these is off the fill, which does not follow them; 0 where it is tied to them."""
     state: GapState
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
     `limit_mm`, `sd_max_mm` or `jump_mm` contradicts the error expected, the marker is elsewhere on its body after it

@@ -45,6 +45,32 @@ class CandidateFill(NamedTuple):
     motion: Sequence[float] = ()
 
 
+class ChosenFill(NamedTuple):
+    """The fill that was chosen for one gap.
+
+    Attributes:
+        gap: that it fills.
+        found: what is said of it.
+        prediction: (L, 3) mm. cov: (L, 3, 3) mm², calibrated.
+        candidates: all that it was chosen from.
+    """
+
+    gap: Gap
+    found: FilledGap
+    prediction: Prediction
+    cov: Floats
+    candidates: list[CandidateFill]
+
+    @classmethod
+    def of(cls, motion: MarkerArray, gaps: list[Gap], index: int, answers: list[CandidateFill]) -> ChosenFill:
+        """By `choose_candidate`."""
+        return cls(gaps[index], *choose_candidate(motion, gaps, index, answers), answers)
+
+    def witness(self) -> CandidateFill | None:
+        """How `FIRST` did, which tells best where the marker is; None where it was not tried."""
+        return next((one for one in self.candidates if one.name == FIRST), None)
+
+
 def choose_candidate(
     motion: MarkerArray, gaps: list[Gap], index: int, answers: list[CandidateFill]
 ) -> tuple[FilledGap, Prediction, Floats]:

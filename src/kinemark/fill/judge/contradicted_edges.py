@@ -7,16 +7,21 @@ sample t, and C(t) the fill's calibrated covariance, the samples on one side of 
 as long as
 
     |d(t)| > TIMES √(tr C(t))     and     |d(t)| > the least error of `edges`                              (1)
+
+Where that is more than half of the frames of a side, twice as many are looked at there: the drift may reach farther. It
+begins by less than (1) tells. So on a side where it finds samples that do not stand out from the marker's own
+motion, all that were looked at say nothing of the gap.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from itertools import takewhile
+from collections.abc import Collection, Mapping, Sequence
+from itertools import count, takewhile
+from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Bools
+from ...data.array_types import Bools, Floats
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..methods.stage import filler_of
 from .choice import CandidateFill
@@ -25,48 +30,80 @@ from .hold_out import edge_distance
 
 REACH = 10
 """Frames on each side that are looked at; chosen: twice what `edges` looks at, so that a slow drift is left behind."""
+FARTHEST = 40
+"""Frames to which this grows, twofold each time; chosen: two of 18 drifts of up to 15 samples reached beyond 10."""
 TIMES = 2.5
 """Times the standard deviation of a place, without unit; chosen: none of 40 good edges of nine trials was above it
 (seed 910), and 88 % of drifts of 10 mm were."""
 
 
+class ContradictedEdge(NamedTuple):
+    """Samples beside a gap by (1).
+
+    Attributes:
+        frames: theirs.
+        off_mm: the greatest |d| of them.
+        looked_at: the gap with all frames on both sides that were looked at.
+    """
+
+    frames: tuple[int, ...]
+    off_mm: float
+    looked_at: Gap
+
+    def ignored(self, gap: Gap, own: Collection[int]) -> set[int]:
+        """Frames that say nothing of the gap; `own` stand out from the marker's own motion."""
+        drift = set(self.frames).difference(own)
+        sides = range(self.looked_at.start, gap.start), range(gap.stop, self.looked_at.stop)
+        return {*self.frames, *(frame for side in sides if drift.intersection(side) for frame in side)}
+
+
 def contradicted_edges(
     motion: MarkerArray, witnesses: Mapping[Gap, CandidateFill], least_mm: float
-) -> dict[Gap, tuple[int, ...]]:
-    """Frames that are suspicious by (1), of gaps that have any.
+) -> dict[Gap, ContradictedEdge]:
+    """What is suspicious by (1), of gaps beside which anything is.
 
     Args:
         motion: the trial.
         witnesses: how `FIRST` did in the hold-out gaps, by the gaps to look at.
         least_mm: of (1), mm.
     """
-    found = {}
-    for gap, by in witnesses.items():
-        longer = _longer(motion.seen[gap.marker], gap)
+    looked = {gap: _looked_at(motion, gap, by, least_mm) for gap, by in witnesses.items()}
+    return {gap: one for gap, one in looked.items() if one.frames}
+
+
+def _looked_at(motion: MarkerArray, gap: Gap, by: CandidateFill, least_mm: float) -> ContradictedEdge:
+    """(1) beside one gap; farther away, step by step, on a side of which most is contradicted."""
+    reach = [REACH, REACH]
+    while True:
+        longer = _longer(motion.seen[gap.marker], gap, reach)
         (again,) = filler_of(by.method)(motion.hidden([longer]), [longer], method=by.method)
-        beyond = np.flatnonzero(_beyond(motion, longer, again, by, least_mm)) + longer.start
-        if frames := _next_to(gap, set(beyond.tolist())):
-            found[gap] = frames
-    return found
+        d = np.linalg.norm(motion.xyz[gap.marker, longer.start : longer.stop] - again.xyz, axis=1)
+        beyond = (d > TIMES * _sd(motion, longer, again, by)) & (d > least_mm)
+        sides = _next_to(gap, set((np.flatnonzero(beyond) + longer.start).tolist()))
+        more = [
+            2 * far if len(side) > far // 2 and far < FARTHEST else far for side, far in zip(sides, reach, strict=True)
+        ]
+        if more == reach:
+            frames = (*sides[0][::-1], *sides[1])
+            return ContradictedEdge(frames, float(np.max(d[np.array(frames, int) - longer.start], initial=0.0)), longer)
+        reach = more
 
 
-def _longer(seen: Bools, gap: Gap) -> Gap:
-    """A gap with what is hidden beside it: up to REACH frames on each side, and half of those that are seen there."""
+def _longer(seen: Bools, gap: Gap, reach: Sequence[int]) -> Gap:
+    """A gap with what is hidden beside it: up to so many frames on each side, and half of those that are seen there."""
     before, after = seen[: gap.start][::-1], seen[gap.stop :]
-    reach = [min(REACH, int(np.argmin(np.append(side, False))) // 2) for side in (before, after)]
-    return Gap(gap.marker, gap.start - reach[0], gap.stop + reach[1])
+    hide = [min(far, int(np.argmin(np.append(s, False))) // 2) for s, far in zip((before, after), reach, strict=True)]
+    return Gap(gap.marker, gap.start - hide[0], gap.stop + hide[1])
 
 
-def _beyond(motion: MarkerArray, gap: Gap, prediction: Prediction, by: CandidateFill, least_mm: float) -> Bools:
-    """(L) in which frames of a gap the marker is seen where (1) holds; nowhere if no test tells of it."""
+def _sd(motion: MarkerArray, gap: Gap, prediction: Prediction, by: CandidateFill) -> Floats:
+    """(L) mm, √(tr C) of (1); NaN if no test tells of it."""
     weights = likeness([result.test for result in by.results], gap)
     cov = by.calibration.covariance(prediction, edge_distance(motion, gap), weights)
-    d = np.linalg.norm(motion.xyz[gap.marker, gap.start : gap.stop] - prediction.xyz, axis=1)
-    return np.asarray((d > TIMES * np.sqrt(np.trace(cov, axis1=1, axis2=2))) & (d > least_mm))
+    return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
 
 
-def _next_to(gap: Gap, beyond: set[int]) -> tuple[int, ...]:
-    """Those of the frames that are in one piece with a gap, and at most REACH on each side."""
-    before = takewhile(beyond.__contains__, range(gap.start - 1, gap.start - 1 - REACH, -1))
-    after = takewhile(beyond.__contains__, range(gap.stop, gap.stop + REACH))
-    return tuple(sorted([*before, *after]))
+def _next_to(gap: Gap, beyond: set[int]) -> list[list[int]]:
+    """Those of the frames that are in one piece with a gap, before and after it, the nearest first."""
+    sides = range(gap.start - 1, -1, -1), count(gap.stop)
+    return [list(takewhile(beyond.__contains__, side)) for side in sides]

@@ -1,69 +1,60 @@
-"""Fills that rest on suspicious samples: how far they would be elsewhere without these.
+"""Fills beside suspicious samples: made once more as if these were missing.
 
-A fill is tied to the samples beside its gap. Where those are suspicious (`edges`, `contradicted_edges`) they may be
-wrong by any amount, and no hold-out gap, whose edges are good, says so. So the method that was chosen fills the gap
-once more with the suspicious samples missing. With d(t) from the one fill to the other, what is expected of the fill,
-and its covariance, become
+A fill is tied to the samples beside its gap. Where those are suspicious it may be wrong by as much as they are, and no
+hold-out gap, whose edges are good, says so. Without them the gap is a longer one, and is filled as any gap of a trial
+that never had them, with hold-out gaps of its own: in those of the first fill, methods learnt from bad samples too.
+
+Where that fill contradicts the samples (`contradicted_edges`) it stands in the gap. Others merely stand out from the
+marker's own motion (`edges`), and some of these are good samples of a rare movement. There the fill stays tied to them,
+and with d(t) from it to the one without them, what is expected of it and its covariance become
 
     max(ē, mean |d|),     V + d dᵀ                                                                          (1)
-
-Which of both is right is not known: some suspicious samples are good ones of a rare movement.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Bools, Floats
-from ..filled_gap import FilledGap
+from ...data.array_types import Bools
 from ..marker_array import Gap, MarkerArray
-from ..methods.stage import filler_of
-from .choice import CandidateFill
+from .choice import FIRST, ChosenFill
+from .contradiction import largest_sd
+
+Fill = Callable[[MarkerArray, list[Gap], Collection[str]], list[ChosenFill]]
+"""Fills some gaps of a trial, each as it is done best by methods of these names."""
 
 
-class TiedFill(NamedTuple):
-    """A fill (L, 3) mm, and the method that is asked again."""
+def filled_without(trimmed: MarkerArray, fills: Sequence[ChosenFill], fill: Fill) -> dict[Gap, ChosenFill]:
+    """Fills once more, by gap, in the trial without the suspicious samples; one that cannot be made so is left out.
 
-    xyz: Floats
-    method: Any
-
-
-def method_again(found: FilledGap, answers: Sequence[CandidateFill]) -> Any:
-    """The method of a fill as it was tried; of those that a mean names the one of the least expected error."""
-    best = min(found.method.split(" + "), key=lambda name: found.candidates[name])
-    return next(answer.method for answer in answers if answer.name == best)
-
-
-def without_suspicious(trimmed: MarkerArray, fills: Mapping[Gap, TiedFill]) -> dict[Gap, Floats]:
-    """d of (1), (L, 3) mm, of fills whose gaps have suspicious samples beside them.
-
-    Args:
-        trimmed: the trial in which these samples are missing.
-        fills: by their gaps; one that cannot be filled without them is left out.
+    For time, by no other methods than made these, and `FIRST`.
     """
-    longer = {gap: _run(trimmed.seen[gap.marker], gap) for gap in fills}
-    found = {}
-    for method in dict.fromkeys(fill.method for fill in fills.values()):
-        mine = [gap for gap, fill in fills.items() if fill.method == method]
-        again = filler_of(method)(trimmed, [longer[gap] for gap in mine], method=method)
-        for gap, prediction in zip(mine, again, strict=True):
-            first = gap.start - longer[gap].start
-            d = prediction.xyz[first : first + gap.length] - fills[gap].xyz
-            if np.isfinite(d).all():
-                found[gap] = d
-    return found
+    longer = {one.gap: _run(trimmed.seen[one.gap.marker], one.gap) for one in fills}
+    methods = {FIRST, *(name for one in fills for name in one.found.method.split(" + "))}
+    made = {one.gap: one for one in fill(trimmed, sorted(set(longer.values())), methods)} if fills else {}
+    return {gap: _cut(made[all_of_it], gap) for gap, all_of_it in longer.items() if made[all_of_it].found.method}
 
 
-def doubted(found: FilledGap, cov: Floats, d: Floats) -> tuple[FilledGap, Floats]:
-    """(1)."""
-    cov = cov + np.einsum("fi,fj->fij", d, d)
+def _cut(one: ChosenFill, gap: Gap) -> ChosenFill:
+    """A fill of a longer gap as one of the gap itself."""
+    first = gap.start - one.gap.start
+    part, prediction = slice(first, first + gap.length), one.prediction
+    cov = one.cov[part]
+    found = replace(one.found, start=gap.start, stop=gap.stop, sd_mm=largest_sd(cov))
+    prediction = prediction._replace(xyz=prediction.xyz[part], cov=prediction.cov[part])
+    return one._replace(gap=gap, found=found, prediction=prediction, cov=cov)
+
+
+def doubted(one: ChosenFill, again: ChosenFill) -> ChosenFill:
+    """(1) of a fill, and the same without the suspicious samples."""
+    d = again.prediction.xyz - one.prediction.xyz
+    cov = one.cov + np.einsum("fi,fj->fij", d, d)
     apart = float(np.linalg.norm(d, axis=1).mean())
-    sd = float(np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1).max())) if np.isfinite(found.sd_mm) else found.sd_mm
-    return replace(found, expected_mm=max(found.expected_mm, apart), sd_mm=sd), cov
+    found = replace(one.found, expected_mm=max(one.found.expected_mm, apart), sd_mm=largest_sd(cov))
+    return one._replace(found=found, cov=cov)
 
 
 def _run(seen: Bools, gap: Gap) -> Gap:

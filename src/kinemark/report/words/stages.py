@@ -157,9 +157,11 @@ FILLING_WORDS = {
     ),
     "samples_suspicious": Words(
         "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} {samples:stands|stand} out from the "
-        "marker's own motion and {samples:was|were} kept ({samples:a dot|dots} in the drawings): {where_list}.",
-        "Fills that they pull away have the greater expected error. Where they are wrong, fill again with --trim 5 "
-        "(trim = 5 in a session): they are replaced then.",
+        "marker's own motion, or {samples:contradicts|contradict} the other markers, and {samples:was|were} kept "
+        "({samples:a dot|dots} in the drawings): {where_list}.",
+        "Where a distance is given, the fill does not follow them, and the path steps by it beside the gap. Fills that "
+        "others pull away have the greater expected error. Where samples are wrong, edit them out, or fill again with "
+        "--trim 5 (trim = 5 in a session): those that stand out from the marker's own motion are replaced then.",
     ),
     "markers_mostly_filled": Words(
         "{Markers}: more than {limit_share} of the trial is filled.",

@@ -27,7 +27,7 @@ import numpy as np
 from ..data.array_types import Bools, Floats
 from ..data.landmarks import landmarks
 from ..data.subject_measures import LETTER
-from .marker_doubts import along, apart, forward_of, nearer_to_other
+from .marker_doubts import TURNED, along, apart, forward_of, nearer_to_other
 from .segments import Z_UP, unit
 
 WORDS = {
@@ -54,8 +54,6 @@ ABOVE = (("C7", "T10"), ("CLAV", "STRN"))
 """Upper and lower of (3); conventional."""
 ALONG = (("SHO", "ELB", "C7"), ("WRA", "ELB", "FIN"), ("WRB", "ELB", "FIN"), ("WRA", "FIN", "ELB"))
 """Near, far and end of (4), after L or R where they have a side; conventional."""
-TURNED = -0.5
-"""Cosine with the direction of (1) to (3) below which it fails; by definition of 120°."""
 TRUNK = (*SHOULDERS, "C7", "CLAV", "T10", "STRN")
 """Which together are above the pelvis rather than beside it where (1) to (3) tell something; conventional."""
 LEAST_MM = 10.0

@@ -74,7 +74,7 @@ def upper_body_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> Ite
     Args:
         points: (F, 3) mm by names. up: of the laboratory.
     """
-    own = _model_names(points)
+    own = trunk_and_arm_names(tuple(points))
     known = {name: points[one] for name, one in own.items()}
     forward = forward_of(points, up)
     if forward is None:
@@ -86,10 +86,10 @@ def upper_body_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> Ite
             yield tuple(own[name] for name in two)
 
 
-def _model_names(names: Sequence[str] | Mapping[str, Floats]) -> dict[str, str]:
+def trunk_and_arm_names(names: Sequence[str]) -> dict[str, str]:
     """Names by those of `WORDS`, with L or R before those that have a side."""
     found: dict[str, tuple[int, str]] = {}
-    for name, ways in landmarks(tuple(names)).items():
+    for name, ways in landmarks(names).items():
         for one in ways:
             for word, spelt in WORDS.items():
                 if one.word in spelt:

@@ -128,7 +128,7 @@ def _among(
     tracks: Trajectories, taken: frozenset[int], template: Template, method: Any, stated: Mapping[str, str | None]
 ) -> Labels:
     """Labels of all tracks, from a labelling of those that are free, and of those that were stated to be its own."""
-    seen = np.isfinite(tracks.xyz[..., 0]).any(1)
+    seen = np.asarray(np.isfinite(tracks.xyz[..., 0]).any(1))
     free = [t for t, name in enumerate(tracks.names) if seen[t] and (t not in taken or name in stated)]
     if not free:
         return _none(len(tracks))

@@ -97,6 +97,17 @@ def test_feet_that_turn_in_and_cross_are_no_exchange():
     assert marker_doubts(points) == MarkerDoubts()
 
 
+@pytest.mark.parametrize("deg", [-100, -90, 90, 100])
+def test_feet_that_are_turned_aside_are_no_exchange(deg):
+    points = dict(marker_points(lab().walk))
+    for letter, sign in (("L", 1), ("R", -1)):
+        c, s = np.cos(np.radians(deg)), sign * np.sin(np.radians(deg))
+        ankle = points[letter + "ANK"]
+        for name in ("HEE", "TOE"):
+            points[letter + name] = ankle + (points[letter + name] - ankle) @ [[c, s, 0], [-s, c, 0], [0, 0, 1]]
+    assert not [how for how, _ in marker_doubts(points).exchanged if how == "foot"]
+
+
 def test_a_whole_leg_that_is_exchanged_is_told():
     below = ("KNE", "ANK", "TOE")  # and the heels, which are too near to each other to tell
     found = marker_doubts(marker_points(renamed(lab().walk, *both_sides(*below, "TIB", "HEE"))))

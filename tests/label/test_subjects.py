@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, Trajectories
-from kinemark.label import label_subjects, learn_template, shredded
+from kinemark.label import label_subjects, learn_template, shredded, subjects
 from kinemark.synth import walking, with_markers
 
 
@@ -73,3 +73,17 @@ def test_statements_tell_twins_apart_by_the_neighbours_of_what_was_stated():
     template = learn_template(walk(1))
     found = label_subjects(both, {"A": template, "B": template}, stated={"A:LKNE": "A:LKNE", "B:SACR": "B:SACR"})
     assert found.labels.names == both.names and found.undecided == () and set(found.labels.state) == {"sure"}
+
+
+def test_no_tracks_are_named_twice_for_one_subject(monkeypatch):
+    """The orders in which subjects are named often leave one of them the same tracks."""
+    asked = []
+    own = subjects.label
+    monkeypatch.setattr(subjects, "label", lambda *args, **more: asked.append(key(*args)) or own(*args, **more))
+
+    def key(tracks, template, **more):
+        return id(template), tracks.names
+
+    both = together(walk(7), walk(8, 15, 0.85), np.array([200.0, 700.0, 0.0]))
+    label_subjects(both, {"A": learn_template(walk(1)), "B": learn_template(walk(2, 15, 0.85))})
+    assert len(asked) == len(set(asked)) < 8

@@ -5,12 +5,12 @@ the pelvis to its front, which is the same whatever side its markers are called,
 median over the frames
 
     (left − right) · l > 0   of every pair of markers                                                         (1)
-    (toe − heel) · p > 0     of every foot                                                                    (2)
+    cos(toe − heel, p) > −½  of every foot                                                                    (2)
     |near − end| < |far − end|   of the markers of a leg, which follow each other from pelvis to toe          (3)
 
-Where (1) fails for all pairs that tell, left and right are exchanged throughout, or the axes of the file are
-left-handed; where (2) fails as well, the front of the pelvis is its back. Two markers of one segment keep their
-distance but for skin (4).
+Exchanged names turn a foot by 180°; who turns it in or out, by less than 120°. Where (1) fails for all pairs that tell,
+left and right are exchanged throughout, or the axes of the file are left-handed; where (2) fails as well, the front of
+the pelvis is its back. Two markers of one segment keep their distance but for skin (4).
 
 Legs that scissor, and feet that turn in, bring ankles, heels and toes across as well. These count as exchanged only
 where they leave their own leg: where (4) fails, the joint above is exchanged as well, or a heel or toe of either side
@@ -54,8 +54,10 @@ ABOVE = {"ANK": "KNE", "HEE": "ANK", "TOE": "ANK"}
 ON_FOOT = ("HEE", "TOE")
 """Of (5), on one bone with the ankle but for skin; by definition."""
 OPPOSITE_MM = 30.0
-"""By which (1) or (2) must fail, mm; chosen: in 17 public walks and turns the least of (1) was +63 and of (2)
-+126; legs that cross by less are a person's."""
+"""By which (1) must fail, mm; chosen: in 17 public walks and turns the least was +63; legs that cross by less are a
+person's."""
+TURNED = -0.5
+"""Cosine with the direction that names ask for, as of (2), below which it fails; by definition of 120°."""
 MOVED_MM = 90.0
 """Width of the middle 95 % of a distance (4), mm; chosen: in the same walks it was up to 43, in one of poor
 names 66."""
@@ -103,7 +105,7 @@ def _exchanged_sides(
     aside = {(a, b): along(points[a] - points[b], left) for a, b in pairs}
     across = [pair for pair, mm in aside.items() if mm < -OPPOSITE_MM]
     feet = [(s + "HEE", s + "TOE") for s in LETTER.values() if {s + "HEE", s + "TOE"} <= set(points)]
-    back = [(heel, toe) for heel, toe in feet if along(points[toe] - points[heel], forward) < -OPPOSITE_MM]
+    back = [(heel, toe) for heel, toe in feet if along(unit(points[toe] - points[heel]), forward) < TURNED]
     if len(across) > 2 and max(aside.values()) <= OPPOSITE_MM:
         pelvis = tuple(name for name in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if name in points)
         yield ("pelvis", pelvis) if back and len(back) == len(feet) else ("sides", ())

@@ -27,7 +27,7 @@ import numpy as np
 from ..data.array_types import Bools, Floats
 from ..data.landmarks import landmarks
 from ..data.subject_measures import LETTER
-from .marker_doubts import along, apart, forward_of, nearer_to_other
+from .marker_doubts import TURNED, along, apart, forward_of, nearer_to_other
 from .segments import Z_UP, unit
 
 WORDS = {
@@ -54,8 +54,6 @@ ABOVE = (("C7", "T10"), ("CLAV", "STRN"))
 """Upper and lower of (3); conventional."""
 ALONG = (("SHO", "ELB", "C7"), ("WRA", "ELB", "FIN"), ("WRB", "ELB", "FIN"), ("WRA", "FIN", "ELB"))
 """Near, far and end of (4), after L or R where they have a side; conventional."""
-TURNED = -0.5
-"""Cosine with the direction of (1) to (3) below which it fails; by definition of 120°."""
 TRUNK = (*SHOULDERS, "C7", "CLAV", "T10", "STRN")
 """Which together are above the pelvis rather than beside it where (1) to (3) tell something; conventional."""
 LEAST_MM = 10.0
@@ -76,7 +74,7 @@ def upper_body_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> Ite
     Args:
         points: (F, 3) mm by names. up: of the laboratory.
     """
-    own = _model_names(points)
+    own = trunk_and_arm_names(tuple(points))
     known = {name: points[one] for name, one in own.items()}
     forward = forward_of(points, up)
     if forward is None:
@@ -88,10 +86,10 @@ def upper_body_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> Ite
             yield tuple(own[name] for name in two)
 
 
-def _model_names(names: Sequence[str] | Mapping[str, Floats]) -> dict[str, str]:
+def trunk_and_arm_names(names: Sequence[str]) -> dict[str, str]:
     """Names by those of `WORDS`, with L or R before those that have a side."""
     found: dict[str, tuple[int, str]] = {}
-    for name, ways in landmarks(tuple(names)).items():
+    for name, ways in landmarks(names).items():
         for one in ways:
             for word, spelt in WORDS.items():
                 if one.word in spelt:

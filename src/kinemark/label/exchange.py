@@ -101,10 +101,14 @@ class Exchanger(NamedTuple):
 
     def nats(self, y: Single, moves: Sequence[Move]) -> NDArray[np.float64]:
         """(1) of moves, nats of all frames together; as `gains`."""
+        return self.of_frames(y, moves).sum(1)
+
+    def of_frames(self, y: Single, moves: Sequence[Move]) -> NDArray[np.float64]:
+        """(M, K) the same of each frame."""
+        found = np.zeros((len(moves), len(y)))
         if not moves:
-            return np.zeros(0)
+            return found
         d = lengths(y[:, :, None] - y[:, None])
-        found = np.zeros(len(moves))
         for size in {len(was) for was, _ in moves}:
             own = [i for i, (was, _) in enumerate(moves) if len(was) == size]
             most = max(1, MOST_AT_ONCE // max(y.shape[0] * y.shape[1] * size, 1))
@@ -115,7 +119,7 @@ class Exchanger(NamedTuple):
         return found
 
     def _nats(self, y: Single, d: Single, was: Ints, to: Ints) -> NDArray[np.float64]:
-        """Of M moves of as many labels, (M, n) each; d (K, L, L) distances of the labels as they are."""
+        """(M, K) of moves of as many labels, (M, n) each; d (K, L, L) distances of the labels as they are."""
         every, rows = np.arange(y.shape[1]), np.arange(len(was))[:, None]
         new = np.repeat(every[None], len(was), axis=0)
         new[rows, was] = to
@@ -125,19 +129,20 @@ class Exchanger(NamedTuple):
         moved = np.ones((len(was), len(every)), np.float32)
         moved[rows, was] = 0.5  # counted from both sides
         each *= moved[:, None, None]
-        return np.asarray(each.reshape(len(was), -1).sum(1) - WRONG_HAND * self._hands(y, was, new))
+        return np.asarray(each.sum((1, 3)) - WRONG_HAND * self._hands(y, was, new))
 
     def _hands(self, y: Single, was: Ints, new: Ints) -> Ints:
-        """(M) how many quadruples of all frames more are turned the wrong way after each move."""
+        """(M, K) how many quadruples more are turned the wrong way after each move."""
+        more = np.zeros((len(was), len(y)), np.int64)
         if not len(self.handed):
-            return np.zeros(len(was), np.int64)
+            return more
         of_quad = np.zeros((new.shape[1], len(self.handed)), bool)
         of_quad[self.handed, np.arange(len(self.handed))[:, None]] = True
         move, quad = np.nonzero(of_quad[was].any(1))
         back = np.argsort(new, axis=1)  # who is label a after the move
-        now = _wrong(y, back[move[:, None], self.handed[quad]], self.sign[quad]).sum(0)
-        old = _wrong(y, self.handed, self.sign).sum(0)[quad]
-        return np.bincount(move, now - old, len(was)).astype(np.int64)
+        now = _wrong(y, back[move[:, None], self.handed[quad]], self.sign[quad])
+        np.add.at(more, move, (now - _wrong(y, self.handed, self.sign)[:, quad]).T)
+        return more
 
     def pairs_of_twos(self, gains: NDArray[np.float64]) -> list[Move]:
         """Two exchanges at once, of the best and disjoint."""

@@ -77,14 +77,20 @@ def static_bystanders(trial: Trajectories, marker_set: MarkerSet) -> Template | 
 
 
 def _of_static(trial: Trajectories, marker_set: MarkerSet, names: list[str], others: list[str]) -> Template:
-    """Of markers of the set and of others, which are on no segment and in no quadruple."""
+    """Of markers of the set and of others, which are on no segment and in no quadruple.
+
+    Those of the set that are on no segment have the quadruples that they would have without a set.
+    """
     segments = segments_of(marker_set, names)
     template = learn_template(trial, names=[*names, *others], relative_spread=STATIC_SPREAD, segments=segments)
     handed, sign = _quadruples(trial, tuple(names), marker_set)
+    held = {name for markers in segments.values() for name in markers}
+    loose = [a for a, name in enumerate(names) if name not in held]
+    more = np.isin(template.handed, loose).any(1) & (template.handed < len(names)).all(1)
     return replace(
         template,
-        handed=handed,
-        sign=sign,
+        handed=np.concatenate([handed, template.handed[more]]),
+        sign=np.concatenate([sign, template.sign[more]]),
         spread=np.hypot(template.spread, _rigidity(template, marker_set) * template.distance),
     )
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data.array_types import Bools, Floats
+from ..numerics.vectors import lengths
 from .evidence import Single
 
 THIRD = 2
@@ -34,22 +35,30 @@ def on_body(xyz: Single, named: Bools) -> Bools:
     Args:
         xyz: (K, M, 3) mm, NaN where not seen. named: (M) markers with a name.
     """
-    out = np.ones(xyz.shape[1], bool)
-    for m in np.flatnonzero(~named).tolist():
-        frames = np.isfinite(xyz[:, m, 0])
-        y = xyz[frames].astype(float)
-        told = named & (np.isfinite(y[..., 0]).mean(0) >= TOGETHER) if len(y) else named & False
-        if len(y) >= LEAST_FRAMES and told.sum() > THIRD + 1:
-            loosest = max(_third_spread(y[:, told], y[:, a]) for a in np.flatnonzero(told).tolist())
-            out[m] = _third_spread(y[:, told], y[:, m]) <= LOOSER * loosest
+    out, free = np.ones(xyz.shape[1], bool), np.flatnonzero(~named)
+    if named.sum() <= THIRD + 1:
+        return out
+    y, body = xyz[:, free].astype(float), xyz[:, named].astype(float)
+    frames = np.isfinite(y[..., 0]).T.astype(float)
+    n = frames.sum(1)
+    told = frames @ np.isfinite(body[..., 0]) >= TOGETHER * np.maximum(n, 1)[:, None]
+    own = _third_spread(lengths(y[:, :, None] - body[:, None]), np.ones((1, len(xyz))), told)
+    each = _third_spread(lengths(body[:, :, None] - body[:, None]), frames, told[:, None])
+    loosest = np.where(told & np.isfinite(each), each, 0.0).max(1, initial=0.0)
+    out[free] = (n < LEAST_FRAMES) | (told.sum(1) <= THIRD + 1) | (own[0] <= LOOSER * loosest)
     return out
 
 
-def _third_spread(y: Floats, own: Floats) -> float:
-    """s of a marker (K, 3) among the named (K, N, 3), mm, without its distance to itself."""
-    d = np.linalg.norm(y - own[:, None], axis=2)
+def _third_spread(d: Floats, frames: Floats, told: Bools) -> Floats:
+    """(F, M) s of markers, mm, from their distances (K, M, N) to the named, over F choices of frames (F, K).
+
+    From those of them that have a say, (F, 1 or M, N), without the distance to itself; infinite of fewer than three.
+    """
     seen = np.isfinite(d)
-    n = np.maximum(seen.sum(0), 1)
-    mean = np.where(seen, d, 0.0).sum(0) / n
-    spread = np.sqrt(np.where(seen, (d - mean) ** 2, 0.0).sum(0) / n)
-    return float(np.sort(spread[mean > 0])[THIRD])
+    n = np.maximum(np.tensordot(frames, seen.astype(float), 1), 1.0)
+    middle = np.where(seen, d, 0.0).sum(0) / np.maximum(seen.sum(0), 1)
+    off = np.where(seen, d - middle, 0.0)  # squares of what is left are exact enough to be subtracted
+    mean, square = np.tensordot(frames, off, 1) / n, np.tensordot(frames, off**2, 1) / n
+    spread = np.sqrt(np.maximum(square - mean**2, 0.0))
+    spread = np.where(told & (middle > 0), spread, np.inf)
+    return np.asarray(np.sort(spread, axis=-1)[..., THIRD])

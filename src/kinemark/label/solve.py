@@ -15,6 +15,7 @@ from .key_frames import Placing, frame_score, placings, search, settle
 from .limbs import near_turns, score_with_sides
 from .passed_on import passed_back
 from .pool import pooled
+from .runs import runs_put_right
 from .side_pairs import mirrored
 from .stretches import FREE, Stretches
 from .sweeps import GOES_ON, continuity, evidence, expectation, outwards, places, sweep, total_score
@@ -97,6 +98,7 @@ def solve(
         best = _whole(other, stretches, template, pairs, key_frames, beam, least_fit, done)
         found = best if _clearly_better(best.label, found.label, stretches, template, pairs) else found
     after = found.after or pairs
+    found = found._replace(label=runs_put_right(stretches, found.label, Exchanger.of(template, after)))
     kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
     return found._replace(label=_gone_on(stretches, kept, len(template)))
 

@@ -9,8 +9,9 @@ way round, and are not sure, unless a person stated a marker of either.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from itertools import combinations, permutations
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -88,7 +89,12 @@ def label_subjects(
     if not 1 <= len(templates) <= MOST:
         raise KinemarkError(f"There are {len(templates)} subjects, wanted 1 to {MOST}. Label the others apart.")
     facts = _Facts.of(tracks, templates, stated)
-    found = [_in_turn(tracks, templates, order, method, facts) for order in permutations(templates)]
+
+    @cache  # several orders leave a subject the same tracks
+    def among(s: str, taken: frozenset[int]) -> Labels:
+        return _among(tracks, taken, templates[s], method, facts.own[s])
+
+    found = [_in_turn(len(tracks), order, among, facts) for order in permutations(templates)]
     best = max(found, key=lambda each: sum(_score(tracks, each[s], templates[s]) for s in templates))
     free = [(a, b) for a, b in combinations(templates, 2) if not any((*facts.own[a].values(), *facts.own[b].values()))]
     undecided = tuple(pair for pair in free if _alike(tracks, best, templates, *pair))
@@ -97,18 +103,20 @@ def label_subjects(
 
 
 def _in_turn(
-    tracks: Trajectories, templates: Mapping[str, Template], order: tuple[str, ...], method: Any, facts: _Facts
+    n: int, order: tuple[str, ...], among: Callable[[str, frozenset[int]], Labels], facts: _Facts
 ) -> dict[str, Labels]:
-    """Each subject among what the others left: first in this order, then among what they are not sure of."""
+    """Each subject among what the others left of n tracks, in this order, then among what they are not sure of."""
     of: dict[str, Labels] = {}
     for s in order:
-        taken = facts.others[s] | _taken(of, ("sure", "unsure"), len(tracks))
-        of[s] = _among(tracks, taken, templates[s], method, facts.own[s])
+        of[s] = among(s, _indices(facts.others[s] | _taken(of, ("sure", "unsure"), n)))
     for s in order:
         others = {other: one for other, one in of.items() if other != s}
-        taken = facts.others[s] | _taken(others, ("sure",), len(tracks))
-        of[s] = _among(tracks, taken, templates[s], method, facts.own[s])
+        of[s] = among(s, _indices(facts.others[s] | _taken(others, ("sure",), n)))
     return of
+
+
+def _indices(some: Bools) -> frozenset[int]:
+    return frozenset(np.flatnonzero(some).tolist())
 
 
 def _taken(of: Mapping[str, Labels], states: tuple[State, ...], n: int) -> Bools:
@@ -117,11 +125,11 @@ def _taken(of: Mapping[str, Labels], states: tuple[State, ...], n: int) -> Bools
 
 
 def _among(
-    tracks: Trajectories, taken: Bools, template: Template, method: Any, stated: Mapping[str, str | None]
+    tracks: Trajectories, taken: frozenset[int], template: Template, method: Any, stated: Mapping[str, str | None]
 ) -> Labels:
     """Labels of all tracks, from a labelling of those that are free, and of those that were stated to be its own."""
-    own = np.array([name in stated for name in tracks.names], bool)
-    free = np.flatnonzero((~taken | own) & np.isfinite(tracks.xyz[..., 0]).any(1)).tolist()
+    seen = np.asarray(np.isfinite(tracks.xyz[..., 0]).any(1))
+    free = [t for t, name in enumerate(tracks.names) if seen[t] and (t not in taken or name in stated)]
     if not free:
         return _none(len(tracks))
     among = replace(tracks, paths=tuple(tracks.paths[t] for t in free))

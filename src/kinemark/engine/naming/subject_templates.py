@@ -26,6 +26,7 @@ from ..put_aside import computed_in, put_aside
 from .impossible_names import impossible_names
 from .labelled_trials import agreeing, set_of_clusters
 from .template_files import is_template, load_template
+from .usual_segments import set_of_names
 
 LEAST_MM, MOST_MM = 100.0, 5000.0
 """Heights that a subject may have, mm; chosen: what is smaller was given in metres or centimetres."""
@@ -152,7 +153,7 @@ def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     trials = [without_prefix(trial, _wanted(known)) for trial in own]
     for said in impossible_names(trials, [file.name for file in files]):
         known.say(f"{text_of(said)} {advice_of(said)}")
-    known = _by_clusters(trials[0], known) if known.clusters else known
+    known = _with_set(trials[0], known) if known.static else known
     trials = trials if known.static else _agreeing(trials, files, known)
     kind = "static" if known.static else "labelled"
     sources = tuple(
@@ -176,6 +177,13 @@ def _markers_of(trial: Trial, known: Known) -> Trajectories:
     elsewhere = computed_in(known.to_name) if known.static else frozenset()
     own = [name for name in rest.names if name not in elsewhere or name.rpartition(":")[2] in wanted]
     return rest.select(own) if own else rest
+
+
+def _with_set(static: Trajectories, known: Known) -> Known:
+    """What is known, with a marker set by clusters or by usual names, where none was given and no names were."""
+    if known.clusters:
+        return _by_clusters(static, known)
+    return known if known.marker_set or known.markers else known._replace(marker_set=set_of_names(static.names))
 
 
 def _by_clusters(static: Trajectories, known: Known) -> Known:

@@ -29,6 +29,7 @@ from .labelled_trials import Agreeing, agreeing, set_of_clusters
 from .named_tracks import load_learnt, load_learnt_frames
 from .subject_templates import of_subject
 from .template_files import ENDING, is_template, load_template, save_template
+from .usual_segments import set_of_names
 
 TEMPLATE = f"subject{ENDING}"
 """Below a session's results: what its trials show of the subject; `subject-A.template.h5` of one of several."""
@@ -149,11 +150,13 @@ def _of_others(
 def _of_static(
     shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerSet | None, gait: GaitTable | None
 ) -> SessionTemplate | None:
-    """Of those who stand still: by the segments of the marker set, where there is one, or of clusters for gait."""
+    """Of those who stand still: by the segments of the marker set, else of clusters for gait, else by usual names."""
     useful = _with_names(shown)
-    if marker_set is None and useful and gait is not None and gait.clusters:
-        there = [name for name in useful[0].trial.names if not names or name in names]
+    there = [name for name in useful[0].trial.names if not names or name in names] if useful else []
+    if marker_set is None and gait is not None and gait.clusters:
         marker_set = set_of_clusters(gait.clusters, there, markers=gait.markers)
+    if marker_set is None and len(useful) == 1:
+        marker_set = set_of_names(there)
     if not useful or marker_set is None:
         return _learnt(useful, names, spread=STATIC_SPREAD)
     still, sources = useful[0].trial, (useful[0].source, f"marker set {marker_set.name}")

@@ -66,7 +66,7 @@ def standard_trial(
 
 
 def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTrial:
-    """The walk with the heels (1) that only the standing trial has.
+    """The walk with the heels (1) that only the standing trial shows.
 
     Args:
         walk: to be completed. stood: (F, 3) mm of the standing trial by the model's names.
@@ -74,13 +74,14 @@ def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTria
     points, added = marker_points(walk.trial), []
     for letter in LETTER.values():
         names = [letter + part for part in ("ANK", "TOE", "KNE")]
-        if letter + "HEE" in points or letter + "HEE" not in stood or not set(names) <= set(points) & set(stood):
+        if _seen(points, letter + "HEE") or letter + "HEE" not in stood or not set(names) <= set(points) & set(stood):
             continue
         Q, Qs = (_foot_axes(*(each[name] for name in names)) for each in (points, stood))
         local = np.einsum("fji,fj->fi", Qs, stood[letter + "HEE"] - stood[names[0]])
         if not np.isfinite(local).all(1).any():
             continue
         added.append(_filled(letter + "HEE", points[names[0]] + Q @ np.nanmedian(local, axis=0)))
+    walk = _without(walk, [path.name for path in added])
     return _with(walk, added)._replace(heels=tuple(path.name for path in added)) if added else walk
 
 
@@ -116,6 +117,17 @@ def with_landmarks(walk: StandardTrial, stood: Mapping[str, Floats], clusters: C
 def _with(walk: StandardTrial, added: Sequence[MarkerTrajectory]) -> StandardTrial:
     paths = (*walk.trial.trajectories.paths, *added)
     return walk._replace(trial=replace(walk.trial, trajectories=replace(walk.trial.trajectories, paths=paths)))
+
+
+def _without(walk: StandardTrial, names: Sequence[str]) -> StandardTrial:
+    """The walk without the markers of these names, which it never shows."""
+    kept = tuple(path for path in walk.trial.trajectories if without_subject(path.name) not in names)
+    return walk._replace(trial=replace(walk.trial, trajectories=replace(walk.trial.trajectories, paths=kept)))
+
+
+def _seen(points: Mapping[str, Floats], name: str) -> bool:
+    """Whether any frame shows a marker."""
+    return name in points and bool(np.isfinite(points[name]).any())
 
 
 def _filled(name: str, xyz: Floats) -> MarkerTrajectory:

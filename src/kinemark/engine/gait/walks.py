@@ -25,7 +25,7 @@ from ...gait.functional_hip import functional_hip, with_functional_hips
 from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ...gait.gait_trial import REACTION, along_way, analyse_gait, inputs_of, marker_points, measured_only
 from ...gait.key_values import key_values
-from ...gait.lower_limb import check_markers, leg_seen, lower_limbs
+from ...gait.lower_limb import check_markers, leg_seen, lower_limbs, never_seen
 from ...gait.standard_trial import (
     StandardTrial,
     in_laboratory,
@@ -330,7 +330,7 @@ def gait_of_trial(
     return GaitOfTrial(
         trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
         leaps=leaps, names=names, plates=doubted_plates(trial, points, gait, events, way, measures.mass_kg),
-        bare=next((side for side in SIDES if not leg_seen(points, side)), None),
+        bare=next((side for side in SIDES if not leg_seen(points, side)), None), unseen=never_seen(points),
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from ..data import MarkerTrajectory, Origin, Trial
 from ..data.array_types import Floats
 from ..data.laboratory_axes import axis_of, level_axes, turned, up_shown
 from ..data.marker_sides import without_subject
-from ..data.model_markers import LEG_MARKERS, model_names, with_model_names
+from ..data.model_markers import LEG_MARKERS, model_names, upper_body_names, with_model_names
 from ..data.subject_measures import LETTER
 from .clusters import Clusters, carried_landmarks, check_clusters, with_wands
 from .gait_trial import marker_points
@@ -56,7 +56,9 @@ def standard_trial(
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up.
     """
-    known = model_names(trial.trajectories.names, markers)
+    names = trial.trajectories.names
+    known = model_names(names, markers)
+    known |= upper_body_names(names, known.values())
     named = replace(trial, trajectories=with_model_names(trial.trajectories, known))
     if turn is None:
         turn = level_axes(axis_of(up) if up != "auto" else up_shown(marker_points(named)))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError
+from kinemark.data import KinemarkError, MarkerTrajectory
 from kinemark.data.laboratory_axes import up_shown
 from kinemark.data.model_markers import LEG_MARKERS
 from kinemark.data.subject_measures import LETTER
@@ -78,3 +78,28 @@ def test_one_leg_shows_what_is_up(lab):
     points = marker_points(bare(lab.walk, "left"))
     turned = {name: xyz[:, [1, 2, 0]] for name, xyz in points.items()}  # y goes up
     np.testing.assert_array_equal(up_shown(turned), [0, 1, 0])
+
+
+def unseen(trial, *names):
+    """A trial that names these markers and never shows them."""
+    nowhere = np.full((trial.trajectories.n_frames, 3), np.nan)
+    gone = [MarkerTrajectory.measured(p.name, nowhere) if p.name in names else p for p in trial.trajectories]
+    return replace(trial, trajectories=replace(trial.trajectories, paths=tuple(gone)))
+
+
+def test_a_heel_that_a_walk_names_and_never_shows_comes_from_the_standing_trial(tmp_path, lab):
+    """The left side had no strides, and nothing said why."""
+    write_trial(unseen(lab.walk, "LHEE"), tmp_path / "walk.c3d")
+    write_trial(lab.static, tmp_path / "static.c3d")
+    found = gait_of_files([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES, settings=SETTINGS)
+    assert found.figures["time_distance"]["left"]["stride_time"]["strides"] > 0
+    kinds = {one["kind"]: one for one in found.figures["findings"]}
+    assert "LHEE" in kinds["gait_heels_from_static"]["text"] and "gait_markers_never_seen" not in kinds
+
+
+def test_a_toe_that_a_walk_names_and_never_shows_is_told(tmp_path, lab):
+    write_trial(unseen(lab.walk, "LTOE"), tmp_path / "walk.c3d")
+    write_trial(lab.static, tmp_path / "static.c3d")
+    found = gait_of_files([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES, settings=SETTINGS)
+    told = [one["text"] for one in found.figures["findings"] if one["kind"] == "gait_markers_never_seen"]
+    assert len(told) == 1 and "LTOE is never seen" in told[0]

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.data import KinemarkError, Origin, Trial
 from kinemark.data.laboratory_axes import level_axes
-from kinemark.data.model_markers import model_names
+from kinemark.data.model_markers import model_names, upper_body_names
 from kinemark.gait import analyse_gait, marker_points, standard_trial, with_heels
 from kinemark.synth import walking
 from support.shift_gait import MEASURES, stepping
@@ -111,3 +111,11 @@ def test_a_foot_that_is_never_seen_keeps_nobody_from_the_other_leg():
     known = np.isfinite(found["RAnkle"].moment)  # not while somebody may stand on the plate
     assert known.any()
     np.testing.assert_array_equal(found["RAnkle"].moment[known], whole["RAnkle"].moment[known])
+
+
+@pytest.mark.parametrize("change", [str.lower, lambda n: f"{n[0]}_{n[1:]}", lambda n: f"Anna:{n.title()}"])
+def test_trunk_head_and_arms_are_known_in_small_letters_too(change):
+    """They had no angles, and nothing said so."""
+    names = ("LFHD", "CLAV", "STRN", "RSHO", "LWRA")
+    assert upper_body_names([change(name) for name in names], ()) == {name: change(name) for name in names}
+    assert upper_body_names([*names, "lfhd", "sho"], ()) == {}

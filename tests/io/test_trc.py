@@ -284,3 +284,10 @@ def test_times_that_jump_tell_no_rate(tmp_path):
     with pytest.raises(KinemarkError, match=r"line 12: time_s goes on by 7.* by 0\.02 s.*--rate-hz"):
         read_trajectories_csv(path)
     assert read_trajectories_csv(path, rate=50.0).rate == 50.0
+
+
+def test_a_rate_of_0_is_none_and_the_times_count(tmp_path):
+    path = tmp_path / "a.trc"
+    write_trc(path, markers(0))
+    changed(path, 3, lambda s: s.replace("50.0", "0", 1))
+    assert read_trc(path).rate == 50.0

@@ -269,15 +269,36 @@ def test_absent_and_doubtful_markers_are_named():
         assert chosen(other, UM2AS).names == chosen(trial, UM2AS).names
 
 
+PLACE = {
+    "C7": (-60, 0, 1500), "T8": (-80, 0, 1300), "IJ": (40, 0, 1450), "PX": (60, 0, 1250), "GH": (0, -200, 1400),
+    "EL": (0, -240, 1100), "EM": (0, -160, 1100), "RS": (0, -225, 850), "US": (0, -200, 850),
+    "MC3": (0, -212, 840), "MCP2": (0, -230, 770), "MCP3": (0, -212, 765), "MCP5": (0, -180, 775),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("axes", ["+x+y+z", "+y-x+z", "-x-y+z", "-y+x+z", "+x-z+y", "+z+x+y", "+z+y-x", "-y-z+x"])
+def test_the_thorax_bends_alike_whichever_axis_is_up_and_whichever_way_the_subject_faces(axes, side):
+    leaning = Rotation.from_euler("ZYX", [12, 25, -8], degrees=True).as_matrix()  # 25 forward
+    points = np.array([leaning @ xyz for xyz in PLACE.values()], float)
+    points[:, 1] *= -1 if side == "left" else 1
+    signs, letters = axes[::2], axes[1::2]
+    columns = [(-1 if s == "-" else 1) * np.eye(3)["xyz".index(one)] for s, one in zip(signs, letters, strict=True)]
+    turn = np.array(columns)
+    assert np.isclose(np.linalg.det(turn), 1)
+    model = load_model("isb_upper_limb", side=side)
+    here, there = (
+        joint_angles(trial_of(xyz[:, None], names=tuple(PLACE)), model=model)["thorax"][0]
+        for xyz in (points, points @ turn)
+    )
+    assert -45 < here[0] < -15  # flexion
+    np.testing.assert_allclose(there, here, atol=1e-9)
+
+
 def test_isb_axes_of_the_anatomical_position():
     """Upright, arms hanging, palms forward: all axes are the laboratory's; flexion and elevation as Wu has them."""
-    place = {
-        "C7": (-60, 0, 1500), "T8": (-80, 0, 1300), "IJ": (40, 0, 1450), "PX": (60, 0, 1250), "GH": (0, -200, 1400),
-        "EL": (0, -240, 1100), "EM": (0, -160, 1100), "RS": (0, -225, 850), "US": (0, -200, 850),
-        "MC3": (0, -212, 840), "MCP2": (0, -230, 770), "MCP3": (0, -212, 765), "MCP5": (0, -180, 775),
-    }  # fmt: skip
     model = load_model("isb_upper_limb")
-    points = {name: np.array(xyz, float) for name, xyz in place.items()}
+    points = {name: np.array(xyz, float) for name, xyz in PLACE.items()}
     arm_, forearm = (
         ("GH", "EL", "EM", "RS", "US", "MC3", "MCP2", "MCP3", "MCP5"),
         ("RS", "US", "MC3", "MCP2", "MCP3", "MCP5"),

@@ -45,6 +45,8 @@ GAIT_KINDS = (
          "trial."),
     Kind("gait_one_leg", "gait", "amber", "No marker of one leg is in a walk: its side has no numbers.",
          {"trial": "text", "side": "text"}),
+    Kind("gait_markers_never_seen", "gait", "amber", "Markers of the model that a walk names and never shows: what "
+         "follows from them has no numbers.", {"trial": "text"}),
     Kind("gait_markers_renamed", "gait", "info", "Markers of the file that were taken for the model's, as SACR = "
          "sacrum.", {"names_list": "text"}),
     Kind("gait_hips_functional", "gait", "info", "Hip joint centres come from a motion that turns them. way: score or "

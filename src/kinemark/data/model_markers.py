@@ -6,7 +6,8 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from .errors import KinemarkError
@@ -28,6 +29,14 @@ INSIDE = ("KNM", "MED")
 """Inside of knee and ankle, after L or R; conventional (CGM2)."""
 STATIC_MARKERS = (*DEVICE, *INSIDE)
 """That only the standing trial needs; conventional."""
+THORAX_MARKERS = ("CLAV", "STRN", "C7", "T10")
+HEAD_MARKERS = ("LFHD", "RFHD", "LBHD", "RBHD")
+ARM_MARKERS = ("SHO", "ELB", "WRA", "WRB", "FIN")
+"""Of each arm, after L or R; conventional."""
+UPPER_BODY_MARKERS = (
+    *THORAX_MARKERS, *HEAD_MARKERS, *(letter + name for letter in LETTER.values() for name in ARM_MARKERS)
+)  # fmt: skip
+"""Of trunk, head and arms, which a trial may have; conventional (Plug-in Gait)."""
 KNOWN_MARKERS = (*MODEL_MARKERS, *(letter + name for letter in LETTER.values() for name in STATIC_MARKERS))
 """All that a trial may have, standing ones with those that show axes; conventional."""
 
@@ -54,6 +63,18 @@ def model_names(names: Sequence[str], stated: Mapping[str, str] | None = None) -
         if known is not None and known not in stated.values():
             found[marker] = known
     return found
+
+
+def upper_body_names(names: Sequence[str], taken: Collection[str]) -> dict[str, str]:
+    """The trial's name of each marker of the upper body that differs from it in case, or by what stands between its
+    letters, alone.
+
+    Args:
+        names: of the trial's markers. taken: of these, that are others.
+    """
+    own = {without_subject(name) for name in names}
+    bare = {re.sub("[^A-Z0-9]", "", without_subject(name).upper()): name for name in names if name not in taken}
+    return {marker: bare[marker] for marker in UPPER_BODY_MARKERS if marker not in own and marker in bare}
 
 
 def with_model_names(trajectories: Trajectories, known: Mapping[str, str]) -> Trajectories:

@@ -14,6 +14,8 @@ from typing import Literal
 AXES = "xyz"
 LABORATORY = "laboratory"
 """Parent of a joint that is measured against the room: x forward, y up, z to the right (ISB)."""
+AUTO = "auto"
+"""In place of the laboratory's axes: as the trial shows (`kinematics.chain`)."""
 DIRECTIONS = tuple(sign + axis for sign in "+-" for axis in AXES)
 
 
@@ -144,7 +146,7 @@ class Model:
     Attributes:
         name, source: what it is called and who described it.
         side: "left" mirrors the markers, so that the same axes and signs hold on both sides (Wu et al. 2005).
-        forward, up: of the laboratory, such as "+x" and "+z".
+        forward, up: of the laboratory, such as "+x" and "+z"; both `AUTO` where the trial shows them.
         means: point → the points it is the mean of, in the order in which they can be worked out.
         aliases: marker → other names under which files may have it.
     """
@@ -169,8 +171,12 @@ class Model:
         _check_names(self)
         if self.side not in ("right", "left"):
             raise ValueError(f"side is {self.side!r}, wanted right or left")
+        if {self.forward, self.up} == {AUTO}:
+            return
         if not {self.forward, self.up} <= set(DIRECTIONS) or self.forward[1] == self.up[1]:
-            raise ValueError(f"forward is {self.forward!r} and up is {self.up!r}, wanted two axes such as +x and +z")
+            raise ValueError(
+                f"forward is {self.forward!r} and up is {self.up!r}, wanted two axes such as +x and +z, or {AUTO} twice"
+            )
 
     @property
     def carried(self) -> frozenset[str]:

@@ -48,7 +48,7 @@ def angle_figures(
         angles: of the trial; model: that they were made with; cycles: of the trial, where it has some.
         name: of the trial.
         trajectories: the markers, with the covariance that was passed on.
-        how: the words "method", "noise", "smoothing"; "marker_sd_mm" and "noise_from"; "lock_deg".
+        how: the words "method", "noise", "laboratory", "smoothing"; "marker_sd_mm" and "noise_from"; "lock_deg".
         side: how the side was told, where nobody stated it.
     """
     rows = [_angle(angles, model, k) for k in range(len(named_angles(model)))]

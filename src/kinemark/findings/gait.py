@@ -62,6 +62,7 @@ class GaitOfTrial(NamedTuple):
         way: "level", "running", "stairs", "backward" or "to and fro". first_frame: its number in the recording.
         floor: how it moves. keys: key values of its strides that count. leaps: of its markers.
         names, plates: what of its names and its plates cannot be. bare: the side whose leg has no marker.
+        unseen: markers of the model, of other sides, that it names and no frame shows.
     """
 
     name: str
@@ -79,6 +80,7 @@ class GaitOfTrial(NamedTuple):
     names: MarkerDoubts = MarkerDoubts()
     plates: tuple[PlateDoubt, ...] = ()
     bare: Side | None = None
+    unseen: tuple[str, ...] = ()
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -296,6 +298,8 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     yield from of_events(trial.name, trial.events, trial.file_events, trial.start_s, trial.bare)
     if trial.bare is not None:
         yield make_finding("gait_one_leg", trial=trial.name, side=trial.bare)
+    if trial.unseen:
+        yield make_finding("gait_markers_never_seen", trial=trial.name, markers=trial.unseen)
     if trial.way != "level":
         yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
     if trial.floor.moves:

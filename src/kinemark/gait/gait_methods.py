@@ -13,7 +13,7 @@ from typing import Literal
 from ..data import KinemarkError, Trajectories, Trial
 from ..data.array_types import Floats
 from ..data.method import Method, parameter
-from ..data.model_markers import MODEL_MARKERS
+from ..data.model_markers import MODEL_MARKERS, UPPER_BODY_MARKERS
 from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
 from ..kinematics.smooth import residual_cutoff, smooth_butterworth
@@ -23,7 +23,6 @@ from .gait_trial import GAIT, GaitTrial, Mechanics, gait_of, inputs_of, marker_p
 from .inverse_dynamics import five_point, five_point_slope, spline_acceleration
 from .reaction import THRESHOLD_N
 from .segment_inertia import INERTIAS, PLUG_IN_GAIT
-from .upper_body import UPPER_BODY_MARKERS
 
 Cutoffs = Sequence[float | None]
 """Hz of markers."""

@@ -37,6 +37,10 @@ MOMENT_AXES = {
     "Hip": ("extension", "abduction", "rotation"),
 }
 """What positive moments do to the distal segment, by joint; rotation is external."""
+REACTION = "GroundReactionForce"
+"""After L or R; conventional."""
+REACTION_AXES = ("anterior", "medial", "vertical")
+"""Where the floor pushes the foot, as the subject walks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +52,7 @@ class GaitTrial:
         reactions: of the plates; contacts: loads on them, and whose.
         loads: force, moment and power by "LAnkle", "RHip", …; of feet whose contacts count.
         signals: angles, ground reactions, forces, moments and powers under the usual names.
+        way: (3, 3), or (F, 3, 3) where it bends, forward, left and up as columns: from where pelvis and feet are seen.
     """
 
     limbs: LowerLimbs
@@ -55,6 +60,7 @@ class GaitTrial:
     contacts: tuple[Contact, ...]
     loads: Mapping[str, JointLoad]
     signals: Signals
+    way: Floats
 
 
 def analyse_gait(
@@ -134,7 +140,7 @@ def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
     angles = clinical_angles(limbs, up=given.up, lab=lab)
     angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, lab)
     signals = signals_of(angles, loads, on, given.measures.mass_kg, rate=given.rate)
-    return GaitTrial(limbs, given.reactions, given.contacts, loads, signals)
+    return GaitTrial(limbs, given.reactions, given.contacts, loads, signals, lab)
 
 
 def limbs_of(given: Inputs, hip_centre: HipCentre) -> LowerLimbs:
@@ -247,7 +253,7 @@ def signals_of(
         return Signals(tuple(out))
     for side, one in contact.items():
         if len(one.force):
-            out.append(Signal.of(f"{LETTER[side]}GroundReactionForce", "force", "N/kg", one.force / mass_kg, rate=rate))
+            out.append(Signal.of(f"{LETTER[side]}{REACTION}", "force", "N/kg", one.force / mass_kg, rate=rate))
     for name, load in loads.items():
         side, joint = ("left" if name[0] == "L" else "right"), name[1:]
         moment = clinical_moment(load, joint, side, mass_kg)
@@ -256,6 +262,20 @@ def signals_of(
         power = load.power[:, None] / mass_kg
         out.append(Signal.of(f"{name}Power", "power", "W/kg", power, rate=rate, axes=("power",)))
     return Signals(tuple(out))
+
+
+def along_way(found: GaitTrial) -> Signals:
+    """The signals with ground reactions by `REACTION_AXES`, so that walks in different directions can be averaged, and
+    left be laid upon right; in the laboratory's axes one way takes away what the other adds."""
+    return Signals(tuple(_along(s, found.way) if s.name.endswith(REACTION) else s for s in found.signals))
+
+
+def _along(force: Signal, way: Floats) -> Signal:
+    """A ground reaction by `REACTION_AXES`."""
+    medial = -1.0 if force.name.startswith(LETTER["left"]) else 1.0
+    axes = way * (1.0, medial, 1.0)
+    values = (force.values[:, None] @ axes)[:, 0]
+    return replace(force, axes=REACTION_AXES, values=values, cov=np.swapaxes(axes, -1, -2) @ force.cov @ axes)
 
 
 def marker_points(trial: Trial) -> dict[str, Floats]:

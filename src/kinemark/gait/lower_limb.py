@@ -107,6 +107,13 @@ def absent_markers(points: Collection[str]) -> list[str]:
     return absent
 
 
+def never_seen(points: Mapping[str, Floats]) -> tuple[str, ...]:
+    """Markers of the legs and of the front of the pelvis that no frame shows, (F, 3) mm by the model's names; none of
+    a leg without any, which is another matter."""
+    wanted = ["LASI", "RASI", *(LETTER[s] + name for s in SIDES if leg_seen(points, s) for name in LEG_MARKERS)]
+    return tuple(name for name in wanted if name in points and not np.isfinite(points[name]).any())
+
+
 def leg_seen(points: Mapping[str, Floats], side: Side) -> bool:
     """Whether any frame shows a marker of a leg, (F, 3) mm by the model's names."""
     return any(np.isfinite(points[LETTER[side] + name]).any() for name in LEG_MARKERS if LETTER[side] + name in points)

@@ -18,7 +18,7 @@ from ..data import MarkerTrajectory, Origin, Trial
 from ..data.array_types import Floats
 from ..data.laboratory_axes import axis_of, level_axes, turned, up_shown
 from ..data.marker_sides import without_subject
-from ..data.model_markers import LEG_MARKERS, model_names, with_model_names
+from ..data.model_markers import LEG_MARKERS, model_names, upper_body_names, with_model_names
 from ..data.subject_measures import LETTER
 from .clusters import Clusters, carried_landmarks, check_clusters, with_wands
 from .gait_trial import marker_points
@@ -56,7 +56,9 @@ def standard_trial(
     Raises:
         KinemarkError: a stated marker is not there, or no axis is up.
     """
-    known = model_names(trial.trajectories.names, markers)
+    names = trial.trajectories.names
+    known = model_names(names, markers)
+    known |= upper_body_names(names, known.values())
     named = replace(trial, trajectories=with_model_names(trial.trajectories, known))
     if turn is None:
         turn = level_axes(axis_of(up) if up != "auto" else up_shown(marker_points(named)))
@@ -66,7 +68,7 @@ def standard_trial(
 
 
 def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTrial:
-    """The walk with the heels (1) that only the standing trial has.
+    """The walk with the heels (1) that only the standing trial shows.
 
     Args:
         walk: to be completed. stood: (F, 3) mm of the standing trial by the model's names.
@@ -74,13 +76,14 @@ def with_heels(walk: StandardTrial, stood: Mapping[str, Floats]) -> StandardTria
     points, added = marker_points(walk.trial), []
     for letter in LETTER.values():
         names = [letter + part for part in ("ANK", "TOE", "KNE")]
-        if letter + "HEE" in points or letter + "HEE" not in stood or not set(names) <= set(points) & set(stood):
+        if _seen(points, letter + "HEE") or letter + "HEE" not in stood or not set(names) <= set(points) & set(stood):
             continue
         Q, Qs = (_foot_axes(*(each[name] for name in names)) for each in (points, stood))
         local = np.einsum("fji,fj->fi", Qs, stood[letter + "HEE"] - stood[names[0]])
         if not np.isfinite(local).all(1).any():
             continue
         added.append(_filled(letter + "HEE", points[names[0]] + Q @ np.nanmedian(local, axis=0)))
+    walk = _without(walk, [path.name for path in added])
     return _with(walk, added)._replace(heels=tuple(path.name for path in added)) if added else walk
 
 
@@ -116,6 +119,17 @@ def with_landmarks(walk: StandardTrial, stood: Mapping[str, Floats], clusters: C
 def _with(walk: StandardTrial, added: Sequence[MarkerTrajectory]) -> StandardTrial:
     paths = (*walk.trial.trajectories.paths, *added)
     return walk._replace(trial=replace(walk.trial, trajectories=replace(walk.trial.trajectories, paths=paths)))
+
+
+def _without(walk: StandardTrial, names: Sequence[str]) -> StandardTrial:
+    """The walk without the markers of these names, which it never shows."""
+    kept = tuple(path for path in walk.trial.trajectories if without_subject(path.name) not in names)
+    return walk._replace(trial=replace(walk.trial, trajectories=replace(walk.trial.trajectories, paths=kept)))
+
+
+def _seen(points: Mapping[str, Floats], name: str) -> bool:
+    """Whether any frame shows a marker."""
+    return name in points and bool(np.isfinite(points[name]).any())
 
 
 def _filled(name: str, xyz: Floats) -> MarkerTrajectory:

@@ -24,18 +24,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..data.array_types import Floats
+from ..data.model_markers import ARM_MARKERS, HEAD_MARKERS, THORAX_MARKERS
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, ArmMeasures, Side, SubjectMeasures
 from ..kinematics import principal, turned
 from .segments import Segment, joint_centre, perpendicular, relative, unit, upright, within_half_turn
 
-THORAX_MARKERS = ("CLAV", "STRN", "C7", "T10")
-HEAD_MARKERS = ("LFHD", "RFHD", "LBHD", "RBHD")
-ARM_MARKERS = ("SHO", "ELB", "WRA", "WRB", "FIN")
-"""Of each arm, after L or R; conventional."""
-UPPER_BODY_MARKERS = (
-    *THORAX_MARKERS, *HEAD_MARKERS, *(letter + name for letter in LETTER.values() for name in ARM_MARKERS)
-)  # fmt: skip
-"""All that is looked at; conventional."""
 UPPER_BODY_AXES = {
     "Thorax": ("tilt", "obliquity", "rotation"),
     "Spine": ("flexion", "lateral flexion", "rotation"),

@@ -33,6 +33,7 @@ from .nexus_csv import is_nexus, read_nexus_csv
 from .notes import FileNote
 from .number_text import bad_line, read_text
 from .possible_places import with_possible_places
+from .qualisys_tsv import read_qualisys_tsv
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
@@ -228,6 +229,7 @@ FORMATS: dict[str, Format] = {
         ),
         {"trajectories": _markers_only(write_trc)},
     ),
+    ".tsv": Format(lambda p, options: read_qualisys_tsv(p, rate_hz=options.rate_hz, length_unit=options.length_unit)),
     ".csv": Format(
         _csv,
         {

@@ -113,6 +113,8 @@ def _rate(path: Path | str, found: TrcTable, said: float | None) -> tuple[float,
     if said is not None:
         return said, ()
     stated = _number(path, found, "datarate")
+    if stated == 0 and not math.isnan(timed):
+        stated = math.nan  # nobody filled it in
     if stated <= 0 or math.isinf(stated):
         raise bad_line(path, found.heading, f"DataRate is {stated}, wanted a positive number. State it with --rate-hz.")
     if stated > 0:

@@ -16,7 +16,7 @@ from .tdf import Tdf
 def read_trial(
     path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None, partial: bool = False
 ) -> Trial:
-    """The trial in a file: C3D, TDF, TRC, CSV of trajectories, a record in HDF5, or UM²AS's TDC.
+    """The trial in a file: C3D, TDF, TRC, TSV of Qualisys, CSV of trajectories, a record in HDF5, or UM²AS's TDC.
 
     Args:
         path: the file.

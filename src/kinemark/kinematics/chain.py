@@ -17,6 +17,11 @@ order their covariance is
 over the markers m, whose errors are independent of each other; J by central differences, all markers and frames at
 once. What a cluster carries depends on all its markers, so (4) goes through the pose of the cluster too. A left limb is
 mirrored first: x → −x across the laboratory's sagittal plane, after which it is a right one (Wu et al. 2005).
+
+Files have their floor along any two axes, and subjects face along any. Where a model leaves it to the trial, up is what
+the file or the body shows, else the axis nearest to y of the segment that is measured against the laboratory, and
+forward the level axis nearest to its x, both on the mean over the frames (5). ISB's segments have x forward and y up in
+who stands, so that flexion stays flexion whichever way the subject sits.
 """
 
 from __future__ import annotations
@@ -28,7 +33,7 @@ import numpy as np
 
 from ..data import Angles, KinemarkError, Trajectories
 from ..data.array_types import Floats
-from ..data.models import LABORATORY, Axis, Joint, Model, Segment
+from ..data.models import AUTO, LABORATORY, Axis, Joint, Model, Segment
 from ..data.nearest_word import some_names
 from ..geometry import origin_near
 from .pose import Template, carry
@@ -63,6 +68,7 @@ def joint_angles(
     """
     method = method or SignedAngles()
     used = _near_origin(chosen(trajectories, model, template))
+    model = in_room(model, complete(points_of(used), model, template))
     R = joint_matrices(points_of(used), model, template)
     read = [read_angles(R[j], joint, method) for j, joint in enumerate(model.joints)]
     deg, locked = np.array([d for d, _ in read]), np.array([flag for _, flag in read])
@@ -184,9 +190,44 @@ def complete(points: Points, model: Model, template: Template | None = None) -> 
 
 
 def laboratory(model: Model) -> Floats:
-    """(3, 3) the laboratory's forward, up and right as columns."""
+    """(3, 3) the laboratory's forward, up and right as columns; of a model that leaves them to a trial +x, +z, −y."""
+    if model.up == AUTO:
+        return np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     forward, up = ((1.0 if d[0] == "+" else -1.0) * np.eye(3)["xyz".index(d[1])] for d in (model.forward, model.up))
     return np.stack([forward, up, np.cross(forward, up)], -1)
+
+
+def in_room(model: Model, points: Points, *, up: Floats | None = None) -> Model:
+    """The model with the laboratory's axes stated (5); itself where they are.
+
+    Args:
+        model: whose axes are `AUTO`. points: (F, 3) mm by name, with those that clusters carry.
+        up: (3) the axis that goes up, where the file or the body shows it.
+    """
+    if model.up != AUTO:
+        return model
+    forward, upward = _stands(model, points)
+    above = _nearest_axis(upward if up is None else up, "+z")
+    level = np.where(np.arange(3) == "xyz".index(above[1]), 0.0, forward)
+    return replace(model, up=above, forward=_nearest_axis(level, "+x" if above[1] != "x" else "+y"))
+
+
+def _stands(model: Model, points: Points) -> tuple[Floats, Floats]:
+    """(3), (3) mean of x and y of the segment that is measured against the laboratory; 0 where there is none."""
+    child = next((joint.child for joint in model.joints if joint.parent == LABORATORY), None)
+    axes = np.zeros((1, 3, 3)) if child is None else np.reshape(segment_axes(points, model)[child], (-1, 3, 3))
+    seen = axes[np.isfinite(axes).all((1, 2))]
+    mean = seen.mean(0) if len(seen) else np.zeros((3, 3))
+    if model.side == "left":
+        right = laboratory(model)[:, 2]
+        mean = mean - 2 * np.outer(right, right @ mean)  # as it was before it was mirrored
+    return mean[:, 0], mean[:, 1]
+
+
+def _nearest_axis(v: Floats, usual: str) -> str:
+    """The axis nearest to a vector (3), such as "-y"."""
+    k = int(np.abs(v).argmax())
+    return f"{'-' if v[k] < 0 else '+'}{'xyz'[k]}" if v.any() else usual
 
 
 def _axes(points: Points, segment: Segment) -> Floats:

@@ -66,10 +66,13 @@ KINETICS = (
     Panel("Ankle moment", "AnkleMoment", 0, "plantarflexors", "dorsiflexors"),
     Panel("Hip frontal moment", "HipMoment", 1, "abductors", "adductors"),
     Panel("Knee frontal moment", "KneeMoment", 1, "abductors", "adductors"),
-    Panel("Vertical reaction", "GroundReactionForce", 2, "", ""),
+    Panel("Ankle frontal moment", "AnkleMoment", 1, "abductors", "adductors"),
     Panel("Hip power", "HipPower", 0, "generated", "absorbed"),
     Panel("Knee power", "KneePower", 0, "generated", "absorbed"),
     Panel("Ankle power", "AnklePower", 0, "generated", "absorbed"),
+    Panel("Fore-aft reaction", "GroundReactionForce", 0, "propels", "brakes"),
+    Panel("Mediolateral reaction", "GroundReactionForce", 1, "medial", "lateral"),
+    Panel("Vertical reaction", "GroundReactionForce", 2, "", ""),
 )
 """The same of loads."""
 

@@ -31,3 +31,12 @@ def test_a_channel_that_cannot_be_emg_does_not_stop_the_trial():
     values = np.random.default_rng(0).normal(size=(1, 300))
     trial = Trial("walk", Trajectories((), 60.0), (Analog(("L Rect",), ("V",), 60.0, values),))
     assert not emg_of(trial)
+
+
+def test_muscles_of_a_file_without_units_are_emg():
+    """They were left out of the report without a word."""
+    muscles = ("Voltage.L Rect", "R Tib Ant", "LGast", "R_gluteus_medius", "Vastus lat", "semitendinosus R", "L Hams")
+    others = ("Fx1", "L Spare", "Direct", "Angle", "Sync", "Stibitz", "Chamber")
+    values = np.random.default_rng(0).normal(size=(len(muscles + others), 2000))
+    trial = Trial("walk", Trajectories((), 100.0), (Analog(muscles + others, ("",) * len(values), 1000.0, values),))
+    assert tuple(emg_of(trial)) == muscles

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -10,8 +11,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ...data import Angles, Finding, KinemarkError, Trajectories, Trial, make_finding
+from ...data.array_types import Floats
 from ...data.model_markers import model_names
-from ...data.models import JointMotion
+from ...data.models import LABORATORY, JointMotion
 from ...data.nearest_word import some_names
 from ...findings.angles import angle_figures
 from ...gait.lower_limb import absent_markers
@@ -33,11 +35,12 @@ from ...kinematics import (
     static_template,
     with_marker_sd,
 )
-from ...kinematics.chain import Points, chosen, complete, points_of
+from ...kinematics.chain import Points, chosen, complete, in_room, points_of
 from ...report.angles_page import write_angles_page
 from ...report.drawing_library import assets_for
 from ...report.words import with_words
 from ..identities import identity_of_file
+from ..vertical import UNKNOWN, vertical
 from .settings import AngleSettings
 
 
@@ -74,15 +77,24 @@ def trial_angles(
     used = chosen(raw, model, template)
     stated = with_marker_sd(used, settings.marker_sd_mm)
     smoothed = _smoothed(stated, settings)
-    angles = joint_angles(smoothed, model=model, method=settings.method, template=template)
     points = complete(points_of(smoothed), model, template)
+    model = in_room(model, points, up=_up(trial))
+    angles = joint_angles(smoothed, model=model, method=settings.method, template=template)
     spans = _spans(trial, settings)
     found = cycles(angles, spans=spans) if spans else None
-    how = _words(used, stated, settings)
+    how = _words(model, used, stated, settings)
     figures = with_words(
         angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found, side=side)
     )
     return TrialAngles(angles, model, points, found, figures)
+
+
+def _up(trial: Trial) -> Floats | None:
+    """(3) the axis that goes up; None where neither the file nor the body shows it."""
+    with suppress(KinemarkError):  # the pelvis lies
+        axis, known = vertical(trial)
+        return None if known == UNKNOWN else axis
+    return None
 
 
 def with_angles(trial: Trial, angles: Angles, model: Model) -> Trial:
@@ -261,7 +273,14 @@ def _span(text: str, start: float) -> tuple[float, float]:
     return span
 
 
-def _words(before: Trajectories, stated: Trajectories, settings: AngleSettings) -> dict[str, Any]:
+def _room(model: Model) -> str:
+    """Which axes forward and up are, where a joint is measured against them; nothing else."""
+    if not any(joint.parent == LABORATORY for joint in model.joints):
+        return ""
+    return f"{model.forward} is forward and {model.up} is up."
+
+
+def _words(model: Model, before: Trajectories, stated: Trajectories, settings: AngleSettings) -> dict[str, Any]:
     """What was done, in words and numbers for the page and the machine."""
     sd = np.array([np.sqrt(np.trace(path.cov, axis1=1, axis2=2) / 3) for path in stated])
     seen = sd[np.isfinite(sd)]
@@ -282,6 +301,7 @@ def _words(before: Trajectories, stated: Trajectories, settings: AngleSettings) 
     return {
         "method": turns[settings.inverse_cosines],
         "noise": origins[origin] + ("" if median is None else f" The median is {median:.3g} mm."),
+        "laboratory": _room(model),
         "smoothing": "None." if settings.smoothing == "none" else f"{settings.smoothing.title()}, cut-off {cutoff}.",
         "noise_from": origin,
         "marker_sd_mm": median,

@@ -11,6 +11,12 @@ import numpy as np
 from ...data import KinemarkError, Trial
 from ...gait.emg import Emg, emg, peak_of
 
+MUSCLE = re.compile(
+    r"(?i)\brect|rectus|vast|ham(s\b|string)|bicep|tricep|semi(t|m)|gastroc|(^|[lr_ .])gast\b|soleus|"
+    r"tib[a-z]*[ _.-]*(ant|post)|perone|fibularis|glut|adductor|gracil|sartor|deltoid|trapez|erector|latissimus|"
+    r"pectoral|brachi"
+)
+"""Names of muscles, whole and as they are usually cut short, by which a channel without a unit is EMG; conventional."""
 NO_MUSCLE = re.compile(r"(?i)(^|[^a-z])([fmc][xyz]\d*( ?\[\d+\])?$|pin ?\d+)|foot.?switch|sync|trigger|gonio")
 """Names of channels in volts that are no EMG: a plate's before it is scaled, bare pins of a converter, switches."""
 
@@ -31,7 +37,8 @@ def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, floa
 
 
 def emg_of(trial: Trial) -> dict[str, Emg]:
-    """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), and no plate's.
+    """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), or has no unit and the
+    name of a muscle, and no plate's.
 
     One that is no EMG by its samples, too few or too slow, is left out: the rest of the trial is as good without it.
     """
@@ -41,7 +48,8 @@ def emg_of(trial: Trial) -> dict[str, Emg]:
         for name, unit in zip(record.names, record.units, strict=True):
             letters = "".join(c for c in unit.upper() if c.isalpha())
             in_volts = letters in ("V", "MV", "UV", "ΜV")
-            is_emg = "EMG" in name.upper() or (in_volts and not NO_MUSCLE.search(name))
+            named = in_volts or (not letters and bool(MUSCLE.search(name)))
+            is_emg = "EMG" in name.upper() or (named and not NO_MUSCLE.search(name))
             if name not in plates and is_emg and np.ptp(record[name]) > 0:
                 with suppress(KinemarkError):
                     found[name] = emg(record[name], rate=record.rate, start=record.start)

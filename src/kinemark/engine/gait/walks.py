@@ -23,9 +23,9 @@ from ...gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measur
 from ...gait.foot_events import foot_events
 from ...gait.functional_hip import functional_hip, with_functional_hips
 from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
-from ...gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
+from ...gait.gait_trial import REACTION, along_way, analyse_gait, inputs_of, marker_points, measured_only
 from ...gait.key_values import key_values
-from ...gait.lower_limb import check_markers, leg_seen, lower_limbs
+from ...gait.lower_limb import check_markers, leg_seen, lower_limbs, never_seen
 from ...gait.standard_trial import (
     StandardTrial,
     in_laboratory,
@@ -253,7 +253,7 @@ def subject_gait(
     trials = [one._replace(strides=strides) for one, strides in zip(trials, counted, strict=True)]
     trials = [one._replace(keys=key_values(one.gait.signals, one.counted)) for one in trials]
     whole = _whole(trials, settings, mvc)
-    each = [(*gait_curves(one.gait.signals, one.counted), *emg_curves(one.emg, one.counted, whole=whole))
+    each = [(*gait_curves(along_way(one.gait), one.counted), *emg_curves(one.emg, one.counted, whole=whole))
             for one in trials]  # fmt: skip
     return SubjectGait(tuple(trials), joined_curves(each), causes, measures, axes, _shown(walks, static, body))
 
@@ -330,7 +330,7 @@ def gait_of_trial(
     return GaitOfTrial(
         trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
         leaps=leaps, names=names, plates=doubted_plates(trial, points, gait, events, way, measures.mass_kg),
-        bare=next((side for side in SIDES if not leg_seen(points, side)), None),
+        bare=next((side for side in SIDES if not leg_seen(points, side)), None), unseen=never_seen(points),
     )  # fmt: skip
 
 
@@ -340,7 +340,7 @@ def with_gait(walk: Recorded, result: GaitOfTrial) -> Trial:
     turn = walk.standard.turn
     signals = [
         replace(s, values=in_laboratory(s.values, turn), cov=turn @ s.cov @ turn.T)
-        if s.name.endswith("GroundReactionForce") else s
+        if s.name.endswith(REACTION) else s
         for s in result.gait.signals
     ]  # fmt: skip
     return replace(walk.given, signals=walk.given.signals.updated(Signals(tuple(signals))), events=events)

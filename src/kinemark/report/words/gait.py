@@ -271,6 +271,12 @@ GAIT_WORDS = {
         "foot, as step length and support, is not known.",
         "If the leg did have markers, see what they are called: --marker; where it has none, nothing is lost.",
     ),
+    "gait_markers_never_seen": Words(
+        "{trial}: {markers} {markers:is|are} never seen. Angles that follow from {markers:it|them} are not known; "
+        "without heel and toe a side has no steps.",
+        "Label the trial's other trajectories, if one is that marker; fill cannot restore what no frame shows. "
+        "Heels come from a standing trial: --static.",
+    ),
     "gait_markers_renamed": Words(
         "Markers were taken for the gait model's: {names_list}.",
         "If one is another marker, say which it is: --marker SACR=sacrum.",

@@ -78,12 +78,5 @@ def post_why(opened: Opened, body: m.WhyBody) -> m.PlaceWhy:
 def post_apply(request: Request, opened: Opened, place: ThePlace, desk: TheDesk, body: m.DetectDraft) -> m.Detection:
     """Write what was tried into the session, whose trials are stale then."""
     apply(opened, draft_of(body))
-    forget_session(desk, place)
+    desk.forget_session(place)
     return detection(opened_of(request, place), place)
-
-
-def forget_session(desk: Desk, place: Place) -> None:
-    """All trials of the session are loaded anew when they are next asked for."""
-    for other in desk.shelf.trials():
-        if other.path == place.path:
-            desk.forget(other.id)

@@ -89,11 +89,13 @@ export class Lanes {
   }
 
   show(frame: number): void {
+    const went = frame !== this.frame, { span } = this.marks;
     this.frame = frame;
     if (!this.paths) return;
-    const { span } = this.marks, now = showing(span, frame, this.all);
+    const now = went ? showing(span, frame, this.all) : span; // who zooms or moves along may leave the frame
     if (now !== span) this.onSpan(now);
     const x = this.x(frame);
+    this.line.style.visibility = this.inside(x) ? "visible" : "hidden";
     this.line.style.transform = `translateX(${x.toFixed(1)}px)`;
   }
 

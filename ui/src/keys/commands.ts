@@ -41,6 +41,8 @@ export interface Command {
 
 const EDITOR: readonly Screen[] = ["tracks", "gaps"];
 const PLAYED: readonly Screen[] = [...EDITOR, "labels", "angles"];
+/** Where what is signed is seen. */
+const SHOWN: readonly Screen[] = [...PLAYED, "report", "history"];
 const hasTrial = (s: State): boolean => s.header !== null;
 const recorded = (s: State): boolean => s.id !== null && !ofFile(s);
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
@@ -172,7 +174,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "why", keys: ["Shift+W"], title: "Why: a note for the next act", group: "Trial", when: hasTrial, run: () => set({ dialog: "why" }) },
   { id: "again", keys: ["Shift+M"], title: "Track again with what was said: a correction mends its neighbourhood", group: "Trial", when: (s) => (s.header?.has_detections ?? false) && (s.header?.edits ?? 0) > 0, run: () => void acts.trackAgain() },
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
-  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: (s) => hasTrial(s) && s.screen !== "home", foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
+  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", screens: SHOWN, when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
   { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: reported, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
   { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" && reported(s) ? "the report alone, to print" : "print this page"), run: print },
   // Go to

@@ -301,7 +301,8 @@ def harmonics_table(figures: dict[str, Any]) -> Table:
         held = 100 * sum(share[:3]) if share else None
         rows.append([title, *(number(value, 1) for value in one["amplitude"]), number(held, 0)])
     hz = {side: value for side, value in figures["harmonics"]["stride_hz"].items() if value is not None}
-    note = f"A stride's frequency is {', '.join(f'{number(hz[side], 2)} Hz on the {side}' for side in hz)}." if hz else ""
+    each = ", ".join(f"{number(value, 2)} Hz on the {side}" for side, value in hz.items())
+    note = f"A stride's frequency is {each}." if each else ""
     head = ["amplitude", *(f"{h}×" for h in range(1, 7)), "first three, % of the power"]
     return Table(head, rows, note=note, absent="There are no whole strides.")
 

@@ -11,7 +11,6 @@ from ...engine.detection.open_detection import OpenDetection
 from ...engine.detection.settings_file import apply
 from ...engine.session_name import FILE
 from . import detect_messages as m
-from .desk import Desk
 from .detect import detection, draft_of, found_in, why_there
 from .home_routes import PNG, TheDesk, desk_of
 from .image_routes import KEPT as FOR_AN_HOUR

@@ -40,7 +40,9 @@ def choose_set(desk: Desk, document: OpenDocument, name: str | None) -> None:
         desk.wear(document, None if name is None else known[name])
         return
     if document.trial.workspace.settings.label_subjects:
-        raise KinemarkError("Each subject has a marker set of its own: state it under [label.subjects] in session.toml.")
+        raise KinemarkError(
+            "Each subject has a marker set of its own: state it under [label.subjects] in session.toml."
+        )
     change_session(document.place.path, {("marker_set",): name})
     desk.forget_session(document.place)
 

@@ -13,6 +13,8 @@ from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
 from kinemark.gait import marker_points
 from kinemark.io.trial import write_trial
+from kinemark.report.gait_page import harmonics_table, key_values_table, time_distance_table
+from kinemark.report.gait_text import gait_summary
 from kinemark.synth import WalkingBody, gait_laboratory
 from support.shift_gait import MEASURES
 
@@ -67,6 +69,20 @@ def test_the_leg_that_is_there_has_the_numbers_of_both_legs(tmp_path, lab, side)
 def test_measures_of_a_leg_without_markers_are_the_others(tmp_path, lab):
     found = gait(tmp_path, lab, "left", measures=None).figures
     assert found["measures"]["left"]["leg_mm"] == found["measures"]["right"]["leg_mm"]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_tables_of_one_leg_have_no_columns_of_dashes(tmp_path, lab, side):
+    """Time and distance and the key values kept the columns of the other leg, and the difference of both, empty."""
+    found = gait(tmp_path, lab, side).figures
+    assert found["key_values"]
+    tables = [time_distance_table(found), key_values_table(found, angles=True), key_values_table(found, angles=False)]
+    for table in tables:
+        assert not any(side in head or "left − right" in head for head in table.head) and table.head[1:]
+        assert all(set(cells) != {"–"} for cells in zip(*table.rows, strict=True))
+    assert side not in gait_summary(found).split("walking speed")[0].splitlines()[-1]
+    note = harmonics_table(found).note
+    assert f"Hz on the {side}" not in note and note.count(" Hz") == 1
 
 
 def test_a_pelvis_without_legs_is_refused(tmp_path, lab):

@@ -1004,6 +1004,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/marker-set": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Marker Set
+         * @description The marker set that the subject wears; the trial's header has it then.
+         */
+        post: operations["post_marker_set_api_trials__trial__marker_set_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/marker-sets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Marker Sets
+         * @description Marker sets that the subject may wear.
+         */
+        get: operations["get_marker_sets_api_trials__trial__marker_sets_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}/mosaic/{frame}": {
         parameters: {
             query?: never;
@@ -1291,6 +1331,8 @@ export interface components {
             cycle_side?: string | null;
             /** Inverse Cosines */
             inverse_cosines?: boolean | null;
+            /** Marker Sd Mm */
+            marker_sd_mm?: number | null;
             /** Model */
             model?: string | null;
             /** Side */
@@ -1325,9 +1367,16 @@ export interface components {
         /**
          * AnglesShown
          * @description The joint angles of a trial; `words` say why there are none, where there are none.
+         *
+         *     `errors_stated`: the file itself states the errors of all markers, so that none can be stated for them.
          */
         AnglesShown: {
             chosen: components["schemas"]["AngleChoice"];
+            /**
+             * Errors Stated
+             * @default true
+             */
+            errors_stated: boolean;
             /**
              * Euler
              * @default false
@@ -2751,6 +2800,22 @@ export interface components {
             width: number;
         };
         /**
+         * MarkerSetChoice
+         * @description A marker set that may be chosen; `there` of its markers are in the trial by name, `worn`: it is chosen.
+         */
+        MarkerSetChoice: {
+            /** Description */
+            description: string;
+            /** Markers */
+            markers: number;
+            /** Name */
+            name: string;
+            /** There */
+            there: number;
+            /** Worn */
+            worn: boolean;
+        };
+        /**
          * MarkerSetRow
          * @description A marker set; places are forward, left, up in shares of height; faces are the views of the figure.
          */
@@ -2777,6 +2842,14 @@ export interface components {
                     number
                 ];
             };
+        };
+        /**
+         * MarkerSetSaid
+         * @description The marker set that the subject wears; null for none.
+         */
+        MarkerSetSaid: {
+            /** Name */
+            name: string | null;
         };
         /**
          * MenuRow
@@ -3555,6 +3628,8 @@ export interface components {
             inverse_cosines?: boolean | null;
             /** Joint */
             joint: number;
+            /** Marker Sd Mm */
+            marker_sd_mm?: number | null;
             /** Model */
             model?: string | null;
             /** Side */
@@ -5810,6 +5885,72 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Labels"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_marker_set_api_trials__trial__marker_set_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MarkerSetSaid"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MarkerSetChoice"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_marker_sets_api_trials__trial__marker_sets_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MarkerSetChoice"][];
                 };
             };
             /** @description Unprocessable Entity */

@@ -158,6 +158,24 @@ it("draws a spike's erasing straight across the samples that are lost", async ()
   shown.paths = null;
 });
 
+it("passes over problems whose tracks were changed, where another one need not be waited for", async () => {
+  const touched = problem("p2", { tracks: ["RKNE"] }), other = problem("p3", { tracks: ["extra"] });
+  show();
+  set({ problems: { ...PROBLEMS, problems: [PROBLEMS.problems[0]!, touched, other], worth_looking: 3 } });
+  answer.changed = ["RKNE"];
+  answer.paths = { names: ["RKNE"], first_frame: 11, n_frames: 6, xyz: base64Of(new Float32Array(18)), sd: base64Of(new Float32Array(6)), origin: base64Of(new Uint8Array(6)) };
+  const taken = choose(PROBLEMS.problems[0]!, "exchange");
+  await soon();
+  expect(get().problem).toBe("p3");
+  answers[0]!({ ...PROBLEMS, problems: [touched, other], worth_looking: 2 });
+  await taken;
+  expect(get().problem).toBe("p3");
+  step(1);
+  expect(get().problem).toBe("p2");
+  delete answer.changed;
+  answer.paths = null;
+});
+
 it("goes on at once to a problem of tracks that were not changed, and waits where they were", async () => {
   const other = problem("p2", { tracks: ["RKNE", "extra"] });
   for (const [changed, at] of [[["LKNE"], "p2"], [["RKNE"], "p1"]] as const) {

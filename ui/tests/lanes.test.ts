@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { fitting } from "../src/model/format";
-import { frameAt, painted, pieces, placeOf, rowOrder } from "../src/model/lanes";
+import { frameAt, moved, painted, pieces, placeOf, rowOrder, showing, zoomed } from "../src/model/lanes";
 import { HEADER, path, set } from "./support";
 
 describe("pieces of a lane", () => {
@@ -47,5 +47,36 @@ describe("names of rows", () => {
   it("lose no more of their middle than they must", () => {
     expect(fitting("right head back b", 60, width)).toBe("right h…ck b");
     expect(fitting("right head back b", 1, width)).toBe("r…ck b");
+  });
+});
+
+describe("a part of the time", () => {
+  const all = [1, 1000] as const;
+
+  it("keeps the frame under the pointer where it is, and stays within the trial", () => {
+    const closer = zoomed(null, 250, 0.5, all)!;
+    for (const [span, by] of [[closer, 0.5], [closer, 1.5]] as const) {
+      const next = zoomed(span, 250, by, all)!, place = ([a, b]: readonly [number, number]): number => (250 - a) / (b - a);
+      expect(place(next)).toBeCloseTo(place(span), 2);
+    }
+    expect(zoomed(null, 1000, 0.25, all)).toEqual([750, 1000]);
+    expect(zoomed(null, 1, 0.25, all)).toEqual([1, 251]);
+  });
+
+  it("is all of it where it would be more, and never less than single frames", () => {
+    expect(zoomed([400, 600], 500, 100, all)).toBeNull();
+    let span = zoomed(null, 500, 0.01, all);
+    for (let k = 0; k < 20; k++) span = zoomed(span, 500, 0.5, all);
+    expect(span![1] - span![0]).toBe(10);
+    expect(zoomed(null, 2, 0.5, [1, 4])).toBeNull();
+  });
+
+  it("goes on with the frame: by pages where time goes on, about it where it leaps", () => {
+    expect(showing([100, 200], 150, all)).toEqual([100, 200]);
+    expect(showing([100, 200], 201, all)).toEqual([201, 301]);
+    expect(showing([100, 200], 950, all)).toEqual([900, 1000]);
+    expect(showing([100, 200], 40, all)).toEqual([1, 101]);
+    expect(moved([100, 200], -50, all)).toEqual([1, 101]);
+    expect(showing(null, 40, all)).toBeNull();
   });
 });

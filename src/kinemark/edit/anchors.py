@@ -37,7 +37,7 @@ from ..geometry import project
 from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
 from .votes import FAR_MM, compared, known_votes, votes, witnesses_of
-from .witnesses import witness_of
+from .witnesses import witnesses_at
 
 FEW = 4
 """Witnesses of an edit of samples, and of whose it is, a number; chosen: a claim has 16 and more of a whole path."""
@@ -91,7 +91,8 @@ def _stretch(
     samples: Sequence[tuple[MarkerTrajectory, int]], start: int, detections: Detections | None, world: str
 ) -> Stretch | None:
     """Samples, each of a path and a frame's number, as witnesses; None where there are none."""
-    witnesses = tuple(witness_of(path, f - start, start, detections) for path, f in samples)
+    each = (witnesses_at(path, np.array([f - start]), start, detections) for path, f in samples)
+    witnesses = tuple(one for own in each for one in own)
     return Stretch(None, None, witnesses, world) if witnesses else None
 
 

@@ -59,9 +59,7 @@ def stretch_of(
     chosen = _spread(frames[inside], None if at is None else at - trajectories.first_frame)
     pieces = unbroken([path], among or trajectories)[0] if pieces is None else pieces
     chosen = _in_each_piece(chosen, frames[inside], pieces)
-    return Stretch(
-        first, last, tuple(witness_of(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world
-    )
+    return Stretch(first, last, witnesses_at(path, chosen, trajectories.first_frame, detections), world)
 
 
 def _spread(frames: Ints, at: int | None) -> Ints:
@@ -80,14 +78,22 @@ def _in_each_piece(chosen: Ints, frames: Ints, piece: Ints) -> Ints:
     return np.union1d(chosen, frames[first[left] + count[left] // 2])
 
 
-def witness_of(path: MarkerTrajectory, f: int, first_frame: int, detections: Detections | None) -> Witness:
-    """One sample of a path, in frame f (from 0), with the images behind it."""
-    images = () if detections is None else _images(path.detection[f].tolist(), detections)
-    x, y, z = path.xyz[f].round(DECIMALS).tolist()
-    return Witness(f + first_frame, (x, y, z), images)
+def witnesses_at(
+    path: MarkerTrajectory, frames: Ints, first_frame: int, detections: Detections | None
+) -> tuple[Witness, ...]:
+    """Samples of a path, in frames from 0, with the images behind each."""
+    images = [()] * len(frames) if detections is None else _images(path.detection[frames], detections)
+    places = path.xyz[frames].round(DECIMALS).tolist()
+    numbers = (frames + first_frame).tolist()
+    return tuple(Witness(f, (x, y, z), seen) for f, (x, y, z), seen in zip(numbers, places, images, strict=True))
 
 
-def _images(rows: list[int], detections: Detections) -> tuple[tuple[str, float, float], ...]:
-    """Camera, u and v of some rows, one a camera, −1 for none."""
-    seen = [(camera, row) for camera, row in zip(detections.cameras, rows, strict=False) if row >= 0]
-    return tuple((camera, *detections.uv[row].round(DECIMALS).tolist()) for camera, row in seen)
+def _images(rows: Ints, detections: Detections) -> list[tuple[tuple[str, float, float], ...]]:
+    """Camera, u and v of rows (frames, cameras), one a camera, −1 for none."""
+    if not len(detections.uv):
+        return [()] * len(rows)
+    uv = detections.uv[np.maximum(rows, 0)].round(DECIMALS).tolist()
+    return [
+        tuple((camera, *at) for camera, row, at in zip(detections.cameras, own, here, strict=False) if row >= 0)
+        for own, here in zip(rows.tolist(), uv, strict=True)
+    ]

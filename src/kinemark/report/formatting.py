@@ -36,10 +36,16 @@ def measure(value: float | None, decimals: int, unit: str) -> str:
     return "–" if value is None else f"{number(value, decimals)}\u00a0{unit}"
 
 
+LEAST = 0.001
+"""Of lengths, mm, and angles, deg: what is less is said to be less; chosen, as no camera resolves it."""
+
+
 def millimetres(value: float | None) -> str:
     """A length with two digits that count, below 10 mm; a dash if unknown."""
     if value is None or value == 0:
         return measure(value, 2, "mm")
+    if abs(value) < LEAST:
+        return f"< {measure(LEAST, 3, 'mm')}"
     return measure(value, max(0, 1 - math.floor(math.log10(abs(value)))) if abs(value) < 10 else 0, "mm")
 
 

@@ -114,7 +114,7 @@ def time_distance_table(figures: dict[str, Any], norm: Norm | None = None) -> Ta
         row += ["–" if name == "step_width" else number(_symmetry(figures, name), 1)]
         rows.append(row + ([_normal(norm, name, by, digits)] if norm else []))
     head = [*SIDES_HEAD, "left − right (% of mean)", *(["reference"] if norm else [])]
-    return Table(head, rows, kept_in="gait.json")
+    return Table(head, rows, kept_in="gait.json").known()
 
 
 def _normal(norm: Norm, name: str, by: float, digits: int) -> str:
@@ -142,7 +142,7 @@ def key_values_table(figures: dict[str, Any], norm: Norm | None = None, *, angle
         row += ["–" if left is None or right is None else number(left["mean"] - right["mean"], digits)]
         rows.append(row + ([_normal(norm, key["name"], 1.0, digits)] if norm else []))
     head = [*SIDES_HEAD, "left − right", *(["reference"] if norm else [])]
-    return Table(head, rows, absent="There are no whole strides.", kept_in="key_values.csv")
+    return Table(head, rows, absent="There are no whole strides.", kept_in="key_values.csv").known()
 
 
 def _mean_and_spread(one: dict[str, Any], by: float, digits: int) -> str:
@@ -166,7 +166,7 @@ def ways_table(figures: dict[str, Any]) -> Table | None:
     count = [way["time_distance"][side]["stride_time"]["strides"] for way in each for side in ("left", "right")]
     rows.append(["strides", *(number(n) for n in count)])
     note = "Each direction of walking by itself; its angle is from the laboratory's x to the left."
-    return Table(head, rows, note=note)
+    return Table(head, rows, note=note).known()
 
 
 def _small(value: float, digits: int) -> str:
@@ -300,8 +300,9 @@ def harmonics_table(figures: dict[str, Any]) -> Table:
         title = f"{curve['side']} {joint} {curve['axes'][axis]} (°)"
         held = 100 * sum(share[:3]) if share else None
         rows.append([title, *(number(value, 1) for value in one["amplitude"]), number(held, 0)])
-    hz = figures["harmonics"]["stride_hz"]
-    note = f"A stride's frequency is {number(hz['left'], 2)} Hz on the left, {number(hz['right'], 2)} Hz on the right."
+    hz = {side: value for side, value in figures["harmonics"]["stride_hz"].items() if value is not None}
+    each = ", ".join(f"{number(value, 2)} Hz on the {side}" for side, value in hz.items())
+    note = f"A stride's frequency is {each}." if each else ""
     head = ["amplitude", *(f"{h}×" for h in range(1, 7)), "first three, % of the power"]
     return Table(head, rows, note=note, absent="There are no whole strides.")
 
@@ -317,4 +318,4 @@ def profile_table(figures: dict[str, Any]) -> Table | None:
     if any(one["scaled_score"] is not None for one in each.values()):
         rows.append(["score, 100 ± 10 in the controls", *(number(each[side]["scaled_score"], 0) for side in each)])
     note = f"Reference: {profile['source']}, {profile['subjects']} subjects."
-    return Table(["RMS distance from the reference (°)", "left", "right"], rows, note=note)
+    return Table(["RMS distance from the reference (°)", "left", "right"], rows, note=note).known()

@@ -24,12 +24,14 @@ def gait_summary(figures: dict[str, Any]) -> str:
     """A short plain text: verdict, a line a time-distance parameter, findings."""
     lines = [f"{figures['subject'] or 'gait'}: {headline_of(figures['verdict'])}"]
     lines += [f"  {sentence}" for sentence in sentences_of(figures["verdict"])]
-    lines += ["", f"  {'':32s}     left    right"]
+    each = figures["time_distance"]
+    sides = [side for side in ("left", "right") if any(one["mean"] is not None for one in each[side].values())]
+    lines += ["", f"  {'':32s}" + "".join(f" {side:>8s}" for side in sides)]
     for name, title in NAMES.items():
         unit, by, digits = SHOWN[figures["units"][name]]
-        means = [figures["time_distance"][side][name]["mean"] for side in ("left", "right")]
+        means = [each[side][name]["mean"] for side in sides]
         shown = ["–" if mean is None else number(mean / by, digits) for mean in means]
-        lines.append(f"  {title + ' (' + unit + ')':32s} {shown[0]:>8s} {shown[1]:>8s}")
+        lines.append(f"  {title + ' (' + unit + ')':32s}" + "".join(f" {text:>8s}" for text in shown))
     lines += ["", *finding_lines(figures["findings"])]
     return "\n".join(lines).rstrip() + "\n"
 

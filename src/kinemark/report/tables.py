@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from .formatting import count, measure, number, percent
@@ -45,6 +45,13 @@ class Table:
     def is_marked(self, row: int) -> bool:
         """Whether a row is tinted."""
         return row < len(self.marked) and self.marked[row]
+
+    def known(self) -> Table:
+        """The same without columns that are dashes in every row, as those of a leg without markers."""
+        kept = [k for k, cells in enumerate(zip(*self.rows, strict=True)) if k == 0 or set(cells) != {number(None)}]
+        if not self.rows:
+            return self
+        return replace(self, head=[self.head[k] for k in kept], rows=[[row[k] for k in kept] for row in self.rows])
 
 
 class Tile(NamedTuple):

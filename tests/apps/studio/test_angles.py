@@ -1,6 +1,7 @@
 """Joint angles in the studio: as the command line takes them, with cycles, what made a leap, and the three files."""
 
 import base64
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,6 +53,23 @@ def test_angles_are_those_of_the_library(eating):
             assert np.allclose(numbers(curve["sd"], -1), truth.angles.sd[place], rtol=1e-3, equal_nan=True)
     assert shown["headline"] == truth.figures["verdict"]["headline"]
     assert {numbers(point["xyz"], -1, 3).shape for point in shown["limb"]} == {(150, 3)}
+
+
+def test_the_error_of_markers_can_be_stated_on_the_screen(eating):
+    """Angles sent users of a screen to an option of the command line, and said that noise was 0.0000 mm."""
+    smooth = eating.with_name("smooth.c3d")
+    trial = read_trial(eating)
+    still = tuple(replace(p, xyz=arm(duration_s=3.0, seed=2).xyz[k]) for k, p in enumerate(trial.trajectories.paths))
+    write_trial(replace(trial, trajectories=replace(trial.trajectories, paths=still)), smooth)
+    studio = Studio(smooth)
+    shown = asked(studio).json()
+    (found,) = [one for one in shown["findings"] if "noise" in one["words"]]
+    assert "(< 0.001\u00a0mm)" in found["words"] and "Markers' SD" in found["advice"] and not shown["errors_stated"]
+    assert "e-0" not in " ".join(shown["sentences"])
+    stated = asked(studio, marker_sd_mm=0.5).json()
+    assert stated["chosen"]["marker_sd_mm"] == 0.5 and "assumed" in " ".join(f["words"] for f in stated["findings"])
+    sd = [np.nanmedian(numbers(one["joints"][0]["curves"][0]["sd"], -1)) for one in (shown, stated)]
+    assert sd[1] > 100 * sd[0]
 
 
 def test_cycles_and_smoothing_follow_what_is_said(eating):

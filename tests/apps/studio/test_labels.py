@@ -135,3 +135,19 @@ def _states(tracks):
         editing=SimpleNamespace(trajectories=tracks), now=SimpleNamespace(trajectories=tracks),
     )  # fmt: skip
     return {(one.a, one.b): one.state for one in labels(document).links}
+
+
+def test_a_marker_set_is_chosen_for_a_file_as_long_as_the_studio_runs(tmp_path):
+    """Which sets there are, and how to have one, was told of the command line and of session.toml alone."""
+    studio = Studio(file_in(tmp_path))
+    sets = {one["name"]: one for one in studio.page.get(f"{studio.trial}/marker-sets").json()}
+    assert sets["kiss-15"]["markers"] == 15 and sets["kiss-15"]["there"] == 2  # LKNE and RKNE
+    assert not any(one["worn"] for one in sets.values())
+    before = sorted(path.name for path in tmp_path.iterdir())
+    for name in ("kiss-15", "um2as-7", None):
+        now = studio.page.post(f"{studio.trial}/marker-set", {"name": name}).json()
+        assert [one["name"] for one in now if one["worn"]] == ([name] if name else [])
+        shown = studio.page.get(studio.trial).json()["marker_set"]
+        assert (shown and shown["name"]) == name
+    assert studio.page.post(f"{studio.trial}/marker-set", {"name": "../secret.toml"}).status == 404
+    assert sorted(path.name for path in tmp_path.iterdir()) == before

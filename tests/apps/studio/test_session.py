@@ -69,6 +69,26 @@ def test_what_is_said_makes_results_stale_and_the_file_follows_by_a_run(own, tmp
     assert (tmp_path / "own" / "edits" / "one.jsonl").is_file()
 
 
+OWN_SET = '[markers]\nA = { meaning = "one" }\nB = { meaning = "other" }\n'
+
+
+def test_a_marker_set_is_stated_in_the_sessions_file(own, tmp_path):
+    """Labels said which key of session.toml it is, and which command lists the sets."""
+    file = tmp_path / "own" / "session.toml"
+    before = file.read_text("utf-8")
+    (tmp_path / "own" / "mine.toml").write_text(OWN_SET, encoding="utf-8")
+    sets = [one["name"] for one in own.page.get(f"{own.trial}/marker-sets").json()]
+    assert {"kiss-15", "mine.toml"} < {*sets} and "session.toml" not in sets
+    for name in ("um2as-7", "mine.toml"):
+        now = own.page.post(f"{own.trial}/marker-set", {"name": name}).json()
+        assert [one["name"] for one in now if one["worn"]] == [name]
+        assert f'marker_set = "{name}"' in file.read_text("utf-8")
+        assert len(own.page.get(own.trial).json()["marker_set"]["names"]) == {"um2as-7": 7, "mine.toml": 2}[name]
+    assert own.page.post(f"{own.trial}/marker-set", {"name": None}).status == 200
+    assert own.page.get(own.trial).json()["marker_set"] is None
+    assert file.read_text("utf-8").split() == before.split()
+
+
 def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
     answer = studio.page.get(f"{studio.trial}/report")
     assert answer.status == 200 and answer.headers["content-security-policy"].startswith("sandbox allow-scripts ")

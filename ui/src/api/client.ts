@@ -2,7 +2,7 @@
 import { decodeDetections, type Detected } from "../model/detections";
 import { decodePaths, type PathSet } from "../model/paths";
 import type {
-  Act, ActDone, DetectionsHeader, Difference, GapCandidates, Gaps, History, Home, Labels, PathsHeader, Preview, Problems,
+  Act, ActDone, DetectionsHeader, Difference, GapCandidates, Gaps, History, Home, Labels, MarkerSetChoice, PathsHeader, Preview, Problems,
   Standing, TrialHeader, AnswerBody, DetectDraft, DetectFrame, Detection, DigitisingNow, PlacedMarker, PlaceWhy, SetupBody, StartUp, WhyBody,
 } from "./types";
 
@@ -56,6 +56,8 @@ export const problems = (id: string): Promise<Problems | null> => json(`${of(id)
 export const gaps = (id: string): Promise<Gaps> => json(`${of(id)}/gaps`);
 export const gap = (id: string, marker: string, first: number): Promise<GapCandidates | null> =>
   json(`${of(id)}/gaps/${part(marker)}/${first}`);
+export const markerSets = (id: string): Promise<MarkerSetChoice[]> => json(`${of(id)}/marker-sets`);
+export const wear = (id: string, name: string | null): Promise<MarkerSetChoice[]> => json(`${of(id)}/marker-set`, body({ name }));
 export const labels = (id: string, ask = false): Promise<Labels> => json(`${of(id)}/labels${ask ? "?ask=true" : ""}`);
 export const history = (id: string): Promise<History> => json(`${of(id)}/history`);
 export const difference = (id: string, from: number, to: number): Promise<Difference> =>

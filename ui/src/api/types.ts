@@ -29,6 +29,7 @@ export type GapRow = Schemas["GapRow"];
 export type Candidate = Schemas["Candidate"];
 export type GapCandidates = Schemas["GapCandidates"];
 export type Labels = Schemas["Labels"];
+export type MarkerSetChoice = Schemas["MarkerSetChoice"];
 export type Proposal = Schemas["Proposal"];
 export type History = Schemas["History"];
 export type HistoryRow = Schemas["HistoryRow"];

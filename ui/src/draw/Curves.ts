@@ -2,6 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { count } from "../model/format";
+import { WHEEL } from "../model/lanes";
 import { hasSd, speed, type Path } from "../model/paths";
 import { palette, type Palette } from "./palette";
 import { soon } from "./soon";
@@ -36,7 +37,8 @@ const TITLES = ["X mm", "Y mm", "Z mm"] as const;
 export class Curves {
   onFrame: (frame: number) => void = () => {};
   onStretch: (first: number, last: number) => void = () => {};
-  onWindow: (first: number, last: number) => void = () => {};
+  /** So many times as many frames about one. */
+  onZoom: (frame: number, by: number) => void = () => {};
   private plots: uPlot[] = [];
   /** What the plots were made for: others than their values. */
   private made = "";
@@ -155,8 +157,8 @@ export class Curves {
 
   private wheel(event: WheelEvent, plot: uPlot): void {
     event.preventDefault();
-    const [first, last] = this.view!.window, middle = plot.posToVal(event.offsetX, "x"), by = Math.exp(event.deltaY * 0.0015);
-    this.onWindow(Math.round(middle - (middle - first) * by), Math.round(middle + (last - middle) * by));
+    const middle = plot.posToVal(event.offsetX, "x"), by = Math.exp(event.deltaY * WHEEL);
+    this.onZoom(middle, by);
   }
 }
 

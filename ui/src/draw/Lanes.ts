@@ -2,7 +2,7 @@
 import type { Problem, TrialHeader } from "../api/types";
 import { fitting } from "../model/format";
 import { withoutSubject } from "../model/names";
-import { frameAt, painted, pieces, placeOf, rowOrder } from "../model/lanes";
+import { frameAt, moved, painted, pieces, placeOf, rowOrder, showing, WHEEL, zoomed, type Span } from "../model/lanes";
 import { EDITED, FILLED, MEASURED, MISSING, type PathSet } from "../model/paths";
 import { byOrigin, fit, palette, type Palette } from "./palette";
 import { soon } from "./soon";
@@ -14,14 +14,20 @@ const LEAST = 62, MOST = 104, INSET = 4;
 
 /** Opacity of lanes that are not selected; chosen. */
 const QUIET = 0.62;
+/** Steps of the wheel that move what is shown by all its width; chosen. */
+const STEPS = 10;
 
-export interface LaneMarks { selected: readonly string[]; first: number | null; last: number | null; problem: string | null }
+/** px: of the bar above that tells which part is shown. */
+const PART = 2;
+
+export interface LaneMarks { selected: readonly string[]; first: number | null; last: number | null; problem: string | null; span: Span }
 
 export class Lanes {
   onFrame: (frame: number) => void = () => {};
   onSelect: (name: string, more: boolean) => void = () => {};
   onStretch: (first: number, last: number) => void = () => {};
   onProblem: (id: string) => void = () => {};
+  onSpan: (span: Span) => void = () => {};
   private readonly canvas = document.createElement("canvas");
   private readonly head = document.createElement("canvas");
   private readonly line = document.createElement("div");
@@ -31,7 +37,7 @@ export class Lanes {
   private paths: PathSet | null = null;
   private problems: readonly Problem[] = [];
   private worth = 0;
-  private marks: LaneMarks = { selected: [], first: null, last: null, problem: null };
+  private marks: LaneMarks = { selected: [], first: null, last: null, problem: null, span: null };
   private rows: string[] = [];
   /** What is written of each row, and px that the names take. */
   private words = new Map<string, string>();
@@ -54,6 +60,7 @@ export class Lanes {
     this.watch.observe(this.scroll); // its bar comes and goes
     this.canvas.addEventListener("pointerdown", this.down);
     this.head.addEventListener("pointerdown", this.down);
+    element.addEventListener("wheel", this.wheel, { passive: false });
   }
 
   /** `worth`: how many of the problems, from the first, are worth a look. */
@@ -82,9 +89,13 @@ export class Lanes {
   }
 
   show(frame: number): void {
+    const went = frame !== this.frame, { span } = this.marks;
     this.frame = frame;
     if (!this.paths) return;
-    const x = this.names + placeOf(frame, this.width, this.paths.firstFrame, this.paths.frames);
+    const now = went ? showing(span, frame, this.all) : span; // who zooms or moves along may leave the frame
+    if (now !== span) this.onSpan(now);
+    const x = this.x(frame);
+    this.line.style.visibility = this.inside(x) ? "visible" : "hidden";
     this.line.style.transform = `translateX(${x.toFixed(1)}px)`;
   }
 
@@ -99,6 +110,27 @@ export class Lanes {
 
   private get width(): number {
     return Math.max(1, (this.wide ||= this.scroll.clientWidth) - this.names);
+  }
+
+  /** First and last frame of the trial. */
+  private get all(): readonly [number, number] {
+    const { firstFrame, frames } = this.paths!;
+    return [firstFrame, firstFrame + frames - 1];
+  }
+
+  /** First frame that is shown, and how many are. */
+  private get shown(): readonly [number, number] {
+    const [first, last] = this.marks.span ?? this.all;
+    return [first, last - first + 1];
+  }
+
+  /** px of the middle of a frame. */
+  private x(frame: number): number {
+    return this.names + placeOf(frame, this.width, ...this.shown);
+  }
+
+  private inside(x: number): boolean {
+    return x >= this.names && x <= this.names + this.width;
   }
 
   private reveal(name: string): void {
@@ -134,8 +166,8 @@ export class Lanes {
     if (selected) (c.fillStyle = p.line), c.fillRect(0, y, this.names + width, ROW);
     c.fillStyle = selected ? p.select : p.faint;
     c.fillText(this.words.get(name) ?? name, INSET, y + ROW / 2 + 0.5);
-    const colours = byOrigin(p);
-    for (const piece of painted(pieces(path.origin, width))) {
+    const colours = byOrigin(p), [first, frames] = this.shown, from = first - this.paths!.firstFrame;
+    for (const piece of painted(pieces(path.origin.subarray(from, from + frames), width))) {
       const x = this.names + piece.x, own = piece.origin;
       c.fillStyle = own === MISSING ? p.view : (colours[own] ?? p.measured);
       c.globalAlpha = own === MEASURED && !selected ? QUIET : 1; // what is as usual stands back
@@ -148,9 +180,9 @@ export class Lanes {
   }
 
   private stretch(c: CanvasRenderingContext2D, p: Palette, width: number, height: number): void {
-    const { first, last } = this.marks, { firstFrame, frames } = this.paths!;
+    const { first, last } = this.marks, [low, high] = this.all;
     if (first === null && last === null) return;
-    const a = this.names + placeOf(first ?? firstFrame, width, firstFrame, frames), b = this.names + placeOf(last ?? firstFrame + frames - 1, width, firstFrame, frames);
+    const within = (x: number): number => Math.min(this.names + width, Math.max(this.names, x)), a = within(this.x(first ?? low)), b = within(this.x(last ?? high));
     c.fillStyle = `${p.select}1c`;
     c.fillRect(a, 0, Math.max(1, b - a), height);
     c.fillStyle = p.select;
@@ -160,13 +192,18 @@ export class Lanes {
 
   /** Problems as triangles, events as ticks. */
   private strip(p: Palette, width: number, whole: number): void {
-    const { firstFrame, frames } = this.paths!, scale = fit(this.head, whole, HEAD), c = this.head.getContext("2d")!;
+    const scale = fit(this.head, whole, HEAD), c = this.head.getContext("2d")!;
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, whole, HEAD);
     c.fillStyle = p.faint;
-    for (const event of this.header!.events) c.fillRect(this.names + placeOf(1 + event.time_s * this.header!.rate, width, firstFrame, frames), 9, 1, 5);
+    for (const event of this.header!.events) {
+      const x = this.x(1 + event.time_s * this.header!.rate);
+      if (this.inside(x)) c.fillRect(x, 9, 1, 5);
+    }
+    if (this.marks.span) this.part(c, p, width);
     for (const [i, problem] of [...this.problems.entries()].reverse()) { // what is worth a look stands over the others
-      const x = this.names + placeOf(problem.frame, width, firstFrame, frames), own = problem.id === this.marks.problem;
+      const x = this.x(problem.frame), own = problem.id === this.marks.problem;
+      if (!this.inside(x)) continue;
       c.fillStyle = own ? p.select : i < this.worth ? p.bad : p.faint;
       c.beginPath();
       c.moveTo(x - (own ? 6 : 4), own ? 1 : 3);
@@ -176,13 +213,35 @@ export class Lanes {
     }
   }
 
+  /** Which part of the trial is shown. */
+  private part(c: CanvasRenderingContext2D, p: Palette, width: number): void {
+    const [low, high] = this.all, [first, frames] = this.shown, scale = width / (high - low + 1);
+    c.fillStyle = p.line;
+    c.fillRect(this.names, 0, width, PART);
+    c.fillStyle = p.select;
+    c.fillRect(this.names + (first - low) * scale, 0, Math.max(PART, frames * scale), PART);
+    c.fillStyle = p.faint;
+  }
+
+  /** Over the strip, with Ctrl, or where no rows are hidden, the wheel zooms; sideways it moves; else rows scroll. */
+  private readonly wheel = (event: WheelEvent): void => {
+    if (!this.paths) return;
+    const { span } = this.marks, aside = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+    const all = this.scroll.scrollHeight <= this.scroll.clientHeight, zooms = event.ctrlKey || event.metaKey || event.target === this.head || all;
+    if (!aside && !zooms) return;
+    event.preventDefault();
+    const [first, frames] = this.shown, by = event.deltaY || event.deltaX;
+    if (!aside) this.onSpan(zoomed(span, frameAt(event.clientX - this.element.getBoundingClientRect().left - this.names, this.width, first, frames), Math.exp(by * WHEEL), this.all));
+    else if (span) this.onSpan(moved(span, first + Math.sign(event.deltaX || by) * Math.max(1, frames / STEPS), this.all));
+  };
+
   private readonly down = (event: PointerEvent): void => {
     if (!this.paths || event.button) return;
-    const canvas = event.currentTarget as HTMLCanvasElement, { firstFrame, frames } = this.paths;
-    const at = (e: PointerEvent): number => frameAt(e.offsetX - this.names, this.width, firstFrame, frames);
+    const canvas = event.currentTarget as HTMLCanvasElement;
+    const at = (e: PointerEvent): number => frameAt(e.offsetX - this.names, this.width, ...this.shown);
     const from = at(event);
     if (canvas === this.head) {
-      const near = this.problems.find((p) => Math.abs(this.names + placeOf(p.frame, this.width, firstFrame, frames) - event.offsetX) < 7);
+      const near = this.problems.find((p) => Math.abs(this.x(p.frame) - event.offsetX) < 7);
       if (near) return this.onProblem(near.id);
     } else {
       const name = this.rows[Math.floor(event.offsetY / ROW)];

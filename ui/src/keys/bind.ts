@@ -46,4 +46,4 @@ export function onKey(event: KeyboardEvent): void {
 
 /** A key as it is printed on keyboards. */
 export const shownKey = (key: string): string =>
-  key.replace("Shift+", "⇧ ").replace("Ctrl+", "Ctrl ").replace("Alt+", "Alt ").replace("ArrowRight", "→").replace("ArrowLeft", "←").replace("Delete", "Del").replace("Escape", "Esc").replace("-", "–");
+  key.replace("Shift+", "⇧ ").replace("Ctrl+", "Ctrl ").replace("Alt+", "Alt ").replace("ArrowRight", "→").replace("ArrowLeft", "←").replace("ArrowUp", "↑").replace("ArrowDown", "↓").replace("Delete", "Del").replace("Escape", "Esc").replace("-", "–");

@@ -7,7 +7,7 @@ import { SESSION_COMMANDS, sessionUp } from "./sessionCommands";
 import { UM2AS_COMMANDS } from "./um2asCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { sameGap, stepGap } from "../model/gaps";
-import { rowOrder } from "../model/lanes";
+import { rowOrder, zoomed, type Span } from "../model/lanes";
 import { computedNames, shownPaths } from "../model/paths";
 import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
@@ -41,6 +41,8 @@ export interface Command {
 
 const EDITOR: readonly Screen[] = ["tracks", "gaps"];
 const PLAYED: readonly Screen[] = [...EDITOR, "labels", "angles"];
+/** Where what is signed is seen. */
+const SHOWN: readonly Screen[] = [...PLAYED, "report", "history"];
 const hasTrial = (s: State): boolean => s.header !== null;
 const recorded = (s: State): boolean => s.id !== null && !ofFile(s);
 const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
@@ -91,6 +93,15 @@ function nextBeside(step: 1 | -1): void {
   const { header, paths, computed, selected } = get(), shown = shownPaths(header, paths, computed), first = selected[0];
   const names = header && shown ? rowOrder(header, shown).filter((name) => name !== first) : [], at = names.indexOf(selected[1] ?? "");
   if (first && names.length) set({ selected: [first, names[at < 0 ? (step > 0 ? 0 : names.length - 1) : (at + step + names.length) % names.length]!] });
+}
+
+/** How many times as many frames one press of a key shows; as in most editors. */
+const CLOSER = 2;
+
+/** So many times as many frames about the one that is shown. */
+function closer(by: number): void {
+  const all = [playhead.first, playhead.last] as const, about = (span: Span): Span => zoomed(span, playhead.frame, by, all);
+  set(({ span, window }) => ({ span: about(span), window: about(window) }));
 }
 
 const SIDES = 4;
@@ -153,7 +164,9 @@ export const COMMANDS: readonly Command[] = [
   { id: "bands", keys: ["B"], title: "95 % bands and ellipsoids", group: "View", screens: EDITOR, run: flip("bands") },
   { id: "fourth", keys: ["R"], title: "Residual instead of speed", group: "View", screens: EDITOR, run: () => set((s) => ({ fourth: s.fourth === "speed" ? "residual" : "speed" })) },
   { id: "side", keys: ["V"], title: "From the side, the front, above, or between", group: "View", screens: EDITOR, run: () => set((s) => ({ side: (s.side + 1) % SIDES })) },
-  { id: "whole", keys: ["W"], title: "Curves of the whole trial", group: "View", screens: EDITOR, run: () => { playhead.loop = null; set({ window: null }); } },
+  { id: "closer", keys: ["Ctrl+ArrowUp", "+"], title: "Closer about this frame, in lanes and curves", group: "View", screens: [...EDITOR, "labels"], run: () => closer(1 / CLOSER) },
+  { id: "wider", keys: ["Ctrl+ArrowDown", "_"], title: "Wider about this frame, in lanes and curves", group: "View", screens: [...EDITOR, "labels"], run: () => closer(CLOSER) },
+  { id: "whole", keys: ["W"], title: "The whole trial in lanes and curves", group: "View", screens: [...EDITOR, "labels"], run: () => { playhead.loop = null; set({ window: null, span: null }); } },
   layout(1, "Layout: view, cameras, curves and list"), layout(2, "Layout: view and list"), layout(3, "Layout: cameras and list"), layout(4, "Layout: curves and list"),
   // Trial
   { id: "undo", keys: ["Ctrl+Z"], title: "Undo", group: "Trial", when: (s) => s.header?.undo != null, foot: 40, hint: () => "undo", run: () => void acts.undo() },
@@ -161,7 +174,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "why", keys: ["Shift+W"], title: "Why: a note for the next act", group: "Trial", when: hasTrial, run: () => set({ dialog: "why" }) },
   { id: "again", keys: ["Shift+M"], title: "Track again with what was said: a correction mends its neighbourhood", group: "Trial", when: (s) => (s.header?.has_detections ?? false) && (s.header?.edits ?? 0) > 0, run: () => void acts.trackAgain() },
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
-  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: (s) => hasTrial(s) && s.screen !== "home", foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
+  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", screens: SHOWN, when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
   { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: reported, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
   { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" && reported(s) ? "the report alone, to print" : "print this page"), run: print },
   // Go to

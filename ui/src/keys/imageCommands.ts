@@ -20,7 +20,7 @@ export const DETECT_COMMANDS: readonly Command[] = [
   { id: "detect-forget", keys: ["Backspace"], title: "Forget what is tried", group: "Detection", screens: DETECT, when: tried, foot: 3, hint: () => "forget what is tried", run: d.forgetDraft },
   { id: "detect-mask", keys: ["M"], title: "Paint masks", group: "Detection", screens: DETECT, when: there, foot: 4, hint: (s) => (s.detect!.painting ? "no longer paint masks" : "paint masks"), run: d.flipPainting },
   { id: "detect-white", keys: ["P"], title: "Show white pixels", group: "Detection", screens: DETECT, when: there, foot: 5, hint: (s) => (s.detect!.white ? "without white pixels" : "white pixels"), run: d.flipWhite },
-  { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise", "tracks", "report", "history"], when: (s) => s.id !== null && (s.header ? s.header.session_id !== null && (s.screen === "detect" || s.screen === "digitise" || s.header.stale !== "") : s.runs), foot: 8, hint: () => "run the trial", run: () => void runTrial() },
+  { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise", "tracks", "report", "history"], when: (s) => s.id !== null && (s.header ? s.header.session_id !== null && (s.screen === "detect" || s.screen === "digitise" || s.header.stale !== "") : s.runs), fits: (s) => s.screen !== "digitise" || !s.digitise || phase(s) === "done", foot: 8, hint: () => "run the trial", run: () => void runTrial() },
   { id: "detect-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DETECT, when: there, foot: 6, hint: () => "next frame", run: frame(1) },
   { id: "detect-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DETECT, run: frame(-1) },
   { id: "detect-forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: DETECT, run: frame(10) },
@@ -41,7 +41,7 @@ export const DIGITISE_COMMANDS: readonly Command[] = [
   { id: "digitise-again", keys: ["R"], title: "Look again at the saved frame that is shown", group: "Digitising", screens: DIGITISE, when: (s) => { const x = s.digitise; return x !== null && x.shown !== null && g.isSaved(x.now, x.shown); }, foot: 0, hint: (s) => `change frame ${s.digitise!.shown}`, run: () => { const shown = get().digitise?.shown; if (shown) void g.answer({ kind: "frame", frame: shown }); } },
   { id: "digitise-here", keys: ["Home"], title: "Back to the frame that is asked about", group: "Time", screens: DIGITISE, when: (s) => s.digitise?.shown != null, foot: 1, hint: () => "back to the question", run: () => void g.showFrame(get().digitise?.now.question.frame ?? 1) },
   { id: "digitise-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DIGITISE, when: (s) => s.digitise !== null, run: () => g.stepFrame(1) },
-  { id: "digitise-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DIGITISE, when: (s) => s.digitise !== null, foot: 6, hint: () => "frame before", run: () => g.stepFrame(-1) },
+  { id: "digitise-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DIGITISE, when: (s) => s.digitise !== null, fits: (s) => (s.digitise!.shown ?? s.digitise!.now.question.frame) > 1, foot: 6, hint: () => "frame before", run: () => g.stepFrame(-1) },
 ];
 
 /** What Escape closes on these screens first. */

@@ -33,3 +33,33 @@ export const frameAt = (x: number, width: number, first: number, frames: number)
 /** The place in px of the middle of a frame. */
 export const placeOf = (frame: number, width: number, first: number, frames: number): number =>
   ((frame - first + 0.5) / Math.max(1, frames)) * width;
+
+/** First and last frame that are shown; null: all of them. */
+export type Span = readonly [number, number] | null;
+
+/** How much the wheel zooms: e to the power of its px times this; chosen. */
+export const WHEEL = 0.0015;
+
+/** Frames that are shown at least; chosen: so that single ones can be told. */
+const LEAST_FRAMES = 10;
+
+/** What is shown `by` times as wide, a frame staying where it is; null where that is all of the trial. */
+export function zoomed(span: Span, frame: number, by: number, [low, high]: readonly [number, number]): Span {
+  const [first, last] = span ?? [low, high], all = high - low, wide = Math.max(Math.min(LEAST_FRAMES, all), Math.round((last - first) * by));
+  if (wide >= all) return null;
+  const share = last > first ? (Math.min(last, Math.max(first, frame)) - first) / (last - first) : 0.5;
+  return moved([0, wide], frame - share * wide, [low, high]);
+}
+
+/** What is shown, beginning at another frame, within the trial. */
+export function moved([first, last]: readonly [number, number], at: number, [low, high]: readonly [number, number]): readonly [number, number] {
+  const wide = last - first, from = Math.min(high - wide, Math.max(low, Math.round(at)));
+  return [from, from + wide];
+}
+
+/** What is shown once a frame must be: the next page where it has left it, as playing does, else about it. */
+export function showing(span: Span, frame: number, all: readonly [number, number]): Span {
+  if (!span || (frame >= span[0] && frame <= span[1])) return span;
+  const wide = span[1] - span[0], next = frame > span[1] && frame - span[1] < wide;
+  return moved(span, next ? frame : frame - wide / 2, all);
+}

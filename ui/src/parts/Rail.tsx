@@ -1,7 +1,7 @@
 import { Aperture, DraftingCompass, FileText, History, House, ListTree, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
 import { tenths } from "../model/format";
 import { goTo } from "../state/load";
-import { useSessions } from "../state/sessions";
+import { sessionOf, useSessions } from "../state/sessions";
 import { held, useMenu } from "../state/um2as";
 import { ofFile, TITLES, useStore, useSeen, type Screen, type State } from "../state/store";
 import styles from "./Rail.module.css";
@@ -24,7 +24,7 @@ const STEPS: readonly { screen: Screen; icon: typeof House; open?: (s: State) =>
 const IMAGES: readonly Screen[] = ["detect", "digitise"];
 
 export function Rail(): React.JSX.Element {
-  const s = useSeen(), inside = useMenu(held), own = useSessions((now) => now.session), session = s.header?.session_id ?? own;
+  const s = useSeen(), inside = useMenu(held), session = useSessions(sessionOf);
   return (
     <nav className={styles.rail} aria-label="Steps">
       <ul>

@@ -1,6 +1,7 @@
-import { ChevronFirst, ChevronLast, Pause, Play, StepBack, StepForward } from "lucide-react";
+import { ChevronFirst, ChevronLast, Pause, Play, StepBack, StepForward, ZoomIn, ZoomOut } from "lucide-react";
 import { useEffect, useRef, useState, useSyncExternalStore } from "react";
 import { Lanes } from "../draw/Lanes";
+import { byId } from "../keys/commands";
 import { clock } from "../model/format";
 import { lookAt } from "../state/acts";
 import { get, playhead, set, useStore, useParts, useShownPaths } from "../state/store";
@@ -54,7 +55,7 @@ function Frame(): React.JSX.Element {
   const last = useStore((s) => (s.header ? s.header.first_frame + s.header.n_frames - 1 : 0));
   return (
     <div className={styles.frame}>
-      <span ref={time} className={styles.clock} />
+      <div className={styles.top}><span ref={time} className={styles.clock} /><Button label="Wider (Ctrl ↓, wheel)" icon={ZoomOut} run={byId("wider").run} /><Button label="Closer (Ctrl ↑, wheel)" icon={ZoomIn} run={byId("closer").run} /></div>
       <label>f <input ref={field} className={styles.field} inputMode="numeric" aria-label="Frame" defaultValue="1" onKeyDown={entered} /> <span className="soft">/ {last}</span></label>
     </div>
   );
@@ -71,12 +72,13 @@ const Legend = (): React.JSX.Element => (
 
 function LanesView(): React.JSX.Element {
   const place = useRef<HTMLDivElement>(null), [lanes, setLanes] = useState<Lanes | null>(null);
-  const paths = useShownPaths(), { header, problems, selected, first, last, problem } = useParts("header", "problems", "selected", "first", "last", "problem");
+  const paths = useShownPaths(), { header, problems, selected, first, last, problem, span } = useParts("header", "problems", "selected", "first", "last", "problem", "span");
   useEffect(() => {
     const made = new Lanes(place.current!);
     made.onFrame = (frame): void => (playhead.pause(), playhead.go(frame));
     made.onSelect = (name, more): void => set((s) => ({ selected: more ? [...s.selected.filter((n) => n !== name), name] : [name] }));
     made.onStretch = (a, b): void => set({ first: a, last: b });
+    made.onSpan = (shown): void => set({ span: shown });
     made.onProblem = (id): void => {
       const found = get().problems?.problems.find((p) => p.id === id);
       if (found && get().screen === "tracks") lookAt(found);
@@ -88,6 +90,6 @@ function LanesView(): React.JSX.Element {
   useEffect(() => {
     if (lanes && header && paths) lanes.set(header, paths, problems?.problems ?? [], problems?.worth_looking ?? 0);
   }, [lanes, header, paths, problems]);
-  useEffect(() => lanes?.mark({ selected, first, last, problem }), [lanes, selected, first, last, problem]);
-  return <div ref={place} className={styles.lanes} />;
+  useEffect(() => lanes?.mark({ selected, first, last, problem, span }), [lanes, selected, first, last, problem, span]);
+  return <div ref={place} className={styles.lanes} data-span={span?.join("–") ?? ""} />;
 }

@@ -6,6 +6,7 @@ import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm, wayOf } from "../model/format";
+import { zoomed } from "../model/lanes";
 import { besideCurves, candidatePath, hasSd, joined, SHOWN, whole, type Path } from "../model/paths";
 import { currentProblem, get, playhead, set, useParts, useSeen, useShownPaths, useStore, watched, type State } from "../state/store";
 import { wantDetections } from "../state/load";
@@ -89,10 +90,7 @@ export function CurvesView(): React.JSX.Element {
     const made = new Curves(place.current!);
     made.onFrame = (frame): void => (playhead.pause(), playhead.go(frame));
     made.onStretch = (a, b): void => set({ first: a, last: b });
-    made.onWindow = (a, b): void => {
-      const low = Math.max(playhead.first, a), high = Math.min(playhead.last, b);
-      if (high - low > 4) set({ window: [low, high] });
-    };
+    made.onZoom = (frame, by): void => set((s) => ({ window: zoomed(s.window, frame, by, [playhead.first, playhead.last]) }));
     const off = playhead.on((frame) => made.show(frame));
     setCurves(made);
     return () => (off(), made.dispose());

@@ -8,6 +8,7 @@ import { palette } from "../draw/palette";
 import { Asked } from "../parts/Shown";
 import { Findings, WordTable } from "../parts/Tables";
 import { Waiting } from "../parts/Waiting";
+import { say } from "../state/load";
 import { askSpike, fetchAngles, lookAtSpike, useSessions, writeEuler } from "../state/sessions";
 import { get, playhead, useStore } from "../state/store";
 import styles from "./Angles.module.css";
@@ -41,20 +42,33 @@ export function Angles(): React.JSX.Element {
 }
 
 function Choices({ of, over, onOver }: { of: Shown; over: boolean; onOver: (over: boolean) => void }): React.JSX.Element {
-  const { model, smoothing, cutoff_hz, cycle_event, cycle_side, inverse_cosines } = of.chosen, event = cycle_event ? `${cycle_event}|${cycle_side ?? ""}` : "";
+  const { model, smoothing, cutoff_hz, marker_sd_mm, cycle_event, cycle_side, inverse_cosines } = of.chosen, event = cycle_event ? `${cycle_event}|${cycle_side ?? ""}` : "";
   const cycle = (value: string): void => (onOver(value !== ""), void fetchAngles({ cycle_event: value.split("|")[0] || null, cycle_side: value.split("|")[1] || null }));
   return (
     <header className={styles.head}>
       <h1>Angles</h1>
       <label>Model <select className="field" value={model ?? ""} onChange={(e) => void fetchAngles({ model: e.target.value })}>{!model && <option value="">choose …</option>}{of.models.map((m) => <option key={m.name} value={m.name}>{m.name}{m.fits ? "" : ` (lacks ${m.wants.length})`}</option>)}</select></label>
       <label>Smoothing <select className="field" value={smoothing ?? "none"} onChange={(e) => void fetchAngles({ smoothing: e.target.value as "none" })}><option>none</option><option>butterworth</option><option>woltring</option></select></label>
-      {smoothing && smoothing !== "none" && <label>Cut-off, Hz <input className={`field ${styles.hz}`} inputMode="decimal" defaultValue={cutoff_hz ?? ""} placeholder="by data" onBlur={(e) => void fetchAngles({ cutoff_hz: Number(e.target.value) || null })} /></label>}
+      {smoothing && smoothing !== "none" && <Stated words="Cut-off, Hz" of={cutoff_hz} onStated={(v) => void fetchAngles({ cutoff_hz: v })} />}
+      {!of.errors_stated && <Stated words="Markers’ SD, mm" title="Standard deviation of a marker along an axis, as the laboratory knows it; where none is stated it is estimated from how unsteady each is" of={marker_sd_mm} onStated={(v) => void fetchAngles({ marker_sd_mm: v })} />}
       <label>Cycles <select className="field" value={event} onChange={(e) => cycle(e.target.value)}><option value="">none</option>{of.events.filter((e) => e.times > 1).map((e) => <option key={`${e.label}|${e.side}`} value={`${e.label}|${e.side}`}>{e.label} {e.side} ({e.times})</option>)}</select></label>
       {event && <button type="button" className="button" aria-pressed={over} onClick={() => onOver(!over)}>0–100 %</button>}
       {of.euler && <label><input type="checkbox" checked={inverse_cosines ?? false} onChange={(e) => void fetchAngles({ inverse_cosines: e.target.checked })} /> without sign, as UM²AS</label>}
       {of.euler && <button type="button" className="button" onClick={() => void writeEuler()}><FileDown size={14} aria-hidden />.shd .elb .wst</button>}
     </header>
   );
+}
+
+/** A number above nothing that the data give where it is not stated. */
+function Stated({ words, title, of, onStated }: { words: string; title?: string; of: number | null | undefined; onStated: (value: number | null) => void }): React.JSX.Element {
+  const stated = (e: React.FocusEvent<HTMLInputElement>): void => {
+    const said = e.target.value.trim().replace(",", "."), value = said ? Number(said) : null;
+    if (value === (of ?? null)) return;
+    if (value === null || value > 0) return onStated(value);
+    e.target.value = String(of ?? "");
+    say("refused", `${words}: ${said} is no number above 0.`);
+  };
+  return <label title={title}>{words} <input className={`field ${styles.hz}`} inputMode="decimal" defaultValue={of ?? ""} placeholder="by data" onKeyDown={(e) => { if (e.key === "Enter") e.currentTarget.blur(); }} onBlur={stated} /></label>;
 }
 
 function rowsOf(of: Shown, over: boolean): Row[] {

@@ -1,7 +1,8 @@
 /** Names: the marker set as a figure, what automatic labelling proposes, and the lengths of the links. */
 import { ArrowLeftRight, Check, Search, Tag } from "lucide-react";
-import { useEffect, useRef } from "react";
-import type { MarkerSetRow, Proposal } from "../api/types";
+import { useEffect, useRef, useState } from "react";
+import * as api from "../api/client";
+import type { MarkerSetChoice, MarkerSetRow, Proposal } from "../api/types";
 import { Computed } from "../parts/Computed";
 import { Figure } from "../parts/Figure";
 import { SceneView } from "../parts/views";
@@ -11,7 +12,8 @@ import { many, mm, percent } from "../model/format";
 import { keptNames, knownNames, labelRows } from "../model/labels";
 import { acceptLabels, exchangeSides, sureLabels } from "../state/acts";
 import { lookAtTrack, nameTrack } from "../state/labels";
-import { set, useStore } from "../state/store";
+import { refetch, say, tried } from "../state/load";
+import { set, useParts, useStore } from "../state/store";
 import styles from "./Labels.module.css";
 
 /** Of a file: names alone. */
@@ -24,8 +26,8 @@ export function Labels(): React.JSX.Element {
   return (
     <div className={styles.screen}>
       <section className={styles.figure} aria-label="Marker set">
-        <header className={styles.head}><h1>Labels</h1><span className="soft">{header.marker_set ? header.marker_set.name || many(header.marker_set.names.length, "marker") : known.length ? many(known.length, "name") : "no marker set"}</span></header>
-        {header.marker_set ? <Figure set={header.marker_set} /> : known.length ? <Figure set={{ ...NO_SET, names: known }} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: names are what stands in it, what a labelled trial or a template beside it proposes (<kbd>A</kbd>), and what you say (<kbd>L</kbd>).</p> : <p className={styles.none}>Name the tracks of one trial (<kbd>L</kbd>): the others are named by it when they are run, as <code>[label]</code> in session.toml says. <code>marker_set = "kiss-15"</code> there draws the markers here; <code>kinemark marker-set list</code> shows which there are.</p>}
+        <header className={styles.head}><h1>Labels</h1><Sets key={header.id} /></header>
+        {header.marker_set ? <Figure set={header.marker_set} /> : known.length ? <Figure set={{ ...NO_SET, names: known }} /> : header.session_id === null ? <p className={styles.none}>A file has no marker set of its own: choose one above, or take the names that stand in it, that a labelled trial or a template beside it proposes (<kbd>A</kbd>), and that you say (<kbd>L</kbd>).</p> : <p className={styles.none}>Name the tracks of one trial (<kbd>L</kbd>): the others are named by it when they are run, as <code>[label]</code> in session.toml says. A marker set, chosen above, draws its markers here.</p>}
         <Sides />
       </section>
       <section className={styles.tracks} aria-label="Tracks and names">
@@ -39,6 +41,31 @@ export function Labels(): React.JSX.Element {
         {header.marker_set && <Links />}
       </section>
     </div>
+  );
+}
+
+/** The marker sets that may be chosen; another one is stated in session.toml, of a file as long as the studio runs. */
+function Sets(): React.JSX.Element {
+  const { id, header, busy } = useParts("id", "header", "busy"), [sets, setSets] = useState<readonly MarkerSetChoice[]>([]), worn = sets.find((one) => one.worn), own = header?.marker_set;
+  const head = header?.head, shown = own?.names.join();
+  useEffect(() => {
+    if (id) void tried(() => api.markerSets(id)).then((got) => got && setSets(got));
+  }, [id, head, shown]);
+  const choose = async (name: string): Promise<void> => {
+    const got = id && (await tried(() => api.wear(id, name || null)));
+    if (!got) return;
+    setSets(got);
+    await refetch();
+    say("done", `${name ? `The marker set is ${name}` : "There is no marker set"}${header?.session_id ? ", as session.toml says now; a run names markers by it" : ", until the studio is ended"}.`);
+  };
+  return (
+    <label className={styles.set} title={worn?.description}><span className="hidden-words">Marker set</span>
+      <select className="field" disabled={busy > 0} value={worn?.name ?? (own ? "own" : "")} onChange={(e) => void choose(e.target.value)}>
+        <option value="">no marker set</option>
+        {own && !worn && <option value="own" disabled>{own.name || many(own.names.length, "marker")}</option>}
+        {sets.map((one) => <option key={one.name} value={one.name} title={one.description}>{one.name} ({one.there} of {one.markers} here)</option>)}
+      </select>
+    </label>
   );
 }
 

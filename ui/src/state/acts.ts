@@ -141,10 +141,10 @@ async function looked(): Promise<void> {
   for (let last = null as Promise<void> | null; last !== looking; ) await (last = looking);
 }
 
-/** The next problem, where what was said changed nothing of its tracks: it is there without being looked for. */
+/** The next problem of whose tracks nothing was changed: it is there without being looked for. Those before it, which may be no more, come last. */
 function atOnce(before: readonly Problem[], settled: Problem, { changed, removed }: ActDone): Problem | null {
-  const next = nextAfter(before, settled.id, walked(get())), other = new Set([...changed, ...removed]);
-  return next && next.kind !== "edit" && !next.tracks.some((name) => other.has(name)) ? next : null;
+  const other = new Set([...changed, ...removed]), stands = (p: Problem): boolean => p.kind !== "edit" && !p.tracks.some((name) => other.has(name));
+  return nextAfter(before, settled.id, walked(get()).filter(stands));
 }
 
 /** The problems but for one. */

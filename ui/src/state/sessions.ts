@@ -50,7 +50,14 @@ export function put(some: Partial<Sessions>): void {
 }
 
 /** The session that is looked at: its own screen's, or that of the open trial. */
-export const sessionOf = (): string | null => get().header?.session_id ?? now().session;
+/** The session that is shown; that of the trial that is marked, on Home, or open; where there is none the one that was shown last. */
+export function sessionOf(): string | null {
+  const { header, home, id, marked, screen } = get(), last = now().session;
+  const of = (trial: string | null): string | null => home?.sessions.find((one) => one.trials.some((t) => t.id === trial))?.id ?? null;
+  if (last && (screen === "cameras" || screen === "um2as")) return last;
+  if (screen === "home") return of(marked) ?? header?.session_id ?? last;
+  return header ? header.session_id : id ? of(id) : last;
+}
 
 export const cameraAddress = (id: string): string => `#/session/${encodeURIComponent(id)}/cameras`;
 

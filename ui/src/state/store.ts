@@ -5,6 +5,7 @@ import { useShallow } from "zustand/react/shallow";
 import type { Click } from "../draw/Cameras";
 import type { GapOrder } from "../model/gaps";
 import type { Detected } from "../model/detections";
+import type { Span } from "../model/lanes";
 import { ofWhole } from "../model/problems";
 import { shownPaths, type Path, type PathSet } from "../model/paths";
 import { Playhead } from "../model/playhead";
@@ -89,7 +90,9 @@ export interface State {
   fourth: "speed" | "residual";
   side: number;
   focused: number;
-  window: readonly [number, number] | null;
+  /** Frames that the curves show, and those that the lanes do; null: all. */
+  window: Span;
+  span: Span;
 }
 
 export function kept<T extends string>(key: string, usual: T): T {
@@ -112,7 +115,7 @@ export function keep(key: string, value: string): void {
 export const OF_TRIAL = {
   header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, unlikely: false, later: [],
   instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, picked: false, track: null, why: "",
-  alone: false, computed: false, window: null, detect: null, digitise: null,
+  alone: false, computed: false, window: null, span: null, detect: null, digitise: null,
 } satisfies Partial<State>;
 
 export const useStore = create<State>()(() => ({

@@ -20,6 +20,7 @@ class AngleChoice(Message):
     inverse_cosines: bool | None = None
     smoothing: Smoothing | None = None
     cutoff_hz: Annotated[float, Field(gt=0, le=1e5)] | None = None
+    marker_sd_mm: Annotated[float, Field(gt=0, le=1e3)] | None = None
     cycle_event: Annotated[str, Field(max_length=100)] | None = None
     cycle_side: Annotated[str, Field(max_length=100)] | None = None
 
@@ -80,7 +81,10 @@ class EventKind(Message):
 
 
 class AnglesShown(Message):
-    """The joint angles of a trial; `words` say why there are none, where there are none."""
+    """The joint angles of a trial; `words` say why there are none, where there are none.
+
+    `errors_stated`: the file itself states the errors of all markers, so that none can be stated for them.
+    """
 
     models: list[ModelRow]
     chosen: AngleChoice
@@ -97,6 +101,7 @@ class AnglesShown(Message):
     n_frames: int
     rate: float
     euler: bool = False
+    errors_stated: bool = True
     head: str
 
 

@@ -236,6 +236,7 @@ def _result(result: TrialAngles, basis: Basis) -> dict[str, Any]:
         "limb": [a.LimbPoint(name=name, xyz=packed(points[name])) for name in names],
         "links": [(names.index(one), names.index(other)) for one, other in pairs],
         "euler": set(ENDINGS) <= set(angles.joints),
+        "errors_stated": figures["noise_from"] == "stated",
     }
 
 

@@ -97,6 +97,7 @@ class Desk:
         self._open: OrderedDict[str, tuple[int, OpenDocument]] = OrderedDict()
         self._lock = threading.Lock()
         self._places: dict[str, Place] = {}
+        self._worn: dict[str, MarkerSet | None] = {}
 
     def place(self, key: str) -> Place:
         """The trial of an id; raises NotThere."""
@@ -119,6 +120,7 @@ class Desk:
             if known is None or known[0] != ran or known[1].editing.outdated:
                 self._open[key] = known = ran, opened(place, self.by)
                 known[1].ran = ran
+                known[1].marker_set = self._worn.get(key, known[1].marker_set)
             self._open.move_to_end(key)
             while len(self._open) > MOST_OPEN:
                 self._open.popitem(last=False)
@@ -129,6 +131,16 @@ class Desk:
         """It was run again."""
         with self._lock:
             self._open.pop(key, None)
+
+    def forget_session(self, place: Place) -> None:
+        """All trials of a session are loaded anew when they are next asked for."""
+        for other in self.shelf.trials():
+            if other.path == place.path:
+                self.forget(other.id)
+
+    def wear(self, document: OpenDocument, worn: MarkerSet | None) -> None:
+        """The marker set of a file, which says none itself, for as long as the desk is there."""
+        document.marker_set = self._worn[document.place.id] = worn
 
     def heads(self) -> dict[str, str]:
         """The head of each open trial, read anew where it changed."""

@@ -11,7 +11,6 @@ from ...engine.detection.open_detection import OpenDetection
 from ...engine.detection.settings_file import apply
 from ...engine.session_name import FILE
 from . import detect_messages as m
-from .desk import Desk
 from .detect import detection, draft_of, found_in, why_there
 from .home_routes import PNG, TheDesk, desk_of
 from .image_routes import KEPT as FOR_AN_HOUR
@@ -78,12 +77,5 @@ def post_why(opened: Opened, body: m.WhyBody) -> m.PlaceWhy:
 def post_apply(request: Request, opened: Opened, place: ThePlace, desk: TheDesk, body: m.DetectDraft) -> m.Detection:
     """Write what was tried into the session, whose trials are stale then."""
     apply(opened, draft_of(body))
-    forget_session(desk, place)
+    desk.forget_session(place)
     return detection(opened_of(request, place), place)
-
-
-def forget_session(desk: Desk, place: Place) -> None:
-    """All trials of the session are loaded anew when they are next asked for."""
-    for other in desk.shelf.trials():
-        if other.path == place.path:
-            desk.forget(other.id)

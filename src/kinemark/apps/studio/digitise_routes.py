@@ -11,7 +11,7 @@ from ...engine.digitising.setup import DigitisingSetup, choices, leave_off, set_
 from ...engine.session import Session
 from ...engine.session_name import FILE
 from . import detect_messages as m
-from .detect_routes import ThePlace, forget_session
+from .detect_routes import ThePlace
 from .digitise import now, open_digitising, saved_frame, take
 from .home_routes import TheDesk
 from .kept import Kept, stamp_of
@@ -62,7 +62,7 @@ def post_setup(request: Request, place: ThePlace, desk: TheDesk, body: m.SetupBo
     """Name the markers, as long as nothing was answered; written into the session."""
     setup = DigitisingSetup(**body.model_dump() | {"markers": tuple(body.markers)})
     set_up(place.path, place.name, setup)
-    forget_session(desk, place)
+    desk.forget_session(place)
     return _now(digitising_of(request, place), place)
 
 
@@ -70,7 +70,7 @@ def post_setup(request: Request, place: ThePlace, desk: TheDesk, body: m.SetupBo
 def delete_setup(place: ThePlace, desk: TheDesk) -> None:
     """Nobody digitises the trial, as long as nothing was answered."""
     leave_off(place.path, place.name)
-    forget_session(desk, place)
+    desk.forget_session(place)
 
 
 @router.get("/frames/{frame}")

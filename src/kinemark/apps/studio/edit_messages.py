@@ -237,6 +237,22 @@ class LinkFound(Message):
     state: LinkState
 
 
+class MarkerSetChoice(Message):
+    """A marker set that may be chosen; `there` of its markers are in the trial by name, `worn`: it is chosen."""
+
+    name: str
+    markers: int
+    there: int
+    description: str
+    worn: bool
+
+
+class MarkerSetSaid(Message):
+    """The marker set that the subject wears; null for none."""
+
+    name: Annotated[str, Field(max_length=255)] | None
+
+
 class Labels(Message):
     """Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
 

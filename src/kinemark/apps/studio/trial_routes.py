@@ -24,6 +24,7 @@ from .live import TheLive
 from .paths import COLUMNS, DEFAULT, encoded, forget_others
 from .problems import listed
 from .shelf import NotThere
+from .worn_sets import choose_set, set_choices
 
 router = APIRouter(prefix="/api/trials/{trial}")
 
@@ -123,6 +124,19 @@ def get_gap(document: Document, marker: str, first: int) -> e.GapCandidates | No
 def get_labels(document: Document, ask: bool = False) -> e.Labels:
     """Names of tracks, proposed; for a file without a session where they are asked for, which takes seconds."""
     return labels(document, ask=ask)
+
+
+@router.get("/marker-sets")
+def get_marker_sets(document: Document) -> list[e.MarkerSetChoice]:
+    """Marker sets that the subject may wear."""
+    return set_choices(document)
+
+
+@router.post("/marker-set")
+def post_marker_set(document: Document, desk: TheDesk, body: e.MarkerSetSaid) -> list[e.MarkerSetChoice]:
+    """The marker set that the subject wears; the trial's header has it then."""
+    choose_set(desk, document, body.name)
+    return set_choices(desk.document(document.place.id))
 
 
 @router.get("/history")

@@ -38,6 +38,7 @@ from ...kinematics import (
 from ...kinematics.chain import Points, chosen, complete, in_room, points_of
 from ...report.angles_page import write_angles_page
 from ...report.drawing_library import assets_for
+from ...report.formatting import millimetres
 from ...report.words import with_words
 from ..identities import identity_of_file
 from ..vertical import UNKNOWN, vertical
@@ -300,7 +301,7 @@ def _words(model: Model, before: Trajectories, stated: Trajectories, settings: A
     cutoff = "chosen from the data" if settings.cutoff_hz is None else f"{settings.cutoff_hz:g} Hz"
     return {
         "method": turns[settings.inverse_cosines],
-        "noise": origins[origin] + ("" if median is None else f" The median is {median:.3g} mm."),
+        "noise": origins[origin] + ("" if median is None else f" The median is {millimetres(median)}."),
         "laboratory": _room(model),
         "smoothing": "None." if settings.smoothing == "none" else f"{settings.smoothing.title()}, cut-off {cutoff}.",
         "noise_from": origin,

@@ -5,6 +5,10 @@ from __future__ import annotations
 from ...data import Finding
 from .template import Words, fill, listed, shown
 
+STATE_MARKER_SD = (
+    "State the one that the laboratory knows: Markers' SD in the studio's Angles, marker_sd_mm under [angles] of "
+    "session.toml, or kinemark angles --marker-sd-mm."
+)
 MOST_DISPLACED = 12
 """Markers beside their places that are named, the others counted; chosen, as in errors."""
 
@@ -214,13 +218,13 @@ ANGLE_WORDS = {
     ),
     "angle_beyond_normal": Words(_beyond_normal, "Check that no marker is swapped or misplaced; the angles are kept."),
     "markers_smoothed_before": Words(
-        "The markers have little noise ({sd_mm:4}): they were smoothed before, so that the standard deviations of the "
+        "The markers have little noise ({sd_mm}): they were smoothed before, so that the standard deviations of the "
         "angles are far too small.",
-        "State what the laboratory knows: --marker-sd-mm.",
+        STATE_MARKER_SD,
     ),
     "marker_errors_not_stated": Words(
         "The file states no errors of its markers; their standard deviation is {how}.",
-        "State it with --marker-sd-mm, if it is known better.",
+        STATE_MARKER_SD,
     ),
 }
 

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from ...data import KINDS, Finding
 from ...data.finding import Unit
 from ...data.nearest_word import some_names
-from ..formatting import millimetres, number, percent, some
+from ..formatting import LEAST, millimetres, number, percent, some
 
 Text = str | Callable[[Finding], str]
 
@@ -144,6 +144,8 @@ def _number(value: Any, unit: Unit, spec: str) -> str:
     if unit == "parts":
         return number(float(f"{value:.2g}"), 0)
     if unit == "deg":
+        if 0 < abs(value) < LEAST:
+            return f"< {LEAST}"
         return f"{value:.2g}" if abs(value) < 1 else number(value, 1)
     if unit == "mm":
         return number(value, max(0, 1 - math.floor(math.log10(abs(value)))) if 0 < abs(value) < 10 else 0)

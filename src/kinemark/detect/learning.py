@@ -1,8 +1,9 @@
 """What a method leaves open, learned from the recording of one camera.
 
 Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is the usual
-share of white, where that lies in the gap between noise and markers, or barely above its end (`ABOVE`), and is not
-clearly above what is proposed, as a low threshold keeps more of each marker; else the proposed one. Limits of size are
+share of white, where that lies in the gap between noise and markers, or barely above its end (`ABOVE`), clear of noise
+where the ground is brightest, and not clearly above what is proposed, as a low threshold keeps more of each marker;
+else the proposed one. Limits of size are
 only wide: a marker may be nearer, farther, half hidden or on another one in the frames that were not looked at. So
 areas begin at the lesser, and end at the greater, of the usual and the proposed limit (1), save where every other frame
 shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
@@ -134,7 +135,7 @@ def _measured_limits(images: GreyLevels, *, inverted: bool) -> Limits | None:
     said, sizes, gap = proposed
     usual = USUAL.threshold * white_level(images) / 255
     end = gap.background + ABOVE * (gap.high - gap.background)
-    if not inverted and gap.low <= usual < min(end, gap.threshold / NEAR):
+    if not inverted and max(gap.low, gap.clear) <= usual < min(end, gap.threshold / NEAR):
         said = said._replace(threshold=usual / grey_scale(images.dtype))
     return _wide(said, sizes)
 

@@ -27,7 +27,7 @@ from ..data.array_types import GreyLevels
 from .background_noise import background
 from .centroids_method import USUAL, Centroids, Limits, grey_scale
 from .frame_source import FrameSource, spread, spread_at
-from .ground import Ground, Spots, is_uneven, static_ground, without_spots
+from .ground import Ground, Spots, is_uneven, static_ground, that_flickers, without_spots
 from .proposal import measured, white_level
 from .sizes import Sizes
 
@@ -82,7 +82,8 @@ def _without_ground(
         field = numbers % 2
     white = white_level(images) if method.inverted else None
     whole = static_ground(images, field, white=white)
-    ground = without_spots(whole, _spots(whole.under(images, numbers), method))
+    spots = _spots(whole.under(images, numbers), method)
+    ground = that_flickers(without_spots(whole, spots), spots.contrast)
     found = _measured_limits(ground.under(images, numbers), inverted=method.inverted)
     if found is None and not sure:
         return None

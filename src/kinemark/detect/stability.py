@@ -23,8 +23,8 @@ The threshold is taken at 0.4 of the groups' median peak, or at half of the peak
 that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a
 marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the
 gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
-lower one and `CLEAR` σ above the ground, in the brightest `SQUARE`: on ground that is lit from a side the
-median is no measure. Lone pixels count there, too, as what is brighter beside them is taken for a lens's blur.
+lower one and `CLEAR` σ above the ground, of the brightest and noisiest `SQUARE`: on ground that is lit from a side, or
+has windows that were subtracted, the median is no measure of either.
 
 Compression that loses noise leaves σ no more than rounding does, and around markers remains that come and go, as many
 as (2) allows. Groups then do not count in (3) that lie within BLOCK of one more than twice as bright (4): dim markers
@@ -56,8 +56,9 @@ FLICKERS, SPARSE = 2.0, 8
 """σ by which the ground's median differs between images that flicker, and of how many lines and columns one is looked
 at; chosen: lamps that flicker by 35 % change the ground by 4.5 σ, and what noise leaves of a median is far less."""
 
-SQUARE = 4  # times `SPARSE`, px, a side in which ground is brightest; chosen: markers cover less than half of it
+SQUARE = 4  # times `SPARSE`, px, a side of what has a level and noise of its own; chosen: markers are less than half
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
+MEDIAN_SD = 1.4826 / math.sqrt(2)  # standard deviation of a pixel by the median distance of two; of a normal law
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
 BLOCK = 8  # px, to which compression spreads what it leaves of an edge; by definition of JPEG and of H.264
 
@@ -118,7 +119,7 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     level, variance = background(images)
     b, sigma, top = float(np.median(level)), float(np.sqrt(np.median(variance))), float(images.max())
     least = max(3 * sigma, 2.0)  # (1)
-    clear = max(_bright_ground(images), b) + CLEAR * sigma
+    clear = max(_clear_of_noise(images), b + CLEAR * sigma)
     none = LevelGap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0, clear)
     if top - b <= 4 * least:
         return none
@@ -144,12 +145,19 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     return LevelGap(b, sigma, b + low, b + high, b + peak, top, b + c, groups, clear)
 
 
-def _bright_ground(images: NDArray[np.uint8 | np.uint16]) -> float:
-    """The level of the brightest square of the still ground of frames (n, H, W), by its median."""
-    few = np.median(images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 :: SPARSE], axis=0)
-    h, w = few.shape[0] // SQUARE, few.shape[1] // SQUARE
-    squares = few[: h * SQUARE, : w * SQUARE].reshape(h, SQUARE, w, SQUARE)
-    return float(np.median(squares, axis=(1, 3)).max(initial=0.0))
+def _clear_of_noise(images: NDArray[np.uint8 | np.uint16]) -> float:
+    """The level that noise of no square of frames (n, H, W) reaches: the square's median, and its own noise above."""
+    few = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 : -1 : SPARSE].astype(np.float64)
+    beside = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 + 1 :: SPARSE]
+    level, spread = _of_squares(few), _of_squares(np.abs(few - beside))
+    return float((level + CLEAR * MEDIAN_SD * spread).max(initial=0.0))
+
+
+def _of_squares(few: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(h, w) the median of each square of `SQUARE` pixels of frames (n, H, W)."""
+    h, w = few.shape[1] // SQUARE, few.shape[2] // SQUARE
+    squares = few[:, : h * SQUARE, : w * SQUARE].reshape(-1, h, SQUARE, w, SQUARE)
+    return np.median(squares, axis=(0, 2, 4)) if squares.size else np.zeros((0, 0))
 
 
 def _flicker(images: NDArray[np.uint8 | np.uint16]) -> float:

@@ -48,7 +48,8 @@ DECILE = 0.9  # of them; chosen: those at white get no brighter, and markers cov
 WIDER = 1.6  # times √A; chosen: the diagonal of a marker's rectangle, and its blurred rim
 ROUND = 3  # px about a spot; chosen: blurred rims of what is large
 BAND = 64  # lines whose median is taken at a time; chosen for memory
-_FEW = slice(STRIDE // 2, None, STRIDE), slice(STRIDE // 2, None, STRIDE)
+
+_FEW = slice(STRIDE // 2, None, STRIDE)  # lines or columns of an image, px; follows from `STRIDE`
 
 
 class Spots(NamedTuple):
@@ -109,7 +110,7 @@ class Ground:
 
 def is_uneven(images: GreyLevels, threshold: float) -> bool:
     """Whether the static ground of frames (n, H, W) is uneven by (3), for a threshold in their own grey levels."""
-    few = np.sort(images[:, *_FEW].reshape(len(images), -1), axis=0)
+    few = np.sort(images[:, _FEW, _FEW].reshape(len(images), -1), axis=0)
     if not few.size:
         return False
     still = few[(len(few) - 1) // 2].astype(np.float64)
@@ -134,8 +135,8 @@ def without_spots(ground: Ground, spots: Spots) -> Ground:
 
 def that_flickers(ground: Ground, contrast: float) -> Ground:
     """The ground, with some of the pixels that it lights by more than `contrast`, which show how bright it is; (5)."""
-    lit = np.flatnonzero((ground.light[:, *_FEW] > contrast).all(0))
-    row, column = np.divmod(lit[evenly(len(lit), AMONG)], len(range(ground.light.shape[2])[_FEW[1]]))
+    lit = np.flatnonzero((ground.light[:, _FEW, _FEW] > contrast).all(0))
+    row, column = np.divmod(lit[evenly(len(lit), AMONG)], len(range(ground.light.shape[2])[_FEW]))
     return replace(ground, lit=np.stack([row, column]) * STRIDE + STRIDE // 2, steady=UNEVEN * contrast / 2)
 
 

@@ -58,7 +58,9 @@ at; chosen: lamps that flicker by 35 % change the ground by 4.5 σ, and what noi
 
 SQUARE = 4  # times `SPARSE`, px, a side of what has a level and noise of its own; chosen: markers are less than half
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
-MEDIAN_SD = 1.4826 / math.sqrt(2)  # standard deviation of a pixel by the median distance of two; of a normal law
+MEDIAN_SD = 1.4826 / math.sqrt(
+    2
+)  # times the median distance of two pixels is the standard deviation of one; by definition
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
 BLOCK = 8  # px, to which compression spreads what it leaves of an edge; by definition of JPEG and of H.264
 

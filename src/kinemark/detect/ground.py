@@ -49,7 +49,7 @@ WIDER = 1.6  # times √A; chosen: the diagonal of a marker's rectangle, and its
 ROUND = 3  # px about a spot; chosen: blurred rims of what is large
 BAND = 64  # lines whose median is taken at a time; chosen for memory
 
-_FEW = slice(STRIDE // 2, None, STRIDE)  # lines or columns of an image, px; follows from `STRIDE`
+_FEW = slice(STRIDE // 2, None, STRIDE)  # lines or columns of an image, px; by definition of `STRIDE`
 
 
 class Spots(NamedTuple):

@@ -14,13 +14,18 @@ marker, as full (`sizes`), within the image, and so much brighter than all of th
 and than most of the pixels that far away: it is no corner of something large, nor a slope. Spots are cut out of the
 ground (2), and so stay in the images.
 
+Lamps flicker, and clouds pass windows. Of pixels that g lights by more than c, `AMONG` are kept in mind. Where a tenth
+of them are brighter in an image than in g, by half of `UNEVEN` c, the ground of that image is a (g − p), where a tenth
+are more than a times as bright (5).
+
 Whether it is worth it: a ground is uneven where more than `SHARE` of its pixels differ from its median b by more than
 `UNEVEN` (t − b), for the threshold t, and by more than p (3).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +33,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import GreyLevels
+from ..numerics.evenly import evenly
 from .background_noise import background
 from .grouping import PixelGroups
 from .sizes import FILL
@@ -37,9 +43,13 @@ DEPTH = 6.0  # standard deviations of noise that are left below the ground; chos
 UNEVEN = 0.35  # of the way from the ground to the threshold; chosen: markers lose a third of their rim's contrast
 SHARE = 0.01  # of the pixels; chosen: strobes and their halos in a dark image are less
 STRIDE = 8  # px between pixels that are looked at for that; chosen for speed
+AMONG = 400  # pixels; chosen for speed
+DECILE = 0.9  # of them; chosen: those at white get no brighter, and markers cover fewer
 WIDER = 1.6  # times √A; chosen: the diagonal of a marker's rectangle, and its blurred rim
 ROUND = 3  # px about a spot; chosen: blurred rims of what is large
 BAND = 64  # lines whose median is taken at a time; chosen for memory
+
+_FEW = slice(STRIDE // 2, None, STRIDE)  # lines or columns of an image, px; by definition of `STRIDE`
 
 
 class Spots(NamedTuple):
@@ -58,24 +68,35 @@ class Ground:
         light: (k, H, W) grey levels, of the negative where inverted; k is 2 for the fields of interlaced video, else 1.
         level: at which an even ground remains, grey levels.
         white: grey level from which negatives count; None where markers are bright.
+        lit: (2, L) lines and columns of pixels that show by how much an image is brighter; steady: grey levels by which
+            they may be.
     """
 
     light: GreyLevels
     level: int
     white: int | None = None
+    lit: NDArray[np.int64] = field(default_factory=lambda: np.zeros((2, 0), np.int64))
+    steady: float = np.inf
 
     def taken_from(self, images: GreyLevels, first: int) -> GreyLevels:
         """Frames (n, H, W), of which the first has this number, without the ground; (1)."""
         k, out = len(self.light), np.empty_like(images)
-        for field, light in enumerate(self.light):
-            own = slice((field - first) % k, None, k)
-            if self.white is None:
-                np.maximum(images[own], light, out=out[own])
-                np.subtract(out[own], light, out=out[own])
-            else:  # the same of the negative
-                np.minimum(images[own], self.white - light, out=out[own])
-                np.add(out[own], light, out=out[own])
+        for f, light in enumerate(self.light):
+            own = slice((f - first) % k, None, k)
+            _subtract(images[own], light, self.white, out[own])
+            for n, times in self._brighter(images[own], light):
+                most = np.iinfo(light.dtype).max
+                _subtract(images[own][n], np.minimum(light * times, most).astype(light.dtype), self.white, out[own][n])
         return out
+
+    def _brighter(self, images: GreyLevels, light: GreyLevels) -> Iterator[tuple[int, float]]:
+        """The frames (n, H, W) in which the ground (H, W) is brighter, and how many times as bright; (5)."""
+        if not self.lit.size or not len(images):
+            return
+        usual = light[*self.lit].astype(np.float64)
+        more = _negative(images[:, *self.lit], self.white) - (usual + self.level)
+        for n in np.flatnonzero(np.quantile(more, DECILE, axis=1) > self.steady).tolist():
+            yield n, 1 + float(np.quantile(more[n] / usual, DECILE))
 
     def under(self, images: GreyLevels, frames: NDArray[np.int64]) -> GreyLevels:
         """The same of frames (n, H, W) of these numbers (n)."""
@@ -89,7 +110,7 @@ class Ground:
 
 def is_uneven(images: GreyLevels, threshold: float) -> bool:
     """Whether the static ground of frames (n, H, W) is uneven by (3), for a threshold in their own grey levels."""
-    few = np.sort(images[:, STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE].reshape(len(images), -1), axis=0)
+    few = np.sort(images[:, _FEW, _FEW].reshape(len(images), -1), axis=0)
     if not few.size:
         return False
     still = few[(len(few) - 1) // 2].astype(np.float64)
@@ -100,7 +121,7 @@ def is_uneven(images: GreyLevels, threshold: float) -> bool:
 
 def static_ground(images: GreyLevels, field: NDArray[np.int64], *, white: int | None = None) -> Ground:
     """All that stands still in frames (n, H, W) of these fields (n), 0 or 1; `white` where markers are dark."""
-    bright = images if white is None else np.subtract(white, np.minimum(images, white)).astype(images.dtype)
+    bright = _negative(images, white)
     level = int(np.ceil(DEPTH * np.sqrt(np.median(background(images)[1]))))
     stacks = [bright[field == k] for k in range(int(field.max()) + 1)]
     light = np.stack([_median(stack) for stack in stacks])
@@ -109,7 +130,29 @@ def static_ground(images: GreyLevels, field: NDArray[np.int64], *, white: int | 
 
 def without_spots(ground: Ground, spots: Spots) -> Ground:
     """The ground without what may be markers that stand still; (2)."""
-    return Ground(np.stack([_cut_out(light, spots) for light in ground.light]), ground.level, ground.white)
+    return replace(ground, light=np.stack([_cut_out(light, spots) for light in ground.light]))
+
+
+def that_flickers(ground: Ground, contrast: float) -> Ground:
+    """The ground, with some of the pixels that it lights by more than `contrast`, which show how bright it is; (5)."""
+    lit = np.flatnonzero((ground.light[:, _FEW, _FEW] > contrast).all(0))
+    row, column = np.divmod(lit[evenly(len(lit), AMONG)], len(range(ground.light.shape[2])[_FEW]))
+    return replace(ground, lit=np.stack([row, column]) * STRIDE + STRIDE // 2, steady=UNEVEN * contrast / 2)
+
+
+def _subtract(images: GreyLevels, light: GreyLevels, white: int | None, out: GreyLevels) -> None:
+    """Frames (…, H, W) without the ground (H, W), into `out`; (1)."""
+    if white is None:
+        np.maximum(images, light, out=out)
+        np.subtract(out, light, out=out)
+    else:  # the same of the negative
+        np.minimum(images, white - light, out=out)
+        np.add(out, light, out=out)
+
+
+def _negative(images: GreyLevels, white: int | None) -> GreyLevels:
+    """Frames in which markers are bright."""
+    return images if white is None else np.subtract(white, np.minimum(images, white)).astype(images.dtype)
 
 
 def _median(stack: GreyLevels) -> GreyLevels:

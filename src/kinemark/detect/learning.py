@@ -1,8 +1,9 @@
 """What a method leaves open, learned from the recording of one camera.
 
 Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is the usual
-share of white, where that lies in the gap between noise and markers, or barely above its end (`ABOVE`), and is not
-clearly above what is proposed, as a low threshold keeps more of each marker; else the proposed one. Limits of size are
+share of white, where that lies in the gap between noise and markers, or barely above its end (`ABOVE`), clear of noise
+where the ground is brightest, and not clearly above what is proposed, as a low threshold keeps more of each marker;
+else the proposed one. Limits of size are
 only wide: a marker may be nearer, farther, half hidden or on another one in the frames that were not looked at. So
 areas begin at the lesser, and end at the greater, of the usual and the proposed limit (1), save where every other frame
 shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
@@ -26,7 +27,7 @@ from ..data.array_types import GreyLevels
 from .background_noise import background
 from .centroids_method import USUAL, Centroids, Limits, grey_scale
 from .frame_source import FrameSource, spread, spread_at
-from .ground import Ground, Spots, is_uneven, static_ground, without_spots
+from .ground import Ground, Spots, is_uneven, static_ground, that_flickers, without_spots
 from .proposal import measured, white_level
 from .sizes import Sizes
 
@@ -81,7 +82,8 @@ def _without_ground(
         field = numbers % 2
     white = white_level(images) if method.inverted else None
     whole = static_ground(images, field, white=white)
-    ground = without_spots(whole, _spots(whole.under(images, numbers), method))
+    spots = _spots(whole.under(images, numbers), method)
+    ground = that_flickers(without_spots(whole, spots), spots.contrast)
     found = _measured_limits(ground.under(images, numbers), inverted=method.inverted)
     if found is None and not sure:
         return None
@@ -134,7 +136,7 @@ def _measured_limits(images: GreyLevels, *, inverted: bool) -> Limits | None:
     said, sizes, gap = proposed
     usual = USUAL.threshold * white_level(images) / 255
     end = gap.background + ABOVE * (gap.high - gap.background)
-    if not inverted and gap.low <= usual < min(end, gap.threshold / NEAR):
+    if not inverted and max(gap.low, gap.clear) <= usual < min(end, gap.threshold / NEAR):
         said = said._replace(threshold=usual / grey_scale(images.dtype))
     return _wide(said, sizes)
 

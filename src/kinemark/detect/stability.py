@@ -23,7 +23,8 @@ The threshold is taken at 0.4 of the groups' median peak, or at half of the peak
 that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a
 marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the
 gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
-lower one and 5 σ above the ground.
+lower one and `CLEAR` σ above the ground, of the brightest and noisiest `SQUARE`: on ground that is lit from a side, or
+has windows that were subtracted, the median is no measure of either.
 
 Compression that loses noise leaves σ no more than rounding does, and around markers remains that come and go, as many
 as (2) allows. Groups then do not count in (3) that lie within BLOCK of one more than twice as bright (4): dim markers
@@ -55,7 +56,11 @@ FLICKERS, SPARSE = 2.0, 8
 """σ by which the ground's median differs between images that flicker, and of how many lines and columns one is looked
 at; chosen: lamps that flicker by 35 % change the ground by 4.5 σ, and what noise leaves of a median is far less."""
 
+SQUARE = 4  # times `SPARSE`, px, a side of what has a level and noise of its own; chosen: markers are less than half
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
+MEDIAN_SD = 1.4826 / math.sqrt(
+    2
+)  # times the median distance of two pixels is the standard deviation of one; by definition
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
 BLOCK = 8  # px, to which compression spreads what it leaves of an edge; by definition of JPEG and of H.264
 
@@ -65,6 +70,7 @@ class LevelGap(NamedTuple):
 
     background: median b. noise: standard deviation σ of dark pixels. low, high: the gap's ends, NaN without one. peak:
     median peak of the groups in it. brightest: of all pixels. threshold: (3). groups: a frame, at the threshold.
+    clear: noise of the ground does not reach this.
     """
 
     background: float
@@ -75,6 +81,7 @@ class LevelGap(NamedTuple):
     brightest: float
     threshold: float
     groups: float
+    clear: float
 
 
 class BrightPixels(NamedTuple):
@@ -114,7 +121,8 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     level, variance = background(images)
     b, sigma, top = float(np.median(level)), float(np.sqrt(np.median(variance))), float(images.max())
     least = max(3 * sigma, 2.0)  # (1)
-    none = LevelGap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0)
+    clear = max(_clear_of_noise(images), b + CLEAR * sigma)
+    none = LevelGap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0, clear)
     if top - b <= 4 * least:
         return none
     contrasts = np.geomspace(least, (top - b) / 2, STEPS)
@@ -132,11 +140,26 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     if sigma <= math.sqrt(ROUNDING) and not flickers:  # (4)
         peaks = peaks[~_remains(_standing_out(images, b, low, bright)[0], peaks)]
     peak = float(np.median(peaks))
-    c = float(
-        np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)
-    )  # (3)
+    clear = clear if clear < b + high else b + CLEAR * sigma  # windows in view are no ground
+    least = min(max(1.1 * low, clear - b), high)
+    c = float(np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), least, high))  # (3)
     groups = len(_standing_out(images, b, c, bright)[1]) / len(images)
-    return LevelGap(b, sigma, b + low, b + high, b + peak, top, b + c, groups)
+    return LevelGap(b, sigma, b + low, b + high, b + peak, top, b + c, groups, clear)
+
+
+def _clear_of_noise(images: NDArray[np.uint8 | np.uint16]) -> float:
+    """The level that noise of no square of frames (n, H, W) reaches: the square's median, and its own noise above."""
+    few = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 : -1 : SPARSE].astype(np.float64)
+    beside = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 + 1 :: SPARSE]
+    level, spread = _of_squares(few), _of_squares(np.abs(few - beside))
+    return float((level + CLEAR * MEDIAN_SD * spread).max(initial=0.0))
+
+
+def _of_squares(few: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(h, w) the median of each square of `SQUARE` pixels of frames (n, H, W)."""
+    h, w = few.shape[1] // SQUARE, few.shape[2] // SQUARE
+    squares = few[:, : h * SQUARE, : w * SQUARE].reshape(-1, h, SQUARE, w, SQUARE)
+    return np.median(squares, axis=(0, 2, 4)) if squares.size else np.zeros((0, 0))
 
 
 def _flicker(images: NDArray[np.uint8 | np.uint16]) -> float:

@@ -3,8 +3,9 @@
 Where two cameras side by side see a marker, how far it is from them is hardly known, and one wrong image of a third
 camera, a flicker or another marker's, anywhere along the ray settles it. A marker that a third camera begins to see it
 mostly sees for a while; a wrong image is there for one frame. So an image is given up where its camera has no other of
-the track within AROUND frames, and the point without it is WIDER times as uncertain. The motion that the filter learned
-from it then says nothing for LOOK frames on either side.
+the track within AROUND frames, and the point without it alone is WIDER times as uncertain: lone images that several
+cameras have at once check each other. The motion that the filter learned from it then says nothing for LOOK frames on
+either side.
 """
 
 from __future__ import annotations
@@ -30,14 +31,15 @@ NOTHING = 1e6
 def without_lone(seen: Associations, images: Images) -> Associations:
     """The same without lone images."""
     lone = np.stack([_alone(seen, row >= 0) for row in seen.detection])
-    left = np.where(lone, -1, seen.detection)
-    which = np.flatnonzero(lone.any(0) & ((left >= 0).sum(0) >= 2))
-    sd, sd_left = (_sd(images, detection[:, which]) for detection in (seen.detection, left))
-    which = which[sd_left > WIDER * sd]
+    camera, row = np.nonzero(lone & ((seen.detection >= 0).sum(0) > 2))
+    left = seen.detection[:, row]
+    left[camera, np.arange(len(row))] = -1
+    settled = _sd(images, left) > WIDER * _sd(images, seen.detection[:, row])
+    which, each = np.unique(row[settled], return_index=True)
     if not len(which):
         return seen
     detection, cov = seen.detection.copy(), seen.cov.copy()
-    detection[:, which] = left[:, which]
+    detection[:, which] = left[:, settled][:, each]
     cov[..., _near(seen, which)] += NOTHING * np.eye(3)[..., None]
     return seen._replace(detection=detection, cov=cov)
 

@@ -39,6 +39,9 @@ from .simultaneous_method import Simultaneous
 MIN_COVERED = 0.3
 """Share of the frames of a stretch that a rival has at least; chosen (see benchmarks/tracking_scenes.py)."""
 
+SOUND = 3
+"""Images of a point that is not in question; chosen, as in `second_pass`."""
+
 MIN_FRAMES = 4
 """Frames of a stretch, and of a rival, at least: fewer make no track; chosen."""
 
@@ -106,7 +109,9 @@ def without_rivalled(
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
-    for _, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
+    likelier = _chains(rivals, stretch, own, images, T, method)
+    likelier = [one for one in likelier if _goes_on(rivals.take(one[1]), every, stretch, images, T, method)]
+    for _, chain in sorted(likelier, key=lambda one: -one[0]):
         if free[rivals.free[chain]].all() and not taken[rivals.kept[chain]].any():
             free[rivals.free[chain]], taken[rivals.kept[chain]] = False, True
             won.append(rivals.take(chain))
@@ -180,6 +185,25 @@ def _chains(
         if len(chain) >= least and score > SURE:
             found.append((score, chain))
     return found
+
+
+def _goes_on(rival: Rivals, every: Associations, stretch: Ints, images: Images, T: float, method: Simultaneous) -> bool:
+    """Whether the rival goes on where its track leaves a point of SOUND images that is beside the stretch, on either
+    side where there is one."""
+    rows = np.flatnonzero(stretch == stretch[rival.row[0]])
+    track = np.flatnonzero(every.id == every.id[rows[0]])
+    camera = images.camera[rival.kept[0]]
+    for way, edge, own in ((-1, every.frame[rows].min(), rival.row.argmin()), (1, every.frame[rows].max(), 0)):
+        own = int((way * every.frame[rival.row]).argmax())
+        beside = track[every.frame[track] == edge + way]
+        sound = [r for r in beside if (every.detection[:, r] >= 0).sum() >= SOUND and every.detection[camera, r] >= 0]
+        last = track[every.frame[track] == every.frame[rival.row[own]] + way]
+        if sound and len(last):
+            off = rival.xyz[:, own] - every.xyz[:, last[0]]
+            S = rival.cov[..., own] + every.cov[..., last[0]] + (method.velocity_sd * T) ** 2 * np.eye(3)
+            if off @ np.linalg.solve(S, off) > method.gate**2:
+                return False
+    return True
 
 
 def _log_likelihood(squared: Floats) -> float:

@@ -39,11 +39,11 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 from tracking_scenes import meets, numbers, share
 
 from kinemark.data import Rig
+from kinemark.data.array_types import Bools, Floats, Ints
 from kinemark.geometry.camera import undistort_all
 from kinemark.geometry.epipolar import fundamental
 from kinemark.geometry.triangulate import refine, triangulate
@@ -54,8 +54,6 @@ from support.scenes.tally import NEAR, OPEN
 AHEAD = 0.12  # s that a marker is known beside what is seen of it; `Simultaneous.max_coasting`
 GATE = 5.0  # standard deviations; `Simultaneous.gate`
 ONE = Usual(median=0.0, white=1.0, lasting=np.zeros(4), factor=1.0, share=0.0, blocks=1, wide=0.0)  # of (1)
-
-Bools, Floats, Ints = NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]
 
 
 class Seen(NamedTuple):

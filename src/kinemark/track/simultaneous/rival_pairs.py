@@ -110,7 +110,7 @@ def without_rivalled(
     won: list[Rivals] = []
     gone: list[Ints] = []
     likelier = _chains(rivals, stretch, own, images, T, method)
-    likelier = [one for one in likelier if _goes_on(rivals.take(one[1]), every, stretch, images, T, method)]
+    likelier = [one for one in likelier if _goes_on(rivals.take(one[1]), every, stretch, T, method)]
     for _, chain in sorted(likelier, key=lambda one: -one[0]):
         if free[rivals.free[chain]].all() and not taken[rivals.kept[chain]].any():
             free[rivals.free[chain]], taken[rivals.kept[chain]] = False, True
@@ -187,18 +187,17 @@ def _chains(
     return found
 
 
-def _goes_on(rival: Rivals, every: Associations, stretch: Ints, images: Images, T: float, method: Simultaneous) -> bool:
-    """Whether the rival goes on where its track leaves a point of SOUND images that is beside the stretch, on either
-    side where there is one."""
+def _goes_on(rival: Rivals, every: Associations, stretch: Ints, T: float, method: Simultaneous) -> bool:
+    """Whether the rival goes on from where its track leaves it, on either side of the stretch on which MIN_FRAMES
+    points of SOUND images, two of which are of the cameras of the stretch, are right beside it."""
     rows = np.flatnonzero(stretch == stretch[rival.row[0]])
     track = np.flatnonzero(every.id == every.id[rows[0]])
-    camera = images.camera[rival.kept[0]]
-    for way, edge, own in ((-1, every.frame[rows].min(), rival.row.argmin()), (1, every.frame[rows].max(), 0)):
-        own = int((way * every.frame[rival.row]).argmax())
-        beside = track[every.frame[track] == edge + way]
-        sound = [r for r in beside if (every.detection[:, r] >= 0).sum() >= SOUND and every.detection[camera, r] >= 0]
-        last = track[every.frame[track] == every.frame[rival.row[own]] + way]
-        if sound and len(last):
+    has = every.detection[:, track] >= 0
+    sound = (has.sum(0) >= SOUND) & (has | (every.detection[:, rows[:1]] < 0)).all(0)
+    for way in (-1, 1):
+        frame, own = way * every.frame, int((way * every.frame[rival.row]).argmax())
+        away, last = frame[track] - frame[rows].max(), track[frame[track] == frame[rival.row[own]] + 1]
+        if (sound & (away > 0) & (away <= MIN_FRAMES)).sum() >= MIN_FRAMES and len(last):
             off = rival.xyz[:, own] - every.xyz[:, last[0]]
             S = rival.cov[..., own] + every.cov[..., last[0]] + (method.velocity_sd * T) ** 2 * np.eye(3)
             if off @ np.linalg.solve(S, off) > method.gate**2:

@@ -39,9 +39,6 @@ from .simultaneous_method import Simultaneous
 MIN_COVERED = 0.3
 """Share of the frames of a stretch that a rival has at least; chosen (see benchmarks/tracking_scenes.py)."""
 
-SOUND = 3
-"""Images of a point that is not in question; chosen, as in `second_pass`."""
-
 MIN_FRAMES = 4
 """Frames of a stretch, and of a rival, at least: fewer make no track; chosen."""
 
@@ -109,9 +106,7 @@ def without_rivalled(
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
-    likelier = _chains(rivals, stretch, own, images, T, method)
-    likelier = [one for one in likelier if _goes_on(rivals.take(one[1]), every, stretch, T, method)]
-    for _, chain in sorted(likelier, key=lambda one: -one[0]):
+    for _, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
         if free[rivals.free[chain]].all() and not taken[rivals.kept[chain]].any():
             free[rivals.free[chain]], taken[rivals.kept[chain]] = False, True
             won.append(rivals.take(chain))
@@ -185,24 +180,6 @@ def _chains(
         if len(chain) >= least and score > SURE:
             found.append((score, chain))
     return found
-
-
-def _goes_on(rival: Rivals, every: Associations, stretch: Ints, T: float, method: Simultaneous) -> bool:
-    """Whether the rival goes on from where its track leaves it, on either side of the stretch on which MIN_FRAMES
-    points of SOUND images, two of which are of the cameras of the stretch, are right beside it."""
-    rows = np.flatnonzero(stretch == stretch[rival.row[0]])
-    track = np.flatnonzero(every.id == every.id[rows[0]])
-    has = every.detection[:, track] >= 0
-    sound = (has.sum(0) >= SOUND) & (has | (every.detection[:, rows[:1]] < 0)).all(0)
-    for way in (-1, 1):
-        frame, own = way * every.frame, int((way * every.frame[rival.row]).argmax())
-        away, last = frame[track] - frame[rows].max(), track[frame[track] == frame[rival.row[own]] + 1]
-        if (sound & (away > 0) & (away <= MIN_FRAMES)).sum() >= MIN_FRAMES and len(last):
-            off = rival.xyz[:, own] - every.xyz[:, last[0]]
-            S = rival.cov[..., own] + every.cov[..., last[0]] + (method.velocity_sd * T) ** 2 * np.eye(3)
-            if off @ np.linalg.solve(S, off) > method.gate**2:
-                return False
-    return True
 
 
 def _log_likelihood(squared: Floats) -> float:

@@ -46,9 +46,10 @@ def dropped(shape, share, rng):
 
 
 def images(true, body, rate, optics, rng):
-    """Detections, and (C, M, F) whether a camera has an image of its own of a sample."""
+    """Detections; of each sample (C, M, F) the detection, −1 for none, and whether it is of this marker alone."""
     M, F = body.xyz.shape[:2]
     counts, rows, own = np.zeros((len(true), F), int), [], np.zeros((len(true), M, F), bool)
+    image, n = np.full(own.shape, -1), 0
     for c, camera in enumerate(true):
         uv, depth = seen(camera, body.xyz)
         with np.errstate(invalid="ignore"):
@@ -61,10 +62,13 @@ def images(true, body, rate, optics, rng):
             frame = blobs(uv[m, f], area[m, f], group)
             own[c, m, f] = frame[group, 3] == 0
             frame[:, :2] += optics.noise * rng.normal(size=(len(frame), 2))
-            both = rng.permutation(np.vstack([frame, clutter(camera, optics, rng)]))
+            both = np.vstack([frame, clutter(camera, optics, rng)])
+            both = rng.permutation(np.column_stack([both, np.arange(len(both))]))
+            image[c, m, f] = n + np.argsort(both[:, 4])[group]
             counts[c, f] = len(both)
+            n += len(both)
             rows.append(both)
-    return as_detections(true.names, rate, counts, np.vstack(rows), optics), own
+    return as_detections(true.names, rate, counts, np.vstack(rows), optics), image, own
 
 
 def clutter(camera, optics, rng):

@@ -31,11 +31,11 @@ def impact_scene(seed):
     t = np.arange(round(seconds * rate)) / rate
     body = with_ball(t, rng) if kind == "ball" else clusters(t, rng, kind, int(rng.choice([2, 4, 6])), 5)
     true = rig(placement, cameras, rng.uniform(3200, 4600), rng)
-    detections, own = images(true, body, rate, optics, rng)
+    detections, image, own = images(true, body, rate, optics, rng)
     markers = len(body.xyz)
     scene = Scene(seed, markers, cameras, placement, kind, rate, seconds, optics, calibration, False)
     sd = allowed(true, body.xyz, own, np.hypot(optics.noise, calibration))
-    return Made(scene, off(true, calibration, rng), detections, body.xyz, own.sum(0), sd)
+    return Made(scene, off(true, calibration, rng), detections, body.xyz, own.sum(0), sd, true, image)
 
 
 def with_ball(t, rng):

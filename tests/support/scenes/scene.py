@@ -40,7 +40,8 @@ class Scene(NamedTuple):
 
 class Made(NamedTuple):
     """The scene, the rig as its file states it, detections, the true paths (M, F, 3) mm; the cameras (M, F) that have
-    an image of their own of each sample; the standard deviation (M, F) in mm that these allow."""
+    an image of their own of each sample; the standard deviation (M, F) in mm that these allow; the true rig; and the
+    detection (C, M, F) of each sample, which may be of other markers too, −1 for none."""
 
     scene: Scene
     rig: Rig
@@ -48,6 +49,8 @@ class Made(NamedTuple):
     xyz: np.ndarray
     own: np.ndarray
     sd: np.ndarray
+    true: Rig
+    image: np.ndarray
 
 
 def scene(seed):
@@ -92,9 +95,9 @@ def make(scene):
     else:
         body = walker(scene.motion, scene.markers, t, rng, scene.treadmill)
     true = rig(scene.placement, scene.cameras, rng.uniform(3200, 5000), rng)
-    detections, own = images(true, body, scene.rate, scene.optics, rng)
+    detections, image, own = images(true, body, scene.rate, scene.optics, rng)
     sd = allowed(true, body.xyz, own, np.hypot(scene.optics.noise, scene.calibration))
-    return Made(scene, off(true, scene.calibration, rng), detections, body.xyz, own.sum(0), sd)
+    return Made(scene, off(true, scene.calibration, rng), detections, body.xyz, own.sum(0), sd, true, image)
 
 
 def allowed(true, xyz, own, error):

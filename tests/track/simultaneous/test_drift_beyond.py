@@ -45,10 +45,10 @@ class Meeting:
 
     def given_up(self, judge, *more):
         usual = usual_residuals(self.frame, self.id, self.detection, self.images, GATE)
-        return judge(self.frame, self.id, self.detection, self.images, usual, *more, GATE)
+        return judge(self.frame, self.id, self.detection, self.images, usual, *more)
 
-    def beyond(self):
-        out = self.given_up(drifting_beyond, 0.0)
+    def beyond(self, rate=100):
+        out = self.given_up(drifting_beyond, 0.0, GATE, 1 / rate)
         assert not out[self.id > 0].any()
         return self.frame[out].tolist()
 
@@ -59,8 +59,15 @@ MEET = 0.002 * AFTER**3
 
 def test_images_that_part_after_they_met_are_two_markers():
     meeting = Meeting(MEET)
-    assert not meeting.given_up(drifting).any()
+    assert not meeting.given_up(drifting, GATE).any()
     assert meeting.beyond() == SHORT.tolist()
+
+
+def test_slow_drift_at_a_high_rate_is_looked_at_for_longer():
+    """0.2 px 8 frames beyond, which noise hides, and 0.7 px 15 frames beyond, which is 0.06 s at 250 Hz."""
+    slow = 0.0001 * AFTER**3
+    assert not Meeting(slow).beyond()
+    assert Meeting(slow).beyond(rate=250) == SHORT.tolist()
 
 
 def test_images_of_one_marker_stay_wherever_they_go_on():

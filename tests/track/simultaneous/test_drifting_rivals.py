@@ -71,7 +71,7 @@ def test_images_that_both_have_a_rival_are_two_markers():
     """They do not drift: no other judge tells them."""
     meeting = Meeting()
     assert not drifting(*meeting.known(), METHOD.gate).any()
-    assert not drifting_beyond(*meeting.known(), 0.0, METHOD.gate).any()
+    assert not drifting_beyond(*meeting.known(), 0.0, METHOD.gate, 1 / 100).any()
     assert meeting.given_up() == PART.tolist()
 
 

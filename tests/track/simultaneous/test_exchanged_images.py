@@ -52,7 +52,7 @@ def test_images_that_two_tracks_have_exchanged_are_changed_back():
     """Each track has its own marker's images, as before and after these frames; nothing else tells it."""
     one = Exchange()
     assert not drifting(*one.known, one.usual, METHOD.gate).any()
-    assert not drifting_beyond(*one.known, one.usual, 0.0, METHOD.gate).any()
+    assert not drifting_beyond(*one.known, one.usual, 0.0, METHOD.gate, 1 / 100).any()
     assert not with_rivals(*one.known, one.usual, 1 / 100.0, METHOD).any()
     np.testing.assert_array_equal(one.changed(), Exchange(wrong=False).held)
 

@@ -9,7 +9,15 @@ from scipy.spatial.transform import Rotation
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.solved_points import Solver, Working, _gone_over, on_given_rig, solved
+from kinemark.track.simultaneous.simultaneous_method import Simultaneous
+from kinemark.track.simultaneous.solved_points import (
+    Solver,
+    Working,
+    _gone_over,
+    on_given_rig,
+    solved,
+    with_few_smoothed,
+)
 from support.laboratory import observe, ring
 from support.motions import dance
 
@@ -100,3 +108,26 @@ def test_few_points_do_not_send_others_astray(telling):
     assert np.abs(off).max() < 8.0  # 41 mm of four and 15 of eight else
     squared = np.einsum("ij,ijk,ik->i", off, stated, off)
     assert np.median(squared) < 6.0
+
+
+def test_points_of_merged_images_are_where_their_tracks_lead():
+    """Of three frames in ten one of two images is merged, and 15 mm beside: all that two cameras see stays."""
+    solver, cloud, _ = recorded(0.1)
+    ids, frame = np.tile(np.arange(MARKERS), FRAMES), cloud.frame
+    few = (frame % 10 > 3) & (frame % 10 < 7)
+    two = cloud.detection.copy()
+    two[few, 2:] = -1
+    merged = np.zeros(len(solver.detections), bool)
+    merged[two[few, 1]] = True
+    off = np.where(few[:, None], [0.0, 15.0, 0.0], 0.0)
+    seen = replace(
+        cloud, detection=two, xyz=cloud.xyz + off, cov=np.where(few[:, None, None], 100.0 * np.eye(3), cloud.cov)
+    )
+    images = solver.working.images._replace(merged=merged)
+    found = with_few_smoothed(seen, ids, images, Simultaneous(), 0.5)
+    np.testing.assert_array_equal(found.xyz[~few], seen.xyz[~few])
+    error, sd = found.xyz[few] - cloud.xyz[few], np.sqrt(np.trace(found.cov[few], axis1=1, axis2=2))
+    assert np.sqrt((error**2).sum(1).mean()) < 1.0
+    assert 0.5 < np.sqrt((error**2).sum(1).mean()) / np.median(sd) < 1.5
+    alone = with_few_smoothed(seen.keep(few), ids[few], images, Simultaneous(), 0.5)
+    np.testing.assert_array_equal(alone.xyz, seen.xyz[few])

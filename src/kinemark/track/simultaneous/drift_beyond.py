@@ -5,9 +5,9 @@ the frames of the track are those in which they drift least, and a short one doe
 (`image_chains`): of two markers they drift on as they did, while images of one marker end where it is hidden or merges,
 as the track would have gone on with them otherwise.
 
-The residuals of a stretch of points of two images of the same cameras, together with those of up to MOST_BEYOND frames
-before and after it in which both images go on, without a jump of more than the gate, are judged by (2) of
-`drifting_pairs`, in the same blocks. Where their sum is above CERTAIN, all points of the stretch are given up, if there
+The residuals of a stretch of points of two images of the same cameras, together with those of up to BEYOND before and
+after it in which both images go on, without a jump of more than the gate, are judged by (2) of `drifting_pairs`, in the
+same blocks. Where their sum is above CERTAIN, all points of the stretch are given up, if there
 are fewer than LONG and no point of their track has SOUND images: those of others are a marker's that has lost one of
 its images more often.
 """
@@ -26,8 +26,10 @@ from .detection_index import Images
 from .drifting_pairs import BLOCK, SOUND, Usual, UsualResiduals, blocks, residual, scores, shared_shift
 from .image_chains import alone, expected, images_beyond
 
-MOST_BEYOND = 8
-"""Frames before a stretch, and after it; chosen: a third of a block."""
+LEAST_BEYOND, BEYOND = 8, 0.06
+"""Frames before a stretch, and after it, and s of them where these are more; chosen: a third of a block, in which
+markers hardly part at 200 Hz. With 0.06 a scene of 200 Hz (seed 5242 of benchmarks/tracking_scenes.py) has 8 ghosts for
+36 and the same samples; with 0.08 one of 120 Hz (130122) loses 76 of 4 585."""
 
 LONG = 2 * BLOCK
 """Points of a stretch that are enough by themselves, a number; chosen: of 162 scenes of four cameras (seeds 130000 to
@@ -70,10 +72,11 @@ class _Stretches(NamedTuple):
 
 
 def drifting_beyond(
-    frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, r: float, gate: float
+    frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, r: float, gate: float, T: float
 ) -> Bools:
-    """(P) the points of two images of tracks id (P), of detections (C, P), given up; r px is that of `image_chains`."""
-    out, number = np.zeros(len(frame), bool), (detection >= 0).sum(0)
+    """(P) the points of two images of tracks id (P), of detections (C, P), given up, T s from
+    frame to frame; r px is that of `image_chains`."""
+    out, number, most = np.zeros(len(frame), bool), (detection >= 0).sum(0), max(LEAST_BEYOND, round(BEYOND / T))
     never = np.bincount(id, number >= SOUND) == 0
     order = np.flatnonzero(number == 2)
     order = order[np.lexsort([frame[order], id[order]])]
@@ -88,7 +91,7 @@ def drifting_beyond(
         rows = rows[np.bincount(of)[of] < LONG]
         if len(rows):
             stretches = _stretches(frame[rows], id[rows], detection[[a, b]][:, rows], images, usual.F[a, b])
-            out[rows] = (_totals(stretches, there, r, gate) > CERTAIN)[stretches.of]
+            out[rows] = (_totals(stretches, there, r, gate, most) > CERTAIN)[stretches.of]
     return out
 
 
@@ -103,9 +106,9 @@ def _stretch(frame: Ints, id: Ints) -> Ints:
     return np.asarray(np.cumsum(begins(id) | (np.diff(frame, prepend=frame[:1]) > HOLE)) - 1)
 
 
-def _totals(one: _Stretches, usual: Usual, r: float, gate: float) -> Floats:
+def _totals(one: _Stretches, usual: Usual, r: float, gate: float, most: int) -> Floats:
     """(N) the sum of the scores of each of the stretches that are judged, 0 of the others."""
-    parts = [(one.of, one.frame, one.detection), *_beyond(one, r, gate)]
+    parts = [(one.of, one.frame, one.detection), *_beyond(one, r, gate, most)]
     goes_on = np.isin(np.arange(len(one.first)), np.concatenate([stretch for stretch, _, _ in parts[1:]]))
     stretch, frame = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
     order = np.lexsort([frame, stretch])
@@ -118,14 +121,14 @@ def _totals(one: _Stretches, usual: Usual, r: float, gate: float) -> Floats:
     return np.where(goes_on, total, 0.0)
 
 
-def _beyond(one: _Stretches, r: float, gate: float) -> Iterator[tuple[Ints, Ints, Ints]]:
+def _beyond(one: _Stretches, r: float, gate: float, most: int) -> Iterator[tuple[Ints, Ints, Ints]]:
     """Stretch (K), frame (K) and detections (2, K) in which both images of a stretch go on, after it and before it."""
     reach, near = [_reach(one, detection) for detection in one.detection], _near_others(one, r)
     for step, end in ((1, one.last), (-1, one.first)):
         some = np.flatnonzero(_has_three(one, end, step) & ~near[end])
         three = end[some][:, None] - step * np.arange(2, -1, -1)
         each = zip(one.detection, reach, strict=True)
-        both = np.array([images_beyond(one.images, d[three], step, px[some], r, MOST_BEYOND) for d, px in each])
+        both = np.array([images_beyond(one.images, d[three], step, px[some], r, most) for d, px in each])
         on = (both >= 0).all(0) & ~_jumps(one, np.concatenate([one.detection[:, end[some], None], both], 2), gate)
         which, k = np.nonzero(np.logical_and.accumulate(on, axis=1))
         yield some[which], one.frame[end[some[which]]] + step * (k + 1), both[:, which, k]

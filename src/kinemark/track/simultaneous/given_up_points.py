@@ -103,16 +103,17 @@ def _without_drifting(
     cloud: Cloud, ids: Ints, merging: Merging, images: Images, usual: UsualResiduals, method: Simultaneous
 ) -> tuple[Ints, Bools]:
     """The detections (P, C) of a cloud without images of other markers, and the points (P) that are not given up."""
-    frame, gate = cloud.frame, method.gate
+    frame, gate, T = cloud.frame, method.gate, 1 / cloud.rate
     detection = without_strangers(frame, ids, cloud.detection.T, images, usual, gate)
     return_memory()
     sound = ~drifting(frame, ids, detection, images, usual, gate)
     rest = np.flatnonzero(sound)  # of these copies none outlives its call
-    sound[rest] = ~drifting_beyond(frame[rest], ids[rest], detection[:, rest], images, usual, merging.resolution, gate)
+    r = merging.resolution
+    sound[rest] = ~drifting_beyond(frame[rest], ids[rest], detection[:, rest], images, usual, r, gate, T)
     return_memory()
     rest = np.flatnonzero(sound)
     detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
-    sound[rest] = ~with_rivals(frame[rest], ids[rest], detection[:, rest], images, usual, 1 / cloud.rate, method)
+    sound[rest] = ~with_rivals(frame[rest], ids[rest], detection[:, rest], images, usual, T, method)
     del frame, rest
     return_memory()
     sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))

@@ -26,7 +26,7 @@ from ...geometry.weighted_points import ImageErrors, weighted_points
 from ...numerics.returned_memory import return_memory
 from .detection_index import Images
 from .measurement_noise import Noise
-from .neighbouring_points import TrackPoints, smoothed
+from .neighbouring_points import LOOK, TrackPoints, smoothed
 from .simultaneous_method import Simultaneous
 
 LEAST = 1e-6
@@ -205,6 +205,36 @@ def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, or
     out = one[rows] if len(one) else np.empty((len(order), *one.shape[1:]), one.dtype)
     out[~old] = other[np.flatnonzero(good)[order[~old] - np.count_nonzero(kept)]]
     return out
+
+
+def with_few_smoothed(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous, lasting: float) -> Cloud:
+    """The points of tracks ids (P), those of fewer than two images of their own smoothed, as merged images say little.
+
+    A share `lasting` is no noise (2). It is as large as that of the nearest of the points that they are smoothed with.
+    """
+    own = ((cloud.detection >= 0) & ~images.merged[cloud.detection]).sum(1)
+    few, beside = _beside(cloud.frame, ids, own >= 2)
+    if not len(few):
+        return cloud
+    which, xyz, cov = np.zeros(len(own), bool), cloud.xyz.copy(), cloud.cov.copy()
+    which[few] = True
+    xyz[few], noise = smoothed(TrackPoints.of(cloud, ids), which, own >= 2, 1 / cloud.rate, method, 1 - lasting)
+    cov[few] = noise + lasting * cov[beside]
+    return replace(cloud, xyz=xyz, cov=cov)
+
+
+def _beside(frame: Ints, id: Ints, sound: Bools) -> tuple[Ints, Ints]:
+    """The points (n) of tracks id (P) that are not sound (P), to which one is less than LOOK frames away, and it."""
+    key = id * (int(frame.max(initial=0)) + 1 + LOOK) + frame
+    few, others = np.flatnonzero(~sound), np.flatnonzero(sound)
+    others = others[np.argsort(key[others])]
+    if not len(others):
+        return few[:0], few[:0]
+    after = np.searchsorted(key[others], key[few])
+    both = others[np.clip([after - 1, after], 0, len(others) - 1)]
+    apart = np.abs(key[both] - key[few])
+    near = apart.min(0) < LOOK
+    return few[near], np.where(apart[0] <= apart[1], *both)[near]
 
 
 def on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:

@@ -53,7 +53,17 @@ from .neighbouring_points import TrackPoints
 from .passes import Associations, run
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
-from .solved_points import Held, Solver, Working, by_motion, on_given_rig, precise_enough, solved_columns, solver_for
+from .solved_points import (
+    Held,
+    Solver,
+    Working,
+    by_motion,
+    on_given_rig,
+    precise_enough,
+    solved_columns,
+    solver_for,
+    with_few_smoothed,
+)
 from .standing_noise import lasting_variance
 from .stitch import Stitch, Stitched, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
@@ -155,18 +165,20 @@ def track_once(
     cloud, ids, became = _passes_over(held, ids, merging, solver, len(whole.id), working.images, method)
     whole = whole.of(len(became))
     whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
-    adjusted = working.rig is not rig
+    adjusted, lasting = working.rig is not rig, solver.lasting
     del working, solver
     return_memory()
     if adjusted:
         images = with_noise(read_images(detections, rig, timing, other=images), method)[0]
         order, begins, images = images.by_cell.order, images.by_cell.first, merging.marked(images.unplaced())
         given = Working(rig, images, noise)
-        cloud = on_given_rig(cloud, merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors)))
-        del given
+        solver = merging.told_apart(cloud, ids, solver_for(detections, shared, given, errors))
+        cloud, lasting = on_given_rig(cloud, solver), solver.lasting
+        del given, solver
         images = images.placed(detections, rig, order, begins)
     else:
         images = merging.marked(images)
+    cloud = with_few_smoothed(cloud, ids, images, method, lasting)
     return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]

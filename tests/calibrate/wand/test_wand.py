@@ -244,6 +244,15 @@ def test_from_the_image_size_alone():
     assert np.sqrt(np.nanmean((came.error / came.sd) ** 2)) == pytest.approx(1.0, abs=0.2)
 
 
+def test_fields_of_interlaced_video_have_pixels_half_as_high():
+    rig = ring(4, distortion=LENS, focal_px=(1300.0, 650.0), size=(1280, 512))
+    rig, observed = waved([500.0], rig=rig, frames=300, seed=5)
+    sizes, method = [camera.size for camera in rig], Wand(aspect=0.5)
+    fit = calibrate_wand(observed.detections, lengths=[500.0], sizes=sizes, method=method)
+    assert walking_error(rig, fit.rig) < 0.3
+    np.testing.assert_allclose([camera.K[1, 1] / camera.K[0, 0] for camera in fit.rig], 0.5, atol=0.001)
+
+
 def test_big_spheres_are_corrected():
     rig, observed = waved([400.0], cameras=4, frames=120, noise_px=0.005)
     diameter, seen = 120.0, observed.detections

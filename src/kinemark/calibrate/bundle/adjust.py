@@ -52,8 +52,14 @@ class Bundle(Method):
         True, meaning="the principal point is fitted; else it stays at the image's centre"
     )
     square_pixels: bool = parameter(
-        True, meaning="pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted"
-    )
+        True, meaning="pixels keep their shape, fy / fx, which is aspect unless a start says otherwise; else both are "
+        "fitted",
+    )  # fmt: skip
+    aspect: float | None = parameter(
+        None, unit=ONE, low=0.1, high=10,
+        meaning="height of a round marker's image by its width, fy / fx, where no lens is known; None: 0.5 for a "
+        "session's interlaced video, else 1",
+    )  # fmt: skip
     usual_lens: bool = parameter(
         True, meaning="lens terms that are not fitted, and the pixels' shape, may differ from what is taken as much as "
         "is usual of lenses; else, and where no lens term is fitted, they are exact",

@@ -118,7 +118,7 @@ def _calibrated(
     lenses: Sequence[Camera] | None,
 ) -> BundleFit:
     """`calibrate_sticks` or, where `along` is None, `calibrate_points`, of pixels (C, N, 2)."""
-    optics = _optics(names, sizes, len(uv), lenses)
+    optics = _optics(names, sizes, len(uv), lenses, method.aspect or 1.0)
     held = along is None and len(uv) == 2
     if len(uv) < 2 or (held and lenses is None):
         raise KinemarkError(
@@ -149,14 +149,16 @@ def _calibrated(
     return fit
 
 
-def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None) -> list[UnknownOptics]:
+def _optics(
+    names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None, aspect: float
+) -> list[UnknownOptics]:
     size = np.asarray(sizes, np.int64).reshape(-1, 2)
     if not len(names) == len(size) == c or (lenses is not None and len(lenses) != c):
         raise ValueError(f"{len(names)} names, {len(size)} sizes, pixels of {c} cameras: wanted as many of each")
     if (size < 1).any():
         raise ValueError(f"sizes are {size.tolist()}, wanted width and height of every image, px")
     if lenses is None:
-        return [unknown_optics(name, s) for name, s in zip(names, size, strict=True)]
+        return [unknown_optics(name, s, aspect) for name, s in zip(names, size, strict=True)]
     return [
         UnknownOptics(replace(lens, name=name, size=s, R=np.eye(3), t=np.zeros(3)), 0.0, True)
         for name, s, lens in zip(names, size, lenses, strict=True)
@@ -212,5 +214,6 @@ def _check_found(rig: Rig, noise: float) -> None:
         raise Misfit(
             f"Two cameras fit each other within {noise:.2f} px, but all together leave {largest.residual:.2f} px in "
             f"camera {largest.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
-            "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation."
+            "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation; pixels that are "
+            "not square need square_pixels = false in [calibrate]."
         )

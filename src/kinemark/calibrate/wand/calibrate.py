@@ -57,7 +57,12 @@ class Wand(Method):
     principal_point: bool = parameter(
         True, meaning="the principal point is fitted; else it stays in the image's centre, or the lens's"
     )
-    square_pixels: bool = parameter(True, meaning="pixels are square, fx = fy")
+    square_pixels: bool = parameter(True, meaning="pixels have the shape that aspect says; else it is fitted")
+    aspect: float | None = parameter(
+        None, unit=ONE, low=0.1, high=10,
+        meaning="height of a round marker's image by its width, fy / fx, where no lens is known; None: 0.5 for a "
+        "session's interlaced video, else 1",
+    )  # fmt: skip
     usual_lens: bool = parameter(
         True, meaning="lens terms that are not fitted, and the pixels' shape, may differ from what is taken as much as "
         "is usual of lenses; else, and where no lens term is fitted, they are exact",
@@ -81,7 +86,8 @@ class Wand(Method):
         """What the bundle adjustment fits."""
         return Bundle(
             radial=self.radial, tangential=self.tangential, principal_point=self.principal_point,
-            square_pixels=self.square_pixels, usual_lens=self.usual_lens, reject=self.reject, seed=self.seed,
+            square_pixels=self.square_pixels, aspect=self.aspect, usual_lens=self.usual_lens, reject=self.reject,
+            seed=self.seed,
         )  # fmt: skip
 
 

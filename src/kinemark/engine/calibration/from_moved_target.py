@@ -21,6 +21,7 @@ from .lens_grids import Lenses, lenses_of
 from .task import RigWithEvidence, Task
 from .world_placement import placed_in_world
 
+FIELD = 0.5  # height of a round marker by its width in a field, which has every other line; by definition
 FEWEST_FRAMES = 20
 """In which two cameras each see one marker; chosen."""
 SAME_MM = 1e-6  # mm; gaps that differ by less are the same but for rounding; chosen
@@ -46,7 +47,7 @@ def from_wand(task: Task) -> RigWithEvidence:
     assert way is not None  # the settings see to it
     seen, lenses = task.recorded(way, "wand"), lenses_of(task)
     _check_sizes(seen.sizes)
-    method: Any = task.settings.calibrate
+    method = _method(task, fields=way.images is not None)
     if way.marker_diameter_mm is not None:
         method = replace(method, marker_diameter=way.marker_diameter_mm)
     tell(0, 1)
@@ -96,7 +97,7 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     _check_sizes(seen.sizes)
     uv, cov = _single(seen.detections)
     tell(0, 1)
-    method: Any = task.settings.calibrate
+    method = _method(task, fields=way.images is not None)
     known = cov if np.isfinite(cov[np.isfinite(uv[..., 0])]).all() else None
     fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
     judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
@@ -104,6 +105,13 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     made = _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
     found = (*made.evidence.findings, *_moved_meanwhile(fit, seen.detections))
     return made._replace(evidence=replace(made.evidence, findings=found))
+
+
+def _method(task: Task, *, fields: bool) -> Any:
+    """The session's, with the shape of pixels that interlaced video has where frames are its `fields`."""
+    method: Any = task.settings.calibrate
+    fields = fields and bool(task.settings.cameras.first_field)
+    return replace(method, aspect=FIELD) if fields and method.aspect is None else method
 
 
 def _check_sizes(sizes: Ints) -> None:

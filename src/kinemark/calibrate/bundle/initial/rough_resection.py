@@ -1,8 +1,8 @@
 """A camera of which little is known, from points in space, some of which it sees in the wrong place.
 
 A DLT (`seeds.projections`) of samples of points; the one whose median distance is least, fitted again to what
-is near. Its K is put back to what is assumed: square pixels and the centre in the image's middle, so that only the
-focal length f = √(f_x f_y) and the rotation R are taken from it. The place follows from x × (R X + t) = 0, which is
+is near. Its K is put back to what is assumed: the pixels' shape and the centre in the image's middle, so that only
+the focal length f = √(f_x f_y) and the rotation R are taken from it. The place follows from x × (R X + t) = 0, which is
 linear in t (1). Then pose, and pose with focal length and k1, by robust least squares.
 """
 

@@ -1,8 +1,8 @@
-"""What is assumed of cameras of which only the image size is known: centre, square pixels, and how far lines bend.
+"""What is assumed of cameras of which only the image size is known: centre, shape of pixels, and how far lines bend.
 
-The optical axis meets the image at its centre and pixels are square, or both are as a linearisation found them. A lens
-that bends lines is undone, before anything else is known, by one number a camera (Fitzgibbon 2001): with the place d
-px from the centre and h half the image's diagonal,
+The optical axis meets the image at its centre and pixels have a stated shape, or both are as a linearisation found
+them. A lens that bends lines is undone, before anything else is known, by one number a camera (Fitzgibbon 2001): with
+the place d from the centre and h half the image's diagonal, both in px of a camera with square pixels,
 
     ideal = d / (1 + λ |d|² / h²)                                        (1)
 
@@ -47,13 +47,17 @@ class UnknownOptics(NamedTuple):
     @property
     def half(self) -> float:
         """h of (1), px."""
-        return float(np.hypot(*self.camera.size) / 2)
+        return float(np.hypot(*(self.camera.size / self._stretch)) / 2)
+
+    @property
+    def _stretch(self) -> Floats:
+        """(2) a pixel's sides of a camera with square pixels, in pixels of this one."""
+        K = self.camera.K
+        return np.array([1.0, K[1, 1] / K[0, 0]])
 
     def ideal(self, uv: Floats, bend: float | None = None) -> Floats:
         """Pixels (…, 2) as px from the centre, of a camera with square pixels and no lens."""
-        K = self.camera.K
-        d = (undistort(self.camera, uv) if self.lens else uv) - K[:2, 2]
-        d = d / np.array([1.0, K[1, 1] / K[0, 0]])
+        d = ((undistort(self.camera, uv) if self.lens else uv) - self.camera.K[:2, 2]) / self._stretch
         bend = self.bend if bend is None else bend
         return np.asarray(d / (1 + bend * (d**2).sum(-1, keepdims=True) / self.half**2))  # (1)
 
@@ -68,10 +72,10 @@ class UnknownOptics(NamedTuple):
         return Camera(self.camera.name, self.camera.size, K, R, t, k)
 
 
-def unknown_optics(name: str, size: Ints) -> UnknownOptics:
-    """A camera of which only the image size (2) px is known."""
-    width = float(size.max())
-    K = np.array([[width, 0.0, (size[0] - 1) / 2], [0.0, width, (size[1] - 1) / 2], [0.0, 0.0, 1.0]])
+def unknown_optics(name: str, size: Ints, aspect: float = 1.0) -> UnknownOptics:
+    """A camera of which only the image size (2) px is known, and fy / fx."""
+    f = max(size[0], size[1] / aspect)
+    K = np.array([[f, 0.0, (size[0] - 1) / 2], [0.0, f * aspect, (size[1] - 1) / 2], [0.0, 0.0, 1.0]])
     return UnknownOptics(Camera(name, size, K, np.eye(3), np.zeros(3)), 0.0, False)
 
 

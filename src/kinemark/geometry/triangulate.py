@@ -11,10 +11,10 @@ pattern of visibility. (3) minimises no distance in the image, so a far camera w
 `refine` minimises Σ (uv − project(X))ᵀ C⁻¹ (uv − project(X)) (5), distortion included, by Gauss-Newton steps from
 (3). C is the covariance of each centroid plus what the camera's own calibration leaves open,
 C = C_centroid + J_θ C_θ J_θᵀ (6), and the inverse of the normal matrix, V = (Σ Jᵀ C⁻¹ J)⁻¹ (7), is the covariance of X
-where each camera errs by itself. Errors F that the cameras have in common (`Camera.common`) move X by the sum of what
-they do in each camera c, M_c = V J_cᵀ C_c⁻¹ J_θ F_c, so that its covariance is
+where each camera errs by itself. Errors F that the cameras have in common (`Camera.common`) move X by V Σ N_c, the sum
+of what they do in each camera c, N_c = J_cᵀ C_c⁻¹ J_θ F_c, so that its covariance is
 
-    V + (Σ M_c)(Σ M_c)ᵀ − Σ M_c M_cᵀ                                     (8)
+    V + V ((Σ N_c)(Σ N_c)ᵀ − Σ N_c N_cᵀ) V                               (8)
 """
 
 from __future__ import annotations
@@ -124,8 +124,7 @@ def _in_common(views: list[_View], each: list[tuple[Floats, Floats]], V: Floats)
     for view, (_, J) in zip(views, each, strict=True):
         if not view.common.size:
             continue
-        H = np.einsum("nij,ajn->ian", V[view.point], view.weighed(J))
-        M = np.einsum("ian,akn->ikn", H, view.common)
-        together[..., view.point] += M
-        apart[..., view.point] += np.einsum("ikn,jkn->ijn", M, M)
-    return (np.einsum("ikn,jkn->ijn", together, together) - apart).transpose(2, 0, 1)
+        N = np.einsum("ain,akn->ikn", view.weighed(J), view.common)
+        together[..., view.point] += N
+        apart[..., view.point] += np.einsum("ikn,jkn->ijn", N, N)
+    return np.asarray(V @ (np.einsum("ikn,jkn->ijn", together, together) - apart).transpose(2, 0, 1) @ V)

@@ -6,12 +6,14 @@ import subprocess
 import sys
 from contextlib import suppress
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import Detections, KinemarkError, Rig
+from kinemark.engine.calibration.from_moved_target import method_of
 from kinemark.engine.detection.proposals import learn_session_masks
 from kinemark.engine.session import Session
 from kinemark.engine.simulate import Scene, simulate
@@ -101,6 +103,14 @@ def test_a_wand_alone_makes_a_world_of_its_own_and_says_so(waved, tmp_path):
     span = np.ptp(np.array(made.figures["volume"]["corners_mm"]), axis=0)
     assert (span > 800).all()
     assert np.allclose(made.rig[0].R, np.eye(3))
+
+
+@pytest.mark.parametrize("interlaced", [False, "top"])
+def test_a_field_of_interlaced_video_has_pixels_half_as_high(tmp_path, interlaced):
+    head = HEAD if not interlaced else HEAD.replace("[cameras]", '[cameras]\ninterlaced = "top"')
+    task = SimpleNamespace(settings=session(tmp_path, BY_WAND, head).settings)
+    assert method_of(task, fields=True).aspect == (0.5 if interlaced else None)
+    assert method_of(task, fields=False).aspect is None
 
 
 def test_control_points_give_a_wand_its_world(waved, tmp_path):

@@ -47,7 +47,7 @@ def from_wand(task: Task) -> RigWithEvidence:
     assert way is not None  # the settings see to it
     seen, lenses = task.recorded(way, "wand"), lenses_of(task)
     _check_sizes(seen.sizes)
-    method = _method(task, fields=way.images is not None)
+    method = method_of(task, fields=way.images is not None)
     if way.marker_diameter_mm is not None:
         method = replace(method, marker_diameter=way.marker_diameter_mm)
     tell(0, 1)
@@ -97,7 +97,7 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     _check_sizes(seen.sizes)
     uv, cov = _single(seen.detections)
     tell(0, 1)
-    method = _method(task, fields=way.images is not None)
+    method = method_of(task, fields=way.images is not None)
     known = cov if np.isfinite(cov[np.isfinite(uv[..., 0])]).all() else None
     fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
     judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
@@ -107,7 +107,7 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     return made._replace(evidence=replace(made.evidence, findings=found))
 
 
-def _method(task: Task, *, fields: bool) -> Any:
+def method_of(task: Task, *, fields: bool) -> Any:
     """The session's, with the shape of pixels that interlaced video has where frames are its `fields`."""
     method: Any = task.settings.calibrate
     fields = fields and bool(task.settings.cameras.first_field)

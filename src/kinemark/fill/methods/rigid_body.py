@@ -42,7 +42,7 @@ LEARN = 160
 JUDGE = 40
 """Frames in which sets of reference markers are compared; chosen (see benchmarks/gaps.py)."""
 RIGID = 1e-6
-"""mm², d of (3) at least: a thousandth of a millimetre, below what any system tells."""
+"""mm², d̄ of (3) at least: a thousandth of a millimetre, squared; chosen: below what any system tells."""
 
 
 @dataclass(frozen=True, slots=True)

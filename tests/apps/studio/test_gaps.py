@@ -74,6 +74,18 @@ def test_no_way_to_fill_is_said_to_be_better_where_a_sample_beside_the_gap_is_in
     assert ways["candidates"][0]["method"] == ways["best"] == row["method"]
 
 
+@pytest.mark.parametrize(
+    ("methods", "words"),
+    [(("linear", "body"), "does not follow a sample beside it, up to 3"), (("linear",), "a sample beside it in doubt")],
+)
+def test_samples_beside_a_gap_that_are_in_doubt_are_said_in_the_table(tmp_path, monkeypatch, methods, words):
+    monkeypatch.setattr(module, "prepare", lambda now: prepare(now, method=Auto(candidates=methods)))
+    trial = without(spiked(clean(markers=12).frames(0, 200), 5, 99, 100, mm=35.0), 5, 100, 106)
+    write_trial(Trial("walk", trial), tmp_path / "walk.c3d")
+    (row,) = judged(Studio(tmp_path / "walk.c3d"))
+    assert row["words"].startswith(words)
+
+
 def test_a_gap_is_listed_with_the_error_that_is_expected_of_filling_it(studio):
     """Not with its cost by the small probability that the fill is far off, which were metres."""
     rows = {row["marker"]: row["expected_mm"] for row in judged(studio)}

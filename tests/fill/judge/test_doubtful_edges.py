@@ -10,12 +10,12 @@ from support.filling import moving, trial
 GAP = Gap(2, 100, 125)
 
 
-def filled_beside(wrong_mm, method=None):
+def filled_beside(wrong_mm, method=None, limit_mm=np.inf):
     """The gap filled where the sample before it is wrong by so much; what is said of it and how wrong it is, mm."""
     motion = moving(300, soft=3.0, noise=0.2)
     xyz = motion.hidden([GAP]).xyz
     xyz[GAP.marker, GAP.start - 1] += wrong_mm / np.sqrt(3)
-    done = fill(trial(motion._replace(xyz=xyz)), method=method, limit_mm=np.inf)
+    done = fill(trial(motion._replace(xyz=xyz)), method=method, limit_mm=limit_mm)
     (found,) = done.gaps
     d = done.trajectories.xyz[GAP.marker, GAP.start : GAP.stop] - motion.xyz[GAP.marker, GAP.start : GAP.stop]
     cov = done.trajectories[found.marker].cov[GAP.start : GAP.stop]
@@ -42,6 +42,20 @@ def test_a_fill_by_another_method_alone_stays_tied_and_says_so(method):
     found, d, _, xyz, done = filled_beside(60.0, method)
     assert found.suspicious == (GAP.start - 1,) and found.off_mm == 0
     assert found.expected_mm > 0.5 * np.linalg.norm(d, axis=1).mean()
+    assert_what_was_measured_stays(xyz, done)
+
+
+@pytest.mark.parametrize("method", [None, Body()], ids=["auto", "body"])
+def test_a_sample_far_off_does_not_keep_a_gap_open_that_is_filled_without_it(method):
+    found, d, _, _, _ = filled_beside(260.0, method, limit_mm=20.0)
+    assert found.state == "filled" and found.suspicious == (GAP.start - 1,)
+    assert np.linalg.norm(d, axis=1).mean() < 1.0 and found.expected_mm < 1.0
+
+
+@pytest.mark.parametrize("method", [Linear(), LocalRegression()], ids=["linear", "local_regression"])
+def test_a_fill_that_a_sample_far_off_pulls_away_stays_open(method):
+    found, d, _, xyz, done = filled_beside(260.0, method, limit_mm=20.0)
+    assert found.state == "above_limit" and found.suspicious == (GAP.start - 1,) and np.isnan(d).all()
     assert_what_was_measured_stays(xyz, done)
 
 

@@ -204,8 +204,18 @@ def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
         cameras_alone=_alone(document, gap),
         state=_state(said, choice),
         choice=choice,
-        words=said.reason if said else "",
+        words=_words(said) if said else "",
     )
+
+
+def _words(said: FilledGap) -> str:
+    """What else is to be known of a gap: what its method lacked, and samples beside it that are in doubt."""
+    if said.reason or not said.suspicious:
+        return said.reason
+    many = f"{len(said.suspicious)} samples" if len(said.suspicious) > 1 else "a sample"
+    if said.off_mm:
+        return f"does not follow {many} beside it, up to {said.off_mm:.1f} mm off"
+    return f"{many} beside it in doubt"
 
 
 def _expected_of(said: FilledGap, choice: str | None) -> float:

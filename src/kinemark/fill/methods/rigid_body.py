@@ -6,7 +6,12 @@ every frame is laid on the middle one, and averaged,
     s, p = mean of R(t)ᵀ (x(t) − c(t)),     R, c = the rigid motion that lays s on the reference markers            (1)
 
 and in the gap the marker is at x̂(t) = R(t) p + c(t) (2). What (2) leaves over beside the gap is carried into it, and
-gives the covariance (`bridge`).
+gives the covariance C (`bridge`). The body is the less rigid the more its reference markers change their shape, by
+d(t) = mean over them of |R(t) sₙ + c(t) − xₙ(t)|², which is seen in the gap too:
+
+    C(t) (1 + d(t) / d̄) / 2,     d̄ = mean of d where the marker is seen                                         (3)
+
+as soft parts move by as much as they did in frames of such a shape, and the marker by itself as ever.
 
 Reference markers are the markers that keep their distance from the marker best; of the three, four, … most rigid that
 do not lie on a line, the set is taken with the least mean square error of (2) where the marker is seen. Where the trial
@@ -36,6 +41,8 @@ LEARN = 160
 """Frames from which a body is learnt; chosen (see benchmarks/gaps.py)."""
 JUDGE = 40
 """Frames in which sets of reference markers are compared; chosen (see benchmarks/gaps.py)."""
+RIGID = 1e-6
+"""mm², d̄ of (3) at least: a thousandth of a millimetre, squared; chosen: below what any system tells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,20 +78,23 @@ class BodyShape(NamedTuple):
         shape: (N, 3) mm, about its mean.
         place: (3) mm, of the marker in it.
         left: residuals where the marker is seen; None where it never is together with the reference markers.
+        change: mm², d̄ of (3).
     """
 
     references: Ints
     shape: Floats
     place: Floats
     left: Leftover | None
+    change: float = np.nan
 
-    def carry(self, points: Floats) -> Floats:
-        """(2): the marker (F, 3) mm from the reference markers (N, F, 3); NaN where one of them is."""
-        out = np.full((points.shape[1], 3), np.nan)
+    def carry(self, points: Floats) -> tuple[Floats, Floats]:
+        """(2): the marker (F, 3) mm from the reference markers (N, F, 3), and d (F) mm² of (3); NaN where one is."""
+        out, d = np.full((points.shape[1], 3), np.nan), np.full(points.shape[1], np.nan)
         there = ~np.isnan(points[..., 0]).any(0)
-        R, c = rigid_poses(self.shape, points[:, there].swapaxes(0, 1))
-        out[there] = R @ self.place + c
-        return out
+        x = points[:, there].swapaxes(0, 1)
+        R, c = rigid_poses(self.shape, x)
+        out[there], d[there] = R @ self.place + c, change_of_shape(self.shape, R, x - c[:, None])
+        return out, d
 
 
 class _LearntBody(NamedTuple):
@@ -131,14 +141,14 @@ def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: Rigid
 
 def _carry(known: KnownSamples, span: Span, body: BodyShape, frames: Ints) -> tuple[Floats, Floats]:
     at = span.with_edges(frames)
-    xyz = body.carry(known.at(body.references[:, None], at))
+    xyz, d = body.carry(known.at(body.references[:, None], at))
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
     beside[[span.before < 0, span.after < 0]] = np.nan
     xyz = xyz[:-2]
     if body.left is None:
         return xyz, np.full((len(frames), 3, 3), np.nan)
     correction, cov = bridge(body.left, span, frames.astype(np.float64), beside)
-    return xyz + correction, cov
+    return xyz + correction, cov * (1 + d[:-2, None, None] / body.change) / 2  # (3)
 
 
 def _body(known: KnownSamples, span: Span, there: Bools, learnt: _LearntBody, method: RigidBody) -> BodyShape | str:
@@ -215,9 +225,14 @@ def learn(known: KnownSamples, marker: int, references: Ints, frames: Ints, flat
     R, _ = rigid_poses(s[:-1], x[:, :-1])
     residual = np.full((len(frames), 3), np.nan)
     residual[there] = body[:, -1] - R @ s[-1]
-    return BodyShape(
-        references, s[:-1], s[-1], Leftover.of(residual, int(frames[1] - frames[0]) if len(frames) > 1 else 1)
-    )
+    left = Leftover.of(residual, int(frames[1] - frames[0]) if len(frames) > 1 else 1)
+    d = change_of_shape(s[:-1], R, body[:, :-1])
+    return BodyShape(references, s[:-1], s[-1], left, max(float(d.mean()), RIGID))
+
+
+def change_of_shape(shape: Floats, R: Floats, body: Floats) -> Floats:
+    """d (F) mm² of (3): a shape (N, 3), as R (F, 3, 3) turns it, and what is seen about its mean (F, N, 3)."""
+    return np.asarray(((shape @ R.mT - body) ** 2).sum(-1).mean(-1))
 
 
 def on_line(shape: Floats, flat: float) -> bool:

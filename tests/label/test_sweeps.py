@@ -26,7 +26,7 @@ def beside_a_gap():
         for path in walk
     ]
     own = next(path.xyz for path in walk if path.name == "LTHI")
-    parts.append((own + [0.0, 12.0, 6.0], 20, 46, None))
+    parts.append((own + np.array([0.0, 12.0, 6.0]), 20, 46, None))
     paths = []
     for xyz, first, stop, _ in parts:
         seen = np.full_like(xyz, np.nan)

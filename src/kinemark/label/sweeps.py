@@ -119,9 +119,7 @@ def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: 
     return done.label
 
 
-def sweep(
-    stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float, *, take_over: bool = False
-) -> Ints:
+def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float, *, take_over: bool = False) -> Ints:
     """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected.
 
     But where a track goes on as the label's own: a posture that is new for a moment is no other marker.
@@ -154,18 +152,19 @@ def _taken_over(stretches: Stretches, label: Ints, score: Floats) -> Ints:
     Tracks are named by the frame in which most are seen, so that one that had begun, a ghost beside a marker, may have
     taken the label of one that scores more. What lost its label may take another's, or is named by the next sweep.
     """
-    waiting = [int(t) for t in np.flatnonzero((label < 0) & (stretches.fixed == FREE) & (score.max(1) > 0))]
-    while waiting:
+    waiting = np.flatnonzero((label < 0) & (stretches.fixed == FREE) & (score.max(1) > 0)).tolist()
+    while waiting:  # ends, as the sum of scores rises each time that a label changes hands
         u = waiting.pop()
-        best, least, out = NONE, 0.0, np.zeros(0, np.int64)
-        for a in np.flatnonzero(score[u] > 0).tolist():
-            own = np.flatnonzero(label == a)
-            own = own[(stretches.seen[own] & stretches.seen[u]).any(1)]
-            gain = score[u, a] - score[own, a].sum()
-            if gain > least and (stretches.fixed[own] == FREE).all():
-                best, least, out = a, gain, own
-        if best != NONE:
-            label[out], label[u] = NONE, best
+        meets = (stretches.start < stretches.stop[u]) & (stretches.stop > stretches.start[u]) & (label >= 0)
+        others = np.flatnonzero(meets)
+        others = others[(stretches.seen[others] & stretches.seen[u]).any(1)]
+        held = np.bincount(label[others], score[others, label[others]], score.shape[1])
+        held[label[others[stretches.fixed[others] != FREE]]] = np.inf
+        gain = np.where(score[u] > 0, score[u] - held, 0.0)
+        a = int(gain.argmax())
+        if gain[a] > 0:
+            out = others[label[others] == a]
+            label[out], label[u] = NONE, a
             waiting += out.tolist()
     return label
 

@@ -1,4 +1,4 @@
-"""Runs of pieces in which two markers have each other's names."""
+"""Runs of pieces in which two or three markers have each other's names."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -15,6 +15,7 @@ from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking
 
 TWO = ("LANK", "LHEE")
+THREE = ("LANK", "LHEE", "LTOE")
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +46,18 @@ def test_a_run_of_exchanged_pieces_is_put_right(shreds, first, stop):
     stretches, truth, template, exchanger = shreds
     label, run = exchanged(stretches, truth, template, first, stop)
     assert run.sum() > 2 and (runs_put_right(stretches, label, exchanger) == truth).all()
+
+
+@pytest.mark.parametrize("way", [THREE, THREE[::-1]])
+@pytest.mark.parametrize(("first", "stop"), [(30, 60), (60, 101)])
+def test_a_run_of_three_that_have_each_others_names_is_put_right(shreds, first, stop, way):
+    stretches, truth, template, exchanger = shreds
+    a, b, c = (template.names.index(name) for name in way)
+    new = np.arange(len(template))
+    new[[a, b, c]] = b, c, a
+    run = (stretches.start >= first) & (stretches.stop <= stop)
+    label = np.where(run, new[truth], truth)
+    assert (label != truth).sum() > 3 and (runs_put_right(stretches, label, exchanger) == truth).all()
 
 
 def test_right_names_stay_and_so_does_what_was_stated(shreds):

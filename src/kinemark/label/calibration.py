@@ -148,7 +148,7 @@ def _again(stretches: Stretches, truth: Ints, pairs: PairScore, least_fit: float
     known = np.flatnonzero(here[:, key])
     label = outwards(stretches, key, known, truth[known], pairs)
     for _ in range(SWEEPS):
-        label = sweep(stretches, label, pairs, least_fit)
+        label = sweep(stretches, label, pairs, least_fit, take_over=True)
     return label
 
 

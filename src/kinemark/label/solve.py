@@ -312,7 +312,7 @@ def _pooled(stretches: Stretches, label: Ints, template: Template, pairs: PairSc
         return Solution(label, *judged, after)
     for _ in range(POOLINGS):
         after = PairScore.of_template(pooled(template, places(stretches, label, len(template))))
-        new = sweep(stretches, label, after, least_fit)
+        new = sweep(stretches, label, after, least_fit, take_over=True)
         if (new == label).all():
             break
         label = new

@@ -119,10 +119,13 @@ def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: 
     return done.label
 
 
-def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float) -> Ints:
+def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float, *, take_over: bool = False) -> Ints:
     """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected.
 
     But where a track goes on as the label's own: a posture that is new for a moment is no other marker.
+
+    Args:
+        take_over: tracks that are left without a label then take those of tracks that score less; see `_taken_over`.
     """
     nats = evidence(stretches, label, pairs)
     goes_on = continuity(stretches, label, nats.shape[1])
@@ -140,7 +143,30 @@ def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float)
         batch = np.flatnonzero(waiting & stretches.seen[:, middle])
         done.assign(stretches, batch, score[batch])
         waiting[batch], load[batch] = False, 0.0
-    return done.label
+    return _taken_over(stretches, done.label, score) if take_over else done.label
+
+
+def _taken_over(stretches: Stretches, label: Ints, score: Floats) -> Ints:
+    """(T) labels after tracks without one took those of tracks whose scores (T, L) are less in the sum.
+
+    Tracks are named by the frame in which most are seen, so that one that had begun, a ghost beside a marker, may have
+    taken the label of one that scores more. What lost its label may take another's, or is named by the next sweep.
+    """
+    waiting = np.flatnonzero((label < 0) & (stretches.fixed == FREE) & (score.max(1) > 0)).tolist()
+    while waiting:  # ends, as the sum of scores rises each time that a label changes hands
+        u = waiting.pop()
+        meets = (stretches.start < stretches.stop[u]) & (stretches.stop > stretches.start[u]) & (label >= 0)
+        others = np.flatnonzero(meets)
+        others = others[(stretches.seen[others] & stretches.seen[u]).any(1)]
+        held = np.bincount(label[others], score[others, label[others]], score.shape[1])
+        held[label[others[stretches.fixed[others] != FREE]]] = np.inf
+        gain = np.where(score[u] > 0, score[u] - held, 0.0)
+        a = int(gain.argmax())
+        if gain[a] > 0:
+            out = others[label[others] == a]
+            label[out], label[u] = NONE, a
+            waiting += out.tolist()
+    return label
 
 
 def expectation(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:

@@ -1,7 +1,8 @@
 """How a foot moves: what the detectors of foot events look at, at one rate for all recordings.
 
 Heel h, toe q and pelvis p are low-passed, joined by quintic splines, whose third derivatives have no steps, and read at
-500 Hz, so that an event has the same time at 50 and at 250 frames a second. With e from heel to toe and L their usual distance,
+500 Hz, so that an event has the same time at 50 and at 250 frames a second. With e from heel to toe and L their usual
+distance,
 
     m = (h + q) / 2,   t = q + 0.4 L e                                                                     (1)
 

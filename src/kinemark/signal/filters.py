@@ -36,8 +36,8 @@ CUTOFFS = 60  # that residual analysis tries; chosen
 HIGHEST = 0.4
 """Of the rate; the highest cut-off that residual analysis looks at; chosen."""
 HIGHEST_HZ = 40.0
-"""The same where the rate allows more. Noise is fitted over its upper half, 20 to 40 Hz, where little motion is left: 99 %
-of the energy of gait is below 15 Hz (Antonsson and Mann 1985)."""
+"""The same where the rate allows more. Noise is fitted over its upper half, 20 to 40 Hz, where little motion is left:
+99 % of the energy of gait is below 15 Hz (Antonsson and Mann 1985)."""
 GRID = (np.arange(4000) + 0.5) / 8000
 """ν of the integrals; chosen."""
 
@@ -94,8 +94,8 @@ def _sections(cutoff_hz: float, rate: float, order: int) -> Floats:
 
 @lru_cache(maxsize=16)
 def _taken_of_noise(rate: float, order: int) -> Floats:
-    """(CUTOFFS, 1 or 2) of white noise of variance 1 in each band (5), what the filter takes away (3) at the cut-offs of
-    residual analysis."""
+    """(CUTOFFS, 1 or 2) of white noise of variance 1 in each band (5), what the filter takes away (3) at the cut-offs
+    of residual analysis."""
     taken = np.array([(1 - _response(rate, f, order)) ** 2 for f in _cutoffs(rate)])
     low = GRID * rate < HIGHEST_HZ / (2 * HIGHEST)
     return np.stack([taken[:, band].mean(1) for band in (low, ~low) if band.any()], -1)

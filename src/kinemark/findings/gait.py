@@ -281,7 +281,9 @@ def _findings(trials: Sequence[GaitOfTrial], measures: SubjectMeasures, static: 
 
 
 def _of_gaps(curves: Sequence[GaitCurves], keys: Sequence[KeyValue]) -> Iterator[Finding]:
-    """Strides of whose angles a part is not known; angles that no stride has are of markers that nobody wore."""
+    """Strides of whose angles a part is not known, and key values that a few samples cost.
+
+    Angles that no stride has are of markers that nobody wore."""
     for side in SIDES:
         angles = [one for one in curves if one.side == side and one.unit == "deg" and np.isfinite(one.values).any()]
         if not angles:
@@ -295,8 +297,7 @@ def _of_gaps(curves: Sequence[GaitCurves], keys: Sequence[KeyValue]) -> Iterator
                 "gait_angles_with_gaps", side=side, cut=int((~whole).sum()), strides=len(whole), joints_list=joints,
                 unknown_share=unknown,
             )  # fmt: skip
-            continue
-        gappy = {one.name[1:] for one in angles if np.isnan(one.values).any()}
+        gappy = {one.name[1:] for one in angles if one.whole.all() and np.isnan(one.values).any()}
         lost = {k.name for k in keys if k.side == side and np.isnan(k.value) and CURVE_OF[k.name] in gappy}
         if lost:
             joints = sorted({_joint(CURVE_OF[name]) for name in lost})

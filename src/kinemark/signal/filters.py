@@ -103,7 +103,7 @@ def _taken_of_noise(rate: float, order: int) -> Floats:
 
 def _cutoffs(rate: float) -> Floats:
     """(CUTOFFS) Hz that residual analysis tries."""
-    return np.linspace(1, CUTOFFS, CUTOFFS) / CUTOFFS * min(HIGHEST * rate, HIGHEST_HZ)
+    return np.linspace(1, CUTOFFS, CUTOFFS) / CUTOFFS * HIGHEST * min(rate, HIGHEST_HZ / HIGHEST)
 
 
 def _each_pass(cutoff_hz: float, rate: float, order: int) -> float:

@@ -198,6 +198,10 @@ def test_what_cannot_be_compared_is_refused(conditions):
     with pytest.raises(KinemarkError, match=r"no gait\.json"):
         compare_gait(conditions / "slow", conditions / "no.json", folder=conditions / "x")
     other = json.loads((conditions / "fast/gait.json").read_text())
+    earlier = other | {"curves": [other["curves"][0] | {"axes": ["x", "y", "z"]}]}  # as reactions once were
+    (conditions / "earlier.json").write_text(json.dumps(earlier))
+    with pytest.raises(KinemarkError, match="earlier version"):
+        compare_gait(conditions / "slow", conditions / "earlier.json", folder=conditions / "x")
     (conditions / "other.json").write_text(json.dumps(other | {"method": {"name": "plug_in_gait"}}))
     with pytest.raises(KinemarkError, match="computed otherwise"):
         compare_gait(conditions / "slow", conditions / "other.json", folder=conditions / "x")

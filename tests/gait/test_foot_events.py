@@ -11,7 +11,9 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.gait import marker_points, standard_trial
 from kinemark.gait.foot_detectors import faster, greatest, slower
 from kinemark.gait.foot_events import foot_events
+from kinemark.gait.foot_motion import foot_motion
 from kinemark.gait.plate_events import plate_events
+from kinemark.gait.segments import Z_UP
 from kinemark.synth import WalkingBody, gait_laboratory, walking
 from support.plug_in_gait import CHILDREN, trial
 
@@ -122,6 +124,18 @@ def test_an_event_has_the_same_time_at_every_rate():
             if 0.4 < time < 5.6:
                 same = [e.time for e in found if (e.side, e.strike) == (side, strike)]
                 assert min(abs(t - time) for t in same) < 0.006
+
+
+def test_jerks_of_a_foot_have_no_steps_between_frames():
+    """A cubic spline's third derivative has: the time of its greatest value then hangs on rounding."""
+    rate, hz = 100.0, 3.0
+    at = dict(simulated()[1])
+    t = np.arange(len(at["LHEE"])) / rate
+    at["LHEE"] = at["LHEE"] * [1, 1, 0] + 50 * np.sin(2 * np.pi * hz * t)[:, None] * [0, 0, 1]
+    foot = foot_motion(at, "left", rate, Z_UP)
+    true = -50 * (2 * np.pi * hz) ** 3 * np.cos(2 * np.pi * hz * foot.time)
+    middle = slice(200, -200)
+    assert np.abs(foot.heel_jerk_up - true)[middle].max() < 0.02 * np.abs(true).max()
 
 
 def simulated(rate=100.0, speed=1200.0, seed=1, **options):

@@ -301,6 +301,15 @@ def test_a_step_counts_where_the_next_plate_has_the_other_foot_whose_markers_are
     assert (first.plate, first.side, first.reason) == (0, "left", "")
 
 
+@pytest.mark.parametrize(("unit", "newton_mm"), [("Nmm", 1.0), ("N*m", 1e3), ("kNmm", 1e3), ("kNm", 1e6)])
+def test_moments_have_a_unit(unit, newton_mm):
+    plate, analog, *_ = made(2)
+    scale = np.repeat([1, newton_mm], 3)[:, None]
+    other = Analog(plate.channels, ("N",) * 3 + (unit,) * 3, RATE, analog[0].values / scale)
+    one, two = (reaction(plate, (each,), n_frames=N, rate=RATE) for each in (analog[0], other))
+    np.testing.assert_allclose(two.centre, one.centre, atol=1e-6)
+
+
 @pytest.mark.parametrize(("unit", "mm"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
 def test_a_measured_centre_has_a_unit(unit, mm):
     plate, analog, _, centre, _ = made(1)

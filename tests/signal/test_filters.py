@@ -4,7 +4,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from scipy.interpolate import make_smoothing_spline
+from scipy.interpolate import CubicSpline, make_smoothing_spline
 
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.kinematics import Butterworth, WoltringSpline, residual_cutoff, smooth
@@ -104,6 +104,18 @@ def test_residual_analysis_finds_noise_and_a_good_cutoff():
     assert np.sqrt(np.mean((butterworth(y, rate=RATE, cutoff_hz=cutoff) - true) ** 2)) < 1.5 * min(errors.values())
 
 
+@pytest.mark.parametrize("times", [2, 4])
+def test_samples_put_between_leave_the_cutoff_of_residual_analysis(times):
+    """Noise then ends where it did; of a file with noise up to half of its rate, all of it is found."""
+    t, true = T[:400], 200 * np.sin(2 * np.pi * 0.9 * T[:400]) + 20 * np.sin(2 * np.pi * 4.5 * T[:400])
+    y = true[:, None] + 0.3 * np.random.default_rng(3).normal(size=(400, 3))
+    before, _ = residual_analysis(y, rate=RATE)
+    after, _ = residual_analysis(CubicSpline(t, y)(np.arange(399 * times + 1) / (times * RATE)), rate=times * RATE)
+    assert abs(after / before - 1) < 0.1
+    sigma = residual_analysis(np.random.default_rng(4).normal(size=(4000, 3)), rate=times * RATE)[1]
+    assert abs(sigma - 1) < 0.05
+
+
 def test_filters_refuse_what_they_cannot_do():
     with pytest.raises(ValueError, match="cutoff_hz is 60"):
         butterworth(np.zeros((100, 1)), rate=RATE, cutoff_hz=60.0)
@@ -193,6 +205,6 @@ def test_a_markers_cut_off_is_found_once_by_rate(monkeypatch):
     )
     xyz = np.random.default_rng(1).normal(size=(60, 3)).cumsum(0)
     path = MarkerTrajectory.measured("s", xyz)
-    found = [residual_cutoff(path, rate=rate) for rate in (RATE, RATE, 2 * RATE)]
-    assert asked == [RATE, 2 * RATE] and found[0] == found[1] == residual_analysis(xyz, rate=RATE)[0]
-    assert found[2] == pytest.approx(2 * found[0])
+    found = [residual_cutoff(path, rate=rate) for rate in (RATE, RATE, RATE / 2)]
+    assert asked == [RATE, RATE / 2] and found[0] == found[1] == residual_analysis(xyz, rate=RATE)[0]
+    assert found[2] == pytest.approx(found[0] / 2)

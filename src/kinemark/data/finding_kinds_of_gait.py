@@ -22,6 +22,9 @@ GAIT_KINDS = (
     Kind("gait_angles_with_gaps", "gait", "amber", "Strides of a side in which more than a tenth of some angle is not "
          "known, for markers are missing; of which joints, and how much of these angles is not.",
          {"side": "text", "cut": "count", "strides": "count", "joints_list": "text", "unknown_share": "share"}),
+    Kind("gait_key_values_with_gaps", "gait", "amber", "Key values of a side that are not known, though less than a "
+         "tenth of their curves is missing; how many, and of which curves.",
+         {"side": "text", "missing": "count", "curves_list": "text"}),
     Kind("gait_markers_leap", "gait", "amber", "Markers of a trial leap as no body does, in so many frames; greatest "
          "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
     Kind("gait_markers_exchanged", "gait", "red", "Markers of a trial cannot be where their names say. how: sides "
@@ -93,6 +96,8 @@ GAIT_KINDS = (
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",
          {"trial": "text", "channels_list": "text", "mains": "Hz"}),
+    Kind("emg_left_out", "gait", "info", "Channels of EMG that cannot be read as such, and why the first cannot.",
+         {"trial": "text", "channels_list": "text", "why": "text"}),
     Kind("emg_without_bursts", "gait", "amber", "EMG channels show no bursts, as noise alone does.",
          {"trial": "text", "channels_list": "text"}),
     Kind("emg_without_side", "gait", "amber", "EMG channels do not say their side; they are taken for the left.",

@@ -79,6 +79,7 @@ class GaitReference(NamedTuple):
         log_score: mean and standard deviation of the logarithms of the controls' own profile scores; None: unknown.
         numbers: mean and SD between subjects of time-distance parameters ("speed") and key values, by name, in the
             units of `gait.json`.
+        axes: what the components of a quantity are called, where the band says it.
     """
 
     mean: Mapping[str, Floats]
@@ -87,6 +88,7 @@ class GaitReference(NamedTuple):
     subjects: int
     log_score: tuple[float, float] | None = None
     numbers: Mapping[str, tuple[float, float]] = {}
+    axes: Mapping[str, tuple[str, ...]] = {}
 
 
 class KeyValue(NamedTuple):

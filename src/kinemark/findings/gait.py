@@ -16,6 +16,7 @@ from ..gait.emg import Emg
 from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical
 from ..gait.gait_trial import GaitTrial
+from ..gait.key_values import KEYS
 from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
 from ..gait.plate_doubts import PlateDoubt
@@ -44,6 +45,8 @@ from .gait_subjects import BodyOfTrial, of_bodies, of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
+CURVE_OF = {key.name: key.curve for key in KEYS}
+"""What each key value is read off, without side; by definition."""
 SIZE_OF = {"knee_width": "mm", "ankle_width": "mm", "device": "share"}
 """In which unit a doubt about a static trial is said; else in degrees."""
 LOOSE_MM = 8.0
@@ -63,6 +66,7 @@ class GaitOfTrial(NamedTuple):
         floor: how it moves. keys: key values of its strides that count. leaps: of its markers.
         names, plates: what of its names and its plates cannot be. bare: the side whose leg has no marker.
         unseen: markers of the model, of other sides, that it names and no frame shows.
+        no_emg: why channels cannot be read as EMG, by name.
     """
 
     name: str
@@ -81,6 +85,7 @@ class GaitOfTrial(NamedTuple):
     plates: tuple[PlateDoubt, ...] = ()
     bare: Side | None = None
     unseen: tuple[str, ...] = ()
+    no_emg: Mapping[str, str] = {}
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -173,7 +178,7 @@ def gait_figures(
         *([] if clusters is None else _of_clusters(clusters)),
         *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
         *_findings(trials, measures, static),
-        *_of_gaps(curves),
+        *_of_gaps(curves, [key for trial in trials for key in trial.keys]),
     ]
     uncertainty = uncertainty_by_cause(causes)
     figures = {
@@ -275,8 +280,10 @@ def _findings(trials: Sequence[GaitOfTrial], measures: SubjectMeasures, static: 
         yield make_finding("gait_without_moments", why=why)
 
 
-def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
-    """Strides of whose angles a part is not known; angles that no stride has are of markers that nobody wore."""
+def _of_gaps(curves: Sequence[GaitCurves], keys: Sequence[KeyValue]) -> Iterator[Finding]:
+    """Strides of whose angles a part is not known, and key values that a few samples cost.
+
+    Angles that no stride has are of markers that nobody wore."""
     for side in SIDES:
         angles = [one for one in curves if one.side == side and one.unit == "deg" and np.isfinite(one.values).any()]
         if not angles:
@@ -285,12 +292,22 @@ def _of_gaps(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
         if not whole.all():
             short = [one for one in angles if not one.whole.all()]
             unknown = float(np.mean([np.isnan(one.values).any(2).mean() for one in short]))
-            joints = [one.name[1:].removesuffix("Angles").lower() for one in short]
-            joints = ["foot progression" if name == "footprogress" else name for name in joints]
+            joints = [_joint(one.name[1:]) for one in short]
             yield make_finding(
                 "gait_angles_with_gaps", side=side, cut=int((~whole).sum()), strides=len(whole), joints_list=joints,
                 unknown_share=unknown,
             )  # fmt: skip
+        gappy = {one.name[1:] for one in angles if one.whole.all() and np.isnan(one.values).any()}
+        lost = {k.name for k in keys if k.side == side and np.isnan(k.value) and CURVE_OF[k.name] in gappy}
+        if lost:
+            joints = sorted({_joint(CURVE_OF[name]) for name in lost})
+            yield make_finding("gait_key_values_with_gaps", side=side, missing=len(lost), curves_list=joints)
+
+
+def _joint(angle: str) -> str:
+    """What the angles are called, as "foot progression"."""
+    name = angle.removesuffix("Angles").lower()
+    return "foot progression" if name == "footprogress" else name
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
@@ -311,7 +328,7 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
                 "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
                 frames=[(contact.first + trial.first_frame, contact.stop - 1 + trial.first_frame)],
             )  # fmt: skip
-    yield from of_muscles(trial.name, trial.emg)
+    yield from of_muscles(trial.name, trial.emg, trial.no_emg)
     yield from _of_ways(trial)
 
 

@@ -1,4 +1,4 @@
-"""What is found of the EMG of a walk: envelopes, cut off, hum, noise alone, and muscles whose side nobody says."""
+"""What is found of the EMG of a walk: none, envelopes, cut off, hum, noise alone, muscles whose side nobody says."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from ..gait.emg import MAINS_HZ, Emg
 from ..gait.gait_cycles import muscle_sides
 
 
-def of_muscles(trial: str, channels: Mapping[str, Emg]) -> Iterator[Finding]:
-    """Of the channels of one trial, by name."""
+def of_muscles(trial: str, channels: Mapping[str, Emg], left_out: Mapping[str, str]) -> Iterator[Finding]:
+    """Of the channels of one trial, by name; and why others cannot be read as EMG."""
+    if left_out:
+        why = next(iter(left_out.values()))
+        yield make_finding("emg_left_out", trial=trial, channels_list=list(left_out), why=why)
     if smooth := [name for name, one in channels.items() if one.smoothed]:
         yield make_finding("emg_smoothed", trial=trial, channels_list=smooth)
     if cut := [name for name, one in channels.items() if one.saturated]:

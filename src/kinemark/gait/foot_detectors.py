@@ -57,7 +57,7 @@ class Detector(NamedTuple):
 STRIKE = (
     Detector(lambda f, near: greatest(-f.heel_z, f.time, near.peak), 9.0),
     Detector(lambda f, near: greatest(f.heel_jerk_up, f.time, near.peak), -21.0),
-    Detector(lambda f, near: greatest(f.middle_jerk_up, f.time, near.peak), -11.0),
+    Detector(lambda f, near: greatest(f.middle_jerk_up, f.time, near.peak), -12.0),
     Detector(lambda f, near: greatest(f.toe_down, f.time, near.peak), 0.0),
     Detector(lambda f, near: greatest(f.heel_jerk, f.time, near.peak), -9.0),
     Detector(lambda f, near: greatest(-f.turning_jerk, f.time, near.peak), 5.0),

@@ -1,7 +1,8 @@
 """How a foot moves: what the detectors of foot events look at, at one rate for all recordings.
 
-Heel h, toe q and pelvis p are low-passed, joined by cubic splines and read at 500 Hz, so that an event has the same
-time at 50 and at 250 frames a second. With e from heel to toe and L their usual distance,
+Heel h, toe q and pelvis p are low-passed, joined by quintic splines, whose third derivatives have no steps, and read at
+500 Hz, so that an event has the same time at 50 and at 250 frames a second. With e from heel to toe and L their usual
+distance,
 
     m = (h + q) / 2,   t = q + 0.4 L e                                                                     (1)
 
@@ -130,4 +131,4 @@ def _read(xyz: Floats, frames: Ints, known: Ints, rate: float, time: Floats) -> 
     """(N, 3) at times, low-passed between the first and the last known frame, gaps bridged by cubics (Akima 1970)."""
     bridged = scipy.interpolate.Akima1DInterpolator(known, xyz[known])(frames)
     smooth = butterworth(bridged, rate=rate, cutoff_hz=min(CUTOFF_HZ, 0.4 * rate), order=2)
-    return np.asarray(scipy.interpolate.CubicSpline(frames / rate, smooth)(time))
+    return np.asarray(scipy.interpolate.make_interp_spline(frames / rate, smooth, k=5)(time))

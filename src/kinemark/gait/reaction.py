@@ -43,7 +43,7 @@ CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6, 5: 8}
 """Of each type of plate; of the file format."""
 IN_NEWTON = {"N": 1.0, "KN": 1000.0}
 """Force units; by definition."""
-IN_NEWTON_MM = {"NMM": 1.0, "NM": 1000.0, "NCM": 10.0, "NMETERS": 1000.0}
+IN_NEWTON_MM = {"NMM": 1.0, "NM": 1000.0, "NCM": 10.0, "NMETERS": 1000.0, "KNMM": 1000.0, "KNM": 1e6}
 """Moment units; by definition."""
 IN_MM = {"MM": 1.0, "CM": 10.0, "M": 1000.0}
 """Units of a centre of pressure (type 1); by definition."""

@@ -3,9 +3,11 @@
     {"source": "our controls 2026", "subjects": 12,
      "log_score": [mean, deviation],
      "numbers": {"speed": [mean, deviation], "knee flexion at strike": [mean, deviation], …},
-     "curves": {"KneeAngles": {"mean": [[flexion, adduction, rotation], … 101 rows], "sd": [[…], …]}, …}}
+     "curves": {"KneeAngles": {"axes": ["flexion", "adduction", "rotation"], "mean": [[…], … 101 rows], "sd": [[…], …]},
+                …}}
 
 In TOML likewise: `source`, `subjects`, and a table `[curves.KneeAngles]` with `mean` and `sd`, `nan` where unknown. The
+`axes` may be absent but of ground reactions, which once were along those of the laboratory. The
 `log_score`, of the controls' own profile scores, and `numbers`, time-distance parameters and key values in the units of
 `gait.json` (mm, mm/s, s, deg), may be absent. Further keys, as of age, speed or licence, are kept out
 of the computing and may stand there.
@@ -14,6 +16,7 @@ of the computing and may stand there.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +41,11 @@ def write_reference(path: Path | str, reference: GaitReference) -> None:
     Raises:
         KinemarkError: the file cannot be written.
     """
-    curves = {name: {"mean": _rows(reference.mean[name]), "sd": _rows(reference.sd[name])} for name in reference.mean}
+    curves: dict[str, dict[str, Any]] = {
+        name: {"mean": _rows(reference.mean[name]), "sd": _rows(reference.sd[name])} for name in reference.mean
+    }
+    for name, axes in reference.axes.items():
+        curves.get(name, {})["axes"] = axes
     table = {"source": reference.source, "subjects": reference.subjects, "curves": curves}
     if reference.log_score is not None:
         table["log_score"] = reference.log_score
@@ -57,13 +64,18 @@ def read_reference(path: Path | str) -> GaitReference:
     try:
         curves = {name: (_curve(one["mean"]), _curve(one["sd"])) for name, one in table["curves"].items()}
         found = str(table["source"]), int(table["subjects"]), _pair(table.get("log_score"))
+        axes = {str(name): tuple(map(str, one["axes"])) for name, one in table["curves"].items() if "axes" in one}
         numbers = {str(name): _number(name, pair) for name, pair in table.get("numbers", {}).items()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise KinemarkError(
             f"{path} is no reference band ({error}). Make one: kinemark gait-reference CONTROL/gait.json … -o band.json"
         ) from None
     return GaitReference(
-        {name: mean for name, (mean, _) in curves.items()}, {n: sd for n, (_, sd) in curves.items()}, *found, numbers
+        {name: mean for name, (mean, _) in curves.items()},
+        {n: sd for n, (_, sd) in curves.items()},
+        *found,
+        numbers,
+        axes,
     )
 
 
@@ -79,6 +91,27 @@ def control_curves(path: Path | str) -> dict[str, Floats]:
         raise KinemarkError(
             f"{path} is no gait.json of kinemark gait ({error}). Run it on the control first."
         ) from None
+
+
+def control_axes(paths: Sequence[Path | str]) -> dict[str, tuple[str, ...]]:
+    """What the components of each curve of subjects' `gait.json` are called, by its name.
+
+    Raises:
+        KinemarkError: a file is absent or no such file, or two call them otherwise.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for path in paths:
+        try:
+            own = {one["name"]: tuple(one["axes"]) for one in read_json(path)["curves"]}
+        except (KeyError, TypeError) as error:
+            raise KinemarkError(f"{path} is no gait.json of kinemark gait ({error}).") from None
+        for name, axes in own.items():
+            if found.setdefault(name, axes) != axes:
+                raise KinemarkError(
+                    f"{name} has the components {', '.join(axes)} in {path}, and {', '.join(found[name])} in another "
+                    "file: one was made by an earlier version. Run kinemark gait on it again."
+                )
+    return found
 
 
 def control_numbers(path: Path | str) -> dict[str, list[float]]:

@@ -10,13 +10,15 @@ import pytest
 
 from kinemark.apps.cli import app
 from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
+from kinemark.data.gait_curves import GaitReference
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.files import gait_of_files
-from kinemark.engine.gait.reference import reference_of_files
+from kinemark.engine.gait.reference import read_band, reference_of_files
 from kinemark.engine.gait.settings import GaitSettings
 from kinemark.engine.gait.trial_files import one_of_each, trial_names
+from kinemark.gait.gait_trial import REACTION_AXES
 from kinemark.io.c3d import write_c3d
-from kinemark.io.gait_reference import read_reference
+from kinemark.io.gait_reference import read_reference, write_reference
 from kinemark.io.notes import file_note_text
 from kinemark.io.trial import read_trial
 from kinemark.report.figures_gait import KINEMATICS, panels_figure
@@ -67,6 +69,32 @@ def test_angles_with_gaps_are_told_and_filling_is_named(walk):
         and 1 <= values["cut"] <= 2 < values["strides"]
         and "kinemark fill" in kinds[1][0]["advice"]
     )
+
+
+def test_a_missing_sample_that_costs_key_values_is_told(walk):
+    """One wild sample, which the reader gives as missing, took values out of the tables without a word."""
+    trial = read_trial(walk / "walk.c3d")
+    xyz = trial.trajectories["RKNE"].xyz.copy()
+    xyz[215] = np.nan
+    paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
+    write_c3d(walk / "gappy.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    found = gait_of_files([walk / "gappy.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    told = [f["values"] for f in found.figures["findings"] if f["kind"] == "gait_key_values_with_gaps"]
+    assert [one["side"] for one in told] == ["right"] and told[0]["missing"] > 3
+    assert told[0]["curves_list"] == ["ankle", "foot progression", "hip", "knee"]
+
+
+def test_a_band_whose_reactions_are_along_the_laboratory_is_refused(tmp_path):
+    curves = {"GroundReactionForce": np.ones((101, 3)), "KneeAngles": np.ones((101, 3))}
+    band = GaitReference(curves, curves, "earlier", 7)
+    write_reference(tmp_path / "old.json", band)
+    with pytest.raises(KinemarkError, match="along the axes of the laboratory"):
+        read_band(tmp_path / "old.json")
+    write_reference(tmp_path / "new.json", band._replace(axes={"GroundReactionForce": REACTION_AXES}))
+    assert read_band(tmp_path / "new.json").axes["GroundReactionForce"] == REACTION_AXES
+    del curves["GroundReactionForce"]
+    write_reference(tmp_path / "angles.json", band)
+    assert set(read_band(tmp_path / "angles.json").mean) == {"KneeAngles"}
 
 
 def test_walks_that_cannot_be_used_are_told_and_keep_nobody_from_the_others(walk, capsys):

@@ -17,7 +17,7 @@ from ...gait.comparison import LEAST_POINTS, Condition, Difference, difference, 
 from ...gait.key_values import KEYS, Key
 from ...io.csv_table import cell, write_table
 from ...io.files import write_json
-from ...io.gait_reference import read_json
+from ...io.gait_reference import control_axes, read_json
 from ...report.drawing_library import assets_for
 from ...report.gait_comparison_page import ComparedCurve, write_comparison_page
 from ...version import __version__
@@ -43,7 +43,8 @@ def compare_gait(
         self_contained: the page holds the drawing library.
 
     Raises:
-        KinemarkError: a file is no gait.json, both are one, they are of other methods, or the folder cannot be written.
+        KinemarkError: a file is no gait.json, both are one, they are of other methods or along other axes, or the
+            folder cannot be written.
     """
     paths = tuple(path / FIGURES if path.is_dir() else path for path in (first, second))
     if paths[0].resolve() == paths[1].resolve():
@@ -54,6 +55,7 @@ def compare_gait(
             f"{first} and {second} were computed otherwise ({tables[0]['method']} and {tables[1]['method']}), so that "
             "differences would be the methods'. Run kinemark gait on both with the same settings."
         )
+    control_axes(paths)  # raises where they differ
     curves = _curves(tables, same_markers)
     figures = plain(
         {

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 
 import numpy as np
 
-from ...data import KinemarkError, Trial
+from ...data import Analog, KinemarkError, Trial
 from ...gait.emg import Emg, emg, peak_of
 
 MUSCLE = re.compile(
@@ -42,8 +42,28 @@ def emg_of(trial: Trial) -> dict[str, Emg]:
 
     One that is no EMG by its samples, too few or too slow, is left out: the rest of the trial is as good without it.
     """
-    plates = {name for plate in trial.plates for name in plate.channels}
     found: dict[str, Emg] = {}
+    for name, record in _candidates(trial):
+        with suppress(KinemarkError):
+            found[name] = emg(record[name], rate=record.rate, start=record.start)
+    return found
+
+
+def left_out_of(trial: Trial, found: Collection[str]) -> dict[str, str]:
+    """Why channels that `emg_of` looks at are not among those that it found, by name."""
+    why: dict[str, str] = {}
+    for name, record in _candidates(trial):
+        if name not in found:
+            try:
+                emg(record[name], rate=record.rate, start=record.start)
+            except KinemarkError as error:
+                why[name] = str(error)
+    return why
+
+
+def _candidates(trial: Trial) -> Iterator[tuple[str, Analog]]:
+    """Names and records of what `emg_of` looks at."""
+    plates = {name for plate in trial.plates for name in plate.channels}
     for record in trial.analog:
         for name, unit in zip(record.names, record.units, strict=True):
             letters = "".join(c for c in unit.upper() if c.isalpha())
@@ -51,6 +71,4 @@ def emg_of(trial: Trial) -> dict[str, Emg]:
             named = in_volts or (not letters and bool(MUSCLE.search(name)))
             is_emg = "EMG" in name.upper() or (named and not NO_MUSCLE.search(name))
             if name not in plates and is_emg and np.ptp(record[name]) > 0:
-                with suppress(KinemarkError):
-                    found[name] = emg(record[name], rate=record.rate, start=record.start)
-    return found
+                yield name, record

@@ -20,7 +20,6 @@ from ...gait.standard_trial import with_absent_leg
 from ...io.c3d import write_c3d
 from ...io.files import write_json
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
-from ...io.gait_reference import read_reference
 from ...io.measures_toml import read_measures
 from ...io.notes import FileNote, read_notes
 from ...io.trial import read_trial
@@ -31,6 +30,7 @@ from ..identities import identity_of_file
 from .bodies import bodies_of
 from .doubts import feet_otherwise
 from .exports import export_files, exports_of, write_exports
+from .reference import read_band
 from .settings import GaitSettings
 from .trial_files import check_targets, trial_names
 from .walks import (
@@ -147,7 +147,7 @@ def gait_of_files(
         _targets(into, [names[path.resolve()] for path in walks], kinds),
         [*walks, *left_out, static, functional, stated_in, reference, mvc],
     )
-    band = None if reference is None else read_reference(reference)
+    band = None if reference is None else read_band(reference)
 
     def read(path: Path, like: Recorded | None = None) -> Recorded:
         return _read(path, names, markers, settings, like)

@@ -44,7 +44,7 @@ from ...gait.way_of_walking import way_of_walking
 from ...io.c3d.subject_measures import measures_of
 from ...numerics.finite import finite_median
 from .doubts import doubted_markers, doubted_plates
-from .emg import emg_of, greatest_contractions
+from .emg import emg_of, greatest_contractions, left_out_of
 from .one_subject import of_one_subject
 from .settings import GaitSettings
 
@@ -327,10 +327,12 @@ def gait_of_trial(
     first = trial.trajectories.first_frame
     way = way_of_walking(events, points, rate=rate)
     names, leaps = doubted_markers(trial, points)
+    muscles = emg_of(trial)
     return GaitOfTrial(
-        trial.name, found, events, steps, trial.events, (first - 1) / rate, emg_of(trial), way, first, floor,
+        trial.name, found, events, steps, trial.events, (first - 1) / rate, muscles, way, first, floor,
         leaps=leaps, names=names, plates=doubted_plates(trial, points, gait, events, way, measures.mass_kg),
         bare=next((side for side in SIDES if not leg_seen(points, side)), None), unseen=never_seen(points),
+        no_emg=left_out_of(trial, muscles),
     )  # fmt: skip
 
 

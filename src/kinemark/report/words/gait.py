@@ -244,6 +244,11 @@ GAIT_WORDS = {
         "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d, with --ends where a marker comes late or goes "
         "early; or in a session, [fill], with ends = true.",
     ),
+    "gait_key_values_with_gaps": Words(
+        "{missing} key {missing:value|values} of the {side} side {missing:is|are} not known, for samples are missing "
+        "in a few frames of {curves_list}.",
+        "Fill the walk first: kinemark fill WALK.c3d -o FILLED.c3d.",
+    ),
     "gait_markers_leap": Words(
         "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: "
         "angles, moments and powers there follow them.",
@@ -348,6 +353,10 @@ GAIT_WORDS = {
     "emg_hums": Words(
         "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}, and taken out.",
         "Check electrodes and cables.",
+    ),
+    "emg_left_out": Words(
+        "{trial}: no EMG is drawn of {channels_list}. {why}",
+        "Export the EMG at the rate at which it was recorded.",
     ),
     "emg_without_bursts": Words(
         "{trial}: the EMG of {channels_list} shows no bursts. It is noise alone, or the muscle never rests: nothing "

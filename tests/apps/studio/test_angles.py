@@ -130,6 +130,8 @@ def test_where_no_model_fits_it_is_said_what_the_nearest_lacks():
     known, wanted = {name: name for name in models()}, load_model("um2as").markers
     assert f"; um2as lacks {wanted[-1]}. Name" in _none_fits(known, wanted[:-1])
     assert "lacks" not in _none_fits(known, wanted[:1])
+    assert "session.toml" in _none_fits(known, wanted[:1])
+    assert "session" not in (said := _none_fits(known, wanted[:1], of_file=True)) and "kinemark angles" in said
 
 
 @pytest.mark.parametrize("called", [str, "Anna:{}".format, str.lower])

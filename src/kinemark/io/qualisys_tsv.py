@@ -77,7 +77,7 @@ def read_qualisys_tsv(path: Path | str, *, rate_hz: float | None = None, length_
 
 
 def holds_markers(path: Path) -> bool:
-    """Whether a TSV is one of markers: those of analog signals, forces and bodies end alike. False if it is not read."""
+    """Whether a TSV is one of markers: those of analog signals and forces end alike. False if it is not read."""
     try:
         with path.open("rb") as file:
             return any(line.startswith(NAMES.encode()) for line in islice(file, HEADING))

@@ -140,7 +140,7 @@ class Desk:
                 self.forget(other.id)
 
     def wear(self, document: OpenDocument, worn: MarkerSet | None) -> None:
-        """The marker set of a file, which says none itself, for as long as the desk is there; then as its names show."""
+        """The marker set of a file, which says none itself, while the desk is there; then as its names show."""
         document.marker_set = self._worn[document.place.id] = worn
 
     def heads(self) -> dict[str, str]:

@@ -164,7 +164,7 @@ FILLING_WORDS = {
         "marker's own motion, or {samples:contradicts|contradict} the other markers, and {samples:was|were} kept "
         "({samples:a dot|dots} in the drawings): {where_list}.",
         "Where a distance is given, the fill does not follow these samples, and the path leaps by it beside the gap. "
-        "Other fills follow them, and state a larger expected error. Where samples are wrong, erase them, or fill again "
+        "Other fills follow them, with a larger expected error. Where samples are wrong, erase them, or fill again "
         "with --trim 5 (trim = 5 in a session): those that stand out from the marker's own motion are replaced then.",
     ),
     "markers_mostly_filled": Words(

@@ -140,7 +140,10 @@ def _states(tracks):
 def test_a_files_marker_set_is_the_one_whose_names_it_has(tmp_path):
     """It was forgotten with the studio, though the file says it by its names; of several the fullest is meant."""
     lower, full = (read_marker_set(f"plug-in-gait-{which}").names for which in ("lower", "full"))
-    for names, wanted in (lower, "plug-in-gait-lower"), (full, "plug-in-gait-full"), (lower[:5], None):
+    one_leg = [
+        name for name in full if name[0] != "R"
+    ]  # has most of the markers of smaller sets, which it does not wear
+    for names, wanted in (lower, "plug-in-gait-lower"), (full, "plug-in-gait-full"), (lower[:5], None), (one_leg, None):
         there = [*names, "LTOP", "RTOP", "LTIP"]
         paths = tuple(MarkerTrajectory.measured(name, np.full((4, 3), float(k))) for k, name in enumerate(there))
         write_trial(Trial("walk", Trajectories(paths, 100.0)), file := tmp_path / f"{len(names)}.c3d")

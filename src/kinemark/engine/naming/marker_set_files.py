@@ -33,11 +33,11 @@ def listed() -> list[dict[str, Any]]:
 
 
 def set_by_names(names: Iterable[str]) -> MarkerSet | None:
-    """The set that comes with Kinemark whose markers these names are, of several the one that has most of them."""
+    """The set that comes with Kinemark which has most of these names, the smallest of several; None unless it fits."""
     sets, there = [read_marker_set(name) for name in marker_sets()], set(names)
     count = {one.name: len(there & {*one.names}) for one in sets}
-    alike = [one for one in sets if count[one.name] >= ALIKE * len(one)]
-    return max(alike, key=lambda one: (count[one.name], -len(one)), default=None)
+    like = max(sets, key=lambda one: (count[one.name], -len(one)))
+    return like if count[like.name] >= ALIKE * len(like) else None
 
 
 def list_text() -> str:

@@ -31,6 +31,13 @@ def folder(tmp_path):
     return tmp_path
 
 
+def test_a_tsv_counts_where_it_has_markers(folder):
+    """Qualisys exports markers, analog signals and forces as files that end alike."""
+    (folder / "c.tsv").write_text("NO_OF_FRAMES\t1\nMARKER_NAMES\tLASI\n1\t2\t3\n")
+    (folder / "c_a.tsv").write_text("NO_OF_SAMPLES\t1\nCHANNEL_NAMES\tFx\n1\n")
+    assert [path.name for path in trials_in([folder])] == ["a.c3d", "b.c3d", "c.tsv"]
+
+
 def test_a_folder_stands_for_its_recordings_in_their_order(folder):
     both = (folder / "a.c3d", folder / "b.c3d")
     assert trials_in([folder]) == both

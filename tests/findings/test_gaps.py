@@ -86,8 +86,8 @@ def test_how_far_samples_are_off_that_a_fill_does_not_follow_is_said_beside_them
     first, last = gap.start + before.first_frame, gap.stop + before.first_frame
     name = f"{gap.marker} "
     assert listed.values["where_list"] == (
-        f"{name}{first - 2}–{first - 1}, up to 12.3 mm off",
-        f"{name}{last}, up to 12.3 mm off",
+        f"{name}{first - 2}–{first - 1} (up to 12.3 mm off)",
+        f"{name}{last} (up to 12.3 mm off)",
     )
 
 

@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from ..data import KinemarkError
+from ..io.qualisys_tsv import holds_markers
 from ..io.toml_text import toml_table
 from .session_name import FILE
 
-RECORDINGS = (".c3d", ".trc", ".tdf", ".tdc")
-"""Endings of files that hold trajectories and nothing else that a folder might be full of, as CSV are."""
+RECORDINGS = (".c3d", ".trc", ".tdf", ".tdc", ".tsv")
+"""Endings of files that hold trajectories, TSV where they have markers; a folder may be full of other CSV."""
 FILLED, GAIT = "_filled", "_gait"
 """What follows a recording's name in that of its results; of gait, a C3D file."""
 
@@ -56,6 +57,12 @@ def check_folder(path: Path) -> None:
         raise KinemarkError(f"{path} has no file that ends with {', '.join(RECORDINGS)}, and no {FILE}.{advice}")
 
 
+def is_recording(path: Path, endings: Sequence[str] = RECORDINGS) -> bool:
+    """Whether a file is one of trajectories, by its ending; a TSV by its heading, as others end alike."""
+    ending = path.suffix.lower()
+    return ending in endings and path.is_file() and (ending != ".tsv" or holds_markers(path))
+
+
 def _holds_files(path: Path) -> bool:
     """Whether it is a folder, and neither a session nor a trial of one."""
     return path.is_dir() and not (path / FILE).is_file() and not _is_trial(path)
@@ -76,8 +83,7 @@ def _is_trial(path: Path) -> bool:
 
 def _recordings(folder: Path) -> list[Path]:
     """By name; macOS leaves hidden files as ._walk.c3d beside those that it copies."""
-    files = (path for path in folder.iterdir() if path.suffix.lower() in RECORDINGS and path.is_file())
-    return sorted(path for path in files if not path.name.startswith("."))
+    return sorted(path for path in folder.iterdir() if is_recording(path) and not path.name.startswith("."))
 
 
 def _is_result(path: Path, names: set[str]) -> bool:

@@ -246,7 +246,8 @@ def _suspicious(figures: dict[str, Any]) -> Finding:
 def _where(gap: dict[str, Any], first: int, last: int) -> str:
     """One run of suspicious samples beside a gap, in words."""
     frames = f"{first}–{last}" if last > first else f"{first}"
-    off = f", up to {gap['off_mm']:.1f} mm off" if gap["off_mm"] else ""
+    most = "up to " if len(gap["suspicious"]) > 1 else ""
+    off = f" ({most}{gap['off_mm']:.1f} mm off)" if gap["off_mm"] else ""
     return f"{gap['marker']} {frames}{off}"
 
 

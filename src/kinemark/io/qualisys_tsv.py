@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,6 +32,8 @@ from .units import USUAL_UNITS, mm_per
 NAMES = "MARKER_NAMES"
 EMPTY = ("NULL", "NAN", "-")
 """What stands for a missing number besides an empty cell."""
+HEADING = 1000
+"""Lines in which `NAMES` is looked for; chosen: a heading has some ten, and a line for each event."""
 
 
 class Lines(NamedTuple):
@@ -71,6 +74,15 @@ def read_qualisys_tsv(path: Path | str, *, rate_hz: float | None = None, length_
     paths = tuple(MarkerTrajectory.measured(name, xyz[:, k] * mm) for k, name in enumerate(called))
     trajectories = Trajectories(paths, _rate(path, found, rate_hz), first)
     return Trial(Path(path).stem, trajectories, events=_events(found), notes=odd)
+
+
+def holds_markers(path: Path) -> bool:
+    """Whether a TSV is one of markers: those of analog signals and forces end alike. False if it is not read."""
+    try:
+        with path.open("rb") as file:
+            return any(line.startswith(NAMES.encode()) for line in islice(file, HEADING))
+    except OSError:
+        return False
 
 
 def _lines(path: Path | str) -> Lines:

@@ -130,10 +130,13 @@ def test_where_no_model_fits_it_is_said_what_the_nearest_lacks():
     known, wanted = {name: name for name in models()}, load_model("um2as").markers
     assert f"; um2as lacks {wanted[-1]}. Name" in _none_fits(known, wanted[:-1])
     assert "lacks" not in _none_fits(known, wanted[:1])
+    assert "session.toml" in _none_fits(known, wanted[:1])
+    assert "session" not in (said := _none_fits(known, wanted[:1], of_file=True)) and "kinemark angles" in said
 
 
 @pytest.mark.parametrize("called", [str, "Anna:{}".format, str.lower])
 def test_where_the_markers_are_those_of_gait_the_gait_report_is_named(called):
     known, names = {name: name for name in models()}, read_marker_set("kiss-15").names
-    assert "kinemark gait" in _none_fits(known, [called(name) for name in names])
-    assert "kinemark gait" not in _none_fits(known, [called(name) for name in names if name != "LANK"])
+    assert "Home makes it" in _none_fits(known, [called(name) for name in names])
+    assert "kinemark gait" in _none_fits(known, [called(name) for name in names], of_file=True)
+    assert "gait" not in _none_fits(known, [called(name) for name in names if name != "LANK"])

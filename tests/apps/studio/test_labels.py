@@ -137,6 +137,22 @@ def _states(tracks):
     return {(one.a, one.b): one.state for one in labels(document).links}
 
 
+def test_a_files_marker_set_is_the_one_whose_names_it_has(tmp_path):
+    """It was forgotten with the studio, though the file says it by its names; of several the fullest is meant."""
+    lower, full = (read_marker_set(f"plug-in-gait-{which}").names for which in ("lower", "full"))
+    one_leg = [
+        name for name in full if name[0] != "R"
+    ]  # has most of the markers of smaller sets, which it does not wear
+    for names, wanted in (lower, "plug-in-gait-lower"), (full, "plug-in-gait-full"), (lower[:5], None), (one_leg, None):
+        there = [*names, "LTOP", "RTOP", "LTIP"]
+        paths = tuple(MarkerTrajectory.measured(name, np.full((4, 3), float(k))) for k, name in enumerate(there))
+        write_trial(Trial("walk", Trajectories(paths, 100.0)), file := tmp_path / f"{len(names)}.c3d")
+        studio = Studio(file)
+        shown = studio.page.get(studio.trial).json()
+        assert (shown["marker_set"] and shown["marker_set"]["name"]) == wanted
+        assert ["LTOP", "RTOP"] in shown["pairs"] and "LTIP" in shown["one_sided"], "those besides are still paired"
+
+
 def test_a_marker_set_is_chosen_for_a_file_as_long_as_the_studio_runs(tmp_path):
     """Which sets there are, and how to have one, was told of the command line and of session.toml alone."""
     studio = Studio(file_in(tmp_path))

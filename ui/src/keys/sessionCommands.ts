@@ -6,6 +6,9 @@ import type { Command, Level } from "./commands";
 
 const balls = (): boolean => now().control !== null && now().pointing === true && now().camera !== "";
 
+/** Whether the point that is asked for was not said yet. */
+const unsaid = (): boolean => now().control?.cameras.find((c) => c.name === now().camera && asked(c).some((b) => b.point === now().point && b.seen === null)) !== undefined;
+
 /** The point after or before the one that is asked for. */
 function step(by: 1 | -1): void {
   const own = now().control?.cameras.find((c) => c.name === now().camera), all = own ? asked(own) : [];
@@ -42,9 +45,9 @@ export const SESSION_COMMANDS: readonly Command[] = [
   { id: "calibrate", keys: ["Shift+Enter"], title: "Calibrate now", group: "Cameras", screens: ["cameras"], when: () => now().session !== null, foot: 4, hint: () => "calibrate now", run: () => void calibrate() },
   { id: "ball-point", keys: ["P"], title: "Point at the control balls, or look at the verdict", group: "Cameras", screens: ["cameras"], when: () => now().control !== null, foot: 5, hint: () => (now().pointing ? "the verdict" : "point at the balls"), run: () => put({ pointing: !now().pointing }) },
   { id: "ball-spot", keys: ["Space"], title: "Point at the white spot that is chosen", group: "Cameras", screens: ["cameras"], when: () => balls() && now().spot >= 0 && !now().spent, foot: 0, hint: () => `${now().point} is at the square`, run: pointAtSpot },
-  { id: "ball-spot-next", keys: ["."], title: "Next white spot", group: "Cameras", screens: ["cameras"], when: balls, foot: 3, hint: () => "next white spot", run: () => stepSpot(1) },
+  { id: "ball-spot-next", keys: ["."], title: "Next white spot", group: "Cameras", screens: ["cameras"], when: balls, fits: unsaid, foot: 3, hint: () => "next white spot", run: () => stepSpot(1) },
   { id: "ball-spot-before", keys: [","], title: "White spot before", group: "Cameras", screens: ["cameras"], when: balls, run: () => stepSpot(-1) },
-  { id: "ball-none", keys: ["B"], title: "The camera does not see it", group: "Cameras", screens: ["cameras"], when: balls, foot: 1, hint: () => `${now().camera} does not see ${now().point}`, run: () => void answer({ seen: false }) },
+  { id: "ball-none", keys: ["B"], title: "The camera does not see it", group: "Cameras", screens: ["cameras"], when: balls, fits: unsaid, foot: 1, hint: () => `${now().camera} does not see ${now().point}`, run: () => void answer({ seen: false }) },
   { id: "ball-back", keys: ["Backspace"], title: "Take the last answer back", group: "Cameras", screens: ["cameras"], when: () => balls() && now().given.length > 0, foot: 2, hint: () => `take ${now().given.at(-1)!.point} back`, run: () => void back() },
   { id: "ball-next", keys: ["N"], title: "Next ball", group: "Cameras", screens: ["cameras"], when: balls, foot: 3, hint: () => "next ball", run: () => step(1) },
   { id: "ball-previous", keys: ["Shift+N"], title: "Ball before", group: "Cameras", screens: ["cameras"], when: balls, run: () => step(-1) },

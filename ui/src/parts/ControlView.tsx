@@ -15,7 +15,7 @@ export function ControlView(): React.JSX.Element {
   return (
     <div className={styles.screen}>
       <section className={styles.image} aria-label="Image">
-        <p className={styles.question} role="status">{own ? <><b>{camera}</b>: where is <b>{point}</b>? Click any white pixel of it, or choose a spot with <kbd>.</kbd> and point at it with <kbd>Space</kbd>.</> : "Choose a camera."}</p>
+        <p className={styles.question} role="status">{!own ? "Choose a camera." : asked(own).some((b) => b.point === point && b.seen !== null) ? <><b>{camera}</b>: <b>{point}</b> is said. A click at another spot moves it; <kbd>N</kbd> goes to the next ball.</> : <><b>{camera}</b>: where is <b>{point}</b>? Click any white pixel of it, or choose a spot with <kbd>.</kbd> and point at it with <kbd>Space</kbd>.</>}</p>
         <Picture />
         <Threshold />
       </section>

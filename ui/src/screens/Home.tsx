@@ -1,5 +1,5 @@
 import { Aperture, CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, FolderPlus, Footprints, PenLine, Play, RotateCw, Square } from "lucide-react";
-import { useEffect, useRef, useState } from "react";
+import { Fragment, useEffect, useRef, useState } from "react";
 import * as api from "../api/client";
 import { gaitPage, makeGait } from "../api/sessions";
 import type { SessionCard, TrialCard } from "../api/types";
@@ -46,8 +46,8 @@ export function Home(): React.JSX.Element {
         {home && home.files.length > 0 && <section className={styles.card} aria-label="Files"><header><h2>Files</h2><span className="soft">trajectories of any system, looked at and mended the same way</span></header><Trials trials={home.files} file /></section>}
         {home && !home.sessions.length && !home.files.length && <p className={styles.none}>There is no session here yet. <b>New session …</b> makes one from recordings; or drop a file below.</p>}
         <label className={`${styles.drop} ${over ? styles.over : ""}`}>
-          <FileUp size={22} aria-hidden /><span><b>Drop a file to look at it</b>: C3D, TDF or TRC of any system. Its swaps, spikes and gaps are listed; the file itself is never changed.</span>
-          <input type="file" className="hidden-words" accept=".c3d,.tdf,.trc" onChange={(e) => e.target.files && void dropped(e.target.files)} />
+          <FileUp size={22} aria-hidden /><span><b>Drop a file to look at it</b>: C3D, TDF or TRC of any system, TSV of Qualisys. Its swaps, spikes and gaps are listed; the file itself is never changed.</span>
+          <input type="file" className="hidden-words" accept=".c3d,.tdf,.trc,.tsv" onChange={(e) => e.target.files && void dropped(e.target.files)} />
         </label>
       </div>
     </div>
@@ -92,7 +92,7 @@ function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.
   useEffect(() => void (marked && name.current!.focus()), [marked]);
   return (
     <tr>
-      <th scope="row"><button type="button" ref={name} className={styles.name} onFocus={() => set({ marked: t.id })} onClick={() => goTo("tracks", t.id)}>{t.name}</button>{t.state === "failed" && t.words && <small className={styles.why}>{t.words}</small>}</th>
+      <th scope="row"><button type="button" ref={name} className={styles.name} onFocus={() => set({ marked: t.id })} onClick={() => goTo("tracks", t.id)}>{t.name.split(/(?=\.)|(?<=_)/).map((part, i) => <Fragment key={i}>{i > 0 && <wbr />}{part}</Fragment>)}</button>{t.state === "failed" && t.words && <small className={styles.why}>{t.words}</small>}</th>
       <td className={styles.figure}>{count(t.frames)}</td>
       <td className={styles.figure}>{t.markers == null ? "–" : `${t.named ?? 0}/${t.markers}`}</td>
       <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{file && t.state === "failed" ? "not readable" : t.state}</span>}</td>

@@ -58,14 +58,8 @@ function Entries(): React.JSX.Element {
     const buttons = list.current?.querySelectorAll("button");
     if (!task) buttons?.[Math.max(0, rows.findIndex((row) => row.state !== "done" && row.state !== ""))]?.focus(); // the entry that is next is highlighted
   }, [level, task]); // eslint-disable-line react-hooks/exhaustive-deps
-  const arrows = (e: React.KeyboardEvent): void => {
-    const by = { ArrowDown: 1, ArrowUp: -1 }[e.key], all = [...(list.current?.querySelectorAll("button") ?? [])], at = all.indexOf(e.target as HTMLButtonElement);
-    if (!by || at < 0) return;
-    e.preventDefault();
-    all[(at + by + all.length) % all.length]!.focus();
-  };
   return (
-    <nav className={styles.entries} aria-label="Menu" onKeyDown={arrows}>
+    <nav className={styles.entries} aria-label="Menu">
       <ol ref={list}>
         {rows.map((row) => (
           <li key={row.key}>

@@ -83,6 +83,7 @@ export async function arrive(): Promise<void> {
     if (location.hash !== here) return; // somebody went on while it was opened
   }
   set({ screen });
+  if (!get().header && !get().home) void fetchHome(); // which tells whose session a trial is that was not run
   await fresh();
 }
 

@@ -156,20 +156,22 @@ def known_models(document: OpenDocument) -> dict[str, str]:
     return found
 
 
-def _none_fits(known: Mapping[str, str], names: Sequence[str]) -> str:
+def _none_fits(known: Mapping[str, str], names: Sequence[str], *, of_file: bool = False) -> str:
     """That no model has all its markers, and what one lacks of which most are there."""
     wanted = {name: sided_model(file, None, names)[0] for name, file in known.items()}
     lacking = {name: missing(model, names) for name, model in wanted.items()}
     near = [name for name in known if 2 * len(lacking[name]) < len(wanted[name].markers)]
     lacks = "".join(f"; {name} lacks {', '.join(lacking[name])}" for name in near)
     if model_names(names).keys() >= MARKERS:
+        of_session = "of its session: Gait report on Home makes it and shows it."
         return (
-            "This trial has the markers of the gait model, whose angles stand in the gait report of its session: Gait "
-            "report on Home makes it and shows it. Of a file, kinemark gait makes it."
+            "This trial has the markers of the gait model, whose angles stand in the gait report "
+            f"{'that the command kinemark gait makes of the file.' if of_file else of_session}"
         )
+    where = "to the command kinemark angles, by --model" if of_file else "in session.toml, under [angles]"
     return (
         f"No model has all its markers in this trial{lacks}. Name markers on the screen Labels, or state a model of "
-        "your own markers in session.toml, under [angles]."
+        f"your own markers {where}."
     )
 
 
@@ -187,7 +189,7 @@ def basis_of(document: OpenDocument, trial: Trial, said: a.AngleChoice) -> Basis
     fitting = [name for name, file in known.items() if fits(sided_model(file, None, names)[0], names)]
     name = said.model or usual or next(iter(fitting), None)
     if name is None:
-        raise KinemarkError(_none_fits(known, names))
+        raise KinemarkError(_none_fits(known, names, of_file=document.trial is None))
     settings = AngleSettings() if own is None else own.settings()
     stated = {key: value for key, value in said.model_dump(exclude={"model"}).items() if value is not None}
     if stated.get("smoothing") == "none":

@@ -12,6 +12,7 @@ from ...data import KinemarkError, MarkerSet
 from ...data.edits import live
 from ...edit import Edited
 from ...engine.editing.editing import Editing
+from ...engine.naming.marker_set_files import set_by_names
 from ...engine.naming.templates import worn
 from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
@@ -36,7 +37,7 @@ class OpenDocument:
     Attributes:
         place: of it. editing: before all edits, with what is behind it.
         trial, inputs, records: of a session's trial, as far as edits need it; None and empty for a file.
-        marker_set: that the subject wears, where the session says so.
+        marker_set: that the subject wears, where the session says so; of a file as its names show.
         text, now: the journal as it was read, and the trial with it.
         lock: for whoever reads or changes `text` and `now`; looking: for whoever looks for problems, which no act waits
             for.
@@ -139,7 +140,7 @@ class Desk:
                 self.forget(other.id)
 
     def wear(self, document: OpenDocument, worn: MarkerSet | None) -> None:
-        """The marker set of a file, which says none itself, for as long as the desk is there."""
+        """The marker set of a file, which says none itself, while the desk is there; then as its names show."""
         document.marker_set = self._worn[document.place.id] = worn
 
     def heads(self) -> dict[str, str]:
@@ -156,7 +157,9 @@ def opened(place: Place, by: str) -> OpenDocument:
     if place.trial is None:
         editing = Editing.of_file(place.path, by=by, trial=read_once(place.path))
         _check_markers(place, editing)
-        return _document(place, editing)
+        document = _document(place, editing)
+        document.marker_set = set_by_names(document.now.trajectories.names)
+        return document
     session = Session.open(place.path)
     trial = session.trial(place.trial)
     _check_tracked(trial)

@@ -109,21 +109,28 @@ def _likely(document: OpenDocument) -> dict[str, dict[str, Any]]:
 
 
 def pairs_of(document: OpenDocument) -> list[tuple[str, str]]:
-    """Left and right markers that are both there: as the marker set pairs them, else as they are called."""
+    """Left and right markers that are both there: as the marker set pairs them, others as they are called."""
     return _pairs(document, _there(_tracks(document)))
 
 
 def _pairs(document: OpenDocument, there: tuple[str, ...]) -> list[tuple[str, str]]:
     if document.marker_set is not None:
-        return [pair for pair in document.marker_set.pairs if set(there).issuperset(pair)]
+        of_set = [pair for pair in document.marker_set.pairs if set(there).issuperset(pair)]
+        return [*of_set, *_called_alike(_besides(document.marker_set, there))]
     return list(_called_alike(there))
 
 
 def _one_sided(document: OpenDocument, there: tuple[str, ...]) -> list[str]:
     """Markers of a side of which the other is not there."""
     if document.marker_set is not None:
-        return [name for pair in document.marker_set.pairs if len(own := {*pair} & {*there}) == 1 for name in own]
+        of_set = [name for pair in document.marker_set.pairs if len(own := {*pair} & {*there}) == 1 for name in own]
+        return [*of_set, *_alone(_besides(document.marker_set, there))]
     return list(_alone(there))
+
+
+def _besides(marker_set: MarkerSet, there: tuple[str, ...]) -> tuple[str, ...]:
+    """Markers that the set does not know."""
+    return tuple(name for name in there if name not in marker_set.names)
 
 
 def _there(rows: list[TrackRow]) -> tuple[str, ...]:

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...data import KinemarkError
+from ...engine.folders import is_recording
 from ...engine.keys import digest
 from ...engine.session import Session
 from ...engine.session_name import FILE
 
-ENDINGS = (".c3d", ".trc", ".tdf")
+ENDINGS = (".c3d", ".trc", ".tdf", ".tsv")
 """Of files of trajectories that are shown without being named."""
 DEPTH = 3
 """Folders below a root that are looked into; chosen: a laboratory's year, patient and session."""
@@ -140,7 +141,7 @@ def _below(folder: Path, depth: int) -> Iterator[Path]:
     if (folder / FILE).is_file():
         yield folder / FILE
         entries = [path for path in entries if path.name == DROPPED]
-    yield from (path for path in entries if path.suffix.lower() in ENDINGS and path.is_file())
+    yield from (path for path in entries if is_recording(path, ENDINGS))
     for path in entries:
         if depth and path.is_dir() and path.name not in SKIPPED and not path.name.startswith("."):
             yield from _below(path, depth - 1)

@@ -17,7 +17,7 @@ from ...data.typed import typed
 from ...detect.interlacing import FEWEST, interlacing
 from ...io.images import natural as natural_path
 from ...io.images import open_images
-from ..folders import RECORDINGS
+from ..folders import is_recording
 from .calibration_way import completed
 from .camera_names import Grouping, best_grouping, grouped
 from .folder_files import (
@@ -99,7 +99,7 @@ def _nothing(folder: Path, n_files: int, recordings: Sequence[FoundRecording]) -
 
 def _without_session(folder: Path) -> str:
     """What to do with trajectories of another system, which need no session."""
-    trials = sum(path.suffix.lower() in RECORDINGS for path in folder.iterdir())
+    trials = sum(map(is_recording, folder.iterdir()))
     if not trials:
         return ""
     here = typed(folder)

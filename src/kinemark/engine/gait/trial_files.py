@@ -13,7 +13,7 @@ from ..folders import RECORDINGS
 def one_of_each(found: Sequence[Path], named: Iterable[Path | None]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
     """The files without those that a folder holds in a second format, and these.
 
-    Files of one name in one folder are one recording: a file that was named counts, else C3D before TRC and TDF.
+    Files of one name in one folder are one recording: a file that was named counts, else C3D before TRC, TDF and TSV.
 
     Args:
         found: all files. named: those that were named themselves, of any purpose; folders do not count.

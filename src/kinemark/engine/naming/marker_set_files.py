@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,14 @@ def listed() -> list[dict[str, Any]]:
     """The sets that come with Kinemark: name, number of markers, description."""
     sets = [read_marker_set(name) for name in marker_sets()]
     return [{"name": one.name, "markers": len(one), "description": one.description} for one in sets]
+
+
+def set_by_names(names: Iterable[str]) -> MarkerSet | None:
+    """The set that comes with Kinemark which has most of these names, the smallest of several; None unless it fits."""
+    sets, there = [read_marker_set(name) for name in marker_sets()], set(names)
+    count = {one.name: len(there & {*one.names}) for one in sets}
+    like = max(sets, key=lambda one: (count[one.name], -len(one)))
+    return like if count[like.name] >= ALIKE * len(like) else None
 
 
 def list_text() -> str:
@@ -136,9 +144,8 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
 
 def _in_words(found: MarkerSet) -> MarkerSet:
     """With the meaning of names that are those of a set that comes with Kinemark."""
-    sets = [read_marker_set(name) for name in marker_sets()]
-    like = max(sets, key=lambda one: len(set(one.names) & set(found.names)) / len(one))
-    if len(set(like.names) & set(found.names)) < ALIKE * len(like):
+    like = set_by_names(found.names)
+    if like is None:
         return found
     return replace(found, meaning={name: like.meaning[name] for name in found.names if name in like.meaning})
 

@@ -132,13 +132,13 @@ CALIBRATION_WORDS = {
         "Use more points near the corners, or fewer lens terms.",
     ),
     "points_outside_image": Words(
-        "Points lie outside the images of {cameras}: up to {most_share} of what one saw.",
-        "Correct its size_px (width, height), or the names, if two cameras' files were exchanged.",
+        "Points lie outside the images of {cameras}: up to {most_share} of all that one camera saw.",
+        "Correct size_px (width, height) of the camera, or the names, if the files of two cameras were exchanged.",
     ),
     "lens_folds": Words(
-        "Near the edges of the images of {cameras} (up to {most_share} of one) the lens terms fold the image over: "
-        "markers seen there are not used.",
-        "Bring points or the wand there; a very wide lens needs three radial terms.",
+        "Near the edges of the images of {cameras} (up to {most_share} of an image) the lens correction turns back on "
+        "itself: markers seen there are not used.",
+        "Calibrate with points, or the wand, near these edges; a very wide lens needs three radial terms.",
     ),
     "scale_doubtful": Words(
         "The scale is uncertain: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",

@@ -279,7 +279,8 @@ GAIT_WORDS = {
     "gait_markers_never_seen": Words(
         "{trial}: {markers} {markers:is|are} never seen. Angles that follow from {markers:it|them} are not known; "
         "without heel and toe a side has no steps.",
-        "Label the trial's other trajectories, if one is that marker; fill cannot restore what no frame shows. "
+        "If one of the trial's unnamed trajectories is such a marker, name it; no filling restores a marker that no "
+        "frame shows. "
         "Heels come from a standing trial: --static.",
     ),
     "gait_markers_renamed": Words(

@@ -6,7 +6,7 @@ from ...data import Finding
 from .template import Words, fill, listed, shown
 
 STATE_MARKER_SD = (
-    "State the one that the laboratory knows: Markers' SD in the studio's Angles, marker_sd_mm under [angles] of "
+    "State the value that the laboratory knows: Markers' SD in the studio's Angles, marker_sd_mm under [angles] of "
     "session.toml, or kinemark angles --marker-sd-mm."
 )
 MOST_DISPLACED = 12
@@ -163,9 +163,9 @@ FILLING_WORDS = {
         "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} {samples:stands|stand} out from the "
         "marker's own motion, or {samples:contradicts|contradict} the other markers, and {samples:was|were} kept "
         "({samples:a dot|dots} in the drawings): {where_list}.",
-        "Where a distance is given, the fill does not follow them, and the path steps by it beside the gap. Fills that "
-        "others pull away have the greater expected error. Where samples are wrong, edit them out, or fill again with "
-        "--trim 5 (trim = 5 in a session): those that stand out from the marker's own motion are replaced then.",
+        "Where a distance is given, the fill does not follow these samples, and the path leaps by it beside the gap. "
+        "Other fills follow them, with a larger expected error. Where samples are wrong, erase them, or fill again "
+        "with --trim 5 (trim = 5 in a session): those that stand out from the marker's own motion are replaced then.",
     ),
     "markers_mostly_filled": Words(
         "{Markers}: more than {limit_share} of the trial is filled.",

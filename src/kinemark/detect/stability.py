@@ -23,8 +23,10 @@ The threshold is taken at 0.4 of the groups' median peak, or at half of the peak
 that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a
 marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the
 gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
-lower one and `CLEAR` σ above the ground, of the brightest and noisiest `SQUARE`: on ground that is lit from a side, or
-has windows that were subtracted, the median is no measure of either.
+lower one and clear of noise: `CLEAR` σ above the median ground, and not within `CLEAR` standard deviations of the level
+of any `SQUARE` of still ground, nor of what has one level in small squares of single images, as a body that moves has.
+Where it is within, it is moved above that, and so on (6), but not above the dimmest marker. What is lit from a side is
+so told from lamps and windows, at whose level nothing in between leads.
 
 Compression that loses noise leaves σ no more than rounding does, and around markers remains that come and go, as many
 as (2) allows. Groups then do not count in (3) that lie within BLOCK of one more than twice as bright (4): dim markers
@@ -56,11 +58,10 @@ FLICKERS, SPARSE = 2.0, 8
 """σ by which the ground's median differs between images that flicker, and of how many lines and columns one is looked
 at; chosen: lamps that flicker by 35 % change the ground by 4.5 σ, and what noise leaves of a median is far less."""
 
-SQUARE = 4  # times `SPARSE`, px, a side of what has a level and noise of its own; chosen: markers are less than half
+ALIKE = 128  # small squares, of about one level, whose noise is taken together; chosen: it is then known to 4 %
+SQUARE, SMALL = 4, 2  # times `SPARSE`, px, a side; chosen: markers are less than half, and limbs fill small ones
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
-MEDIAN_SD = 1.4826 / math.sqrt(
-    2
-)  # times the median distance of two pixels is the standard deviation of one; by definition
+MEDIAN_SD = 1.4826 / math.sqrt(2)  # standard deviation of a pixel by the median distance of two; by definition
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
 BLOCK = 8  # px, to which compression spreads what it leaves of an edge; by definition of JPEG and of H.264
 
@@ -121,7 +122,7 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     level, variance = background(images)
     b, sigma, top = float(np.median(level)), float(np.sqrt(np.median(variance))), float(images.max())
     least = max(3 * sigma, 2.0)  # (1)
-    clear = max(_clear_of_noise(images), b + CLEAR * sigma)
+    clear = _clear_of_noise(images, b + CLEAR * sigma)
     none = LevelGap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0, clear)
     if top - b <= 4 * least:
         return none
@@ -139,27 +140,36 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     peaks = found[(stretch[0] + stretch[1]) // 2 if flickers else stretch[0]] - b
     if sigma <= math.sqrt(ROUNDING) and not flickers:  # (4)
         peaks = peaks[~_remains(_standing_out(images, b, low, bright)[0], peaks)]
+    clear = min(clear, b + 2 * high)  # the dimmest marker is brighter
     peak = float(np.median(peaks))
-    clear = clear if clear < b + high else b + CLEAR * sigma  # windows in view are no ground
-    least = min(max(1.1 * low, clear - b), high)
-    c = float(np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), least, high))  # (3)
+    least = max(min(1.1 * low, high), clear - b)
+    c = max(min(SHARE * peak, HALF * float(np.percentile(peaks, DIM)), high), least)  # (3)
     groups = len(_standing_out(images, b, c, bright)[1]) / len(images)
     return LevelGap(b, sigma, b + low, b + high, b + peak, top, b + c, groups, clear)
 
 
-def _clear_of_noise(images: NDArray[np.uint8 | np.uint16]) -> float:
-    """The level that noise of no square of frames (n, H, W) reaches: the square's median, and its own noise above."""
+def _clear_of_noise(images: NDArray[np.uint8 | np.uint16], level: float) -> float:
+    """The least level above this one that noise of no ground of frames (n, H, W) crosses (6)."""
     few = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 : -1 : SPARSE].astype(np.float64)
     beside = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 + 1 :: SPARSE]
-    level, spread = _of_squares(few), _of_squares(np.abs(few - beside))
-    return float((level + CLEAR * MEDIAN_SD * spread).max(initial=0.0))
+    both = np.stack([few, np.abs(few - beside)])
+    still = np.median(_in_squares(both, SQUARE), axis=(1, 4)).reshape(2, -1)
+    moving = np.median(_in_squares(both, SMALL), axis=4).reshape(2, -1)
+    moving = moving[:, np.argsort(moving[0])]
+    moving = np.median(moving[:, moving.shape[1] % ALIKE :].reshape(2, -1, ALIKE), axis=2)
+    middle, spread = np.concatenate([still, moving], axis=1)
+    reach = CLEAR * MEDIAN_SD * spread
+    top = middle + reach
+    while (across := (middle - reach < level) & (level < top)).any():
+        level = float(top[across].max())
+    return level
 
 
-def _of_squares(few: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(h, w) the median of each square of `SQUARE` pixels of frames (n, H, W)."""
-    h, w = few.shape[1] // SQUARE, few.shape[2] // SQUARE
-    squares = few[:, : h * SQUARE, : w * SQUARE].reshape(-1, h, SQUARE, w, SQUARE)
-    return np.median(squares, axis=(0, 2, 4)) if squares.size else np.zeros((0, 0))
+def _in_squares(few: NDArray[np.float64], side: int) -> NDArray[np.float64]:
+    """(2, n, h, w, side²) the pixels of each square of frames (2, n, H, W)."""
+    h, w = few.shape[2] // side, few.shape[3] // side
+    squares = few[..., : h * side, : w * side].reshape(*few.shape[:2], h, side, w, side)
+    return squares.swapaxes(3, 4).reshape(*few.shape[:2], h, w, side**2)
 
 
 def _flicker(images: NDArray[np.uint8 | np.uint16]) -> float:

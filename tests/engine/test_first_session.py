@@ -67,10 +67,14 @@ def test_what_no_file_tells_is_asked_and_then_known(waved):
     half = answered(asked, "calibration.wand.lengths_mm", "500")
     assert "# ? l_frame" in session_text(half)
     assert "# ? wand" not in session_text(half)
-    write_first_session(answered(half, "calibration.l_frame.arms_mm", "800, 600"))
-    way = Session.open(waved).settings.calibration
+    whole = answered(half, "calibration.l_frame.arms_mm", "800, 600")
+    assert asked.rate is not None  # the clips say it, and may be played slower than they were recorded
+    write_first_session(answered(answered(whole, "calibration.l_frame.height_mm", "12.5"), "rate_hz", "100"))
+    settings = Session.open(waved).settings
+    way = settings.calibration
+    assert settings.rate_hz == 100
     assert way.wand.lengths_mm == (500,)
-    assert way.l_frame.arms_mm == (800, 600)
+    assert way.l_frame.arms_mm == (800, 600) and way.l_frame.height_mm == 12.5
 
 
 def test_without_answers_the_file_says_what_is_wanted(waved):

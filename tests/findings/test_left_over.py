@@ -1,8 +1,10 @@
 """Images of no point: lamps and flicker are no markers that were missed; images that move on are."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from kinemark.data import Cloud, Detections, MarkerTrajectory, Tracks, Trajectories
+from kinemark.data import Cloud, Detections, Finding, MarkerTrajectory, Tracks, Trajectories
 from kinemark.findings.left_over import left_over
 from kinemark.geometry import project
 from kinemark.report.words import advice_of, text_of
@@ -96,3 +98,20 @@ def test_markers_that_were_hidden_are_missing_less_badly_than_those_that_the_cam
     cloud = Cloud(RATE, cloud.start, cloud.xyz, cloud.cov, cloud.residual, again)
     records |= {"detections": seen, "tracks": Tracks(cloud, records["tracks"].id)}
     assert [one.severity for one in found(judge(rig, records), "incomplete")] == ["amber"]
+
+
+def test_markers_that_the_images_show_and_nobody_found_count_as_missing():
+    """Of tracks without names: 16 markers are seen, and the 11 that are followed were said to be all that there are."""
+    rig = ring()
+    records = seen_beside(rig, crossing(16), tracked=11, flicker=FLICKER)
+    nameless = (replace(one, name=f"*{k + 1}") for k, one in enumerate(records["trajectories"]))
+    figures = judge(rig, records | {"trajectories": Trajectories(tuple(nameless), RATE)})
+    markers = figures["trajectories"]
+    assert (markers["markers_worn"], markers["markers_shown"]) == (11, 16)
+    assert markers["completeness_of_found_share"] == 1
+    assert abs(markers["completeness_in_view_share"] - 11 / 16) < 0.01
+    assert [one.severity for one in found(figures, "incomplete")] == ["red"]
+    (complete,) = (Finding.of(one) for one in figures["verdict"]["statements"] if one["kind"] == "completeness")
+    assert "about 16 markers" in text_of(complete)
+    figures = judge(rig, records)  # names say what there is
+    assert figures["trajectories"]["completeness_in_view_share"] == 1

@@ -109,6 +109,8 @@ TRIAL_KINDS = (
          "better without, as where distortion was taken out of them before: by the calibration as it is they lie "
          "sd_px, standard deviation, beside each other's lines. All was tracked and solved without lens terms.",
          {"sd_px": "px"}),
+    Kind("strobes_seen", "track", "info", "In the images of cameras something shines where the rig has other cameras, "
+         "of_list: their strobes, which were left out.", {"of_list": "text"}),
     Kind("noise_overstated", "track", "amber", "The centroids state a standard deviation of stated_px, far more than "
          "that by which the images of the median camera lie beside each other's lines, seen_px; the latter was "
          "believed.", {"stated_px": "px", "seen_px": "px"}),
@@ -176,8 +178,9 @@ TRIAL_KINDS = (
     Kind("recorded", "record", "info", "What was recorded; track_count is None where trajectories have names.",
          {"camera_count": "count", "marker_count": "count", "track_count": "count", "duration_s": "s",
           "frame_count": "count", "rate_hz": "Hz"}),
-    Kind("completeness", "track", "info", "How complete the markers are while the subject is in view.",
-         {"complete_share": "share", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
+    Kind("completeness", "track", "info", "How complete the markers are while the subject is in view; shown is how "
+         "many there are by the images of a frame, where that is more than were found.",
+         {"complete_share": "share", "shown": "count", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
     Kind("completeness_unknown", "track", "info", "How complete the markers are is not known: of the images only that "
          "share belongs to a point; the other values are of the markers that were found.",
          {"complete_share": "share", "used_share": "share", "filled_share": "share", "gaps": "count",

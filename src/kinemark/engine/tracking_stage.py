@@ -29,6 +29,7 @@ from ..track.simultaneous import (
     track_detections,
     track_simultaneously,
 )
+from ..track.simultaneous.camera_strobes import diagnose_strobes
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
 from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_others, put_in_order, told_in_order
@@ -121,7 +122,8 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
         return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
     tracked = _in_any_order(detections, rig, method, place, inputs.settings.match)
     late = with_delays_to_state(tracked.diagnostics, inputs.settings.cameras.delays_ms)
-    return tracked._replace(diagnostics=late)
+    own = inputs.source.of.entry.images is not None  # of its own centroids nobody can state another noise
+    return tracked._replace(diagnostics=tuple(one for one in late if not own or one.kind != "noise_overstated"))
 
 
 def _in_any_order(
@@ -195,7 +197,8 @@ def _simultaneously(detections: Detections, rig: Rig, method: Simultaneous, plac
     margin = place.volume_margin if place.within_volume else None
     result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
     volume = None if np.isnan(rig.volume).any() else rig.volume
-    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin, volume)
+    found = *diagnose(detections, rig, result), *diagnose_strobes(detections, rig)
+    found += tuple(diagnose_points(result, method, margin, volume))
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found, TrialRig.of_result(result))
 
 

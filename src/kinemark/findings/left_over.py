@@ -57,6 +57,13 @@ def used_of_possible(cameras: Sequence[dict[str, Any]]) -> tuple[Floats, Floats]
     return valid * used, valid * (1.0 - standing - fleeting)
 
 
+def shown_at_once(cameras: Sequence[dict[str, Any]], frames: int) -> float:
+    """By the figures of the cameras, how many images a frame may be of markers, in the mean, in the camera with images
+    that has the fewest: so many markers are worn at least, if not something else shines before every camera."""
+    possible = used_of_possible(cameras)[1]
+    return float(possible[possible > 0].min()) / frames if (possible > 0).any() else 0.0
+
+
 def _of_camera(detections: Detections, tracks: Tracks, c: int, used: Bools) -> dict[str, Any]:
     own = np.flatnonzero(detections.valid & (detections.camera == c))
     uv, frame, used = detections.uv[own], detections.frame[own], used[own]

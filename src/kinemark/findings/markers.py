@@ -144,13 +144,13 @@ def frames_in_view(trajectories: Trajectories, images: Ints | None = None) -> Bo
     return inside
 
 
-def completeness(trajectories: Trajectories, inside: Bools | None = None) -> float:
+def completeness(trajectories: Trajectories, inside: Bools | None = None, shown: float = 0.0) -> float:
     """Share of the markers' positions that are there while the subject is in view, in the frames `inside` (F); NaN
-    without any."""
+    without any. Tracks without names are of so many markers at least as the images of a frame show."""
     seen = present(trajectories)
     inside = frames_in_view(trajectories) if inside is None else inside
     if unlabelled(trajectories):
-        named, nameless = np.zeros(len(trajectories), np.bool_), markers_worn(trajectories)
+        named, nameless = np.zeros(len(trajectories), np.bool_), max(markers_worn(trajectories), shown)
     else:
         named, nameless = _named(trajectories), _nameless_worn(trajectories)
     there = seen[named][:, inside].sum() + np.minimum(seen[~named][:, inside].sum(axis=0), nameless).sum()
@@ -169,7 +169,7 @@ def marker_figures(trajectories: Trajectories, inside: Bools) -> list[dict[str, 
 
 
 def trajectory_figures(
-    trajectories: Trajectories, markers: list[dict[str, Any]], inside: Bools, *, known: bool = True
+    trajectories: Trajectories, markers: list[dict[str, Any]], inside: Bools, *, known: bool = True, shown: float = 0.0
 ) -> dict[str, Any]:
     """The figures of all markers together.
 
@@ -178,15 +178,18 @@ def trajectory_figures(
         markers: their figures.
         inside: (F) where the subject is in view.
         known: whether it is known how complete they are.
+        shown: how many the images of a frame show at least (`shown_at_once`); of no account where that is not known.
     """
     seen = present(trajectories)
     origin = np.array([path.origin for path in trajectories]).reshape(seen.shape)
     sd = mean(np.array([sample_deviation(path) for path in trajectories]))
     noise = quantile(np.array([marker["jitter_mm"] for marker in markers], float), 0.5)
+    shown = shown if known and unlabelled(trajectories) else 0.0
     return {
         "count": len(trajectories),
         "unlabelled": unlabelled(trajectories),
         "markers_worn": markers_worn(trajectories),
+        "markers_shown": round(shown),
         "samples": seen.sum(),
         "missing_samples": (~seen).sum(),
         "filled_samples": (origin == Origin.FILLED).sum(),
@@ -195,7 +198,7 @@ def trajectory_figures(
         "first_frame": trajectories.first_frame,
         "in_view_frames": list(in_view(trajectories)),
         "in_view_runs": runs(inside),
-        "completeness_in_view_share": completeness(trajectories, inside) if known else math.nan,
+        "completeness_in_view_share": completeness(trajectories, inside, shown) if known else math.nan,
         "completeness_of_found_share": completeness(trajectories, inside),
         "gaps": sum(marker["gaps"] for marker in markers),
         "longest_gap_frames": max((marker["longest_gap_frames"] for marker in markers), default=0),

@@ -14,9 +14,10 @@ from ..data import Cloud, Detections, Finding, Identity, Rig, Step, Tracks, Traj
 from ..data.array_types import Floats
 from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
+from ..track.simultaneous.camera_strobes import without_strobes
 from ..version import __version__
 from .cameras import AsGiven, camera_figures, residuals
-from .left_over import left_over
+from .left_over import left_over, shown_at_once
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
 from .off_course import off_course_share
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
@@ -67,6 +68,8 @@ def quality(
     """
     cloud, rig_used = tracks.cloud, rig.select(detections.cameras)
     _check(cloud, detections)
+    if any(one.kind == "strobes_seen" for one in findings):  # by which nothing was left over
+        detections = without_strobes(detections, rig_used)
     offsets = residuals(rig_used, detections, cloud)
     before = given and given._replace(rig=given.rig.select(detections.cameras))
     seen = camera_figures(rig_used, detections, cloud, offsets, before)
@@ -165,7 +168,8 @@ def _trajectories(trajectories: Trajectories, detections: Detections, cameras: l
     )
     inside = frames_in_view(trajectories, images)
     markers = marker_figures(trajectories, inside)
-    return trajectory_figures(trajectories, markers, inside, known=completeness_known(cameras))
+    shown = shown_at_once(cameras, detections.n_frames)
+    return trajectory_figures(trajectories, markers, inside, known=completeness_known(cameras), shown=shown)
 
 
 def _tracks(tracks: Tracks) -> dict[str, Any]:

@@ -228,6 +228,9 @@ class TrajectoriesData(TypedDict):
     unlabelled: bool
     """Whether most are tracks without a marker's name."""
     markers_worn: Count
+    markers_shown: Count
+    """As many at least as the images of a frame show, of tracks without names: those of the camera with the fewest; 0
+    where nothing is told."""
     samples: Count
     missing_samples: Count
     filled_samples: Count

@@ -233,8 +233,11 @@ def _absent(figures: Figures, outside: set[str]) -> Findings:
 
 def _incomplete(figures: Figures) -> Findings:
     trajectories = figures["trajectories"]
-    complete = trajectories["completeness_of_found_share"]
-    if not trajectories["samples"] or complete is None or complete >= COMPLETE_AMBER:
+    of_found, of_shown = trajectories["completeness_of_found_share"], trajectories["completeness_in_view_share"]
+    if not trajectories["samples"] or of_found is None:
+        return
+    complete = of_found if of_shown is None else min(of_found, of_shown)
+    if complete >= COMPLETE_AMBER:
         return
     markers = [m for m in trajectories["markers"] if (m["completeness_in_view_share"] or 0.0) < COMPLETE_AMBER]
     markers = [m for m in markers if not m["name"].startswith("*")]

@@ -61,6 +61,7 @@ def _complete(figures: Figures) -> Finding:
     }
     start = markers["first_frame"]
     frames = [(first + start, stop - 1 + start) for first, stop in markers["in_view_runs"]]
-    if markers["completeness_in_view_share"] is not None:
-        return make_finding("completeness", frames=frames, **values)
+    if (complete := markers["completeness_in_view_share"]) is not None:
+        shown = markers["markers_shown"] if markers["markers_shown"] > markers["markers_worn"] else None
+        return make_finding("completeness", frames=frames, **values | {"complete_share": complete, "shown": shown})
     return make_finding("completeness_unknown", frames=frames, used_share=used_share(figures), **values)

@@ -206,7 +206,7 @@ def _why_unseen(detections: Detections, want: Wanted, c: int, K: int) -> str:
         )
     return (
         f"In {few} frames it sees fewer than {K} points. Wave the wand where this camera sees it, lower its threshold, "
-        "or leave the camera out."
+        "set inverted = true in [detect] where markers are dark on bright ground, or leave the camera out."
     )
 
 

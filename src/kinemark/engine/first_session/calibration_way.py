@@ -45,6 +45,7 @@ UNITLESS = ("holds_dlt", "holds_rig_without_unit")
 MOVING = 30
 """Images of a camera, from which on a recording may be of a wand in motion; chosen."""
 TARGETS = (Role.CALIBRATION, Role.CONTROL_FRAME)
+RATE = Question("rate_hz")
 OWN_NOTES = ("no_target_file", "also_calibrates", "no_calibration", "no_trials")
 
 
@@ -80,7 +81,7 @@ def _questions(proposal: SessionProposal) -> Iterator[Question]:
     """What no file tells."""
     way = proposal.way
     if proposal.rate is None and any(one.content in ("images", "detections") for one in proposal.trials):
-        yield Question("rate_hz")
+        yield RATE
     if way is None:
         moving = [one for one in proposal.recordings if one.role is Role.CALIBRATION and (one.frames or 0) >= MOVING]
         yield from (Question("calibration.way", 0, 0, tuple(map(str, ASKED)), about=one.path) for one in moving[:1])
@@ -97,6 +98,7 @@ def _questions(proposal: SessionProposal) -> Iterator[Question]:
     for one in proposal.beside:
         if one.role is Role.L_FRAME:
             yield Question("calibration.l_frame.arms_mm", 2, 2, about=one.path)
+            yield Question("calibration.l_frame.height_mm", about=one.path, optional=True)
         else:
             yield Question("calibration.linearisation.grid", 2, 2, whole=True, about=one.path)
             yield Question("calibration.linearisation.pitch_mm", about=one.path)
@@ -105,10 +107,12 @@ def _questions(proposal: SessionProposal) -> Iterator[Question]:
 def answered(proposal: SessionProposal, key: str, text: str) -> SessionProposal:
     """The same with one more answer, as it was typed; numbers are separated by commas or blanks.
 
+    The rate may be stated where a file tells it too: videos are often played slower than they were recorded.
+
     Raises:
         ValueError: there is no such question, or the text does not answer it.
     """
-    question = next((one for one in proposal.questions if one.key == key), None)
+    question = next((one for one in (*proposal.questions, RATE) if one.key == key), None)
     if question is None:
         known = ", ".join(one.key for one in proposal.questions) or "none"
         raise ValueError(f"{key} is not asked; there are {known}")

@@ -178,7 +178,8 @@ def _said(one: FoundRecording, proposal: SessionProposal) -> dict[str, Any]:
     if one.role is Role.WAND:
         return {**source, "lengths_mm": answer("lengths_mm"), **spheres}
     if one.role is Role.L_FRAME:
-        return {**source, "arms_mm": answer("arms_mm")}
+        height = answer("height_mm")
+        return {**source, "arms_mm": answer("arms_mm"), **({"height_mm": height[0]} if height else {})}
     if one.role is Role.GRID:
         pitch = answer("pitch_mm")
         return {"grid": answer("grid", whole=True), "pitch_mm": pitch and pitch[0], **source}

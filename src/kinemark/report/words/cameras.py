@@ -253,6 +253,11 @@ CAMERA_WORDS = {
         "Leave the lens terms out of the calibration, where the distortion was taken out of the images before; else "
         "give the calibration of these lenses.",
     ),
+    "strobes_seen": Words(
+        "In the images of {cameras} shine the strobes of {of_list}, where the calibration has these cameras: they were "
+        "left out.",
+        "There is nothing to do; where markers pass before them, turn the cameras apart, or mask them under [masks].",
+    ),
     "noise_overstated": Words(
         "The centroids state a standard deviation of {stated_px}, but the images lie only {seen_px} beside each "
         "other's lines: the latter was believed.",

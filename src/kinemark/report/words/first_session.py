@@ -70,6 +70,7 @@ QUESTIONS = {
     "calibration.wand.marker_diameter_mm": "Diameter of the wand's spheres, mm? Without it they are taken as points.",
     "calibration.control_points.marker_diameter_mm": "Diameter of the control balls, mm? Without it they are points.",
     "calibration.l_frame.arms_mm": "From the L-frame's corner to the marker on its long and short arm, mm, as 400 250?",
+    "calibration.l_frame.height_mm": "Height of its markers' centres above the floor, mm? Without it they lie on it.",
     "calibration.linearisation.grid": "Columns and rows of the grid, of dots or inner corners, as 20 15?",
     "calibration.linearisation.pitch_mm": "Distance of neighbours in the grid, mm?",
 }

@@ -48,9 +48,10 @@ def _recorded(found: Finding) -> str:
 
 
 def _complete(found: Finding) -> str:
+    shown = ": each camera shows about {shown} markers at once or more" if found.values["shown"] is not None else ""
     return fill(
         f"While the subject was in view ({_stretches(found)}), {{complete_share}} of the marker positions are there"
-        f"{_filled(found)}; {_gaps(found)}.",
+        f"{shown}{_filled(found)}; {_gaps(found)}.",
         found,
     )
 

@@ -20,6 +20,7 @@ from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
+from .camera_strobes import without_strobes
 from .detection_index import Images, read_images
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
@@ -65,10 +66,12 @@ def track_simultaneously(
     Lens terms that were lost from the rig's file are learned (`missing_lens`). A camera is left out of the frames in
     which it fits the others no more (`unfitting_stretches`), or of all where it fits them nowhere
     (`misfitting_cameras`) and the others do not show how it was turned since (`turned_camera`). Points farther than
-    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all.
+    `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all. So are
+    images of the strobes of other cameras (`camera_strobes`).
     """
     lenses = missing_lenses(detections, rig)
     rig = rig if lenses is None else lenses.on(rig)
+    detections = without_strobes(detections, rig)
     suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
     while True:
         result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)

@@ -36,17 +36,17 @@ def background(images: NDArray[np.uint8 | np.uint16]) -> tuple[NDArray[np.float6
     stretches = lines.reshape(n, lines.shape[1], w // width, width)[..., : span + 1].astype(np.int64)
     stretches = stretches.reshape(n, count, span + 1)
     few = stretches[:, :, ::4]
-    level = _median(few.reshape(n, count * few.shape[2]))
+    level = row_medians(few.reshape(n, count * few.shape[2]))
     if span == 0:
         return level, np.full(n, ROUNDING)
     k = span * 2 / 3 if span > 1 else 1.0  # (2)
     d = np.diff(stretches, axis=2)
     spread = np.einsum("nsk,nsk->ns", d, d) / (2 * span)
-    variance = _median(spread) / (1 - 2 / (9 * k)) ** 3  # (1)
+    variance = row_medians(spread) / (1 - 2 / (9 * k)) ** 3  # (1)
     return level, np.maximum(variance, ROUNDING)
 
 
-def _median(values: NDArray[Any]) -> NDArray[np.float64]:
-    """Median of each row (n, k); for few values sorting is faster than `np.median`."""
-    ordered, k = np.sort(values, axis=1), values.shape[1]
-    return (ordered[:, (k - 1) // 2] + ordered[:, k // 2]) / 2.0
+def row_medians(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Median (…) of each row (…, k); for few values sorting is faster than `np.median`."""
+    ordered, k = np.sort(values, axis=-1), values.shape[-1]
+    return ordered[..., (k - 1) // 2] / 2.0 + ordered[..., k // 2] / 2.0

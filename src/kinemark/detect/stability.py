@@ -43,7 +43,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import native
-from .background_noise import ROUNDING, background
+from ..data.array_types import GreyLevels
+from .background_noise import ROUNDING, background, row_medians
 from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
 from .pixel_runs import Runs, find_runs
@@ -150,13 +151,14 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
 
 def _clear_of_noise(images: NDArray[np.uint8 | np.uint16], level: float) -> float:
     """The least level above this one that noise of no ground of frames (n, H, W) crosses (6)."""
-    few = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 : -1 : SPARSE].astype(np.float64)
+    few = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 : -1 : SPARSE]
     beside = images[:, SPARSE // 2 :: SPARSE, SPARSE // 2 + 1 :: SPARSE]
-    both = np.stack([few, np.abs(few - beside)])
-    still = np.median(_in_squares(both, SQUARE), axis=(1, 4)).reshape(2, -1)
-    moving = np.median(_in_squares(both, SMALL), axis=4).reshape(2, -1)
+    both = np.stack([few, np.maximum(few, beside) - np.minimum(few, beside)])
+    squares = _in_squares(both, SQUARE)
+    still = row_medians(np.moveaxis(squares, 1, -2).reshape(2, -1, len(images) * SQUARE**2))
+    moving = row_medians(_in_squares(both, SMALL)).reshape(2, -1)
     moving = moving[:, np.argsort(moving[0])]
-    moving = np.median(moving[:, moving.shape[1] % ALIKE :].reshape(2, -1, ALIKE), axis=2)
+    moving = row_medians(moving[:, moving.shape[1] % ALIKE :].reshape(2, -1, ALIKE))
     middle, spread = np.concatenate([still, moving], axis=1)
     reach = CLEAR * MEDIAN_SD * spread
     top = middle + reach
@@ -165,7 +167,7 @@ def _clear_of_noise(images: NDArray[np.uint8 | np.uint16], level: float) -> floa
     return level
 
 
-def _in_squares(few: NDArray[np.float64], side: int) -> NDArray[np.float64]:
+def _in_squares(few: GreyLevels, side: int) -> GreyLevels:
     """(2, n, h, w, side²) the pixels of each square of frames (2, n, H, W)."""
     h, w = few.shape[2] // side, few.shape[3] // side
     squares = few[..., : h * side, : w * side].reshape(*few.shape[:2], h, side, w, side)

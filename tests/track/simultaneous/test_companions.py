@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from kinemark.data import Cloud
 from kinemark.track.simultaneous import Simultaneous
-from kinemark.track.simultaneous.companions import OVERLAP, once_a_frame, with_companions
+from kinemark.track.simultaneous.companions import OVERLAP, joined_pieces, once_a_frame, with_companions
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.stitch import Stitched
 from support.motions import dance
@@ -48,6 +49,18 @@ def joined(points, whole=None):
 def test_a_plate_half_of_which_is_away_for_long_has_its_tracks_back(seed):
     ids = joined(in_pieces(plate(seed), AWAY)).id
     assert ids.tolist() == [*range(9), *range(5)]
+
+
+def test_a_number_that_another_marker_has_by_now_is_that_marker_s():
+    """What was track 8 became track 0, as of a body that breaks, and another marker took over the number 8."""
+    points = in_pieces(plate(1), {})
+    start, n = np.searchsorted(points.frame, np.arange(points.frame.max() + 2)), len(points.id)
+    cloud = Cloud(RATE, start, points.xyz, np.array(points.cov), np.zeros(n), np.full((n, 2), -1))
+    whole = Stitched(np.array([*range(8), 0, 2]), [])
+    kept, ids, after = joined_pieces(cloud, points.id, whole, 1 / RATE, Simultaneous())
+    assert len(kept) == n
+    assert ids.tolist() == points.id.tolist()
+    assert after.id.tolist() == whole.id.tolist()
 
 
 def test_numbers_of_tracks_that_are_there_no_more_change_nothing():

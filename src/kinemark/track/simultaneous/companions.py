@@ -30,11 +30,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data import Cloud
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.evenly import evenly
 from ...numerics.robust import SD_PER_MEDIAN
 from ...numerics.row_quantiles import row_medians
 from ...numerics.runs import begins
+from .impacts import with_impacts
 from .neighbouring_points import TrackPoints, off_the_motion, rows_of
 from .simultaneous_method import Simultaneous
 from .stitch import CLEAR_MARGIN, LEAST, Stitch, Stitched
@@ -107,6 +109,20 @@ class Pairs(NamedTuple):
     def take(self, which: Bools) -> Pairs:
         """Only these."""
         return Pairs(self.a[which], self.b[which], self.score[which], self.sd[which])
+
+
+def joined_pieces(
+    cloud: Cloud, ids: Ints, whole: Stitched, T: float, method: Simultaneous
+) -> tuple[Cloud, Ints, Stitched]:
+    """The points, one a frame, and their tracks, those joined that impacts ended or that companions tell.
+
+    Tracks go by the numbers that the points have now: what a number became before, another track may have by now.
+    """
+    joins = with_impacts(TrackPoints.of(cloud, ids), Stitched(np.arange(len(whole.id)), []), T, method)
+    joins = with_companions(TrackPoints.of(cloud, ids := joins.id[ids]), joins, T, method)
+    ids = joins.id[ids]
+    once = once_a_frame(TrackPoints.of(cloud, ids), T, method)
+    return cloud.keep(once), ids[once], Stitched(joins.id[whole.id], whole.stitches + joins.stitches)
 
 
 def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simultaneous) -> Stitched:

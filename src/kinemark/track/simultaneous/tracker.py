@@ -38,12 +38,11 @@ from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
-from .companions import once_a_frame, with_companions
+from .companions import joined_pieces
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
 from .given_up_points import without_between, without_drifting, without_merged, without_reflections
-from .impacts import with_impacts
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
@@ -65,7 +64,7 @@ from .solved_points import (
     with_few_smoothed,
 )
 from .standing_noise import lasting_variance
-from .stitch import Stitch, Stitched, stitched
+from .stitch import Stitch, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, inferred_merging, with_merging_in_images
@@ -182,7 +181,7 @@ def track_once(
     return_memory()
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
-    cloud, ids, whole = _joined_pieces(cloud, ids, whole, T, method)
+    cloud, ids, whole = joined_pieces(cloud, ids, whole, T, method)
     kept, number = np.unique(ids, return_inverse=True)
     final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
@@ -238,17 +237,6 @@ def _passes_over(
     held, ids = without_reflections(held, ids, images, method.gate)
     held, ids, became = with_rigid_pass(held, ids, images, solver, method)
     return held.pop(), ids, became
-
-
-def _joined_pieces(
-    cloud: Cloud, ids: Ints, whole: Stitched, T: float, method: Simultaneous
-) -> tuple[Cloud, Ints, Stitched]:
-    """The points, one a frame, and their tracks, those joined that impacts ended or that companions tell."""
-    whole = with_impacts(TrackPoints.of(cloud, ids), whole, T, method)
-    whole = with_companions(TrackPoints.of(cloud, ids := whole.id[ids]), whole, T, method)
-    ids = whole.id[ids]
-    once = once_a_frame(TrackPoints.of(cloud, ids), T, method)
-    return cloud.keep(once), ids[once], whole
 
 
 def _waiting(images: Images, working: Working, rig: Rig) -> Images:

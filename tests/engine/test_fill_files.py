@@ -119,7 +119,7 @@ def test_numbers_that_cannot_be_are_refused_in_words(tmp_path):
         with pytest.raises(KinemarkError, match=said):
             fill_file(a, out, **options)
     write_trc(tmp_path / "still.trc", replace(trial_of(segment(20)).trajectories, rate=50.0))
-    text = (tmp_path / "still.trc").read_text().replace("50", "0", 1)
+    text = (tmp_path / "still.trc").read_text().replace("50", "-5", 1)
     (tmp_path / "still.trc").write_text(text)
     with pytest.raises(KinemarkError, match=r"rate|DataRate"):
         fill_file(tmp_path / "still.trc", out)

@@ -75,3 +75,10 @@ def test_images_stay_where_they_are_not_of_strobes() -> None:
     elsewhere = Rig(tuple(replace(one, K=one.K + DOWN) for one in cameras))
     assert without_strobes(moving, elsewhere) is moving
     assert (~without_strobes(moving, cameras).valid).sum() == CAMERAS * FRAMES
+
+
+def test_before_cameras_that_stand_near_what_rests_may_be_a_marker() -> None:
+    """60 mm beside a camera is 4° at 0.8 m, as about a hand."""
+    rng = np.random.default_rng(4)
+    near = Rig(tuple(replace(one, t=0.1 * one.t) for one in rig()))
+    assert not camera_strobes(seen(near, 0.1 * body(rng, 700.0), rng), near)

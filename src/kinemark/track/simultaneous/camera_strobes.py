@@ -5,7 +5,7 @@ cameras that see each other each image lies on the line through both, where all 
 the cameras fits both images, and they make a track that lasts as long as the recording. But the rig says where the
 cameras are: an image is of a strobe where
 
-    |u − project_c(C_k)| < f_c LIGHT_MM / Z + NEAR_PX                                      (1)
+    |u − project_c(C_k)| < f_c min(LIGHT_MM / Z, WIDE) + NEAR_PX                           (1)
 
 with C_k the centre of another camera, and Z its depth, and where images are there from the beginning of the recording
 to its end (`lasting_places`). Nothing is said of a camera of which more than MOST images stand: a marker of somebody
@@ -29,6 +29,9 @@ from ...numerics.lasting_places import lasting_places
 LIGHT_MM = 100.0
 """From the centre of a camera to the middle of its light, at most: rings are around the lens, and housings hardly wider
 than 200 mm; chosen."""
+
+WIDE = 0.05
+"""The same, of the distance between both cameras, where these stand nearer than 2 m, as about a hand; chosen."""
 
 NEAR_PX = 2.0
 """Of one place: two centroids of noise 0.8 px lie within it four times in five; chosen."""
@@ -89,4 +92,5 @@ def _seen_by(c: int, detections: Detections, rig: Rig) -> Iterator[Strobe]:
 def _place(camera: Camera, other: Camera) -> tuple[Floats, float]:
     """Where a camera sees another, px (2), NaN where it does not, and how far beside its light may be, px: (1)."""
     depth = float(to_camera(camera, other.centre)[2])
-    return project(camera, other.centre), float(abs(camera.K[0, 0]) * LIGHT_MM / max(depth, LIGHT_MM)) + NEAR_PX
+    wide = min(LIGHT_MM / depth, WIDE) if depth > 0 else WIDE
+    return project(camera, other.centre), float(abs(camera.K[0, 0])) * wide + NEAR_PX

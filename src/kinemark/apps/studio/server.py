@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.resources.readers
+import importlib.readers
 import ipaddress
 import socket
 import sys
@@ -27,10 +27,10 @@ LOOPBACK = "127.0.0.1"
 SWITCH_S = 0.0005
 """s after which a thread that computes, as one that looks for problems does, lets others have the interpreter; chosen:
 an act takes it a few times, and waits Python's 5 ms each time otherwise (see benchmarks/studio_browser.py)."""
-NEEDED = (scipy.ndimage, scipy.spatial, importlib.resources.readers)
-"""Modules that are read when they are first used, here by finding computed points and problems and by the marker sets;
-they are read before anybody asks. Nothing is imported beside requests: threads that import at the same time wait for each other's modules,
-and Python gets out of that by handing one of them half a module."""
+NEEDED = (scipy.ndimage, scipy.spatial, importlib.readers)
+"""Modules that are read when they are first used, here by finding computed points and problems and by marker sets; they
+are read before anybody asks. Nothing is imported beside requests: threads that import at the same time wait for each
+other's modules, and Python gets out of that by handing one of them half a module."""
 WARNING = (
     "warning: --host {host} lets other machines of the network reach this server, and what goes over the network is "
     "not encrypted. Whoever gets the address below can see and change the patients' data in it."

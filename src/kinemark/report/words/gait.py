@@ -356,7 +356,7 @@ GAIT_WORDS = {
         "Check electrodes and cables.",
     ),
     "emg_left_out": Words(
-        "{trial}: no EMG is drawn of {channels_list}. {why}",
+        "{trial}: channels of EMG cannot be drawn. {why} This is so of {channels_list}.",
         "Export the EMG at the rate at which it was recorded.",
     ),
     "emg_without_bursts": Words(

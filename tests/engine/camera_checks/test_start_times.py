@@ -90,7 +90,8 @@ def test_images_of_frames_that_were_not_recorded_are_not_valid(seen, n):
 def inputs(rig, **delays_ms):
     cameras = SimpleNamespace(delays_ms=delays_ms)
     settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares(), match=None, cameras=cameras)
-    return SimpleNamespace(rig=rig, settings=settings)
+    source = SimpleNamespace(of=SimpleNamespace(entry=SimpleNamespace(images=None)))
+    return SimpleNamespace(rig=rig, settings=settings, source=source)
 
 
 def test_the_delay_to_state_is_all_that_is_stated_and_known():

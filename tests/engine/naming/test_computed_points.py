@@ -88,7 +88,7 @@ def test_what_a_static_trial_does_not_show_to_be_computed_is_told_by_the_trials_
     named = (files / "damaged.c3d", files / "new.c3d")
     named[0].write_bytes(b"no trial")
     found = template_of([files / "static.c3d"], Known(static=True, to_name=named))
-    assert found.template.names == tuple(sorted(few))
+    assert sorted(found.template.names) == sorted(few)
     kept = template_of([files / "static.c3d"], Known(static=True, to_name=named, markers=(*few, "CentreOfMass")))
     assert "CentreOfMass" in kept.template.names
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import learn_template
+from kinemark.label import label, learn_template, solve
 from kinemark.label.evidence import PairScore
 from kinemark.label.exchange import Exchanger
 from kinemark.label.runs import runs_put_right
@@ -16,6 +16,8 @@ from kinemark.synth import walking
 
 TWO = ("LANK", "LHEE")
 THREE = ("LANK", "LHEE", "LTOE")
+SHANK = ("LHEE", "LTIB", "LTOE")
+"""These no exchange of two puts right, nor two such."""
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +50,7 @@ def test_a_run_of_exchanged_pieces_is_put_right(shreds, first, stop):
     assert run.sum() > 2 and (runs_put_right(stretches, label, exchanger) == truth).all()
 
 
-@pytest.mark.parametrize("way", [THREE, THREE[::-1]])
+@pytest.mark.parametrize("way", [THREE, THREE[::-1], SHANK, SHANK[::-1]])
 @pytest.mark.parametrize(("first", "stop"), [(30, 60), (60, 101)])
 def test_a_run_of_three_that_have_each_others_names_is_put_right(shreds, first, stop, way):
     stretches, truth, template, exchanger = shreds
@@ -58,6 +60,14 @@ def test_a_run_of_three_that_have_each_others_names_is_put_right(shreds, first, 
     run = (stretches.start >= first) & (stretches.stop <= stop)
     label = np.where(run, new[truth], truth)
     assert (label != truth).sum() > 3 and (runs_put_right(stretches, label, exchanger) == truth).all()
+
+
+def test_what_is_named_has_its_runs_put_right(shreds, monkeypatch):
+    """Seen by what comes of it if all of them lose their names there."""
+    walk, template = walking(duration_s=2.0, rate=50.0, seed=2, wobble_mm=1.0).trajectories, shreds[2]
+    assert label(walk, template).names == walk.names
+    monkeypatch.setattr(solve, "runs_put_right", lambda _, names, __: np.full_like(names, -1))
+    assert set(label(walk, template).names) == {None}
 
 
 def test_right_names_stay_and_so_does_what_was_stated(shreds):

@@ -107,6 +107,32 @@ def test_a_stretch_is_of_one_track_and_of_the_same_two_cameras():
     assert (stretches(2 * track.frame, track.id, track.detection) == -1).all()
 
 
+def test_a_rival_whose_images_have_less_noise_is_no_likelier():
+    """Of one of eight markers, whose images tell what is usual: by (2) it is given up."""
+    rig, markers, frames, part = ring(4), 8, 120, np.arange(50, 70)
+    detections, marker = observe(rig, dance(n=markers, frames=frames, seed=2), noise=0.1, seed=3)
+    images = read_images(detections, rig)
+    detection = np.full((4, markers, frames), -1)
+    detection[images.camera, marker, images.frame] = np.arange(len(marker))
+    uv, usable = images.uv.copy(), images.usable.copy()
+    one, other = detection[[0, 2], 0][:, part]
+    line = np.column_stack([uv[one], np.ones(len(one))]) @ fundamentals(images.P)[0, 2].T
+    off = np.einsum("ni,ni->n", line, np.column_stack([uv[other], np.ones(len(other))]))
+    uv[other] -= (off / (line[:, :2] ** 2).sum(1))[:, None] * line[:, :2]
+    usable[detection[3, 0, part]] = False
+    images = images._replace(uv=uv, usable=usable, by_cell=images.by_cell.keep(usable))
+    detection[2:, 0, part] = -1
+    held = detection.reshape(4, -1)
+    point, none = intersect(images, held), np.zeros(held.shape, bool)
+    frame, id, zero = (
+        np.tile(np.arange(frames), markers),
+        np.repeat(np.arange(markers), frames),
+        np.zeros(held.shape[1]),
+    )
+    track = Associations(frame, id, held, none, zero, zero, point.xyz, point.cov)
+    np.testing.assert_array_equal(judged(images, track).associations.detection, held)
+
+
 @pytest.mark.parametrize(("seed", "before", "most"), [(24, 24, 4), (37, 19, 2)])
 def test_pairs_of_two_markers_give_way_to_true_ones(seed, before, most):
     """Scenes of four and of two cameras, in which tracks took images of two markers for one in `before` points."""

@@ -29,7 +29,8 @@ from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins, equal_runs
 from .candidate_points import intersect
 from .detection_index import Images
-from .drifting_pairs import UsualResiduals, blocks, residual, scores, shared_shift
+from .drift_of_runs import scores_of_pair, scores_of_runs
+from .drifting_pairs import UsualResiduals, residual, shared_shift
 from .likelihood import SURE
 from .rival_pairs import Rivals, near_rivals, stretches
 from .simultaneous_method import Simultaneous
@@ -113,19 +114,8 @@ def _own_scores(
         rows = rows[np.lexsort([frame[rows], stretch[rows]])]
         both = detection[[a, b]][:, rows]
         some = np.unique(stretch[rows])
-        out[some] = _scores(frame[rows], stretch[rows], both, images, usual, (a, b), gate)[some]
+        out[some] = scores_of_pair(frame[rows], stretch[rows], both, images, usual, (a, b), gate)[some]
         out[stretch[rows[images.merged[both].any(0)]]] = np.nan
-    return out
-
-
-def _scores(
-    frame: Ints, of: Ints, both: Ints, images: Images, usual: UsualResiduals, pair: tuple[int, int], gate: float
-) -> Floats:
-    """(K) the sum of (2) of `drifting_pairs` of each of the runs `of` (R), of detections (2, R) of two cameras."""
-    one, out = usual.of[pair], np.zeros(int(of.max(initial=-1)) + 1)
-    e, squared = residual(images, usual.F[pair], *both)
-    for block in blocks(frame, of):
-        np.add.at(out, of[block[:, 0]], scores(e[block] - one.median, squared[block].mean(1) * gate**2, one))
     return out
 
 
@@ -151,23 +141,6 @@ def _scored(pieces: _Pieces, images: Images, usual: UsualResiduals, gate: float)
     """The pieces with their scores, 0 of cameras that are not judged."""
     pair, frame = np.stack([pieces.own, pieces.image]), images.frame[pieces.own]
     return pieces._replace(score=scores_of_runs(pair, frame, pieces.of, len(pieces.score), images, usual, gate))
-
-
-def scores_of_runs(
-    pair: Ints, frame: Ints, of: Ints, n: int, images: Images, usual: UsualResiduals, gate: float
-) -> Floats:
-    """(n) the sum of (2) of `drifting_pairs` of each of n runs, 0 of cameras that are not judged.
-
-    Args:
-        pair: (2, R) images of two cameras in frame (R) of the runs `of` (R), by run and frame.
-    """
-    out, camera = np.zeros(n), images.camera[pair]
-    both = np.where(camera[0] < camera[1], pair, pair[::-1])
-    for a, b in usual.of:
-        some = (camera.min(0) == a) & (camera.max(0) == b)
-        total = _scores(frame[some], of[some], both[:, some], images, usual, (a, b), gate)
-        out[: len(total)] += total
-    return out
 
 
 def _same_place(rivals: Rivals, detection: Ints, images: Images) -> Bools:

@@ -22,8 +22,9 @@ from ...data.array_types import Bools, Floats, Ints
 from ...numerics.runs import begins
 from .candidate_points import intersect
 from .detection_index import Images
+from .drift_of_runs import scores_of_runs
 from .drifting_pairs import UsualResiduals, residual
-from .drifting_rivals import LEAST, scores_of_runs, usual_of_two
+from .drifting_rivals import LEAST, usual_of_two
 from .rival_pairs import stretches
 
 CERTAIN = float(np.log(100.0))

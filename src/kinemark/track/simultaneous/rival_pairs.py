@@ -14,9 +14,16 @@ t of `likelihood`,
 
     score = Σ ln t(q′) − ln t(q)                                                          (2)
 
-over the frames of the chain is the log-likelihood ratio. A stretch with a rival of more than `likelihood.SURE` is given
-up: its rivals become tracks of their own, what comes before and after it becomes two tracks, and stitching decides
-which of these go on as which.
+over the frames of the chain is the log-likelihood ratio, if images are as noisy as they say, and what is off is new in
+every frame. Neither is quite so: many frames of a rival with a little less noise, or where the calibration leaves less,
+add up to much. The score (2) of `drifting_pairs` knows what is usual of two cameras, and of each block only how it
+drifts. Where it judges the images of both,
+
+    score(stretch) − score(rival)                                                         (3)
+
+stands for (2). A stretch with a rival of more than `likelihood.SURE` by (2), and by (3), is given up: its rivals become
+tracks of their own, what comes before and after it becomes two tracks, and stitching decides which of these go on as
+which.
 """
 
 from __future__ import annotations
@@ -32,6 +39,8 @@ from ...numerics.robust import student_log_likelihood
 from ...numerics.runs import equal_runs
 from .candidate_points import batches, intersect, near_lines
 from .detection_index import Images
+from .drift_of_runs import scores_of_runs
+from .drifting_pairs import usual_residuals
 from .likelihood import DEGREES_OF_FREEDOM, SURE
 from .passes import Associations
 from .simultaneous_method import Simultaneous
@@ -106,7 +115,8 @@ def without_rivalled(
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
-    for _, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
+    likelier = _by_drift(_chains(rivals, stretch, own, images, T, method), rivals, every, images, method.gate)
+    for chain in likelier:
         if free[rivals.free[chain]].all() and not taken[rivals.kept[chain]].any():
             free[rivals.free[chain]], taken[rivals.kept[chain]] = False, True
             won.append(rivals.take(chain))
@@ -180,6 +190,24 @@ def _chains(
         if len(chain) >= least and score > SURE:
             found.append((score, chain))
     return found
+
+
+def _by_drift(
+    found: list[tuple[float, Ints]], rivals: Rivals, every: Associations, images: Images, gate: float
+) -> list[Ints]:
+    """The pairs of the rivals that are likelier by (3) too, the likeliest first; merged images are not judged."""
+    if not found:
+        return []
+    score, chains = np.array([one for one, _ in found]), [chain for _, chain in found]
+    of, pair = np.repeat(np.arange(len(found)), [len(chain) for chain in chains]), np.concatenate(chains)
+    frame, kept, free = (column[pair] for column in (images.frame[rivals.kept], rivals.kept, rivals.free))
+    held = np.sort(every.detection[:, rivals.row[pair]], axis=0)[-2:]
+    usual = usual_residuals(every.frame, every.id, every.detection, images, gate)
+    stretch = scores_of_runs(held, frame, of, len(found), images, usual, gate)
+    rival = scores_of_runs(np.stack([kept, free]), frame, of, len(found), images, usual, gate)
+    judged = (stretch != 0) & (rival != 0) & (np.bincount(of, images.merged[held].any(0)) == 0)
+    score[judged] = (stretch - rival)[judged]
+    return [chains[k] for k in np.argsort(-score, kind="stable") if score[k] > SURE]
 
 
 def _log_likelihood(squared: Floats) -> float:

@@ -93,7 +93,19 @@ def test_long_stretches_tell_by_themselves(more, judged):
     assert bool(Meeting(px, frames=frames).beyond()) == judged
 
 
-def test_points_of_a_track_that_three_cameras_see_stay():
-    meeting = Meeting(MEET)
+def seen_by_three(px):
+    """The same, but for one point of the track, which a third camera sees."""
+    meeting = Meeting(px)
     meeting.detection[2, meeting.id == 0] = np.where(np.arange(len(SHORT)) == 4, 0, -1)
-    assert not meeting.beyond()
+    return meeting
+
+
+def test_images_that_part_are_two_markers_also_in_a_track_that_three_cameras_see():
+    assert seen_by_three(MEET).beyond() == np.delete(SHORT, 4).tolist()
+
+
+def test_what_a_calibration_leaves_of_a_track_that_three_cameras_see_is_there_beyond_its_stretch_too():
+    """0.4 px all the time, as of no other marker."""
+    apart = np.full(FRAMES, 0.4)
+    assert Meeting(apart).beyond() == SHORT.tolist()
+    assert not seen_by_three(apart).beyond()

@@ -7,9 +7,9 @@ as the track would have gone on with them otherwise.
 
 The residuals of a stretch of points of two images of the same cameras, together with those of up to BEYOND before and
 after it in which both images go on, without a jump of more than the gate, are judged by (2) of `drifting_pairs`, in the
-same blocks. Where their sum is above CERTAIN, all points of the stretch are given up, if there
-are fewer than LONG and no point of their track has SOUND images: those of others are a marker's that has lost one of
-its images more often.
+same blocks. Where their sum is above CERTAIN, all points of the stretch are given up, if there are fewer than LONG.
+Tracks with points of SOUND images are mostly markers, which the calibration may keep as far apart beyond the stretch as
+in it. So of them only what changes tells: the square of the median of e − m of the stretch is added to L_0.
 """
 
 from __future__ import annotations
@@ -86,12 +86,12 @@ def drifting_beyond(
         return_memory()
         e = residual(images, usual.F[a, b], detection[a, rows], detection[b, rows])[0]
         there = one.shifted(shared_shift(e - one.median, id[rows], images.uv[detection[a, rows]]))
-        rows = rows[never[id[rows]]]
         of = _stretch(frame[rows], id[rows])
         rows = rows[np.bincount(of)[of] < LONG]
         if len(rows):
             stretches = _stretches(frame[rows], id[rows], detection[[a, b]][:, rows], images, usual.F[a, b])
-            out[rows] = (_totals(stretches, there, r, gate, most) > CERTAIN)[stretches.of]
+            shift = np.where(never[id[rows[stretches.first]]], 0.0, _medians(stretches, there))
+            out[rows] = (_totals(stretches, there.shifted(shift), r, gate, most) > CERTAIN)[stretches.of]
     return out
 
 
@@ -106,8 +106,16 @@ def _stretch(frame: Ints, id: Ints) -> Ints:
     return np.asarray(np.cumsum(begins(id) | (np.diff(frame, prepend=frame[:1]) > HOLE)) - 1)
 
 
+def _medians(one: _Stretches, usual: Usual) -> Floats:
+    """(N) the median of e − m of each stretch, px."""
+    e = one.residual(one.detection)[0] - usual.median
+    low, high = ((one.first + one.last + odd) // 2 for odd in (0, 1))
+    ordered = e[np.lexsort([e, one.of])]
+    return np.asarray((ordered[low] + ordered[high]) / 2)
+
+
 def _totals(one: _Stretches, usual: Usual, r: float, gate: float, most: int) -> Floats:
-    """(N) the sum of the scores of each of the stretches that are judged, 0 of the others."""
+    """(N) the sum of the scores of each of the stretches that are judged, by its own L (N, DEGREES); or 0."""
     parts = [(one.of, one.frame, one.detection), *_beyond(one, r, gate, most)]
     goes_on = np.isin(np.arange(len(one.first)), np.concatenate([stretch for stretch, _, _ in parts[1:]]))
     stretch, frame = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
@@ -116,8 +124,9 @@ def _totals(one: _Stretches, usual: Usual, r: float, gate: float, most: int) -> 
     e, squared = one.residual(np.concatenate([detection for _, _, detection in parts], 1)[:, order])
     total = np.zeros(len(one.first))
     for block in blocks(frame, stretch):
-        score = scores(e[block] - usual.median, squared[block].mean(1) * gate**2, usual)
-        np.add.at(total, stretch[block[:, 0]], score)
+        which = stretch[block[:, 0]]
+        own = usual._replace(lasting=usual.lasting[which])
+        np.add.at(total, which, scores(e[block] - usual.median, squared[block].mean(1) * gate**2, own))
     return np.where(goes_on, total, 0.0)
 
 

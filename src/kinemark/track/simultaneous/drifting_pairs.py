@@ -132,12 +132,12 @@ class Usual(NamedTuple):
     wide: float
 
     def variance(self, n: int) -> Floats:
-        """V of (1), px², for as many degrees as n frames have."""
-        return np.asarray(self.factor * (self.white + n * self.lasting[: min(n, DEGREES)]))
+        """V of (1), px², for as many degrees as n frames have, last axis."""
+        return np.asarray(self.factor * (self.white + n * self.lasting[..., : min(n, DEGREES)]))
 
-    def shifted(self, d: float) -> Usual:
-        """The same where the calibration leaves d px more, by (4)."""
-        return self._replace(lasting=self.lasting + d**2 * (np.arange(DEGREES) == 0))
+    def shifted(self, d: float | Floats) -> Usual:
+        """The same where the calibration leaves d px more, by (4); of many (N) also L is (N, DEGREES)."""
+        return self._replace(lasting=self.lasting + np.multiply.outer(np.square(d), np.arange(DEGREES) == 0))
 
 
 class UsualResiduals(NamedTuple):

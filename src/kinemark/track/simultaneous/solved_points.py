@@ -233,23 +233,28 @@ def with_few_smoothed(cloud: Cloud, ids: Ints, images: Images, method: Simultane
     return replace(cloud, xyz=xyz, cov=cov)
 
 
+def _by_track(frame: Ints, id: Ints) -> Ints:
+    """(P) numbers of points by track and frame, of different tracks LOOK apart and more."""
+    return np.asarray(id * (int(frame.max(initial=0)) + 1 + LOOK) + frame)
+
+
 def _least_near(frame: Ints, id: Ints, sd: Floats) -> Floats:
     """(P) the least of sd (P) of the points of the same track that are less than LOOK frames away."""
-    key = id * (int(frame.max(initial=0)) + 1 + LOOK) + frame
+    key = _by_track(frame, id)
     order = np.argsort(key, kind="stable")
-    key, sd, least = key[order], sd[order], sd.copy()
+    key, sd, least = key[order], sd[order], np.empty_like(sd)
     near = sd.copy()
-    for n in range(1, LOOK):
+    for n in range(1, LOOK):  # a track has one point in a frame, so others near are near in this order too
         there = key[n:] - key[:-n] < LOOK
-        near[n:] = np.where(there, np.minimum(near[n:], sd[:-n]), near[n:])
-        near[:-n] = np.where(there, np.minimum(near[:-n], sd[n:]), near[:-n])
+        for one, other in ((slice(n, None), slice(-n)), (slice(-n), slice(n, None))):
+            near[one][there] = np.fmin(near[one], sd[other])[there]
     least[order] = near
     return least
 
 
 def _beside(frame: Ints, id: Ints, sound: Bools) -> tuple[Ints, Ints]:
     """The points (n) of tracks id (P) that are not sound (P), to which one is less than LOOK frames away, and it."""
-    key = id * (int(frame.max(initial=0)) + 1 + LOOK) + frame
+    key = _by_track(frame, id)
     few, others = np.flatnonzero(~sound), np.flatnonzero(sound)
     others = others[np.argsort(key[others])]
     if not len(others):

@@ -227,7 +227,7 @@ def _passes_over(
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
     held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
-    del solver, images  # which has memory
+    del solver, images  # before there are two in memory
     held, ids, merging, solver = with_merging(held, ids, unmarked, method)
     images = solver.working.images
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)

@@ -128,6 +128,7 @@ def solver_for(detections: Detections, shared: Bools, working: Working, errors: 
     solver, share = Solver(detections, working, shared, errors), np.empty(len(shared))
     for own, lasting in zip(working.images.of_cameras, working.noise.lasting, strict=True):
         share[own] = lasting / solver.variance(np.arange(own.start, own.stop))
+    share = share[working.images.usable]
     usual = float(np.median(share, overwrite_input=True)) if len(share) else 0.0
     return solver._replace(lasting=usual)
 

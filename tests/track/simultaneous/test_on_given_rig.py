@@ -25,6 +25,8 @@ MARKERS, FRAMES = 4, 40
 ELSEWHERE, TURN = np.array([-5.0, 0.5, -10.0]), np.array([0.002, -0.001, 0.0015])
 """mm and rad: how a rig that is adjusted to images stands beside the given one."""
 
+METHOD = Simultaneous()
+
 BESIDE = np.array([0.0, 1000.0, 0.0])
 """mm, from markers on a line."""
 
@@ -131,3 +133,33 @@ def test_points_of_merged_images_are_where_their_tracks_lead():
     assert 0.5 < np.sqrt((error**2).sum(1).mean()) / np.median(sd) < 1.5
     alone = with_few_smoothed(seen.keep(few), ids[few], images, Simultaneous(), 0.5)
     np.testing.assert_array_equal(alone.xyz, seen.xyz[few])
+
+
+ALONG = np.array([0.6, 0.0, 0.8])
+"""A ray along which two cameras side by side do not know where a point is."""
+
+
+def led_along_a_ray(vague):
+    """The points of markers, and the same with some (P) up to 60 mm along a ray, which is known to 30 mm there."""
+    solver, cloud, _ = recorded(0.1)
+    off = np.where(vague, np.random.default_rng(5).normal(0, 30.0, len(vague)), 0.0)[:, None] * ALONG
+    wide = np.where(vague[:, None, None], 900.0 * np.outer(ALONG, ALONG), 0.0)
+    seen = replace(cloud, xyz=cloud.xyz + off, cov=cloud.cov + wide)
+    return cloud, seen, with_few_smoothed(seen, np.tile(np.arange(MARKERS), FRAMES), solver.working.images, METHOD, 0.5)
+
+
+def test_points_that_others_near_know_better_are_where_their_tracks_lead():
+    """Of three frames in ten, at the beginning and the end of a recording too."""
+    vague = np.repeat((np.arange(FRAMES) + 4) % 10 > 6, MARKERS)
+    true, seen, found = led_along_a_ray(vague)
+    np.testing.assert_array_equal(found.xyz[~vague], seen.xyz[~vague])
+    off, sd = found.xyz[vague] - true.xyz[vague], np.sqrt(np.trace(found.cov[vague], axis1=1, axis2=2))
+    assert np.sqrt((off**2).sum(1).mean()) < 2.0  # 29 before
+    assert 0.3 < np.sqrt((off**2).sum(1).mean()) / np.median(sd) < 1.5
+    assert (np.linalg.norm(off, axis=1) < 4 * sd).all()
+
+
+def test_points_that_are_all_as_vague_stay():
+    _, seen, found = led_along_a_ray(np.ones(MARKERS * FRAMES, bool))
+    np.testing.assert_array_equal(found.xyz, seen.xyz)
+    np.testing.assert_array_equal(found.cov, seen.cov)

@@ -116,7 +116,7 @@ def test_uneven_times_are_variances_that_grow_with_speed(C, rate, speed):
     learned = compared(result.tracks, xyz)
     assert result.times.unsteady[1] == pytest.approx(0.12 / rate, rel=0.2)
     assert not np.delete(result.times.unsteady, 1).any()
-    assert learned[1] < 0.97 * torn[1]  # RMS
+    assert learned[1] < 0.98 * torn[1]  # RMS; vague points of the other are smoothed too
     assert 0.9 < learned[2] < 0.985  # within 95 % ellipsoids
     assert (learned[0] > 0.99, learned[3], learned[4]) == (True, 12, 0)
     found = [one for one in diagnose(detections, rig, result) if one.kind == "camera_uneven_times"]

@@ -223,6 +223,15 @@ def test_ghosts_of_merged_images_are_fewer_where_the_other_marker_has_no_point()
     assert count.two_found >= 1193
 
 
+def test_what_the_second_pass_finds_in_merged_images_is_told_too():
+    """19 ghosts where merging is told by the tracks of the first pass alone."""
+    made = make(scene(2109))
+    count = tally(made, track_detections(made.detections, made.rig))
+    assert count.ghosts <= 15
+    assert count.more_found == count.more
+    assert count.two_found >= 3680
+
+
 def test_what_a_file_marks_is_believed():
     images, points, held, *_ = two_markers(merged=True)
     marks = images._replace(merged=np.arange(len(images.uv)) == 0)

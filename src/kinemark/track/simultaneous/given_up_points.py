@@ -6,6 +6,8 @@ Images of two markers that drift past each other tell `drifting_pairs`, those of
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...data import Cloud
@@ -23,7 +25,36 @@ from .points_between import between_markers
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, kept_points, precise_enough, solved, taken_out, with_columns
 from .standing_reflections import of_reflections
-from .unmarked_merging import Merging
+from .unmarked_merging import Merging, inferred_merging
+
+
+class WithMerging(NamedTuple):
+    """Points of tracks ids (P), the images that they show to be of two markers, and the solver that knows of these."""
+
+    held: Held
+    ids: Ints
+    merging: Merging
+    solver: Solver
+
+
+def with_merging(held: Held, ids: Ints, solver: Solver, method: Simultaneous) -> WithMerging:
+    """The points and their tracks, without those between two markers, and those of merged images solved again.
+
+    Args:
+        solver: by images as the file marks them.
+    """
+    return_memory()
+    merging = _merging(held[0], ids, solver.working.images, method)
+    return_memory()
+    images = merging.marked(solver.working.images)
+    solver = solver._replace(working=solver.working._replace(images=images))
+    held, ids = without_between(held, ids, merging, images)
+    return WithMerging(*without_merged(held, ids, merging, solver, images, method), merging, solver)
+
+
+def _merging(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> Merging:
+    """The images that the points of tracks ids (P) show to be of two markers."""
+    return inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
 
 
 def without_between(held: Held, ids: Ints, merging: Merging, images: Images) -> tuple[Held, Ints]:

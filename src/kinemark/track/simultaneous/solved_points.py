@@ -2,6 +2,8 @@
 
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
+So it is where a point of its track less than LOOK frames away is VAGUE times as well known: two cameras side by side,
+or with an image of two markers, have it for some frames, and lead it far along their rays (4).
 What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
 filtered, and as much of it as those points have added afterwards (2).
 
@@ -34,6 +36,11 @@ LEAST = 1e-6
 
 UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
+
+VAGUE = 2.0
+"""Of the standard deviation of the best known point of its track less than LOOK frames away (4), a ratio; chosen: of 13
+scenes (of seeds 1011 to 13041 of benchmarks/tracking_scenes.py) with 402 ghosts 374 are left, with 1.5 380, with 3 379.
+"""
 
 MOST_TELLING, LEAST_SPREAD = 5000, 0.05
 """Points from which (3) is learned, chosen: more say the same; and the spread along a direction, as a share of that
@@ -121,6 +128,7 @@ def solver_for(detections: Detections, shared: Bools, working: Working, errors: 
     solver, share = Solver(detections, working, shared, errors), np.empty(len(shared))
     for own, lasting in zip(working.images.of_cameras, working.noise.lasting, strict=True):
         share[own] = lasting / solver.variance(np.arange(own.start, own.stop))
+    share = share[working.images.usable]
     usual = float(np.median(share, overwrite_input=True)) if len(share) else 0.0
     return solver._replace(lasting=usual)
 
@@ -208,24 +216,46 @@ def _joined(one: NDArray[Any], kept: Bools, other: NDArray[Any], good: Bools, or
 
 
 def with_few_smoothed(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous, lasting: float) -> Cloud:
-    """The points of tracks ids (P), those of fewer than two images of their own smoothed, as merged images say little.
+    """The points of tracks ids (P), smoothed where they have fewer than two images of their own, as merged images say
+    little, or are vague by (4).
 
     A share `lasting` is no noise (2). It is as large as that of the nearest of the points that they are smoothed with.
     """
     own = ((cloud.detection >= 0) & ~images.merged[cloud.detection]).sum(1)
-    few, beside = _beside(cloud.frame, ids, own >= 2)
+    sd = np.where(own >= 2, _sd(cloud.cov), np.inf)
+    sound = (own >= 2) & (sd <= VAGUE * _least_near(cloud.frame, ids, sd))
+    few, beside = _beside(cloud.frame, ids, sound)
     if not len(few):
         return cloud
     which, xyz, cov = np.zeros(len(own), bool), cloud.xyz.copy(), cloud.cov.copy()
     which[few] = True
-    xyz[few], noise = smoothed(TrackPoints.of(cloud, ids), which, own >= 2, 1 / cloud.rate, method, 1 - lasting)
+    xyz[few], noise = smoothed(TrackPoints.of(cloud, ids), which, sound, 1 / cloud.rate, method, 1 - lasting)
     cov[few] = noise + lasting * cov[beside]
     return replace(cloud, xyz=xyz, cov=cov)
 
 
+def _by_track(frame: Ints, id: Ints) -> Ints:
+    """(P) numbers of points by track and frame, of different tracks LOOK apart and more."""
+    return np.asarray(id * (int(frame.max(initial=0)) + 1 + LOOK) + frame)
+
+
+def _least_near(frame: Ints, id: Ints, sd: Floats) -> Floats:
+    """(P) the least of sd (P) of the points of the same track that are less than LOOK frames away."""
+    key = _by_track(frame, id)
+    order = np.argsort(key, kind="stable")
+    key, sd, least = key[order], sd[order], np.empty_like(sd)
+    near = sd.copy()
+    for n in range(1, LOOK):  # a track has one point in a frame, so others near are near in this order too
+        there = key[n:] - key[:-n] < LOOK
+        for one, other in ((slice(n, None), slice(-n)), (slice(-n), slice(n, None))):
+            near[one][there] = np.fmin(near[one], sd[other])[there]
+    least[order] = near
+    return least
+
+
 def _beside(frame: Ints, id: Ints, sound: Bools) -> tuple[Ints, Ints]:
     """The points (n) of tracks id (P) that are not sound (P), to which one is less than LOOK frames away, and it."""
-    key = id * (int(frame.max(initial=0)) + 1 + LOOK) + frame
+    key = _by_track(frame, id)
     few, others = np.flatnonzero(~sound), np.flatnonzero(sound)
     others = others[np.argsort(key[others])]
     if not len(others):

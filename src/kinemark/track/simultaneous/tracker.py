@@ -42,7 +42,7 @@ from .companions import joined_pieces
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import without_between, without_drifting, without_merged, without_reflections
+from .given_up_points import with_merging, without_drifting, without_reflections
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
@@ -67,7 +67,7 @@ from .standing_noise import lasting_variance
 from .stitch import Stitch, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unfitting_stretches import Stretch
-from .unmarked_merging import Merging, inferred_merging, with_merging_in_images
+from .unmarked_merging import Merging, with_merging_in_images
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is
@@ -155,13 +155,10 @@ def track_once(
     whole = whole.of(int(every.id.max(initial=-1)) + 1)
     ids = whole.id[ids]
     return_memory()
-    merging = inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, working.images, T, method)
-    working = working._replace(images=merging.marked(working.images))
-    return_memory()
     solver = solver_for(detections, shared, working, errors)
     held = [cloud]
     del cloud
-    cloud, ids, became = _passes_over(held, ids, merging, solver, len(whole.id), working.images, method)
+    cloud, ids, became, merging = _passes_over(held, ids, solver, len(whole.id), method)
     whole = whole.of(len(became))
     whole = whole._replace(id=np.append(became, np.arange(len(became), len(whole.id)))[whole.id])
     adjusted, lasting = working.rig is not rig, solver.lasting
@@ -215,28 +212,28 @@ def _learned(
 
 
 def _passes_over(
-    held: Held,
-    ids: Ints,
-    merging: Merging,
-    solver: Solver,
-    first: int,
-    images: Images,
-    method: Simultaneous,
-) -> tuple[Cloud, Ints, Ints]:
+    held: Held, ids: Ints, solver: Solver, first: int, method: Simultaneous
+) -> tuple[Cloud, Ints, Ints, Merging]:
     """The points of stitched tracks ids (P) after all that is given up and found, with new tracks from number `first`
-    on; what tracks became."""
-    held, ids = without_between(held, ids, merging, images)
-    held, ids = without_merged(held, ids, merging, solver, images, method)
+    on; what tracks became, and the images that are of two markers.
+
+    What is found after merged images were told has such images too: so they are told once more.
+    """
+    unmarked = solver
+    held, ids, merging, solver = with_merging(held, ids, unmarked, method)
+    images = solver.working.images
     return_memory()
     usual = usual_residuals(held[0].frame, ids, held[0].detection.T, images, method.gate)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
     held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
-    held, ids = without_between(held, ids, merging, images)
+    del solver, images  # before there are two in memory
+    held, ids, merging, solver = with_merging(held, ids, unmarked, method)
+    images = solver.working.images
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
     held, ids = without_reflections(held, ids, images, method.gate)
     held, ids, became = with_rigid_pass(held, ids, images, solver, method)
-    return held.pop(), ids, became
+    return held.pop(), ids, became, merging
 
 
 def _waiting(images: Images, working: Working, rig: Rig) -> Images:

@@ -23,7 +23,7 @@ def template():
 
 
 def tracks(beside_mm, by_m=0.0, name="LTHI"):
-    """A walk, moved by so many metres; one marker has a gap, in which a ghost goes with it so many mm beside, the last."""
+    """A walk, so many metres off; one marker has a gap, in which a ghost, the last, goes with it so many mm beside."""
     trial, (first, stop) = walk(2), GAP
     own, frames = trial[name].xyz, np.arange(trial.n_frames)
     parts = [(path.xyz, frames >= 0) for path in trial if path.name != name]

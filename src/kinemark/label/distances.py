@@ -50,7 +50,7 @@ NEVER_SURE = 0.98
 chosen, as by a figure alone."""
 BESIDE = 0.75
 """Probability, at most, of a piece that lies beside its marker's place; chosen, above `parts.KNOWN`: of such pieces of
-trials with ghosts in a sixth of the gaps one in ten is right, of others nearly all are."""
+trials with ghosts in a sixth of the gaps one in ten is right, of others none is wrong by a ghost."""
 SCALES = (0.8, 1.25)
 """Within which it is taken to lie; chosen: distances of bodies beyond it would have named nothing."""
 LEAST_PART = 0.2

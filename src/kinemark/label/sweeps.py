@@ -60,7 +60,8 @@ def _of_neighbours(link: scipy.sparse.csr_array, label: Ints, L: int, tracks: In
     first, n = link.indptr[tracks], link.indptr[tracks + 1] - link.indptr[tracks]
     at = np.arange(n.sum()) + np.repeat(first - np.cumsum(n) + n, n)
     cell = np.repeat(np.arange(len(tracks)) * (L + 1) + 1, n) + label[link.indices[at]]  # the first is of no label
-    return np.bincount(cell, link.data[at], len(tracks) * (L + 1)).reshape(-1, L + 1)[:, 1:]
+    total = np.bincount(cell, link.data[at], len(tracks) * (L + 1))
+    return np.asarray(total.reshape(-1, L + 1)[:, 1:], np.float64)
 
 
 @dataclass

@@ -90,11 +90,12 @@ def places_by(known: list[Figure], xyz: Floats) -> BodyPlaces:
     return BodyPlaces(place, cov, spread)
 
 
-def figures(xyz: Floats, index: Ints, template: Template, rate: float) -> list[Figure]:
+def figures(xyz: Floats, index: Ints, template: Template, rate: float, wanted: Ints | None = None) -> list[Figure]:
     """The figure of each marker that has LEAST neighbours and more.
 
     Args:
         xyz: (M, F, 3) mm, NaN where not seen. index: (M) the label of each in the template. rate: Hz.
+        wanted: rows of the markers whose figures are learnt; all where None.
     """
     seen = np.isfinite(xyz[..., 0])
     together = seen.astype(np.float32) @ seen.T.astype(np.float32)
@@ -104,7 +105,7 @@ def figures(xyz: Floats, index: Ints, template: Template, rate: float) -> list[F
     found = []
     pick = np.ix_(index, index)
     D, spread = template.distance[pick], np.hypot(template.spread, np.asarray(template.doubt))[pick]
-    for m in range(len(xyz)):
+    for m in range(len(xyz)) if wanted is None else np.unique(wanted).tolist():
         near = np.argsort(looseness[m], kind="stable")[:NEIGHBOURS]
         near = near[np.isfinite(looseness[m, near])]
         if len(near) >= LEAST:

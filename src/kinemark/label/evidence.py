@@ -134,12 +134,11 @@ class PairScore(NamedTuple):
         mine = np.flatnonzero(own >= 0)
         seen = np.flatnonzero(np.isfinite(labelled[:, 0]))
         d = d[:, None, seen]
-        z = (d - self.distance[:, seen]) * self.inverse[:, seen]
+        z = (d - self.distance[:, seen]) * (np.float32(0.5**0.5) * self.inverse[:, seen])
         np.multiply(z, z, out=z)
-        z *= -0.5
-        z += self.base[:, seen]
+        np.subtract(self.base[:, seen], z, out=z)
         np.maximum(z, self.least[:, seen], out=z)
-        nats = z.sum(axis=2)
+        nats = z @ np.ones(len(seen), np.float32)  # a fifth of the time of a sum
         column = np.searchsorted(seen, own[mine])  # what a point gains by its own place is taken off again
         there = (column < len(seen)) & (seen[np.minimum(column, len(seen) - 1)] == own[mine]) if len(seen) else mine < 0
         nats[mine[there]] -= z[mine[there], :, column[there]]

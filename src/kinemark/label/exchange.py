@@ -96,8 +96,8 @@ class Exchanger(NamedTuple):
         of = np.zeros((len(a) + len(self.handed), y.shape[1]), np.float32)
         of[np.arange(len(a)), a] = of[np.arange(len(a)), b] = 1.0
         np.put_along_axis(of[len(a) :], self.handed, np.float32(1.0), axis=1)
-        wrong = -WRONG_HAND * _wrong(y, self.handed, self.sign)
-        return np.asarray(np.hstack([self.pairs.at(d, a, b), wrong.astype(np.float32)]) @ of)
+        wrong = -WRONG_HAND * _wrong(_planes(y), self.handed, self.sign).T
+        return np.asarray(np.hstack([self.pairs.at(d, a, b), wrong]) @ of)
 
     def nats(self, y: Single, moves: Sequence[Move]) -> NDArray[np.float64]:
         """(1) of moves, nats of all frames together; as `gains`."""
@@ -108,19 +108,20 @@ class Exchanger(NamedTuple):
         found = np.zeros((len(moves), len(y)))
         if not moves:
             return found
-        d = lengths(y[:, :, None] - y[:, None])
+        d, planes = lengths(y[:, :, None] - y[:, None]), _planes(y)
+        wrong = _wrong(planes, self.handed, self.sign)
         for size in {len(was) for was, _ in moves}:
             own = [i for i, (was, _) in enumerate(moves) if len(was) == size]
             most = max(1, MOST_AT_ONCE // max(y.shape[0] * y.shape[1] * size, 1))
             for some in (own[k : k + most] for k in range(0, len(own), most)):
                 found[some] = self._nats(
-                    y, d, *(np.array(part) for part in zip(*(moves[i] for i in some), strict=True))
+                    d, planes, wrong, *(np.array(part) for part in zip(*(moves[i] for i in some), strict=True))
                 )
         return found
 
-    def _nats(self, y: Single, d: Single, was: Ints, to: Ints) -> NDArray[np.float64]:
+    def _nats(self, d: Single, planes: Single, wrong: Single, was: Ints, to: Ints) -> NDArray[np.float64]:
         """(M, K) of moves of as many labels, (M, n) each; d (K, L, L) distances of the labels as they are."""
-        every, rows = np.arange(y.shape[1]), np.arange(len(was))[:, None]
+        every, rows = np.arange(d.shape[1]), np.arange(len(was))[:, None]
         new = np.repeat(every[None], len(was), axis=0)
         new[rows, was] = to
         apart = d[:, was].transpose(1, 2, 0, 3)  # (M, n, K, L)
@@ -128,20 +129,20 @@ class Exchanger(NamedTuple):
         each -= self.pairs.at(apart, was[:, :, None, None], every)
         moved = np.ones((len(was), len(every)), np.float32)
         moved[rows, was] = 0.5  # counted from both sides
-        each *= moved[:, None, None]
-        return np.asarray(each.sum((1, 3)) - WRONG_HAND * self._hands(y, was, new))
+        nats = (each @ moved[:, None, :, None])[..., 0].sum(1)
+        return np.asarray(nats - WRONG_HAND * self._hands(planes, wrong, was, new))
 
-    def _hands(self, y: Single, was: Ints, new: Ints) -> Ints:
-        """(M, K) how many quadruples more are turned the wrong way after each move."""
-        more = np.zeros((len(was), len(y)), np.int64)
-        if not len(self.handed):
-            return more
+    def _hands(self, planes: Single, wrong: Single, was: Ints, new: Ints) -> Single:
+        """(M, K) how many quadruples more are turned the wrong way after each move; (Q, K) `wrong` as they are."""
+        more = np.zeros((len(was), planes.shape[2]), np.float32)
         of_quad = np.zeros((new.shape[1], len(self.handed)), bool)
         of_quad[self.handed, np.arange(len(self.handed))[:, None]] = True
         move, quad = np.nonzero(of_quad[was].any(1))
-        back = np.argsort(new, axis=1)  # who is label a after the move
-        now = _wrong(y, back[move[:, None], self.handed[quad]], self.sign[quad])
-        np.add.at(more, move, (now - _wrong(y, self.handed, self.sign)[:, quad]).T)
+        if len(move):
+            back = np.argsort(new, axis=1)  # who is label a after the move
+            now = _wrong(planes, back[move[:, None], self.handed[quad]], self.sign[quad])
+            own, first = np.unique(move, return_index=True)
+            more[own] = np.add.reduceat(now - wrong[quad], first, axis=0)
         return more
 
     def pairs_of_twos(self, gains: NDArray[np.float64]) -> list[Move]:
@@ -151,12 +152,17 @@ class Exchanger(NamedTuple):
         return [((*p[0], *q[0]), (*p[1], *q[1])) for p, q in both]
 
 
-def _wrong(y: Single, quads: Ints, sign: Ints) -> NDArray[np.int64]:
-    """(K, Q) one where a quadruple is turned the wrong way."""
-    a = y[:, quads[:, 0]]
-    (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = (np.moveaxis(y[:, quads[:, k]] - a, -1, 0) for k in (1, 2, 3))
+def _planes(y: Single) -> Single:
+    """(3, L, K) of places (K, L, 3): what is taken of a label lies in one piece."""
+    return np.ascontiguousarray(y.transpose(2, 1, 0))
+
+
+def _wrong(planes: Single, quads: Ints, sign: Ints) -> Single:
+    """(Q, K) one where a quadruple is turned the wrong way."""
+    a = planes[:, quads[:, 0]]
+    (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = (planes[:, quads[:, k]] - a for k in (1, 2, 3))
     triple = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
-    return (sign * triple < 0).astype(np.int64)
+    return (sign[:, None].astype(np.float32) * triple < 0).astype(np.float32)
 
 
 def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:

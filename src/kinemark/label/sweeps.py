@@ -32,11 +32,8 @@ cut from a marker have more, ghosts that pass by less."""
 def places(stretches: Stretches, label: Ints, L: int) -> Single:
     """(K, L, 3) where each label is in each frame; NaN where no track is it."""
     out = np.full((len(stretches.frame), L, 3), np.nan, np.float32)
-    first, stop = (np.searchsorted(stretches.frame, edge) for edge in (stretches.start, stretches.stop))
-    for t in np.flatnonzero(label >= 0):
-        own = stretches.xyz[t, first[t] : stop[t]]
-        seen = np.isfinite(own[:, 0])
-        out[first[t] : stop[t], label[t]][seen] = own[seen]
+    t, k = np.nonzero(np.isfinite(stretches.xyz[..., 0]) & (label >= 0)[:, None])
+    out[k, label[t]] = stretches.xyz[t, k]
     return out
 
 
@@ -54,11 +51,17 @@ def evidence(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
 
 def continuity(stretches: Stretches, label: Ints, L: int, tracks: Ints | None = None) -> Floats:
     """(T, L) nats: how well a track goes on from, and into, the tracks that have each label now; of some tracks."""
-    of = np.flatnonzero(label >= 0)
-    member = scipy.sparse.csr_array((np.ones(len(of)), (of, label[of])), shape=(len(stretches), L))
-    both = (stretches.into, stretches.link)
-    before, after = both if tracks is None else (link[tracks] for link in both)
-    return np.asarray((before @ member).todense() + (after @ member).todense())
+    tracks = np.arange(len(stretches)) if tracks is None else tracks
+    return _of_neighbours(stretches.into, label, L, tracks) + _of_neighbours(stretches.link, label, L, tracks)
+
+
+def _of_neighbours(link: scipy.sparse.csr_array, label: Ints, L: int, tracks: Ints) -> Floats:
+    """(n, L) nats of rows of tracks, those of columns with the same label added up; SciPy's product takes its time."""
+    first, n = link.indptr[tracks], link.indptr[tracks + 1] - link.indptr[tracks]
+    at = np.arange(n.sum()) + np.repeat(first - np.cumsum(n) + n, n)
+    cell = np.repeat(np.arange(len(tracks)) * (L + 1) + 1, n) + label[link.indices[at]]  # the first is of no label
+    total = np.bincount(cell, link.data[at], len(tracks) * (L + 1))
+    return np.asarray(total.reshape(-1, L + 1)[:, 1:], np.float64)
 
 
 @dataclass

@@ -27,6 +27,8 @@ GAIT_KINDS = (
          {"side": "text", "missing": "count", "curves_list": "text"}),
     Kind("gait_markers_leap", "gait", "amber", "Markers of a trial leap as no body does, in so many frames; greatest "
          "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
+    Kind("gait_spikes_left_out", "gait", "info", "Samples of markers of a trial that stand off their paths, by so much "
+         "at most, and were left out.", {"trial": "text", "samples": "count", "most_mm": "mm"}),
     Kind("gait_markers_exchanged", "gait", "red", "Markers of a trial cannot be where their names say. how: sides "
          "(left and right of all markers, or left-handed axes), pelvis (its front and back), across (with the other "
          "side), foot (heel and toe) or leg (two markers that follow each other).", {"trial": "text", "how": "text"}),

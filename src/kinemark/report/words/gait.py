@@ -254,6 +254,12 @@ GAIT_WORDS = {
         "angles, moments and powers there follow them.",
         "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
     ),
+    "gait_spikes_left_out": Words(
+        "{trial}: {samples} {samples:sample|samples} of {markers} {samples:is|are} off the path by up to {most_mm:0} "
+        "for a moment ({frames}). {samples:It was|They were} left out before anything was computed; the path goes on "
+        "there from the frames beside.",
+        "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
+    ),
     "gait_markers_exchanged": Words(_exchanged, _for_exchanged),
     "gait_markers_move_apart": Words(
         "{trial}: markers of one segment come apart by up to {most_mm:0}: {pairs_list}. One of them is another marker "

@@ -170,12 +170,16 @@ def aside(walk):
     return replace(walk, plates=tuple(replace(p, corners=np.add(p.corners, (0, 70.0, 0))) for p in walk.plates))
 
 
+OTHER_ORDERS = ([3, 2, 1, 0], [0, 3, 2, 1], [1, 0, 3, 2], [2, 1, 0, 3], [2, 3, 0, 1], [1, 2, 3, 0], [3, 0, 1, 2])
+"""All but the right one; each turns or mirrors the plate."""
+
+
 @pytest.mark.parametrize(
     ("changed", "told"),
     [
         (lambda walk: walk, set()),
         (channels(-1.0, slice(None)), set()),  # what the foot does to the plate is as good
-        (corners([3, 2, 1, 0]), {"backward", "beside"}),
+        *((corners(order), {"backward", "beside", "askew"}) for order in OTHER_ORDERS),
         (aside, {"beside"}),
         (channels(0.5, slice(None)), {"weight"}),
     ],

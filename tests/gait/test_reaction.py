@@ -30,23 +30,24 @@ def loads(seed=0):
 
 
 def six(force, centre, free, corners=CORNERS):
-    """What a sensor at `ORIGIN` feels, N and N·mm, in the plate's axes."""
+    """What a sensor at `ORIGIN`, below the surface whichever way z goes, feels, N and N·mm, in the plate's axes."""
     R, middle = plate_axes(corners)
+    origin = ORIGIN * (1, 1, -R[2, 2])
     F, p = force @ R, (centre - middle) @ R
     moment = np.cross(p, F) + np.outer(1000 * free, [0, 0, 1.0]) * (R[:, 2] @ [0, 0, 1.0])
-    return F, moment + np.cross(ORIGIN, F), p
+    return F, moment + np.cross(origin, F), p, origin
 
 
-def made(kind, seed=0, sign=1.0):
+def made(kind, seed=0, sign=1.0, corners=CORNERS):
     """A plate of a type and its channels for `loads`."""
     force, centre, free = loads(seed)
-    F, M, p = six(force, centre, free)
-    F, M, origin, calibration = sign * F, sign * M, ORIGIN, None
+    F, M, p, origin = six(force, centre, free, corners)
+    F, M, calibration = sign * F, sign * M, None
     if kind == 1:
-        moment = sign * 1000 * free * (plate_axes(CORNERS)[0][:, 2] @ [0, 0, 1.0])
+        moment = sign * 1000 * free * (plate_axes(corners)[0][:, 2] @ [0, 0, 1.0])
         values = np.column_stack([F, p[:, :2], moment])
     elif kind == 3:
-        values, origin = eight(F, M)
+        values, origin = eight(F, M, origin)
     elif kind == 4:
         calibration = MATRIX
         values = np.column_stack([F, M]) @ np.linalg.inv(MATRIX).T
@@ -55,18 +56,18 @@ def made(kind, seed=0, sign=1.0):
     else:
         values = np.column_stack([F, M])
     names = tuple(f"c{k}" for k in range(values.shape[1]))
-    plate = ForcePlate(kind, CORNERS, origin, names, calibration)
+    plate = ForcePlate(kind, corners, origin, names, calibration)
     return plate, (Analog(names, ("",) * len(names), RATE, values.T),), force, centre, free
 
 
 FROM_SIX = np.random.default_rng(1).normal(0, 1, (8, 6))
 
 
-def eight(F, M):
+def eight(F, M, origin):
     """Channels of sensors at (±a, ±b), and (a, b, height)."""
-    a, b, height = 120.0, 200.0, -40.0
+    a, b, height = 120.0, 200.0, origin[2]
     height_only = np.array([0.0, 0.0, height])
-    M = M - np.cross(ORIGIN, F) + np.cross(height_only, F)  # about the middle of the sensors
+    M = M - np.cross(origin, F) + np.cross(height_only, F)  # about the middle of the sensors
     z = np.array([[1, 1, 1, 1], [b, b, -b, -b], [-a, a, a, -a]])
     fz = np.column_stack([F[:, 2], M[:, 0], M[:, 1]]) @ np.linalg.pinv(z).T
     x34 = F[:, 0] / 2 + M[:, 2] / (4 * b)
@@ -75,10 +76,19 @@ def eight(F, M):
     return values, np.array([a, b, height])
 
 
+ORDERS = {
+    f"{'z up' if back else 'z down'}, from corner {first + 1}": np.roll(CORNERS, -first, axis=0)[:: -1 if back else 1]
+    for back in (False, True)
+    for first in range(4)
+}
+
+
+@pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("kind", [1, 2, 3, 4, 5])
-def test_a_load_comes_back(kind, sign):
-    plate, analog, force, centre, free = made(kind, sign=sign)
+def test_a_load_comes_back(kind, sign, order):
+    """Whichever corner is the first, and which way round they go: the plate's axes go with them."""
+    plate, analog, force, centre, free = made(kind, sign=sign, corners=ORDERS[order])
     found = reaction(plate, analog, n_frames=N, rate=RATE)
     np.testing.assert_allclose(found.force, force, atol=1e-8)
     np.testing.assert_allclose(found.centre, centre, atol=1e-6)
@@ -212,7 +222,7 @@ def stepping(left, right, *, other_stands=False, at=None, loaded=(0.3, 0.7), spe
         middle[:, 0] += np.where(stand & still, 0, speed * (t - 0.5))
         points[letter + "HEE"], points[letter + "TOE"] = middle - AHEAD, middle + AHEAD
     force = np.where(((t >= loaded[0]) & (t < loaded[1]))[:, None], [0.0, 0, 700], 0.0)
-    F, M, _ = six(force, np.tile([*(at or left), 0.0], (100, 1)), np.zeros(100))
+    F, M, *_ = six(force, np.tile([*(at or left), 0.0], (100, 1)), np.zeros(100))
     analog = (Analog(tuple("abcdef"), ("",) * 6, 100.0, np.column_stack([F, M]).T),)
     plate = ForcePlate(2, CORNERS, ORIGIN, tuple("abcdef"))
     return contacts([reaction(plate, analog, n_frames=100, rate=100.0)], points, rate=100.0)
@@ -263,7 +273,7 @@ def on_two_plates(share, at):
         ((1 - there, (200.0, 300.0), CORNERS), (there, at, CORNERS + np.array([400.0, 0, 0])))
     ):
         force = np.where(stands[:, None], part[:, None] * [0.0, 0, 700], 0.0)
-        F, M, _ = six(force, np.tile([*where, 0.0], (100, 1)), np.zeros(100), corners)
+        F, M, *_ = six(force, np.tile([*where, 0.0], (100, 1)), np.zeros(100), corners)
         names = tuple(f"{letter}{k}" for letter in "abcdef")
         analog = (Analog(names, ("",) * 6, 100.0, np.column_stack([F, M]).T),)
         found.append(reaction(ForcePlate(2, corners, ORIGIN, names), analog, n_frames=100, rate=100.0))
@@ -293,7 +303,7 @@ def test_a_step_counts_where_the_next_plate_has_the_other_foot_whose_markers_are
     for k, (begin, end, x) in enumerate(((0.3, 0.9, 200.0), (0.8, 1.4, 200.0 + step))):
         corners = CORNERS + k * np.array([max(step - 100.0, 400.0), 0, 0])
         force = np.where(((t >= begin) & (t < end))[:, None], [0.0, 0, 700], 0.0)
-        F, M, _ = six(force, np.tile([x, 300.0 - 100.0 * k, 0.0], (200, 1)), np.zeros(200), corners)
+        F, M, *_ = six(force, np.tile([x, 300.0 - 100.0 * k, 0.0], (200, 1)), np.zeros(200), corners)
         names = tuple(f"{letter}{k}" for letter in "abcdef")
         analog = (Analog(names, ("",) * 6, 100.0, np.column_stack([F, M]).T),)
         found.append(reaction(ForcePlate(2, corners, ORIGIN, names), analog, n_frames=200, rate=100.0))

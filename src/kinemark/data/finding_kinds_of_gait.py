@@ -27,6 +27,8 @@ GAIT_KINDS = (
          {"side": "text", "missing": "count", "curves_list": "text"}),
     Kind("gait_markers_leap", "gait", "amber", "Markers of a trial leap as no body does, in so many frames; greatest "
          "second difference of a place.", {"trial": "text", "leaps": "count", "most_mm": "mm"}),
+    Kind("gait_spikes_left_out", "gait", "info", "Samples of markers of a trial that stand off their paths, by so much "
+         "at most, and were left out.", {"trial": "text", "samples": "count", "most_mm": "mm"}),
     Kind("gait_markers_exchanged", "gait", "red", "Markers of a trial cannot be where their names say. how: sides "
          "(left and right of all markers, or left-handed axes), pelvis (its front and back), across (with the other "
          "side), foot (heel and toe) or leg (two markers that follow each other).", {"trial": "text", "how": "text"}),
@@ -34,9 +36,10 @@ GAIT_KINDS = (
          "middle 95 % of the worst.", {"trial": "text", "pairs_list": "text", "most_mm": "mm"}),
     Kind("gait_plate_doubtful", "gait", "amber", "A plate, or all, cannot be as the file says. what: beside (the "
          "centre of pressure is that share of the foot's length aside of it), backward (it goes that share forward), "
-         "weight (that share off the stated one), saturated (that share of the samples under load), time (of its "
-         "events against the markers'), elsewhere (nobody is near while it is loaded as by a foot that stands then) or "
-         "origin (its sensors are so far from its surface or its middle).",
+         "askew (its force does not point to the body; the least likeness), weight (that share off the stated one), "
+         "saturated (that share of the samples under load), time (of its events against the markers'), elsewhere "
+         "(nobody is near while it is loaded as by a foot that stands then) or origin (its sensors are so far from its "
+         "surface or its middle).",
          {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms", "away_mm": "mm"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),

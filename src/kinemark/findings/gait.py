@@ -19,6 +19,7 @@ from ..gait.gait_trial import GaitTrial
 from ..gait.key_values import KEYS
 from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
+from ..gait.marker_spikes import MarkerSpikes
 from ..gait.plate_doubts import PlateDoubt
 from ..gait.static_axes import AxesShown
 from ..gait.static_checks import FeetTaken, StaticDoubt
@@ -66,7 +67,7 @@ class GaitOfTrial(NamedTuple):
         floor: how it moves. keys: key values of its strides that count. leaps: of its markers.
         names, plates: what of its names and its plates cannot be. bare: the side whose leg has no marker.
         unseen: markers of the model, of other sides, that it names and no frame shows.
-        no_emg: why channels cannot be read as EMG, by name.
+        no_emg: why channels cannot be read as EMG, by name. spikes: samples of markers that were left out.
     """
 
     name: str
@@ -86,6 +87,7 @@ class GaitOfTrial(NamedTuple):
     bare: Side | None = None
     unseen: tuple[str, ...] = ()
     no_emg: Mapping[str, str] = {}
+    spikes: MarkerSpikes = MarkerSpikes()
 
     @property
     def counted(self) -> tuple[Stride, ...]:
@@ -311,6 +313,12 @@ def _joint(angle: str) -> str:
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
+    if trial.spikes.markers:
+        yield make_finding(
+            "gait_spikes_left_out", trial=trial.name, markers=trial.spikes.markers, samples=trial.spikes.samples,
+            most_mm=trial.spikes.most_mm,
+            frames=[(a + trial.first_frame, b + trial.first_frame) for a, b in trial.spikes.frames],
+        )  # fmt: skip
     yield from of_doubts(trial.name, trial.names, trial.plates, trial.leaps)
     yield from of_events(trial.name, trial.events, trial.file_events, trial.start_s, trial.bare)
     if trial.bare is not None:

@@ -18,7 +18,8 @@ Some plates write what the foot does to them and others what they do to the foot
 sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate
 (FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5). A sample that is missing is no
 force of 0: up to half a frame of them lie between their neighbours, else the frame is unknown, and between loaded
-frames the foot is taken to have stayed (6).
+frames the foot is taken to have stayed (6). The sensor is below the surface: where o would have it above, it is −o. Of
+corners that go round the other way z is up, and so is o (7).
 
 Source: C3D file format user guide, types 1 to 5.
 """
@@ -39,6 +40,8 @@ THRESHOLD_N = 5.0
 """Vertical force from which a plate counts as loaded, N; conventional (Plug-in Gait)."""
 QUIET_SHARE = 0.1
 """Of a channel's range that it may move by in (5); chosen: noise is a hundredth, a foot moves it by all of it."""
+FACES_UP = 0.5
+"""Cosine of a plate's z with up, from which it counts as up; chosen: plates in walls are neither, and as usual."""
 CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6, 5: 8}
 """Of each type of plate; of the file format."""
 IN_NEWTON = {"N": 1.0, "KN": 1000.0}
@@ -94,8 +97,8 @@ def reaction(
         KinemarkError: the plate is of an unknown type, or a channel is missing.
     """
     channels = plate_channels(plate, analog, n_frames=n_frames, rate=rate, averaged=averaged)
-    force, moment, centre = _in_plate(plate, channels)
     R, middle = plate_axes(plate.corners)
+    force, moment, centre = _in_plate(plate, channels, outward=1.0 if R[:, 2] @ up > FACES_UP else -1.0)
     sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
     unknown: Bools = np.asarray(~np.isfinite(force).all(axis=1), np.bool_)
     loaded = _bridged(np.asarray(np.abs(force[:, 2]) > threshold_n), unknown)  # (6)
@@ -137,8 +140,13 @@ def _centre(force: Floats, moment: Floats, loaded: Bools) -> tuple[Floats, Float
     return np.stack([x, y, 0 * x], -1), moment[:, 2] - (x * force[:, 1] - y * force[:, 0])
 
 
-def _in_plate(plate: ForcePlate, channels: Floats) -> tuple[Floats, Floats, Floats | None]:
-    """(F, 3) N force, (F, 3) N·mm moment about the surface, and (F, 3) mm centre where it is measured, plate's axes."""
+def _in_plate(plate: ForcePlate, channels: Floats, *, outward: float) -> tuple[Floats, Floats, Floats | None]:
+    """(F, 3) N force, (F, 3) N·mm moment about the surface, and (F, 3) mm centre where it is measured, plate's axes.
+
+    Args:
+        plate, channels: of the plate. outward: 1 where its z goes from the sensor to the surface, −1 where it goes into
+            the floor, as is usual.
+    """
     if plate.type == 1:
         force, centre = channels[:, :3], np.concatenate([channels[:, 3:5], np.zeros((len(channels), 1))], 1)
         return force, channels[:, 5:6] * (0.0, 0.0, 1.0), centre
@@ -152,7 +160,7 @@ def _in_plate(plate: ForcePlate, channels: Floats) -> tuple[Floats, Floats, Floa
         origin = np.array([0.0, 0.0, height])
     else:
         origin = plate.origin
-    below = -origin if origin[2] > 0 else origin  # the sensor is below the surface, and z points down
+    below = -origin if origin[2] * outward < 0 else origin  # the sensor is below the surface (7)
     force, moment = channels[:, :3], channels[:, 3:6]
     return force, moment - np.cross(below, force), None  # (2)
 

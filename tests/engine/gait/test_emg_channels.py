@@ -15,6 +15,9 @@ OTHERS = (
     "LeftFootSwitch",
     "Sync",
     "Trigger A",
+    "Voltage.L Spare",
+    "EMG_unused_4",
+    "Not connected",
 )
 
 

@@ -201,6 +201,22 @@ def test_a_marker_that_leaps_is_told(walk):
     assert not told[0] and told[1][0]["markers"] == ["RKNE"] and told[1][0]["values"]["leaps"] == 2
 
 
+def test_a_spike_is_left_out_and_told(walk):
+    trial = read_trial(walk / "walk.c3d")
+    xyz = trial.trajectories["RKNE"].xyz.copy()
+    xyz[150:152] += [0, 60.0, 0]
+    paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
+    write_c3d(walk / "spike.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
+    clean, found = (gait_of_files([walk / name], settings=QUICK) for name in ("walk.c3d", "spike.c3d"))
+    (told,) = (f for f in found.figures["findings"] if f["kind"] == "gait_spikes_left_out")
+    assert (told["markers"], told["frames"], told["values"]["samples"]) == (["RKNE"], [[151, 152]], 2)
+    assert told["text"].startswith("spike: 2 samples of marker RKNE are off the path by up to 60\xa0mm for a moment (")
+    knees = [one.trials[0].gait.signals["RKneeAngles"].values for one in (clean, found)]
+    assert np.nanmax(np.abs(knees[0] - knees[1])) < 0.1
+    kept = read_trial(found.folder / "spike_gait.c3d").trajectories["RKNE"].xyz
+    assert np.allclose(kept, xyz, atol=1e-3, equal_nan=True)  # what was given is never changed
+
+
 def test_error_bars_are_on_every_curve(walk):
     found = gait_of_files(
         [walk / "walk.c3d"], static=walk / "walk.c3d", measures=walk / "anna.toml", folder=walk / "out"

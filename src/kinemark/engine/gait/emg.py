@@ -20,6 +20,9 @@ MUSCLE = re.compile(
 NO_MUSCLE = re.compile(r"(?i)(^|[^a-z])([fmc][xyz]\d*( ?\[\d+\])?$|pin ?\d+)|foot.?switch|sync|trigger|gonio")
 """Names of channels in volts that are no EMG: a plate's before it is scaled, bare pins of a converter, switches."""
 
+UNUSED = re.compile(r"(?i)(^|[^a-z])(spare|unused|not[ _-]?(used|connected))([^a-z]|$)")
+"""Names of sockets of EMG into which nothing is plugged; conventional."""
+
 
 def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, float]:
     """Greatest value of the envelope of each channel of a trial of greatest contractions.
@@ -38,7 +41,7 @@ def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, floa
 
 def emg_of(trial: Trial) -> dict[str, Emg]:
     """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), or has no unit and the
-    name of a muscle, and no plate's.
+    name of a muscle, and no plate's; none whose name says that nothing is plugged in (`UNUSED`).
 
     One that is no EMG by its samples, too few or too slow, is left out: the rest of the trial is as good without it.
     """
@@ -70,5 +73,5 @@ def _candidates(trial: Trial) -> Iterator[tuple[str, Analog]]:
             in_volts = letters in ("V", "MV", "UV", "ΜV")
             named = in_volts or (not letters and bool(MUSCLE.search(name)))
             is_emg = "EMG" in name.upper() or (named and not NO_MUSCLE.search(name))
-            if name not in plates and is_emg and np.ptp(record[name]) > 0:
+            if name not in plates and is_emg and not UNUSED.search(name) and np.ptp(record[name]) > 0:
                 yield name, record

@@ -26,6 +26,7 @@ from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
 from ...gait.gait_trial import REACTION, along_way, analyse_gait, inputs_of, marker_points, measured_only
 from ...gait.key_values import key_values
 from ...gait.lower_limb import check_markers, leg_seen, lower_limbs, never_seen
+from ...gait.marker_spikes import MarkerSpikes, without_spikes
 from ...gait.standard_trial import (
     StandardTrial,
     in_laboratory,
@@ -57,7 +58,7 @@ class Recorded:
     """A file of one subject, as it was read and as the gait model wants it.
 
     Attributes:
-        name: of the file, without its ending. given: as it was read. standard: of it.
+        name: of the file, without its ending. given: as it was read. standard: of it, without `spikes`.
         clusters: that a standing trial calibrates. by_names: segments of those that nobody stated.
     """
 
@@ -66,6 +67,7 @@ class Recorded:
     standard: StandardTrial
     clusters: Clusters = field(default_factory=dict)
     by_names: tuple[str, ...] = ()
+    spikes: MarkerSpikes = field(default_factory=MarkerSpikes)
 
     @property
     def trial(self) -> Trial:
@@ -138,7 +140,8 @@ def recorded(
         hidden = like is not None and ("pelvis" in like.clusters or not shows_up(marker_points(found.trial)))
         if like is not None and hidden and settings.up == "auto":
             found = standard_trial(trial, markers=there, turn=like.standard.turn)
-        return Recorded(name, trial, found)
+        clean, spikes = without_spikes(found.trial)
+        return Recorded(name, trial, found._replace(trial=clean), spikes=spikes)
     except KinemarkError as error:
         raise KinemarkError(f"{name}: {error}") from None
 
@@ -247,7 +250,8 @@ def subject_gait(
     trials = []
     for walk in walks:
         own = _uncertain(walk.trial, known, static, settings)
-        trials.append(gait_of_trial(walk.trial, measures, settings, own, body))
+        found = gait_of_trial(walk.trial, measures, settings, own, body)
+        trials.append(found._replace(spikes=walk.spikes))
         causes = causes or own
     counted = with_counts([one.strides for one in trials])
     trials = [one._replace(strides=strides) for one, strides in zip(trials, counted, strict=True)]

@@ -135,6 +135,7 @@ FOR_EXCHANGED = {
 DOUBTFUL = {
     "beside": "the centre of pressure is {by_share} of the foot's length beside the foot",
     "backward": "the centre of pressure does not go forward below the foot ({by_share} of its length)",
+    "askew": "its force along the floor does not point from the foot to the body",
     "weight": "by the plates the body weighs {by_share} more than by the measures",
     "time": "its events come {late_ms:0} after those of the markers",
     "saturated": "a channel is cut off at its limit, in {by_share} of the samples under load",
@@ -144,6 +145,7 @@ DOUBTFUL = {
 FOR_DOUBTFUL = {
     "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
+    "askew": "Check the order of the plate's corners, and the signs of its channels.",
     "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",
     "saturated": "Set the plate's amplifier to a wider range and record again; what is cut off is lost.",
     "elsewhere": "Check where the file has the plate's corners, and their unit, mm or m.",
@@ -252,6 +254,12 @@ GAIT_WORDS = {
     "gait_markers_leap": Words(
         "{trial}: leaps of {markers} in {leaps} {leaps:frame|frames}, by up to {most_mm:0}, which no body makes: "
         "angles, moments and powers there follow them.",
+        "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
+    ),
+    "gait_spikes_left_out": Words(
+        "{trial}: {samples} {samples:sample|samples} of {markers} {samples:is|are} off the path by up to {most_mm:0} "
+        "for a moment ({frames}). {samples:It was|They were} left out before anything was computed; the path goes on "
+        "there from the frames beside.",
         "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
     ),
     "gait_markers_exchanged": Words(_exchanged, _for_exchanged),

@@ -8,8 +8,9 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, KnownPoints, Sticks, bundle, sticks_through
-from kinemark.calibrate.bundle.adjust import BundleFit, Misfit, check_calibration, observed
+from kinemark.calibrate.bundle.adjust import BundleFit, check_calibration, observed
 from kinemark.calibrate.bundle.lens_prior import LensPrior
+from kinemark.calibrate.bundle.misfit import Misfit
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
 from kinemark.calibrate.bundle.solver import BundleState, cost, normal_equations, solve

@@ -279,7 +279,10 @@ def _misfit_words(error: str, step: CameraStep | None, odd: str | None) -> str:
     if step is not None:
         return f"{step_words(step)} {error}"
     if odd is None:
-        return error
+        return (
+            f"{error} No single camera seems to be the cause: what is wrong may be so in all, as lengths, lenses that "
+            "need more terms, or pixels that are not square (square_pixels = false in [calibrate])."
+        )
     return f"Without camera {odd} the others fit each other. " + (
         error
         if f"Camera {odd} " in error

@@ -252,3 +252,13 @@ def test_cameras_that_few_poses_join_are_named_where_one_does_not_fit(shared, wo
     with pytest.raises(Misfit, match=words) as error:
         check_calibration(fit, seen, frame)
     assert ("wave more" in str(error.value)) == (shared < 40)
+
+
+def test_a_fit_of_which_no_covariance_follows_is_refused(monkeypatch):
+    """Of images that fit nothing its numbers may overflow."""
+    rig = ring(3)
+    xyz = MIDDLE + np.random.default_rng(0).uniform(-500, 500, (40, 3))
+    overflown = (np.full((45, 45), np.inf), 0)
+    monkeypatch.setattr("kinemark.calibrate.bundle.adjust.joint_covariance", lambda *_: overflown)
+    with pytest.raises(Misfit, match="fits each other so badly"):
+        bundle(rig, (FreePoints(xyz),), project_all(rig, xyz), method=Bundle(usual_lens=False))

@@ -8,8 +8,9 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, KnownPoints, Sticks, bundle, sticks_through
-from kinemark.calibrate.bundle.adjust import BundleFit, Misfit, check_calibration, observed
+from kinemark.calibrate.bundle.adjust import BundleFit, check_calibration, observed
 from kinemark.calibrate.bundle.lens_prior import LensPrior
+from kinemark.calibrate.bundle.misfit import Misfit
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
 from kinemark.calibrate.bundle.solver import BundleState, cost, normal_equations, solve
@@ -251,3 +252,13 @@ def test_cameras_that_few_poses_join_are_named_where_one_does_not_fit(shared, wo
     with pytest.raises(Misfit, match=words) as error:
         check_calibration(fit, seen, frame)
     assert ("wave more" in str(error.value)) == (shared < 40)
+
+
+def test_a_fit_of_which_no_covariance_follows_is_refused(monkeypatch):
+    """Of images that fit nothing its numbers may overflow."""
+    rig = ring(3)
+    xyz = MIDDLE + np.random.default_rng(0).uniform(-500, 500, (40, 3))
+    overflown = (np.full((45, 45), np.inf), 0)
+    monkeypatch.setattr("kinemark.calibrate.bundle.adjust.joint_covariance", lambda *_: overflown)
+    with pytest.raises(Misfit, match="fits each other so badly"):
+        bundle(rig, (FreePoints(xyz),), project_all(rig, xyz), method=Bundle(usual_lens=False))

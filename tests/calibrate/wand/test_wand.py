@@ -371,6 +371,47 @@ def test_a_camera_that_is_late_is_named():
         )
 
 
+def mirrored(detections, c, width):
+    """The detections of which camera c's images are seen in a mirror."""
+    uv = detections.uv.copy()
+    mine = detections.camera == c
+    uv[mine, 0] = width - 1 - uv[mine, 0]
+    return renewed(detections, uv)
+
+
+def backwards(detections, c):
+    """The detections of which camera c's frames come from the last to the first: those of another recording."""
+    parts = [detections[i, f] for i in range(len(detections.cameras)) for f in range(detections.n_frames)]
+    n = detections.n_frames
+    parts[c * n : (c + 1) * n] = parts[c * n : (c + 1) * n][::-1]
+    counts = np.reshape([len(part) for part in parts], detections.counts.shape)
+    return Detections.build(detections.cameras, detections.rate, counts, np.concatenate(parts))
+
+
+@pytest.mark.parametrize("lengths", [[500.0], [150.0, 350.0]], ids=str)
+@pytest.mark.parametrize("c", [0, 2])
+@pytest.mark.parametrize("wrong", ["mirrored", "another recording", "late"])
+def test_the_camera_that_is_mirrored_late_or_another_one_is_named(lengths, c, wrong):
+    rig, observed = waved(lengths, cameras=4, frames=120, seed=2)
+    seen = observed.detections
+    bad = {"mirrored": mirrored(seen, c, rig[c].size[0]), "another recording": backwards(seen, c),
+           "late": shifted(seen, c, 25)}[wrong]  # fmt: skip
+    with pytest.raises(KinemarkError) as error:
+        calibrate_wand(bad, lengths=lengths, sizes=[camera.size for camera in rig])
+    named = {camera.name for camera in rig if camera.name in str(error.value)}
+    assert named == {rig[c].name}
+
+
+def test_equal_gaps_that_depth_makes_unequal_are_no_wrong_gaps():
+    """A long stick near the cameras: the gaps of most images differ, and none says from which end."""
+    rig, observed = waved([500.0, 500.0], rig=ring(4, radius=2200.0, focal_px=700.0), seed=1)
+    uv, _ = wand_points(observed.detections, lengths=[500.0, 500.0])
+    gap = np.linalg.norm(np.diff(uv, axis=2), axis=-1)
+    assert np.nanmedian(np.abs(np.log(gap[..., 0] / gap[..., 1]))) > 0.15
+    fit = calibrate_wand(observed.detections, lengths=[500.0, 500.0], sizes=[camera.size for camera in rig])
+    assert max(camera.residual for camera in fit.rig) < 0.3
+
+
 @pytest.mark.parametrize("lengths", [[], [0.0], [1.0, -2.0], [1.0] * 4, [np.nan]], ids=str)
 def test_lengths_that_are_none(lengths):
     with pytest.raises(ValueError, match="lengths are"):

@@ -9,6 +9,7 @@ parts              sticks, single points, points at known places
 solver             least squares with the Schur complement
 robust_adjustment  wrong points held at bay, then left out
 robust_points      points in space from cameras of which some see them in the wrong place
+misfit             what is said where cameras do not fit each other
 stick_gaps         the gaps between a stick's markers as the images have them
 parameter_covariance   of all cameras together
 """

@@ -22,6 +22,7 @@ from .camera_step import CameraStep
 from .common_errors import common_errors
 from .initial.view_pairs import ENOUGH, weakest_link
 from .lens_prior import LensPrior
+from .misfit import Misfit
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust_adjustment import degrees_of_freedom, solve_robust, solve_without_outliers
@@ -34,10 +35,6 @@ benchmarks/bundle.py)."""
 MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchmarks/bundle.py)
 SUDDEN = 0.7  # change of the share of points left out that is said to begin at a frame; chosen
 IMPLAUSIBLE = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
-
-
-class Misfit(KinemarkError):
-    """Cameras were found, and they do not fit each other: one of them may have been moved meanwhile."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,13 +172,14 @@ def completed(adjusted: Adjusted, seen: ImageObservations, *, what: str) -> Bund
     """A `BundleFit` of what has converged.
 
     Raises:
-        KinemarkError: there are not more equations than unknowns.
+        KinemarkError: there are not more equations than unknowns, or they determine nothing.
     """
     state, kept, freedoms, terms = adjusted
     used = seen._replace(used=kept)
-    covariance, gauge = joint_covariance(
-        state, normal_equations(state, used, freedoms), freedoms, np.asarray(kept.any(0))
-    )
+    with np.errstate(over="ignore", invalid="ignore"):  # of what fits nothing, refused below
+        covariance, gauge = joint_covariance(
+            state, normal_equations(state, used, freedoms), freedoms, np.asarray(kept.any(0))
+        )
     if terms is not None:
         covariance = covariance_with(covariance, terms, state.cameras, freedoms)
     chi2 = cost(state, used, freedoms)
@@ -192,6 +190,8 @@ def completed(adjusted: Adjusted, seen: ImageObservations, *, what: str) -> Bund
             f"give equations ({-nu + 1} too few). Record more, or fit fewer lens terms."
         )
     joint = covariance * chi2 / nu * variance_factor(nu)
+    if not np.isfinite(joint).all():
+        raise Misfit("What the cameras see fits each other so badly that nothing follows on where they are.")
     residual = residuals(state, seen.uv)
     xyz = np.where(np.asarray(kept.any(0))[:, None], all_points(state.parts), np.nan)
     residual = np.where(np.isnan(xyz[:, :1]), np.nan, residual)

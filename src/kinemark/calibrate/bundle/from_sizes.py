@@ -16,10 +16,12 @@ from numpy.typing import ArrayLike
 from ...data import Camera, KinemarkError, Rig
 from ...data.array_types import Floats
 from ..stage import CALIBRATE
-from .adjust import Bundle, BundleFit, Misfit, adjusted, check_calibration, completed, observed
+from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .camera_step import camera_step
 from .initial import TargetViews, start
+from .initial.odd_camera import odd_camera
 from .initial.unknown_optics import UnknownOptics, unknown_optics
+from .misfit import Misfit
 from .parts import Sticks, complete
 from .solver import BundleState, Freedom, placed
 from .stick_gaps import seen_places
@@ -147,6 +149,20 @@ def _calibrated(
     check_calibration(fit, seen.used, frame, focus_held=held)
     _check_found(fit.rig, noise)
     return fit
+
+
+def odd_one(
+    names: Sequence[str],
+    sizes: ArrayLike,
+    uv: Floats,
+    *,
+    along: Floats,
+    method: Bundle,
+    lenses: Sequence[Camera] | None = None,
+) -> str | None:
+    """The camera without which the others fit each other, as in `calibrate_sticks`; None where there is no such one."""
+    optics = _optics(names, sizes, len(uv), lenses, method.aspect or 1.0)
+    return odd_camera(TargetViews(optics, uv.reshape(len(uv), -1, 2), along), seed=method.seed)
 
 
 def _optics(

@@ -28,9 +28,11 @@ from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
-from ..bundle.adjust import Misfit, check_calibration
-from ..bundle.camera_step import camera_step
+from ..bundle.adjust import check_calibration
+from ..bundle.camera_step import CameraStep, camera_step
+from ..bundle.from_sizes import odd_one
 from ..bundle.initial.view_pairs import ENOUGH, weakest_link
+from ..bundle.misfit import Misfit, NoBeginning
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
@@ -131,9 +133,12 @@ def calibrate_wand(
     try:
         fit, chosen = _calibrated(detections, want, rows, sizes, *first_rig(rows), method, lenses is not None)
     except Misfit as error:
-        if (step := step_of_part(detections, rows, lambda part: first_rig(part)[0])) is None:
-            raise
-        raise Misfit(f"{step_words(step)} {error}") from error
+        uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
+        odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
+        step = None
+        if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
+            step = step_of_part(detections, rows, lambda part: first_rig(part)[0])
+        raise Misfit(_misfit_words(str(error), step, odd)) from error
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
@@ -267,6 +272,23 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
             f"Camera {detections.cameras[c]} does not agree with the others where the wand is. Check that it is "
             "synchronised, and that its images are not mirrored or another camera's."
         )
+
+
+def _misfit_words(error: str, step: CameraStep | None, odd: str | None) -> str:
+    """The error with what else is known: that a camera was moved, or is the one that does not fit."""
+    if step is not None:
+        return f"{step_words(step)} {error}"
+    if odd is None:
+        return (
+            f"{error} No single camera seems to be the cause: what is wrong may be so in all, as lengths, lenses that "
+            "need more terms, or pixels that are not square (square_pixels = false in [calibrate])."
+        )
+    return f"Without camera {odd} the others fit each other. " + (
+        error
+        if f"Camera {odd} " in error
+        else "Check that it is synchronous, that its images are neither mirrored nor another camera's and their size "
+        "is right, and that it did not move; or leave it out."
+    )
 
 
 def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit, stated: Floats) -> str:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from ...data import Detections, KinemarkError
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.robust import SD_PER_MEDIAN
 from .ends import FEWEST as FEWEST_SHARED
 from .ends import agreed_ends
 from .rows import read_rows
@@ -33,6 +34,7 @@ FEWEST = 12
 """Frames in which a camera must see the wand; chosen (see benchmarks/bundle.py)."""
 CERTAIN = 9.0
 """Lead, as 2 ln of odds, from which an image's direction needs no other camera; chosen (see benchmarks/bundle.py)."""
+CLEAR_ENDS = 2.0  # standard deviations of what depth does to ln (first gap / last gap); chosen: 95 % of images
 WRONG_GAPS = 0.15
 """Of ln (first gap / last gap), on the median over all images; chosen (see benchmarks/bundle.py)."""
 
@@ -153,17 +155,21 @@ def _read_camera(detections: Detections, use: Bools, c: int, along: Floats) -> t
 
 
 def _check_gaps(ratio: Floats, along: Floats) -> None:
-    """The gaps in the images are, on the median, in the proportion that they have on the wand."""
-    seen = ratio[np.isfinite(ratio)]
+    """The gaps in the images are, on the median, in the proportion that they have on the wand.
+
+    An image shows the proportion times the ends' depths, and not from which end. Where these outweigh how unequal the
+    gaps are, as of equal ones, nothing follows here: once there are cameras, `stick_gaps` tells.
+    """
+    seen = np.abs(ratio[np.isfinite(ratio)])
     gaps = np.diff(along)
     if len(gaps) < 2 or len(seen) < FEWEST:
         return
     wanted_ratio = np.log(gaps[0] / gaps[-1])
-    difference = np.where(
-        np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio
-    )
-    if abs(median := float(np.median(difference))) > WRONG_GAPS:
-        found = np.exp(median + wanted_ratio)
+    typical = float(np.median(seen))
+    if abs(wanted_ratio) < CLEAR_ENDS * SD_PER_MEDIAN * np.median(np.abs(seen - typical)):
+        return
+    if abs(typical - abs(wanted_ratio)) > WRONG_GAPS:
+        found = np.exp(np.copysign(typical, wanted_ratio))
         raise KinemarkError(
             f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
             f"median of {len(seen)} images, and the wand's lengths {', '.join(f'{mm:g}' for mm in gaps)} mm say "

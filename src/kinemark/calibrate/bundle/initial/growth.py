@@ -7,7 +7,7 @@
    points that two of them now see are added (`robust_points`). A camera that sees no such points, but
    sticks together with one known camera, is placed by that pair alone.
 4. A pair and grid cell that lead to a rig in which the points fit as well as they fit the fundamental matrices is
-   taken at once; else the best of several.
+   taken at once; so is one that the beginnings of two pairs lead to; else the best of several.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats, Ints
 from ....numerics.evenly import evenly
+from ..misfit import NoBeginning
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
@@ -34,6 +35,7 @@ SEEDS = 8  # beginnings that are tried at most; chosen; seen by `benchmarks/bund
 AMPLE = 150  # points in common that are enough for a first guess; chosen for speed
 FEWEST_KNOWN = 12  # known points that a new camera must see; chosen: twice the six of a DLT (see benchmarks/bundle.py)
 GOOD = 2.0  # times the noise of two cameras alone, within which a start is taken at once; chosen
+SAME = 0.01  # of the residuals by which those of one rig from the beginnings of two pairs differ; chosen
 BENT = 0.02
 """Of the image's diagonal; no right point is further off in the first guess; chosen (see benchmarks/bundle.py)."""
 LONGER = 0.2  # a stick whose length is more than this share off has a wrong end; chosen (see benchmarks/bundle.py)
@@ -74,25 +76,40 @@ def start(views: TargetViews, *, seed: int = 0, focal_known: bool = False) -> tu
     whole, views = views, thinned(views)
     optics, pairs = find_pairs(views.optics, views.uv, seed=seed)
     views = views._replace(optics=optics)
-    noise = float(np.median([pair.scale for pair in pairs]))
-    best: Start | None = None
-    trouble = KinemarkError(
+    best = best_start(views, pairs, focal_known=focal_known)
+    return BundleState(best.cameras, (_part(whole, dict(enumerate(best.cameras))),)), noise_of(pairs)
+
+
+def best_start(views: TargetViews, pairs: list[Pair], *, focal_known: bool = False, tries: int = SEEDS) -> Start:
+    """Step 4, by the pairs of cameras whose lines are straightened, from so many beginnings at most.
+
+    Raises:
+        NoBeginning: nothing fits.
+    """
+    best: tuple[Start, Pair] | None = None
+    trouble = NoBeginning(
         "No focal lengths make sense of what any two cameras see. Check that points of one place have one index in all "
         "cameras and, for a stick, that its lengths are right and its ends are not mixed up. Cameras that face each "
         "other tell least: linearise them first, add a camera, or move one aside."
     )
-    for guess in _seeds(views, pairs, focal_known):
+    for guess in _beginnings(views, pairs, focal_known)[:tries]:
         try:
             found = grow(views, guess, pairs)
-        except KinemarkError as error:
+        except NoBeginning as error:
             trouble = error
             continue
-        best = found if best is None or found.scale < best.scale else best
-        if best.scale <= GOOD * noise:
+        again = best and best[1] is not guess.pair and abs(found.scale / best[0].scale - 1) < SAME
+        best = (found, guess.pair) if best is None or found.scale < best[0].scale else best
+        if again or best[0].scale <= GOOD * noise_of(pairs):
             break
     if best is None:
         raise trouble
-    return BundleState(best.cameras, (_part(whole, dict(enumerate(best.cameras))),)), noise
+    return best[0]
+
+
+def noise_of(pairs: list[Pair]) -> float:
+    """How well two cameras fit alone, px."""
+    return float(np.median([pair.scale for pair in pairs]))
 
 
 def thinned(views: TargetViews) -> TargetViews:
@@ -125,7 +142,7 @@ def check_connected(views: TargetViews) -> None:
         linked.add(rest[b])
 
 
-def _seeds(views: TargetViews, pairs: list[Pair], focal_known: bool) -> list[Seed]:
+def _beginnings(views: TargetViews, pairs: list[Pair], focal_known: bool) -> list[Seed]:
     """Beginnings, the most promising first."""
     found: list[Seed] = []
     for pair in pairs[:PAIRS]:
@@ -135,7 +152,7 @@ def _seeds(views: TargetViews, pairs: list[Pair], focal_known: bool) -> list[See
             found += point_seeds(views.optics, pair, views.uv)
         else:
             found += stick_seeds(views.optics, pair, views.poses, views.along)
-    return sorted(found, key=lambda s: s.score)[:SEEDS]
+    return sorted(found, key=lambda s: s.score)
 
 
 def grow(views: TargetViews, guess: Seed, pairs: list[Pair]) -> Start:
@@ -196,7 +213,7 @@ def _some_bodies(part: Part, uv: Floats) -> Ints:
     n, K = part.xyz.shape[:2]
     good = np.flatnonzero(supported((part,), complete(uv)).any(0).reshape(n, K).any(1))
     if len(good) < FEWEST_KNOWN // 2:
-        raise KinemarkError(
+        raise NoBeginning(
             f"Only {len(good)} of {n} poses or places are seen whole by two cameras and fit each other. Wave longer, "
             "where the cameras look, and check the lengths and the order of the markers, that all recordings begin at "
             "the same moment, and that no camera's images are mirrored or another's: leave out one camera after "
@@ -230,7 +247,7 @@ def _by_pair(views: TargetViews, cameras: dict[int, Camera], pairs: list[Pair]) 
             t = cameras[known].R.T @ (two[known].t - cameras[known].t)
             return {new: placed(two[new], R, t)}
     missing = [o.camera.name for c, o in enumerate(views.optics) if c not in cameras]
-    raise KinemarkError(
+    raise NoBeginning(
         f"Camera{'s' if len(missing) > 1 else ''} {', '.join(missing)}: fewer than {FEWEST_KNOWN} points are seen by "
         "it and by two other cameras at the same time. Wave where three cameras see it together, or leave it out."
     )
@@ -243,7 +260,7 @@ def _adjusted_pair(views: TargetViews, pair: Pair) -> dict[int, Camera] | None:
     for guess in stick_seeds(views.optics, pair, views.poses, views.along):
         try:
             found.append(_adjusted(views, _two(views, guess)))
-        except KinemarkError:
+        except NoBeginning:
             continue
         if found[-1][1] <= GOOD * pair.scale:
             break

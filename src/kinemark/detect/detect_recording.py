@@ -33,8 +33,8 @@ WAITING = 1 << 18
 """Pixels of suspected groups that are kept until they are explained together; chosen for memory."""
 
 FEWER = 0.03
-"""Share of the frames that a camera may lack, which began or stopped apart, or lost some: findings say so. Chosen: rates
-of cameras differ by 4 % and more, as 24 and 25 Hz."""
+"""Share of the frames that a camera may lack, which began or stopped apart, or lost some: findings say so. Chosen:
+rates of cameras differ by 4 % and more, as 24 and 25 Hz."""
 
 
 @one_blas_thread()

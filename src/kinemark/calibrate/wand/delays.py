@@ -49,8 +49,8 @@ def delays_between(uv: Floats) -> Floats | None:
     Args:
         uv: NaN where not seen; markers in either order, in each image its own.
     """
-    seen = np.isfinite(uv).all((2, 3)).astype(np.int64)
-    shared = seen @ seen.T
+    seen = np.isfinite(uv).all((2, 3))
+    shared = np.einsum("if,jf->ij", seen, seen, dtype=np.int64)
     pairs = sorted(combinations(range(len(uv)), 2), key=lambda pair: -shared[pair])
     delay: dict[int, float] = {pairs[0][0]: 0.0}
     while new := next((pair for pair in pairs if (pair[0] in delay) != (pair[1] in delay)), None):

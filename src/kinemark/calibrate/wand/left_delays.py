@@ -1,8 +1,8 @@
 """Delays that cameras of a calibrated rig still have, from what its points leave in images that move.
 
-An image that moves by u̇ px an image, and is taken late by τ images, lies off its point by τ u̇, of which the point and the
-cameras' parameters take up what they can. With D the columns u̇ and ∂u/∂θ of each camera, J = ∂u/∂X of a point in the
-cameras that see it and Q = 1 − J (JᵀJ)⁻¹ Jᵀ, residuals r give
+An image that moves by u̇ px an image, and is taken late by τ images, lies off its point by τ u̇, of which the point and
+the cameras' parameters take up what they can. With D the columns u̇ and ∂u/∂θ of each camera, J = ∂u/∂X of a point
+in the cameras that see it and Q = 1 − J (JᵀJ)⁻¹ Jᵀ, residuals r give
 
     (τ, θ) = (Σ DᵀQ D)⁻¹ Σ DᵀQ r                                         (1)
 
@@ -24,7 +24,7 @@ BLOCKS = 24
 SURE = 5.0
 """Standard deviations of a delay; chosen, as of trials (`track.simultaneous.time_offsets`)."""
 MOST = 2000
-"""Points that are looked at, evenly; chosen for memory and time: they tell delays to some ten thousandths of an image."""
+"""Points that are looked at, evenly; chosen for memory: they tell delays to some ten thousandths of an image."""
 LEAST_PX = 0.1
 """By which a delay moves images on the median; chosen: centroids are as good."""
 FAINT = 1e-9
@@ -61,7 +61,7 @@ def left_delays(fit: BundleFit, flow: Floats) -> Floats:
 
 
 def _columns(fit: BundleFit, flow: Floats, used: Bools, at: Ints) -> tuple[Floats, Floats, Floats]:
-    """√Q D (C n 2, C K), its columns of unit length, √Q r, and the lengths (C K), of images `used` (C, n) of `at` (n)."""
+    """√Q D (2 C n, C K), its columns of unit length, √Q r, and the lengths, of images `used` (C, n) of `at` (n)."""
     C, n, free = len(fit.rig), len(at), [np.flatnonzero(np.diag(camera.cov) > 0) for camera in fit.rig]
     K = 1 + max(map(len, free))
     D, J = np.zeros((C, n, 2, C, K)), np.zeros((C, n, 2, 3))
@@ -70,11 +70,15 @@ def _columns(fit: BundleFit, flow: Floats, used: Bools, at: Ints) -> tuple[Float
         D[c, seen, :, c, 0] = flow[c, at[seen]]
         D[c, seen, :, c, 1 : 1 + len(free[c])] = parameter_jacobian(camera, xyz)[..., free[c]]
         J[c, seen] = point_jacobian(camera, xyz)
-    J = J.transpose(1, 0, 2, 3).reshape(n, 2 * C, 3)
-    own = np.linalg.qr(J)[0]
-    both = np.concatenate([D.reshape(C, n, 2, C * K), np.where(used[..., None], fit.residual[:, at], 0.0)[..., None]], -1)
-    rows = both.transpose(1, 0, 2, 3).reshape(n, 2 * C, -1)
-    rows = rows - own @ (np.swapaxes(own, 1, 2) @ rows)  # Q is its own square
+    residual = np.where(used[..., None], fit.residual[:, at], 0.0)
+    rows = _by_point(np.concatenate([D.reshape(C, n, 2, C * K), residual[..., None]], -1))
+    taken = np.linalg.qr(_by_point(J))[0]
+    rows -= taken @ (np.swapaxes(taken, 1, 2) @ rows)  # Q is its own square
     rows = rows.reshape(n, C, 2, -1).transpose(1, 0, 2, 3).reshape(2 * C * n, -1)
     scale = np.maximum(np.linalg.norm(rows[:, :-1], axis=0), FAINT)
     return rows[:, :-1] / scale, rows[:, -1], scale
+
+
+def _by_point(each: Floats) -> Floats:
+    """(n, 2 C, …) of (C, n, 2, …)."""
+    return np.ascontiguousarray(np.moveaxis(each, 0, 1)).reshape(each.shape[1], 2 * len(each), -1)

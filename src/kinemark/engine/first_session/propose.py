@@ -17,9 +17,8 @@ from ...data import KinemarkError
 from ...data.typed import typed
 from ...detect.interlacing import FEWEST, interlacing
 from ...detect.proposal import propose
-from ...io.images import ImageSource
+from ...io.images import ImageSource, open_images
 from ...io.images import natural as natural_path
-from ...io.images import open_images
 from ..folders import is_recording
 from .calibration_way import completed
 from .camera_names import Grouping, best_grouping, grouped

@@ -165,9 +165,10 @@ CALIBRATION_WORDS = {
         "recording, before or after, if the cameras stand now as they did then; or leave that camera out.",
     ),
     "camera_late_while_calibrating": Words(
-        "{Cameras} took its images of the wand {late_images:.3g} images later than the others. They were moved in time.",
-        "Check that all cameras are started and triggered together. Trials learn delays of their own, or take those that "
-        "are stated: delays_ms below [cameras].",
+        "{Cameras} took its images of the wand {late_images:.3g} images later than the others. They were moved in "
+        "time.",
+        "Check that all cameras are started and triggered together. Trials learn delays of their own, or take those "
+        "that are stated: delays_ms below [cameras].",
     ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "

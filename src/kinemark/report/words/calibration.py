@@ -165,10 +165,10 @@ CALIBRATION_WORDS = {
         "recording, before or after, if the cameras stand now as they did then; or leave that camera out.",
     ),
     "camera_late_while_calibrating": Words(
-        "{Cameras} took its images of the wand {late_images:.3g} images later than the others. They were moved in "
-        "time.",
-        "Check that all cameras are started and triggered together. Trials learn delays of their own, or take those "
-        "that are stated: delays_ms below [cameras].",
+        "{Cameras} took its images of the wand {late_images:.3g} images ({delay_ms:3}) later than the others. They "
+        "were moved in time.",
+        "Check that all cameras are started and triggered together. If this one is late by as much in trials, state "
+        "its delays_ms below [cameras]: they are exacter by it than by the delay that each learns.",
     ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "

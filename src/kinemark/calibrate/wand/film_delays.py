@@ -68,8 +68,13 @@ def with_delays(
 
 
 def _in_time(detections: Detections, delay: Floats) -> Detections:
-    """Detections of cameras that are late by so many images (C), at the times of the frames."""
-    return at_common_time(detections, delay / detections.rate).detections
+    """Detections of cameras that are late by so many images (C), at the times of the frames.
+
+    Those that no motion tells where they were then are left out: a calibration has enough others.
+    """
+    moved, row = at_common_time(detections, delay / detections.rate)
+    known = np.isfinite(image_flow(detections)).all(1) | (delay == np.rint(delay))[detections.camera]
+    return moved.keep(known[row])
 
 
 def _flow(detections: Detections, rows: Ints) -> Floats:

@@ -11,9 +11,11 @@ import pytest
 
 from kinemark.apps.commands.new_session import init
 from kinemark.data import KinemarkError
+from kinemark.detect.interlacing import Interlacing
 from kinemark.engine.first_session import (
     Role,
     answered,
+    propose,
     propose_session,
     session_text,
     with_role,
@@ -184,6 +186,16 @@ def test_fields_are_seen_in_what_moves(first, tmp_path):
     assert found.interlaced == (first or False)
     assert found.rate == pytest.approx(50 if first else 25)
     assert found.interlaced_why.kind == ("fields" if first else "whole_frames")
+
+
+@pytest.mark.parametrize("votes, first", [(("bottom", None, None), False), (("top", "top", None), "top")])
+def test_one_camera_alone_does_not_make_fields(votes, first, tmp_path, monkeypatch):
+    """Big soft spots that hardly move at 500 Hz look nearly as woven ones to single cameras."""
+    for c in (1, 2, 3):
+        clip(tmp_path / f"cam{c}.mkv", 20, seed=c)
+    said = iter(votes)
+    monkeypatch.setattr(propose, "interlacing", lambda frames: Interlacing(next(said), 0.41, 5000))
+    assert propose_session(tmp_path).interlaced == first
 
 
 @pytest.mark.parametrize("dark", [True, False])

@@ -272,7 +272,8 @@ def _fields(folder: Path, cameras: Sequence[str], filmed: Sequence[FoundRecordin
             if len(frames) > 2:
                 looked.append(interlacing(np.stack(frames)))
     said = [one for one in looked if one.first is not None]
-    if not said:
+    doubting = sum(one.first is None and one.pixels >= FEWEST for one in looked)
+    if not said or (doubting > len(said) and all(one.first for one in said)):  # big soft discs are nearly as woven ones
         return False, Reason("nothing_moved", {"path": longest.path, "pixels_wanted": FEWEST})
     surest = max(said, key=lambda one: one.pixels)
     values = {"path": longest.path, "ratio": round(surest.ratio, 2), "first": surest.first}

@@ -227,7 +227,7 @@ def _check_decided(detections: Detections, rows: Ints, read: Ints) -> None:
         if (most := int(shared[c].max())) < FEWEST_SHARED:
             raise KinemarkError(
                 f"{head}, but in at most {most} frames together with another camera; {FEWEST_SHARED} are needed to "
-                "tell which end is which. Wave the wand longer, where two cameras see it at once; a wand with two markers "
+                "tell which end is which. Wave the wand longer, where two cameras see it at once; one with two markers "
                 "is read only where nothing else shines: mask reflections, also those of the floor."
             )
         raise KinemarkError(

@@ -11,9 +11,11 @@ import pytest
 
 from kinemark.apps.commands.new_session import init
 from kinemark.data import KinemarkError
+from kinemark.detect.interlacing import Interlacing
 from kinemark.engine.first_session import (
     Role,
     answered,
+    propose,
     propose_session,
     session_text,
     with_role,
@@ -113,8 +115,8 @@ def test_an_existing_session_is_never_overwritten(waved):
         write_first_session(propose_session(waved))
 
 
-def clip(path, n_frames, *, seed=0, rate=50.0, woven=""):
-    """A small video of a bright disc that moves; as two fields where `woven` says which comes first."""
+def clip(path, n_frames, *, seed=0, rate=50.0, woven="", dark=False):
+    """A small video of a bright disc that moves, or a dark one; as two fields where `woven` says which comes first."""
     path.parent.mkdir(parents=True, exist_ok=True)
     row, column = np.mgrid[:48, :64]
     rng = np.random.default_rng(seed)
@@ -123,7 +125,8 @@ def clip(path, n_frames, *, seed=0, rate=50.0, woven=""):
     def at(t):
         away = (row - 24) ** 2 + (column - 12 - (x0 + v * t) % 40) ** 2
         disc = 200 / (1 + np.exp(np.minimum(away / 9 - 3, 50)))
-        return (disc + rng.normal(20, 1.5, disc.shape)).clip(0, 255).astype(np.uint8)
+        image = (disc + rng.normal(20, 1.5, disc.shape)).clip(0, 255).astype(np.uint8)
+        return np.uint8(235) - np.minimum(image, 235) if dark else image
 
     def frame(k):
         if not woven:
@@ -148,6 +151,7 @@ NAMINGS = {
     "camera said twice": ("cam{c}/{trial}_cam{c}.mkv", ("cam1", "cam2", "cam3")),
     "serial numbers": ("{trial}_2199032{c}.mkv", ("21990321", "21990322", "21990323")),
     "letters alone": ("{L}/{trial}.mkv", ("A", "B", "C")),
+    "names of one's own, first": ("{own}_{trial}.mkv", ("Fenster", "Tor", "Wand")),
 }
 
 
@@ -156,7 +160,8 @@ def test_cameras_and_trials_follow_from_names(naming, tmp_path):
     form, cameras = NAMINGS[naming]
     for k, trial in enumerate(("walk01", "walk02", "wand")):
         for c in (1, 2, 3):
-            said = form.format(trial=trial, c=c, L="ABC"[c - 1], side=("left", "right", "front")[c - 1])
+            said = form.format(trial=trial, c=c, L="ABC"[c - 1], side=("left", "right", "front")[c - 1],
+                               own=("Tor", "Fenster", "Wand")[c - 1])  # fmt: skip
             clip(tmp_path / said, 35 + 3 * k, seed=c)
     found = propose_session(tmp_path)
     assert found.cameras == cameras
@@ -181,6 +186,25 @@ def test_fields_are_seen_in_what_moves(first, tmp_path):
     assert found.interlaced == (first or False)
     assert found.rate == pytest.approx(50 if first else 25)
     assert found.interlaced_why.kind == ("fields" if first else "whole_frames")
+
+
+@pytest.mark.parametrize("votes, first", [(("bottom", None, None), False), (("top", "top", None), "top")])
+def test_one_camera_alone_does_not_make_fields(votes, first, tmp_path, monkeypatch):
+    """Big soft spots that hardly move at 500 Hz look nearly as woven ones to single cameras."""
+    for c in (1, 2, 3):
+        clip(tmp_path / f"cam{c}.mkv", 20, seed=c)
+    said = iter(votes)
+    monkeypatch.setattr(propose, "interlacing", lambda frames: Interlacing(next(said), 0.41, 5000))
+    assert propose_session(tmp_path).interlaced == first
+
+
+@pytest.mark.parametrize("dark", [True, False])
+def test_dark_markers_are_seen(dark, tmp_path):
+    for c in (1, 2):
+        clip(tmp_path / f"walk_cam{c}.mkv", 20, seed=c, dark=dark)
+        clip(tmp_path / f"wand_cam{c}.mkv", 25, seed=c, dark=dark)
+    write_first_session(answered(propose_session(tmp_path), "calibration.wand.lengths_mm", "120 280"))
+    assert Session.open(tmp_path).settings.detect.inverted == dark
 
 
 def test_image_sequences_and_pictures_are_told_apart(tmp_path):

@@ -98,6 +98,8 @@ def test_films_of_other_lengths_are_detected_where_they_may_be():
     assert (found.n_frames, found.counts[0, 50:].any()) == (60, False)
     with pytest.raises(KinemarkError, match=r"a 50, b 60.*rates_hz in \[cameras\]"):
         detect(films, cameras=("a", "b"), rate=50.0)
+    lost = detect([Film(59), Film(60)], cameras=("a", "b"), rate=50.0)  # one image in sixty: it lost it, or stopped
+    assert lost.counts.sum(1).tolist() == [59, 60]
 
 
 def test_a_slip_of_the_decimal_point_is_refused(tmp_path):

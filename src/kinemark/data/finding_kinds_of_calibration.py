@@ -81,6 +81,8 @@ CALIBRATION_KINDS = (
     Kind("camera_moved_while_calibrating", "calibrate", "amber", "From a frame on the cameras do not fit each other as "
          "before, while a wand or marker was waved: a camera's image lies beside by offset_px, from from_s on; no "
          "camera where several would explain it. Red above 1 px.", {"offset_px": "px", "from_s": "s"}),
+    Kind("camera_late_while_calibrating", "calibrate", "amber", "A camera took the images of a waved wand later than "
+         "the others, by this many of them; they were moved in time.", {"late_images": "ratio", "delay_ms": "ms"}),
     Kind("l_frame_moved", "calibrate", "amber", "The L-frame, or something taken for it, stood elsewhere in some "
          "frames, which were left out.", {"frame_count": "count", "read_frames": "count", "off_mm": "mm"}),
     Kind("world_seen_elsewhere", "calibrate", "amber", "What shows the world, an L-frame or surveyed points, is seen "

@@ -45,6 +45,8 @@ TRIAL_KINDS = (
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
     Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
          "rate a camera.", {"rate_hz": "Hz", "stated_hz_list": "Hz"}),
+    Kind("camera_fewer_images", "record", "amber", "A camera has fewer images than the others: it began or stopped "
+         "apart, or lost some.", {"images": "count", "most_images": "count"}),
     Kind("channels_resampled", "record", "info", "Channels whose rate or start does not fall on the one clock of a C3D "
          "file, interpolated there; their source keeps them as they were.",
          {"channels": "count", "channels_list": "text", "rate_hz": "Hz", "stored_rate_hz": "Hz"}),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
@@ -106,7 +106,7 @@ def recorded(
     found = detect(
         list(images.values()),
         cameras=tuple(names),
-        rate=settings.rate_hz or 1.0,
+        rate=_rate(root, settings, images, names),
         method=method,
         of_cameras=methods_of(settings, names),
         masks=masks_of(root, settings, names) if masked else None,
@@ -114,6 +114,19 @@ def recorded(
         threads=threads,
     )
     return Recorded(found, np.array([images[name].size for name in names]))
+
+
+def _rate(root: Path, settings: Settings, images: Mapping[str, ImageSource], names: Sequence[str]) -> float:
+    """Hz of a film that calibrates: in the proportion of its file's rate to that of the first trial's; 1 if unknown."""
+    stated, own = settings.rate_hz or 1.0, images[names[0]].rate
+    pattern = next((trial.images for trial in settings.trials if trial.images), None)
+    if own is None or pattern is None or not settings.rate_hz:
+        return stated
+    try:
+        of_trials = _opened(root, settings.cameras.first_field, pattern, names[:1])[names[0]].rate
+    except KinemarkError:  # trials may be copied later
+        return stated
+    return stated * own / of_trials if of_trials else stated
 
 
 def methods_of(settings: Settings, names: Sequence[str]) -> dict[str, Any]:

@@ -97,6 +97,7 @@ class BundleFit(NamedTuple):
         freedom: ν, degrees of freedom of it.
         step: that a camera was probably moved meanwhile, and when; None where nothing says so, or it was not looked
             for.
+        delay: (C) by how many images each camera took the film later than others; empty where it was not looked for.
     """
 
     rig: Rig
@@ -107,6 +108,7 @@ class BundleFit(NamedTuple):
     chi2: float
     freedom: int
     step: CameraStep | None = None
+    delay: Floats = np.zeros(0)
 
 
 def bundle(

@@ -5,6 +5,7 @@
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
    a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.
 4. The rig from these, by bundle adjustment that goes on from the first.
+5. If cameras took their images later than others, all of it again with what they saw moved in time (`film_delays`).
 
 Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.
 So poses are chosen one by one, each the one with the greatest
@@ -19,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +40,7 @@ from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
+from .film_delays import WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
 from .moved_camera import step_of_part, step_words
 
@@ -105,7 +108,7 @@ def calibrate_wand(
     """The rig of C cameras that saw a wand over F frames.
 
     Args:
-        detections: of all cameras, which took their images at the same moments.
+        detections: of all cameras. Those that took their images later than others are found out.
         lengths: (K − 1) gaps between the wand's K markers, mm; K is 2, 3 or 4.
         sizes: (C, 2) width and height of the images, px.
         method: what to fit.
@@ -124,6 +127,14 @@ def calibrate_wand(
     sizes = np.asarray(sizes, np.int64)
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
+    calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
+    return with_delays(detections, along, calibrated)
+
+
+def _synchronous(
+    detections: Detections, *, along: Floats, sizes: Ints, method: Wand, lenses: Sequence[Camera] | None
+) -> WandFit:
+    """The rig of cameras that took their images at the same moments, from a wand with markers `along` (K) mm."""
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
 
@@ -142,8 +153,8 @@ def calibrate_wand(
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
-    words = _words(detections, want, chosen, fit, np.diff(marker_places(lengths)))
-    return fit._replace(rig=Rig(fit.rig.cameras, words, volume))
+    words = _words(detections, want, chosen, fit, np.diff(along))
+    return WandFit(fit._replace(rig=Rig(fit.rig.cameras, words, volume)), chosen)
 
 
 def _calibrated(

@@ -80,25 +80,34 @@ def pair_evidence(uv1: Floats, uv2: Floats) -> Floats:
         return evidence
     a, b = uv1[seen], uv2[seen]
     try:
-        F, before = _first_guess(a, b), None
-        for _ in range(ROUNDS):
-            equal, opposite = _costs(F, a, b)
-            turned = opposite < equal
-            if before is not None and (turned == before).all():
-                break
-            F = _from_markers(a, np.where(turned[:, None, None], b[:, ::-1], b), equal, opposite)
-            before = turned
+        equal, opposite = epipolar_costs(a, b)
     except KinemarkError:
         return evidence  # the cameras are in one place, or the wand was held still
-    equal, opposite = _costs(F, a, b)
     evidence[seen] = _evidence(equal, opposite, a.shape[1])
     return evidence
 
 
-def _first_guess(a: Floats, b: Floats) -> Floats:
+def epipolar_costs(a: Floats, b: Floats, samples: int = SAMPLES) -> tuple[Floats, Floats]:
+    """(1) of two cameras that see markers (n, K, 2) for equal and for opposite signs, (n) px² each, by the best F.
+
+    Raises:
+        KinemarkError: no F fits.
+    """
+    F, before = _first_guess(a, b, samples), None
+    for _ in range(ROUNDS):
+        equal, opposite = _costs(F, a, b)
+        turned = opposite < equal
+        if before is not None and (turned == before).all():
+            break
+        F = _from_markers(a, np.where(turned[:, None, None], b[:, ::-1], b), equal, opposite)
+        before = turned
+    return _costs(F, a, b)
+
+
+def _first_guess(a: Floats, b: Floats, samples: int) -> Floats:
     """F by (4) from markers (n, K, 2) of two cameras."""
     rng = np.random.default_rng(0)
-    sample = rng.random((SAMPLES, len(a))).argpartition(SAMPLED - 1, axis=1)[:, :SAMPLED]
+    sample = rng.random((samples, len(a))).argpartition(SAMPLED - 1, axis=1)[:, :SAMPLED]
     x, y = a[sample][:, None, :, [0, -1]], b[sample][:, None, :, [0, -1]]  # the ends (SAMPLES, 1, SAMPLED, 2, 2)
     y = np.where(WAYS[..., None, None], y[..., ::-1, :], y)
     F = fundamentals(np.broadcast_to(x, y.shape).reshape(-1, 8, 2), y.reshape(-1, 8, 2))

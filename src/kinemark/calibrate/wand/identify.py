@@ -102,14 +102,21 @@ def wanted(detections: Detections) -> Wanted:
     return Wanted(use, crowded.sum(1), np.bincount(camera[still], minlength=len(counts)))
 
 
-def identify_wand(detections: Detections, want: Wanted, along: Floats) -> Ints:
-    """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen; errors as in `points`."""
+def read_wand(detections: Detections, want: Wanted, along: Floats) -> tuple[Ints, Floats]:
+    """Step 3: the row of each marker (C, F, K), −1 where not seen, and the lead (C, F) of its direction; errors as in
+    `wand_points`."""
     rows = np.full((len(detections.cameras), detections.n_frames, len(along)), -1, np.int64)
     lead, ratio = np.zeros(rows.shape[:2]), np.full(rows.shape[:2], np.nan)
     for c in range(len(rows)):
         rows[c], lead[c], ratio[c] = _read_camera(detections, want.use, c, along)
     _check_gaps(ratio, along)
     _check_seen(detections, want, (rows[..., 0] >= 0).sum(1), len(along))
+    return rows, lead
+
+
+def identify_wand(detections: Detections, want: Wanted, along: Floats) -> Ints:
+    """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen; errors as in `wand_points`."""
+    rows, lead = read_wand(detections, want, along)
     if (lead[rows[..., 0] >= 0] < CERTAIN).any():
         turned, undecided = agreed_ends(at_rows(detections, rows)[0], lead)
         read = rows[..., 0]
@@ -226,7 +233,8 @@ def _check_decided(detections: Detections, rows: Ints, read: Ints) -> None:
         if (most := int(shared[c].max())) < FEWEST_SHARED:
             raise KinemarkError(
                 f"{head}, but in at most {most} frames together with another camera; {FEWEST_SHARED} are needed to "
-                "tell which end is which. Wave the wand longer, where two cameras see it at once."
+                "tell which end is which. Wave the wand longer, where two cameras see it at once; one with two markers "
+                "is read only where nothing else shines: mask reflections, also those of the floor."
             )
         raise KinemarkError(
             f"{head}, but no other camera's view tells which end is which. Wave the wand, turning it in all "

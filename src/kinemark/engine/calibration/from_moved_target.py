@@ -62,7 +62,12 @@ def from_wand(task: Task) -> RigWithEvidence:
     tell(1, 1)
     way_text = f"a wand of {' + '.join(f'{mm:g}' for mm in stated)} mm"
     made = _placed(task, FittedRig(fit, along, judged, lenses), way_text)
-    found = (*made.evidence.findings, *_changed(stated, gaps), *_moved_meanwhile(fit, seen.detections))
+    found = (
+        *made.evidence.findings,
+        *_changed(stated, gaps),
+        *_moved_meanwhile(fit, seen.detections),
+        *_late(fit, seen.detections.rate),
+    )
     return made._replace(evidence=replace(made.evidence, known=gaps, lengths=judged.lengths, findings=found))
 
 
@@ -87,6 +92,15 @@ def _moved_meanwhile(fit: BundleFit, detections: Detections) -> Iterator[Finding
             offset_px=step.px,
             from_s=step.frame / detections.rate,
         )
+
+
+def _late(fit: BundleFit, rate: float) -> Iterator[Finding]:
+    """Says which cameras took their images, at `rate` Hz, later than the others."""
+    for name, images in zip(fit.rig.names, fit.delay.tolist(), strict=True):
+        if images:
+            yield make_finding(
+                "camera_late_while_calibrating", cameras=[name], late_images=images, delay_ms=1000 * images / rate
+            )
 
 
 def from_single_marker(task: Task) -> RigWithEvidence:

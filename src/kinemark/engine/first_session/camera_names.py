@@ -84,6 +84,13 @@ def by_stem(path: str) -> Cut | None:
     return None if "#" in stem else Cut(stem, f"{folder}/{CAMERA}{dot}{ending}".lstrip("/"))
 
 
+def by_first(path: str) -> Cut | None:
+    """What stands before the first `_`, `-` or blank of the name, where a recording's word and number follow."""
+    folder, name = path.rpartition("/")[::2]
+    found = re.match(r"([^\W_]+)([_ -].+)", name)
+    return Cut(found[1], f"{folder}/{CAMERA}{found[2]}".lstrip("/")) if found else None
+
+
 def by_run(k: int) -> Callable[[str], Cut | None]:
     """The k-th run of letters or digits from the end of the name."""
 
@@ -120,6 +127,7 @@ HYPOTHESES: dict[str, tuple[Callable[[str], Cut | None], float]] = {
     "side": (by_side, 0.35),
     "folder": (by_folder, 0.2),
     "stem": (by_stem, 0.01),
+    "run first": (by_first, 0.03),
     **{f"run {k + 1}": (by_run(k), 0.1 - 0.02 * k) for k in range(RUNS)},
 }
 """By name, how a path is cut, and how much its names look like those of cameras; chosen, below what one piece of

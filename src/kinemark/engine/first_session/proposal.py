@@ -109,6 +109,7 @@ class SessionProposal:
         cameras: (C) names in order; cameras_why: how they were found.
         rate: Hz of frames, of fields where interlaced; None where no file says it. rate_why: the reason.
         interlaced: "top" or "bottom", the field taken first; False for whole frames. interlaced_why: the reason.
+        inverted_why: the reason where markers are darker than their ground; None where they are brighter.
         recordings: all that was found, in order of path.
         way: the recording that calibrates; None where there is none, or more is needed to say.
         beside: recordings that go beside the way, as an L-frame or a grid.
@@ -125,6 +126,7 @@ class SessionProposal:
     rate_why: Reason = NO_RATE
     interlaced: Literal[False, "top", "bottom"] = False
     interlaced_why: Reason = NO_IMAGES
+    inverted_why: Reason | None = None
     recordings: tuple[FoundRecording, ...] = ()
     way: FoundRecording | None = None
     beside: tuple[FoundRecording, ...] = ()

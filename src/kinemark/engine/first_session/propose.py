@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -15,8 +16,9 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.typed import typed
 from ...detect.interlacing import FEWEST, interlacing
+from ...detect.proposal import propose
+from ...io.images import ImageSource, open_images
 from ...io.images import natural as natural_path
-from ...io.images import open_images
 from ..folders import is_recording
 from .calibration_way import completed
 from .camera_names import Grouping, best_grouping, grouped
@@ -218,12 +220,13 @@ def _date(folder: Path, recordings: Sequence[FoundRecording]) -> str:
 
 
 def _timed(proposal: SessionProposal) -> SessionProposal:
-    """With rate and fields, of the trials where there are any."""
+    """With rate, fields and whether markers are dark, of the trials where there are any."""
     used = [one for one in proposal.recordings if one.role in TRIALS] or [
         one for one in proposal.recordings if one.content in ("images", "detections")
     ]
     filmed = [one for one in used if one.content == "images" and (one.frames or 0) > 2]
     field, field_why = _fields(proposal.folder, proposal.cameras, filmed)
+    proposal = replace(proposal, inverted_why=_dark(proposal.folder, proposal.cameras, filmed))
     rated = [one for one in used if one.rate]
     notes = list(proposal.notes)
     if not rated:
@@ -236,22 +239,41 @@ def _timed(proposal: SessionProposal) -> SessionProposal:
     return replace(proposal, rate=rate, rate_why=why, interlaced=field, interlaced_why=field_why, notes=tuple(notes))
 
 
+def _sources(folder: Path, cameras: Sequence[str], recording: FoundRecording) -> list[ImageSource]:
+    """What some cameras recorded; without those that cannot be opened."""
+    sources = []
+    for name in cameras[:CAMERAS_LOOKED_AT]:
+        with suppress(KinemarkError):
+            sources.append(open_images(folder / recording.path.replace("{camera}", name)))
+    return sources
+
+
+def _dark(folder: Path, cameras: Sequence[str], filmed: Sequence[FoundRecording]) -> Reason | None:
+    """Why markers are darker than their ground, where all cameras that are looked at show it."""
+    if not filmed:
+        return None
+    longest = max(filmed, key=lambda one: one.frames or 0)
+    said = []
+    for source in _sources(folder, cameras, longest):
+        with suppress(KinemarkError):
+            said.append(propose(source).inverted)
+    return Reason("markers_dark", {"path": longest.path}) if said and all(said) else None
+
+
 def _fields(folder: Path, cameras: Sequence[str], filmed: Sequence[FoundRecording]) -> tuple[First, Reason]:
     """Whether images are two fields, and which came first, by what moves in them."""
     if not filmed or not cameras:
         return False, Reason("no_images")
     longest = max(filmed, key=lambda one: one.frames or 0)
     looked = []
-    for name in cameras[:CAMERAS_LOOKED_AT]:
-        try:
-            source = open_images(folder / longest.path.replace("{camera}", name))
+    for source in _sources(folder, cameras, longest):
+        with suppress(KinemarkError):
             frames = list(islice(source.frames(), LOOKED_AT))
-        except KinemarkError:
-            continue
-        if len(frames) > 2:
-            looked.append(interlacing(np.stack(frames)))
+            if len(frames) > 2:
+                looked.append(interlacing(np.stack(frames)))
     said = [one for one in looked if one.first is not None]
-    if not said:
+    doubting = sum(one.first is None and one.pixels >= FEWEST for one in looked)
+    if not said or (doubting > len(said) and all(one.first for one in said)):  # big soft discs are nearly as woven ones
         return False, Reason("nothing_moved", {"path": longest.path, "pixels_wanted": FEWEST})
     surest = max(said, key=lambda one: one.pixels)
     values = {"path": longest.path, "ratio": round(surest.ratio, 2), "first": surest.first}

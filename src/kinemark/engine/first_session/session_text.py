@@ -39,6 +39,11 @@ def session_text(proposal: SessionProposal) -> str:
     document.add(tomlkit.nl())
     document["cameras"] = _cameras(proposal)
     document["calibration"] = calibration_table(proposal)
+    if proposal.inverted_why is not None:
+        detect = tomlkit.table()
+        detect["inverted"] = tomlkit.item(True).comment(reason_text(proposal.inverted_why))
+        detect.add(tomlkit.nl())
+        document["detect"] = detect
     if (label := _label(proposal)).value.body:
         document["label"] = label
     if proposal.trials:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,10 +55,10 @@ class Images(PlainSource):
         return of.corrected(found).detections
 
     def contradictions(self) -> tuple[Finding, ...]:
-        """Where the videos' own frame rates contradict the one that is used."""
+        """Where the videos' own frame rates contradict the one that is used, and cameras have fewer images."""
         images, stated = self.of.images(), self.of.settings.cameras.rates_hz
-        rate = self._rate(images)
-        return other_rates({name: source for name, source in images.items() if name not in stated}, rate)
+        alike = {name: source for name, source in images.items() if name not in stated}
+        return (*other_rates(alike, self._rate(images)), *fewer_images(alike))
 
     def pictures(self, frames: Sequence[int]) -> list[GreyLevels]:
         """The frames, counted within the stretch."""
@@ -66,6 +66,14 @@ class Images(PlainSource):
 
     def _rate(self, images: Mapping[str, ImageSource]) -> float:
         return self.of.rate(next(iter(images.values())).rate)
+
+
+def fewer_images(images: Mapping[str, ImageSource]) -> Iterator[Finding]:
+    """Of each camera that has fewer images than the others."""
+    most = max((source.n_frames for source in images.values()), default=0)
+    for name, source in images.items():
+        if source.n_frames < most:
+            yield make_finding("camera_fewer_images", cameras=[name], images=source.n_frames, most_images=most)
 
 
 def other_rates(images: Mapping[str, ImageSource], rate: float) -> tuple[Finding, ...]:

@@ -164,6 +164,12 @@ CALIBRATION_WORDS = {
         "Errors are larger than stated. Wave again and touch no camera; or calibrate from the longer part of the "
         "recording, before or after, if the cameras stand now as they did then; or leave that camera out.",
     ),
+    "camera_late_while_calibrating": Words(
+        "{Cameras} took its images of the wand {late_images:.3g} images ({delay_ms:3}) later than the others. They "
+        "were moved in time.",
+        "Check that all cameras are started and triggered together. If this one is late by as much in trials, state "
+        "its delays_ms below [cameras]: they are exacter by it than by the delay that each learns.",
+    ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "
         "They were left out.",

@@ -54,6 +54,7 @@ REASONS = {
     "nothing_moved": "too little moved in {path}, or markers are too small, to see fields",
     "whole_frames": "what moves in {path} shows whole frames",
     "fields": "what moves in {path} shows two fields in an image",
+    "markers_dark": "markers are darker than their ground in {path}",
     "also_calibrates": "{path} could calibrate as well, by {role}",
     "no_calibration": "no recording calibrates the cameras",
     "no_target_file": "{path} may show a target, and no file says where its markers are: rods.toml or points.csv",

@@ -147,6 +147,11 @@ TRIAL_WORDS = {
         "The pixels of {cameras} would not be square by this calibration.",
         "Check the coordinates of the control points, unless the sensor has such pixels.",
     ),
+    "camera_fewer_images": Words(
+        "{Cameras} has {images} images, and others have {most_images}. They were taken as the first ones.",
+        "If it lost images in between, those after stand in wrong frames: put black ones in their places. If it began "
+        "late, state its delays_ms below [cameras]: kinemark starts tells by how much.",
+    ),
     "frame_rate_contradicted": Words(
         _contradicted,
         "Correct the one that is wrong: times and speeds are as right as rate_hz. High-speed cameras often store a "

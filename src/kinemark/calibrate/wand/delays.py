@@ -1,0 +1,126 @@
+"""By how many images cameras took a wand's film later than others, from pairs of cameras, before there is a rig.
+
+Camera c takes its image k at k + d_c, in images. Of two cameras a and b, the markers that b shows at the times of a's
+images are, with g = f − rint(d), s = rint(d) − d and the wand of neighbouring images in the order that moves it less,
+
+    u_b(f) = u(g) + s (u(g+1) − u(g−1)) / 2 + s² (u(g+1) − 2 u(g) + u(g−1)) / 2           (1)
+
+and where d = d_b − d_a, a fundamental matrix fits them to those of a, either end first, by the mean square
+
+    S(d) = mean over the better share of the frames of Sampson's distances², px²           (2)
+
+that is left of lenses and noise; elsewhere the wand's motion comes on top. Whole d are tried, then three about the
+least, on the parabola through which S is least (3), in steps that become smaller. A pair tells something where S is
+`CLEAR` times less there than far from there. Cameras are chained by the pairs that share most frames (a
+spanning tree), and delays are given less their (lower) median, as most cameras are thought to be in time.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from ...data import KinemarkError
+from ...data.array_types import Floats, Ints
+from ...numerics.evenly import evenly
+from .ends import FEWEST, SAMPLES, epipolar_costs
+
+WITHIN = (6, 25, 100)
+"""Images that cameras are looked for apart, one after the other, and a quarter of the recording at most; chosen for
+time, the last as for trials."""
+QUICK = 8
+"""Samples of a fundamental matrix, where only whole images are asked for; chosen for time: six are right (`ends`)."""
+LOOKED_AT = 200
+"""Frames of a pair, spread evenly; chosen for speed."""
+BETTER = 0.8
+"""Share of the frames in (2); chosen: strays and mistaken rows are fewer than the rest."""
+CLEAR = 4.0
+"""Of S far from the least S by that; chosen: right ones of simulated wands had more than 30, chance less than 2."""
+STEPS = (0.5, 0.25)
+"""Images to both sides of the least in (3); chosen: S is a parabola as long as the wand's motion is even."""
+LEAST = 0.02
+"""Images; delays below are none; chosen: the wand moves some px an image, and centroids are a tenth px off."""
+
+
+def delays_between(uv: Floats) -> Floats | None:
+    """The delays (C) in images of cameras that see a wand's markers (C, F, K, 2) px; None where none is late.
+
+    Args:
+        uv: NaN where not seen; markers in either order, in each image its own.
+    """
+    seen = np.isfinite(uv).all((2, 3))
+    shared = np.einsum("if,jf->ij", seen, seen, dtype=np.int64)
+    pairs = sorted(combinations(range(len(uv)), 2), key=lambda pair: -shared[pair])
+    delay: dict[int, float] = {pairs[0][0]: 0.0}
+    while new := next((pair for pair in pairs if (pair[0] in delay) != (pair[1] in delay)), None):
+        old, other = new if new[0] in delay else new[::-1]
+        delay[other] = delay[old] + (pair_delay(uv[old], uv[other]) or 0.0)
+    found = np.array([delay[c] for c in range(len(uv))])
+    found -= np.sort(found)[(len(found) - 1) // 2]
+    found[np.abs(found) < LEAST] = 0.0
+    return found if found.any() else None
+
+
+def pair_delay(a: Floats, b: Floats) -> float | None:
+    """By how many images b (F, K, 2) was taken later than a, by (2) and (3); None where the wand does not tell."""
+    best = next((whole for most in WITHIN if (whole := _whole_delay(a, b, min(most, len(a) // 4))) is not None), None)
+    if best is None:
+        return None
+    for step in STEPS:
+        before, at, after = (_cost(a, b, best + s) for s in (-step, 0.0, step))
+        bend = before - 2 * at + after
+        if not bend > 0:  # nan where the recording ends there
+            return best
+        best += float(np.clip(step * (before - after) / (2 * bend), -step, step))  # (3)
+    return best
+
+
+def _whole_delay(a: Floats, b: Floats, most: int) -> float | None:
+    """The delay in whole images at which S is least; None where it is not clear, or may be beyond."""
+    shifts = np.arange(-most, most + 1)
+    costs = np.array([_cost(a, b, float(d), QUICK) for d in shifts])
+    if not np.isfinite(costs).any():
+        return None
+    best = int(np.nanargmin(costs))
+    clear = 0 < best < 2 * most and costs[best] * CLEAR < np.nanmedian(costs)
+    return float(shifts[best]) if clear else None
+
+
+def _cost(a: Floats, b: Floats, delay: float, samples: int = SAMPLES) -> float:
+    """S by (2), of a matrix from so many samples; NaN where cameras share too little at this delay."""
+    b = at_times(b, delay)
+    both = np.flatnonzero(np.isfinite(a).all((1, 2)) & np.isfinite(b).all((1, 2)))
+    if len(both) < FEWEST:
+        return np.nan
+    both = both[evenly(len(both), LOOKED_AT)]
+    try:
+        cost = np.sort(np.minimum(*epipolar_costs(a[both], b[both], samples)))
+    except KinemarkError:  # the cameras are in one place
+        return np.nan
+    return float(cost[: max(int(BETTER * len(cost)), 1)].mean())
+
+
+def at_times(uv: Floats, delay: float) -> Floats:
+    """Markers (F, K, 2) of a camera that is late by so many images at the times of the frames, by (1)."""
+    whole = round(delay)
+    s = whole - delay
+    at = _moved(uv, whole)
+    if s == 0:
+        return at
+    before, after = (_alike(_moved(uv, whole + k), at) for k in (1, -1))
+    return at + s * (after - before) / 2 + s**2 * (after - 2 * at + before) / 2
+
+
+def _moved(uv: Floats, images: int) -> Floats:
+    """uv (F, …) with image f − images in frame f, NaN where there is none."""
+    source: Ints = np.arange(len(uv)) - images
+    there = (source >= 0) & (source < len(uv))
+    return np.where(there[:, None, None], uv[np.clip(source, 0, len(uv) - 1)], np.nan)
+
+
+def _alike(uv: Floats, near: Floats) -> Floats:
+    """Markers (F, K, 2) in the order in which they are nearer to those of another image."""
+    turned = uv[:, ::-1]
+    other = ((turned - near) ** 2).sum((1, 2)) < ((uv - near) ** 2).sum((1, 2))
+    return np.where(other[:, None, None], turned, uv)

@@ -174,8 +174,9 @@ def test_gaps_are_problems_with_ways_to_fill_until_somebody_chose(tmp_path):
 
 def test_no_way_to_fill_promises_less_than_samples_in_doubt_beside_the_gap_leave(tmp_path):
     """Hold-out gaps have good samples beside them: by these the worst way was proposed, a tenth as far off as it is."""
-    short = spiked(clean(markers=12).frames(0, 200), 5, 99, 100, mm=35.0)  # too short to contradict the sample
-    editing = editing_of(without(without(short, 5, 100, 106), 2, 60, 80), tmp_path)
+    walk = clean(markers=12).frames(0, 200)
+    three = replace(walk, paths=walk.paths[3:6])  # nothing but its own motion tells of the sample
+    editing = editing_of(without(without(spiked(three, 2, 99, 100, mm=35.0), 2, 100, 106), 0, 60, 80), tmp_path)
     gaps = filled_gaps(editing)
     (gap,) = (gap for gap in gaps if gap.suspicious)
     (one,) = (p for p in problems(editing, gaps=gaps).items if p.kind == "gap" and p.first == gap.start + 1)

@@ -312,8 +312,8 @@ class TestOddInput:
         motion = moving(2000, markers=4, soft=4.0, noise=0.2)
         long = motion._replace(xyz=np.tile(motion.xyz, (1, 100, 1)))
         gap = Gap(2, 90500, 90560)
-        (told,) = fill(trial(long.hidden([gap])), method=LocalRegression()).gaps
-        assert told.method and told.expected_mm < 3
+        (told,) = fill(trial(long.hidden([gap])), method=LocalRegression(), limit_mm=np.inf).gaps
+        assert told.method and told.expected_mm < 3  # with a limit its jump of 7 mm, which is true, leaves it open
 
     def test_a_gap_as_long_as_almost_all(self):
         motion, gap = moving(), Gap(2, 3, 297)

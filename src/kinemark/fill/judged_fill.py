@@ -11,7 +11,7 @@ from .edges import GapEdges, trim_edges
 from .judge.choice import ChosenFill
 from .judge.contradicted_edges import ContradictedEdge, contradicted_edges
 from .judge.contradiction import largest_jump
-from .judge.doubtful_edges import Fill, doubted, filled_without
+from .judge.doubtful_edges import Fill, contradicted_mm, cut, doubted, filled_without
 from .judge.two_sides import apart_on_the_body
 from .marker_array import Gap, MarkerArray, find_gaps
 
@@ -22,10 +22,10 @@ class KnownEdges(NamedTuple):
     Attributes:
         motion: what fillers see: without outliers, and without suspicious samples where these are trimmed.
         trimmed: the same without suspicious samples.
-        suspicious: frames of those that are kept, by their gap.
+        suspicious: frames of those that are kept and stand out from the marker's own motion, by their gap.
         plausible: (M, F) samples that can be positions.
         method: how they were judged.
-        against: what contradicts a fill made without it, by the gap.
+        against: what a fill made without it seems to contradict, by the gap.
     """
 
     motion: MarkerArray
@@ -44,41 +44,40 @@ class KnownEdges(NamedTuple):
         return cls(known.motion, known.motion, {}, motion.seen, edges)
 
     def contradicted(self, fills: Sequence[ChosenFill]) -> KnownEdges:
-        """The same, with the samples that fills made without them contradict."""
+        """The same, with the samples that fills made without them seem to contradict."""
         witnesses = {one.gap: by for one in fills if one.found.method and (by := one.witness())}
         if not self.method.most_trimmed or not witnesses:
             return self
         against = contradicted_edges(self.motion, witnesses, self.method.least_error)
-        own = {gap: self.suspicious.get(gap, ()) for gap in against}
-        ignored = [Gap(gap.marker, f, f + 1) for gap, one in against.items() for f in one.ignored(gap, own[gap])]
-        listed = {gap: tuple(sorted({*own[gap], *one.frames})) for gap, one in against.items()}
-        return self._replace(
-            trimmed=self.trimmed.hidden(ignored), suspicious={**self.suspicious, **listed}, against=against
-        )
+        ignored = [
+            Gap(gap.marker, frame, frame + 1)
+            for gap, one in against.items()
+            for frame in one.ignored(gap, self.suspicious.get(gap, ()))
+        ]
+        return self._replace(trimmed=self.trimmed.hidden(ignored), against=against)
 
-    def is_doubtful(self, one: ChosenFill) -> bool:
-        """Whether a fill is tied to suspicious samples."""
-        return one.gap in self.suspicious and bool(one.found.method)
+    def in_doubt(self, gap: Gap) -> tuple[int, ...]:
+        """Frames of all samples beside a gap that stand out or seem to be contradicted."""
+        against = self.against[gap].frames if gap in self.against else ()
+        return tuple(sorted({*self.suspicious.get(gap, ()), *against}))
 
 
 def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[ChosenFill]:
     """The fills as they are in the end, made by `fill` without samples that these contradict; what is said of them."""
     sides = [apart_on_the_body(known.trimmed, one.gap) for one in fills]
     known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
-    again = filled_without(known.trimmed, [one for one in fills if known.is_doubtful(one)], fill)
+    doubtful = [one for one in fills if one.found.method and known.in_doubt(one.gap)]
+    again = filled_without(known.trimmed, doubtful, fill)
     return [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
 
 
 def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:
-    """One; `again`: the same without suspicious samples."""
-    beside = known.suspicious.get(one.gap, ())
-    if again:
-        against = known.against.get(one.gap)
-        one = (
-            doubted(one, again)
-            if against is None
-            else again._replace(found=replace(again.found, off_mm=against.off_mm))
-        )
-    xyz, references = one.prediction.xyz, one.prediction.references
-    jump = 0.0 if beside else largest_jump(known.motion, one.gap, xyz, references)  # none to a bad sample
+    """One; `again`: the same, and the samples in doubt, without these."""
+    gap, beside, xyz = one.gap, known.suspicious.get(one.gap, ()), known.motion.xyz[one.gap.marker]
+    if again and (off := contradicted_mm(xyz, again, known.in_doubt(gap), known.method.least_error)):
+        one, beside = cut(again, gap, off), known.in_doubt(gap)
+    elif again and beside:
+        one = doubted(one, cut(again, gap))
+    filled, references = one.prediction.xyz, one.prediction.references
+    jump = 0.0 if beside else largest_jump(known.motion, gap, filled, references)  # none to a bad sample
     return one._replace(found=replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm))

@@ -1,4 +1,4 @@
-"""Samples beside a gap that contradict what is filled in without them.
+"""Samples beside a gap that seem to contradict what is filled in without them.
 
 A marker that drifts off its place before it is lost, or comes back beside it, goes along smoothly: its own motion
 (`edges`) shows nothing. The other markers do. So `FIRST` fills each gap once more with REACH samples on both sides
@@ -42,12 +42,10 @@ class ContradictedEdge(NamedTuple):
 
     Attributes:
         frames: theirs.
-        off_mm: the greatest |d| of them.
         looked_at: the gap with all frames on both sides that were looked at.
     """
 
     frames: tuple[int, ...]
-    off_mm: float
     looked_at: Gap
 
     def ignored(self, gap: Gap, own: Collection[int]) -> set[int]:
@@ -84,8 +82,7 @@ def _looked_at(motion: MarkerArray, gap: Gap, by: CandidateFill, least_mm: float
             2 * far if len(side) > far // 2 and far < FARTHEST else far for side, far in zip(sides, reach, strict=True)
         ]
         if more == reach:
-            frames = (*sides[0][::-1], *sides[1])
-            return ContradictedEdge(frames, float(np.max(d[np.array(frames, int) - longer.start], initial=0.0)), longer)
+            return ContradictedEdge((*sides[0][::-1], *sides[1]), longer)
         reach = more
 
 

@@ -4,9 +4,11 @@ A fill is tied to the samples beside its gap. Where those are suspicious it may 
 hold-out gap, whose edges are good, says so. Without them the gap is a longer one, and is filled as any gap of a trial
 that never had them, with hold-out gaps of its own: in those of the first fill, methods learnt from bad samples too.
 
-Where that fill contradicts the samples (`contradicted_edges`) it stands in the gap. Others merely stand out from the
-marker's own motion (`edges`), and some of these are good samples of a rare movement. There the fill stays tied to them,
-and with d(t) from it to the one without them, what is expected of it and its covariance become
+Where that fill contradicts the samples it stands in the gap. It does so by (1) of `contradicted_edges`, which looks at
+many samples on both sides and knows the less of each; or, where other markers tell of it, by the same at the suspicious
+samples alone. Others merely stand out from the marker's own motion (`edges`), and some of these are good samples of a
+rare movement. There the fill stays tied to them, and with d(t) from it to the one without them, what is expected of it
+and its covariance become
 
     max(ē, mean |d|),     V + d dᵀ                                                                          (1)
 """
@@ -18,9 +20,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...data.array_types import Bools
+from ...data.array_types import Bools, Floats
 from ..marker_array import Gap, MarkerArray
 from .choice import FIRST, ChosenFill
+from .contradicted_edges import TIMES
 from .contradiction import largest_sd
 
 Fill = Callable[[MarkerArray, list[Gap], Collection[str]], list[ChosenFill]]
@@ -30,20 +33,32 @@ Fill = Callable[[MarkerArray, list[Gap], Collection[str]], list[ChosenFill]]
 def filled_without(trimmed: MarkerArray, fills: Sequence[ChosenFill], fill: Fill) -> dict[Gap, ChosenFill]:
     """Fills once more, by gap, in the trial without the suspicious samples; one that cannot be made so is left out.
 
-    For time, by no other methods than made these, and `FIRST`.
+    Each fills these too. For time, by no other methods than made the first fills, and `FIRST`.
     """
     longer = {one.gap: _run(trimmed.seen[one.gap.marker], one.gap) for one in fills}
     methods = {FIRST, *(name for one in fills for name in one.found.method.split(" + "))}
     made = {one.gap: one for one in fill(trimmed, sorted(set(longer.values())), methods)} if fills else {}
-    return {gap: _cut(made[all_of_it], gap) for gap, all_of_it in longer.items() if made[all_of_it].found.method}
+    return {gap: made[all_of_it] for gap, all_of_it in longer.items() if made[all_of_it].found.method}
 
 
-def _cut(one: ChosenFill, gap: Gap) -> ChosenFill:
-    """A fill of a longer gap as one of the gap itself."""
+def contradicted_mm(xyz: Floats, again: ChosenFill, frames: Sequence[int], least_mm: float) -> float:
+    """How far a fill is off its marker's samples (F, 3) in these frames, without which it was made; 0 by (1) unless it
+    contradicts one, by more than `least_mm`, or where no other markers tell.
+    """
+    if not np.isfinite(again.found.candidates.get(FIRST, np.nan)):
+        return 0.0
+    at = np.array(frames, np.int64) - again.gap.start
+    d = np.linalg.norm(xyz[again.gap.start :][at] - again.prediction.xyz[at], axis=1)
+    beyond = (d > TIMES * np.sqrt(np.trace(again.cov[at], axis1=1, axis2=2))) & (d > least_mm)
+    return float(np.max(d, where=beyond, initial=0.0))
+
+
+def cut(one: ChosenFill, gap: Gap, off_mm: float = 0.0) -> ChosenFill:
+    """A fill of a longer gap as one of the gap itself, which is off the samples beside it by so much."""
     first = gap.start - one.gap.start
     part, prediction = slice(first, first + gap.length), one.prediction
     cov = one.cov[part]
-    found = replace(one.found, start=gap.start, stop=gap.stop, sd_mm=largest_sd(cov))
+    found = replace(one.found, start=gap.start, stop=gap.stop, sd_mm=largest_sd(cov), off_mm=off_mm)
     prediction = prediction._replace(xyz=prediction.xyz[part], cov=prediction.cov[part])
     return one._replace(gap=gap, found=found, prediction=prediction, cov=cov)
 

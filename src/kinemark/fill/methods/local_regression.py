@@ -11,6 +11,15 @@ How many reference markers and which λ is chosen by skill: the frames are cut i
 each block is predicted from the sums (2) of all frames less its own (3), so that a trial is passed once whatever is
 tried. Reference markers are ranked by how little their distance from y varies. Last, what remains at both edges of the
 gap is added, linear between them (4).
+
+With C the covariance of what remains of (1) over the n frames, and b(t) from 0 at the edges to 1 in the middle, the
+error of a gap of L frames is stated to be that of a random walk tied to its edges, the greater the farther φ is from
+what was learnt from,
+
+    L b(t) C (1 + d(t) / d̄) / 2,     d = φᵀ (Σ φφᵀ + λ n I)⁻¹ φ,     d̄ = mean of d over the n frames                (5)
+
+d is what the variance of a ridge regression grows by (Rasmussen & Williams 2006, 2.11), and its scale is left to the
+hold-out gaps.
 """
 
 from __future__ import annotations
@@ -24,6 +33,7 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import parameter
 from ..jumping_markers import JumpingMarkers
+from ..known_samples import KnownSamples, Span
 from ..local_frames import local, triad
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_ranking import FEWEST, Ranks
@@ -31,6 +41,8 @@ from .stage import FILL, FillMethod
 
 MOST = 400
 """Frames to learn from, evenly spread; neighbours in time say the same; chosen."""
+LEAST = 1e-9
+"""d̄ of (5) at least, without unit: of reference markers that never move in the local frame; by definition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +64,15 @@ class LocalRegression(FillMethod):
 
 
 class RegressionFit(NamedTuple):
-    """What a marker's regression came to: base, reference markers in use, their means, weights (1)."""
+    """What a marker's regression came to: base, reference markers in use, their means, weights (1), C and d / d̄ (5)."""
 
     base: Ints
     references: Ints
     mean: Floats
     a: Floats
     B: Floats
+    C: Floats
+    D: Floats
 
 
 @FILL.method("local_regression", LocalRegression, rank=13, source="Hoerl and Kennard 1970")
@@ -66,7 +80,7 @@ def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: Local
     """Each gap from the reference markers seen throughout it; gaps of one marker with the same ones share a fit."""
     fits: dict[tuple[int, bytes], RegressionFit | str] = {}
     seen, ranks, out = motion.seen, Ranks(motion), []
-    trust = JumpingMarkers(motion, ranks)
+    trust, known = JumpingMarkers(motion, ranks), KnownSamples.of(motion)
     for gap in gaps:
         ready = seen[:, gap.start : gap.stop].all(1) & trust.of(gap)
         order = ranks.of(gap.marker)
@@ -75,7 +89,7 @@ def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: Local
         if key not in fits:
             fits[key] = _fit(motion, seen, gap.marker, order, method)
         fit = fits[key]
-        out.append(Prediction.none(gap.length, fit) if isinstance(fit, str) else _predict(motion, gap, fit))
+        out.append(Prediction.none(gap.length, fit) if isinstance(fit, str) else _predict(motion, known.span(gap), fit))
     return out
 
 
@@ -95,24 +109,22 @@ def _fit(motion: MarkerArray, seen: Bools, marker: int, order: Ints, method: Loc
     phi = _features(motion, references, frames, R, c)
     mean, a = phi.mean(0), y.mean(0)
     n, ridge = _most_skilled(phi - mean, y - a, method)
-    G, C = _sums(phi[:, : 3 * n] - mean[: 3 * n], y - a)
-    B = _solve(G, C, ridge * len(frames))
-    return RegressionFit(base, references[:n], mean[: 3 * n], a, B)
+    phi, y = phi[:, : 3 * n] - mean[: 3 * n], y - a
+    P = np.linalg.inv(phi.T @ phi + ridge * len(frames) * np.eye(3 * n))
+    B = P @ (phi.T @ y)  # (2)
+    usual = float(_squares(phi, P).mean())
+    return RegressionFit(base, references[:n], mean[: 3 * n], a, B, np.cov((y - phi @ B).T), P / max(usual, LEAST))
+
+
+def _squares(phi: Floats, P: Floats) -> Floats:
+    """d (F) of (5)."""
+    return np.asarray(np.einsum("fi,ij,fj->f", phi, P, phi))
 
 
 def _features(motion: MarkerArray, references: Ints, frames: Ints, R: Floats, c: Floats) -> Floats:
     """(F, 3 D) local coordinates of the reference markers."""
     apart = motion.xyz[references, frames[:, None]] - c[:, None]
     return (apart @ R).reshape(len(frames), -1)
-
-
-def _sums(phi: Floats, y: Floats) -> tuple[Floats, Floats]:
-    return phi.T @ phi, phi.T @ y
-
-
-def _solve(G: Floats, C: Floats, ridge: float) -> Floats:
-    B = np.linalg.solve(G + ridge * np.eye(len(G)), C)  # (2)
-    return np.asarray(B, np.float64)
 
 
 def _most_skilled(phi: Floats, y: Floats, method: LocalRegression) -> tuple[int, float]:
@@ -136,17 +148,16 @@ def _most_skilled(phi: Floats, y: Floats, method: LocalRegression) -> tuple[int,
     return chosen
 
 
-def _predict(motion: MarkerArray, gap: Gap, fit: RegressionFit) -> Prediction:
-    F = motion.xyz.shape[1]
-    frames = np.arange(max(gap.start - 1, 0), min(gap.stop + 1, F))
+def _predict(motion: MarkerArray, span: Span, fit: RegressionFit) -> Prediction:
+    frames = np.arange(max(span.start - 1, 0), min(span.stop + 1, motion.xyz.shape[1]))
     R, c = triad(motion.xyz[fit.base[:, None], frames])
     phi = _features(motion, fit.references, frames, R, c) - fit.mean
     xyz = c + np.einsum("fij,fj->fi", R, fit.a + phi @ fit.B)  # (1)
-    rest = motion.xyz[gap.marker, frames] - xyz
-    xyz = xyz + _bridge_residuals(rest)
-    inner = slice(gap.start - frames[0], gap.stop - frames[0])
-    nothing = np.full((gap.length, 3, 3), np.nan)
-    return Prediction(xyz[inner], nothing, references=tuple(int(d) for d in fit.references))
+    xyz = xyz + _bridge_residuals(motion.xyz[span.marker, frames] - xyz)
+    inner = slice(span.start - frames[0], span.stop - frames[0])
+    size = span.length * span.bow() * (1 + _squares(phi[inner], fit.D)) / 2
+    cov = size[:, None, None] * (R[inner] @ fit.C @ R[inner].mT)  # (5)
+    return Prediction(xyz[inner], cov, references=tuple(int(d) for d in fit.references))
 
 
 def _bridge_residuals(rest: Floats) -> Floats:

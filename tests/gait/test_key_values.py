@@ -70,16 +70,5 @@ def test_without_foot_off_phases_are_unknown_and_strike_and_range_are_known():
     assert found("knee flexion, range", strides=blind)[0].value == pytest.approx(55.0, abs=0.02)
 
 
-@pytest.mark.parametrize(("signal", "value", "at"), [("LHipMoment", 18.0, 15.0), ("LKneeAngles", 45.0, 2.0)])
-def test_what_plates_show_begins_after_the_impact(signal, value, at):
-    """A heel strike's transient, 20 ms after it, is no muscle's; an angle there is the knee's."""
-    joint = "hip extensor moment" if signal == "LHipMoment" else "knee flexion"
-    (one, _) = found(
-        f"{joint}, greatest in first half of stance", signal=signal,
-        curve=lambda percent: flexion(percent) + 40 * np.exp(-((percent - 2) ** 2)),
-    )  # fmt: skip
-    assert (one.value, one.at) == (pytest.approx(value, abs=0.1), at)
-
-
 def test_names_are_each_of_one_value():
     assert len({key.name for key in KEYS}) == len(KEYS)

@@ -5,9 +5,6 @@ phases are those of the gait cycle (Perry 1992), told by the foot's events alone
 
     stance 0 … o,  its halves 0 … o/2 and o/2 … o,  swing o … 100,  about foot off o/2 … (o + 100)/2              (1)
 
-What plates show begins IMPACT_S after the strike (2). Until then the heel brakes the foot. The plate sees it, but
-markers on skin and at their rate do not, so that moments have a peak there that no muscle makes.
-
 Which values are taken is a choice after Benedetti et al. (1998), powers after Winter (1991): the burst of the hip
 extensors H1 and flexors H3, of the ankle A2, and the absorption of the knee K3.
 """
@@ -26,8 +23,6 @@ from ..data.strides import Stride
 from ..data.subject_measures import SIDES
 from .gait_cycles import POINTS, gait_curves
 
-IMPACT_S = 0.05
-"""Of (2), s; chosen: in ten steps of five public children at 100 Hz the hip's peak was 10 to 30 ms after the strike."""
 Phase = Literal["stride", "strike", "stance", "first half of stance", "second half of stance", "foot off", "swing"]
 How = Literal["greatest", "least", "mean", "range"]
 
@@ -100,24 +95,22 @@ def key_values(signals: Signals, strides: Sequence[Stride]) -> tuple[KeyValue, .
     for key in KEYS:
         for side in SIDES:
             if (curve := curves.get((key.curve, side))) is not None and key.axis < len(curve.axes):
-                own = [stride for stride in strides if stride.side == side]
-                found += (_value(key, curve, k, stride) for k, stride in enumerate(own))
+                first = [stride.first for stride in strides if stride.side == side]
+                found += (_value(key, curve, k, t) for k, t in enumerate(first))
     return tuple(found)
 
 
-def _value(key: Key, curve: GaitCurves, k: int, stride: Stride) -> KeyValue:
-    """Of the k-th stride of a curve."""
-    y, sd = curve.values[k, :, key.axis], curve.sd[k, :, key.axis]
-    by_plates = not key.curve.endswith("Angles")
-    impact = 100 * IMPACT_S / (stride.last - stride.first) if by_plates else 0.0
-    part = _samples(key.phase, float(curve.foot_off[k]), impact)
+def _value(key: Key, curve: GaitCurves, stride: int, first: float) -> KeyValue:
+    """Of one stride of a curve."""
+    y, sd = curve.values[stride, :, key.axis], curve.sd[stride, :, key.axis]
+    part = _samples(key.phase, float(curve.foot_off[stride]))
     value, at, u = (np.nan, np.nan, np.nan) if part is None else _read(key.how, y[part], sd[part])
     start = 0 if part is None else part.start
-    return KeyValue(key.name, curve.side, stride.first, curve.unit, value, at + start, u)
+    return KeyValue(key.name, curve.side, first, curve.unit, value, at + start, u)
 
 
-def _samples(phase: Phase, off: float, impact: float) -> slice | None:
-    """Of a curve that belong to a phase (1) after so many % of impact (2); None where foot off is not known."""
+def _samples(phase: Phase, off: float) -> slice | None:
+    """Of a curve that belong to a phase (1); None where foot off is not known."""
     if phase == "stride":
         return slice(0, POINTS)
     if phase == "strike":
@@ -125,7 +118,7 @@ def _samples(phase: Phase, off: float, impact: float) -> slice | None:
     if not 0 < off < 100:
         return None
     low, high = {
-        "stance": (impact, off), "first half of stance": (impact, off / 2), "second half of stance": (off / 2, off),
+        "stance": (0.0, off), "first half of stance": (0.0, off / 2), "second half of stance": (off / 2, off),
         "foot off": (off / 2, (off + 100) / 2), "swing": (off, 100.0),
     }[phase]  # fmt: skip
     return slice(int(np.ceil(low)), int(np.floor(high)) + 1)

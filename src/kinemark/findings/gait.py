@@ -28,7 +28,7 @@ from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..numerics.finite import finite_mean
 from ..version import __version__
-from .gait_doubts import of_doubts
+from .gait_doubts import of_doubts, of_spikes
 from .gait_events import of_events
 from .gait_muscles import of_muscles
 from .gait_numbers import (
@@ -313,12 +313,7 @@ def _joint(angle: str) -> str:
 
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
-    if trial.spikes.markers:
-        yield make_finding(
-            "gait_spikes_left_out", trial=trial.name, markers=trial.spikes.markers, samples=trial.spikes.samples,
-            most_mm=trial.spikes.most_mm,
-            frames=[(a + trial.first_frame, b + trial.first_frame) for a, b in trial.spikes.frames],
-        )  # fmt: skip
+    yield from of_spikes(trial.name, trial.spikes, trial.first_frame)
     yield from of_doubts(trial.name, trial.names, trial.plates, trial.leaps)
     yield from of_events(trial.name, trial.events, trial.file_events, trial.start_s, trial.bare)
     if trial.bare is not None:

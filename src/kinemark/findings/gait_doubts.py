@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from ..data import Finding, make_finding
 from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
+from ..gait.marker_spikes import MarkerSpikes
 from ..gait.plate_doubts import PlateDoubt
 
 
@@ -35,3 +36,12 @@ def of_doubts(trial: str, names: MarkerDoubts, plates: Sequence[PlateDoubt], lea
             late_ms=late,
             away_mm=away,
         )
+
+
+def of_spikes(trial: str, spikes: MarkerSpikes, first_frame: int) -> Iterator[Finding]:
+    """Which samples of a trial of this name, whose first frame has this number, were left out."""
+    if spikes.markers:
+        yield make_finding(
+            "gait_spikes_left_out", trial=trial, markers=spikes.markers, samples=spikes.samples, most_mm=spikes.most_mm,
+            frames=[(first + first_frame, last + first_frame) for first, last in spikes.frames],
+        )  # fmt: skip

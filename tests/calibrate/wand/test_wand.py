@@ -5,6 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
+from kinemark.calibrate.bundle import Bundle
+from kinemark.calibrate.bundle.from_sizes import odd_one
 from kinemark.calibrate.wand import Wand, calibrate_wand, thinned
 from kinemark.calibrate.wand.completion import completed
 from kinemark.calibrate.wand.ends import best_signs, pair_evidence
@@ -403,6 +405,16 @@ def test_the_camera_that_is_mirrored_or_another_one_is_named(lengths, c, wrong):
         calibrate_wand(bad, lengths=lengths, sizes=[camera.size for camera in rig])
     named = {camera.name for camera in rig if camera.name in str(error.value)}
     assert named == {rig[c].name}
+
+
+@pytest.mark.parametrize("mirrored_too", [False, True])
+def test_of_three_cameras_that_any_two_of_fit_none_is_odd(mirrored_too):
+    """Of three that all fit each other any could be left out: none is to blame."""
+    rig, observed = waved([150.0, 350.0], cameras=3, frames=120, seed=3)
+    seen = observed.detections if not mirrored_too else mirrored(observed.detections, 1, rig[1].size[0])
+    uv, along = wand_points(seen, lengths=[150.0, 350.0])[0], marker_places([150.0, 350.0])
+    odd = odd_one(rig.names, [camera.size for camera in rig], uv, along=along, method=Bundle())
+    assert odd == (rig[1].name if mirrored_too else None)
 
 
 def test_equal_gaps_that_depth_makes_unequal_are_no_wrong_gaps():

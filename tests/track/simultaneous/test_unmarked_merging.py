@@ -214,22 +214,19 @@ def test_ghosts_of_merged_images_that_are_not_marked():
     assert count.more_found > 0.999 * count.more
 
 
-def test_ghosts_of_merged_images_are_fewer_where_the_other_marker_has_no_point():
-    """13 ghosts where only tracks with a point in that frame count."""
-    made = make(scene(137060))
+@pytest.mark.parametrize(
+    ("seed", "ghosts", "two_found"),
+    [
+        pytest.param(137060, 6, 1193, id="the other marker has no point"),  # 13 where it must have one in that frame
+        pytest.param(2109, 15, 3680, id="found by the second pass"),  # 19 where only the first pass tells of merging
+    ],
+)
+def test_ghosts_of_merged_images_are_fewer(seed, ghosts, two_found):
+    made = make(scene(seed))
     count = tally(made, track_detections(made.detections, made.rig))
-    assert count.ghosts <= 6
+    assert count.ghosts <= ghosts
     assert count.more_found == count.more
-    assert count.two_found >= 1193
-
-
-def test_what_the_second_pass_finds_in_merged_images_is_told_too():
-    """19 ghosts where merging is told by the tracks of the first pass alone."""
-    made = make(scene(2109))
-    count = tally(made, track_detections(made.detections, made.rig))
-    assert count.ghosts <= 15
-    assert count.more_found == count.more
-    assert count.two_found >= 3680
+    assert count.two_found >= two_found
 
 
 def test_what_a_file_marks_is_believed():

@@ -128,7 +128,10 @@ def calibrate_wand(
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
-    return with_delays(detections, along, calibrated)
+    try:
+        return with_delays(detections, along, calibrated)
+    except Misfit as error:
+        raise _explained(error, detections, along, sizes, method, lenses) from error
 
 
 def _synchronous(
@@ -137,19 +140,8 @@ def _synchronous(
     """The rig of cameras that took their images at the same moments, from a wand with markers `along` (K) mm."""
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
-
-    def first_rig(rows: Ints) -> tuple[Rig, Floats]:
-        return _first_rig(detections, _first_poses(detections, rows, sizes), sizes, along, method, lenses)
-
-    try:
-        fit, chosen = _calibrated(detections, want, rows, sizes, *first_rig(rows), method, lenses is not None)
-    except Misfit as error:
-        uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
-        odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
-        step = None
-        if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
-            step = step_of_part(detections, rows, lambda part: first_rig(part)[0])
-        raise Misfit(_misfit_words(str(error), step, odd)) from error
+    first = _first_rig(detections, rows, sizes, along, method, lenses)
+    fit, chosen = _calibrated(detections, want, rows, sizes, *first, method, lenses is not None)
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
@@ -225,7 +217,7 @@ def _first_rig(
     detections: Detections, rows: Ints, sizes: Ints, along: Floats, method: Wand, lenses: Sequence[Camera] | None
 ) -> tuple[Rig, Floats]:
     """The cameras, and where the markers are along the wand by them (K) mm."""
-    uv, cov = at_rows(detections, rows)
+    uv, cov = at_rows(detections, _first_poses(detections, rows, sizes))
     names = detections.cameras
     plain = replace(method.bundle, usual_lens=False)  # else the final fit would be told of its lens what these tell
     fit = calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses)
@@ -283,6 +275,26 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
             f"Camera {detections.cameras[c]} does not agree with the others where the wand is. Check that it is "
             "synchronised, and that its images are not mirrored or another camera's."
         )
+
+
+def _explained(
+    error: Misfit,
+    detections: Detections,
+    along: Floats,
+    sizes: Ints,
+    method: Wand,
+    lenses: Sequence[Camera] | None,
+) -> Misfit:
+    """The error with what these detections tell of its cause."""
+    rows = identify_wand(detections, wanted(detections), along)
+    uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
+    odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
+    step = None
+    if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
+        step = step_of_part(
+            detections, rows, lambda part: _first_rig(detections, part, sizes, along, method, lenses)[0]
+        )
+    return Misfit(_misfit_words(str(error), step, odd))
 
 
 def _misfit_words(error: str, step: CameraStep | None, odd: str | None) -> str:

@@ -5,7 +5,8 @@ one's), and each alone give the stick the most different lengths, or no place be
 
     (median of the pairs' residuals) · (median of their spreads of ln(length))        (1)
 
-The first is named without which the others, guessed anew (`growth`), fit as well as two cameras alone do.
+The first is named without which the others, guessed anew (`growth`), fit as well as two cameras alone do; of three, it
+must be the only one, as two cameras that are left may fit each other with a wrong one among them.
 """
 
 from __future__ import annotations
@@ -31,10 +32,9 @@ def odd_camera(views: TargetViews, *, seed: int = 0) -> str | None:
     views = views._replace(optics=optics)
     suspects = np.argsort(-_suspicion(views, pairs), kind="stable")[:SUSPECTS]
     noise = min((noise_of(left) for c in suspects if (left := _without(pairs, c))), default=0.0)
-    for c in suspects:
-        if _fit_without(views, pairs, c, GOOD * noise):
-            return optics[c].camera.name
-    return None
+    odd = (optics[c].camera.name for c in suspects if _fit_without(views, pairs, c, GOOD * noise))
+    first = next(odd, None)
+    return None if len(optics) == 3 and next(odd, None) else first
 
 
 def _suspicion(views: TargetViews, pairs: list[Pair]) -> Floats:

@@ -134,6 +134,15 @@ def test_one_is_singular(n, text):
     assert text_of(make_finding("gaps_open", gaps=n)) == text
 
 
+@pytest.mark.parametrize(
+    ("frames", "text"),
+    [([(5, 5)], "(frame 5)"), ([(5, 9)], "(frames 5–9)"), ([(5, 9), (12, 12)], "(frames 5–9, 12)")],
+)
+def test_frames_are_singular_and_plural(frames, text):
+    one = make_finding("gait_spikes_left_out", trial="walk", markers=["A"], frames=frames, samples=1, most_mm=40.0)
+    assert text in text_of(one)
+
+
 def test_lists_are_singular_and_plural_and_long_ones_are_cut():
     def missing(*names):
         one = make_finding("markers_never_seen", markers=names)

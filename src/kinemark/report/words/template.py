@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from ...data import KINDS, Finding
 from ...data.finding import Unit
 from ...data.nearest_word import some_names
-from ..formatting import LEAST, millimetres, number, percent, some
+from ..formatting import LEAST, millimetres, number, percent, some, span_of_frames
 
 Text = str | Callable[[Finding], str]
 
@@ -109,7 +109,9 @@ def _about(name: str, found: Finding) -> str | None:
         case "last_frame":
             return number(found.frames[-1][1]) if found.frames else "–"
         case "frames":
-            return some("frame", [f"{a}–{b}" for a, b in found.frames], 4)
+            if len(found.frames) == 1:
+                return span_of_frames(*found.frames[0])
+            return some("frame", [f"{a}–{b}" if b > a else f"{a}" for a, b in found.frames], 4)
     return None
 
 

@@ -48,6 +48,7 @@ Unit = Literal[
     "Hz",
     "m/s",
     "kg",
+    "N",
     "share",
     "ratio",
     "parts",

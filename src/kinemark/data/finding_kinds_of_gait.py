@@ -72,6 +72,8 @@ GAIT_KINDS = (
          "left thigh = L_FTC, LKNE, LKNM.", {"clusters_list": "text"}),
     Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
          "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
+    Kind("gait_plate_zeroed", "gait", "info", "A plate showed a force while nothing stood on it, its greatest component; "
+         "it was taken off.", {"trial": "text", "plate": "count", "baseline": "N"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, aid, beside, cut, two_plates or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",

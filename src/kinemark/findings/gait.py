@@ -13,7 +13,6 @@ from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, Side, SubjectMeasures
 from ..gait.emg import Emg
-from ..gait.foot_events import UNLIKE_MS
 from ..gait.gait_cycles import most_typical
 from ..gait.gait_trial import GaitTrial
 from ..gait.key_values import KEYS
@@ -28,8 +27,8 @@ from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..numerics.finite import finite_mean
 from ..version import __version__
-from .gait_doubts import of_doubts, of_spikes
-from .gait_events import of_events
+from .gait_doubts import of_doubts, of_plates, of_spikes
+from .gait_events import of_events, of_way
 from .gait_muscles import of_muscles
 from .gait_numbers import (
     averages_of,
@@ -314,17 +313,14 @@ def _joint(angle: str) -> str:
 
 def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     yield from of_spikes(trial.name, trial.spikes, trial.first_frame)
-    yield from of_doubts(trial.name, trial.names, trial.plates, trial.leaps)
+    yield from of_doubts(trial.name, trial.names, trial.leaps)
+    yield from of_plates(trial.name, trial.plates, trial.gait.reactions)
     yield from of_events(trial.name, trial.events, trial.file_events, trial.start_s, trial.bare)
     if trial.bare is not None:
         yield make_finding("gait_one_leg", trial=trial.name, side=trial.bare)
     if trial.unseen:
         yield make_finding("gait_markers_never_seen", trial=trial.name, markers=trial.unseen)
-    if trial.way != "level":
-        yield make_finding("gait_not_level", trial=trial.name, way=trial.way, sd_ms=UNLIKE_MS)
-    if trial.floor.moves:
-        speed = float(np.linalg.norm(trial.floor.velocity)) / 1000
-        yield make_finding("gait_on_treadmill", trial=trial.name, speed=speed)
+    yield from of_way(trial.name, trial.way, trial.floor)
     for contact in trial.gait.contacts:
         if contact.reason and (trial.bare is None or contact.reason != "no_foot"):  # there is the leg without markers
             yield make_finding(

@@ -9,10 +9,14 @@ from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
 from ..gait.marker_spikes import MarkerSpikes
 from ..gait.plate_doubts import PlateDoubt
+from ..gait.reaction import Reaction
+
+TOLD_N = 10.0
+"""Force without a load from which it is told, N; chosen: half of what counts as a load."""
 
 
-def of_doubts(trial: str, names: MarkerDoubts, plates: Sequence[PlateDoubt], leaps: MarkerLeaps) -> Iterator[Finding]:
-    """Findings of a trial of this name."""
+def of_doubts(trial: str, names: MarkerDoubts, leaps: MarkerLeaps) -> Iterator[Finding]:
+    """Of the markers of a trial of this name."""
     if leaps.markers:
         yield make_finding(
             "gait_markers_leap", trial=trial, markers=leaps.markers, leaps=leaps.frames, most_mm=leaps.most_mm
@@ -22,20 +26,22 @@ def of_doubts(trial: str, names: MarkerDoubts, plates: Sequence[PlateDoubt], lea
     if names.moved:
         pairs, most = [f"{a}–{b}" for a, b, _ in names.moved], max(mm for *_, mm in names.moved)
         yield make_finding("gait_markers_move_apart", trial=trial, pairs_list=pairs, most_mm=most)
-    for doubt in plates:
+
+
+def of_plates(trial: str, doubts: Sequence[PlateDoubt], reactions: Sequence[Reaction]) -> Iterator[Finding]:
+    """Of the plates of a trial of this name: what cannot be, and which showed a force while nothing stood on them."""
+    for doubt in doubts:
         late = 1000 * doubt.value if doubt.what == "time" else None
         away = doubt.value if doubt.what in ("elsewhere", "origin") else None
         share = doubt.value if late is away is None else None
         plate = None if doubt.plate is None else doubt.plate + 1
         yield make_finding(
-            "gait_plate_doubtful",
-            trial=trial,
-            plate=plate,
-            what=doubt.what,
-            by_share=share,
-            late_ms=late,
+            "gait_plate_doubtful", trial=trial, plate=plate, what=doubt.what, by_share=share, late_ms=late,
             away_mm=away,
-        )
+        )  # fmt: skip
+    for number, one in enumerate(reactions, 1):
+        if one.baseline_n > TOLD_N:
+            yield make_finding("gait_plate_zeroed", trial=trial, plate=number, baseline=one.baseline_n)
 
 
 def of_spikes(trial: str, spikes: MarkerSpikes, first_frame: int) -> Iterator[Finding]:

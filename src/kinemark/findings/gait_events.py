@@ -1,4 +1,4 @@
-"""Whether the foot events of a walk are those that its file has."""
+"""Whether the foot events of a walk are those that its file has, and what of the way it is walked they hang on."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 from ..data import Events, Finding, make_finding
 from ..data.strides import FootEvent
 from ..data.subject_measures import Side
+from ..gait.foot_events import UNLIKE_MS
+from ..gait.treadmill import Floor
 
 FAR_MS = 50.0
 """Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
@@ -45,3 +47,11 @@ def of_events(
     far = [ms for ms in off if ms > FAR_MS]
     if far:
         yield make_finding("file_events_differ", trial=trial, events=len(far), most_ms=max(far))
+
+
+def of_way(trial: str, way: str, floor: Floor) -> Iterator[Finding]:
+    """That a trial of this name is no level walk, and that its floor moves."""
+    if way != "level":
+        yield make_finding("gait_not_level", trial=trial, way=way, sd_ms=UNLIKE_MS)
+    if floor.moves:
+        yield make_finding("gait_on_treadmill", trial=trial, speed=float(np.linalg.norm(floor.velocity)) / 1000)

@@ -6,7 +6,7 @@ that program does, number by number.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -19,11 +19,13 @@ from ..kinematics import Butterworth, WoltringSpline, smooth
 from ..kinematics.smooth import residual_cutoff, smooth_butterworth
 from ..signal.filters import HIGHEST
 from .clusters import CalibratedBody
-from .gait_trial import GAIT, GaitTrial, Mechanics, gait_of, inputs_of, marker_points
+from .gait_trial import GAIT, GaitTrial, Inputs, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point, five_point_slope, spline_acceleration
 from .reaction import THRESHOLD_N
 from .segment_inertia import INERTIAS, PLUG_IN_GAIT
 
+Points = Mapping[str, Floats]
+"""(F, 3) mm by name."""
 Cutoffs = Sequence[float | None]
 """Hz of markers."""
 WIDER = 2**0.5
@@ -47,11 +49,23 @@ class Physical(Method):
         None, unit="Hz", above=0, meaning="of the smoothing; None: by residual analysis or cross-validation"
     )
     threshold_n: float = parameter(20.0, unit="N", above=0, meaning="vertical force of a loaded plate")
+    force_cutoff_hz: float | None = parameter(
+        None, unit="Hz", above=0, meaning="of a low-pass filter of the plates' forces and moments; None: no filter"
+    )
 
     @property
     def mechanics(self) -> Mechanics:
         """As chosen; contacts that the recording cuts still count."""
         return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
+
+    def inputs(
+        self, trial: Trial, points: Points, measures: SubjectMeasures, *, body: CalibratedBody | None = None
+    ) -> Inputs:
+        """With plates that are less what they show without a load, filtered where that is asked for."""
+        return inputs_of(
+            trial, points, measures, threshold_n=self.threshold_n, zeroed=True, force_cutoff_hz=self.force_cutoff_hz,
+            body=body,
+        )  # fmt: skip
 
     def markers(self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Cutoffs = ()) -> dict[str, Floats]:
         """(F, 3) mm by name, smoothed; the model's, and those of clusters besides; low-passed at `cutoffs` if given."""
@@ -86,8 +100,7 @@ def physical_gait(
 ) -> GaitTrial:
     """See `analyse_gait`."""
     points = method.markers(trial, besides=() if body is None else body.markers)
-    given = inputs_of(trial, points, measures, threshold_n=method.threshold_n, body=body)
-    return gait_of(given, method.mechanics)
+    return gait_of(method.inputs(trial, points, measures, body=body), method.mechanics)
 
 
 def smoothed_trial(trial: Trial, method: Physical, *, besides: Collection[str] = ()) -> Trial:
@@ -128,6 +141,10 @@ class PlugInGait(Method):
         """Plug-in Gait's own."""
         return Mechanics("davis", PLUG_IN_GAIT, five_point_slope, STILL_COUNT, spline_acceleration, along_way=False)
 
+    def inputs(self, trial: Trial, points: Points, measures: SubjectMeasures) -> Inputs:
+        """With plates as they were recorded."""
+        return inputs_of(trial, points, measures, threshold_n=self.threshold_n)
+
     def markers(
         self, trial: Trial, *, besides: Collection[str] = (), cutoffs: Sequence[float | None] = ()
     ) -> dict[str, Floats]:
@@ -154,5 +171,4 @@ def gait_as_plug_in_gait(
     """
     if body is not None:
         raise KinemarkError("Plug-in Gait has no clusters. Use the method physical with them, or leave them out.")
-    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
-    return gait_of(given, method.mechanics)
+    return gait_of(method.inputs(trial, method.markers(trial), measures), method.mechanics)

@@ -123,11 +123,17 @@ class Inputs(NamedTuple):
 
 def inputs_of(
     trial: Trial, points: Mapping[str, Floats], measures: SubjectMeasures, *, threshold_n: float,
-    body: CalibratedBody | None = None,
+    zeroed: bool = False, force_cutoff_hz: float | None = None, body: CalibratedBody | None = None,
 ) -> Inputs:  # fmt: skip
-    """Of a trial whose markers are at `points` (F, 3) mm."""
+    """Of a trial whose markers are at `points` (F, 3) mm; of the plates what `reaction` says."""
     rate, n = trial.trajectories.rate, trial.trajectories.n_frames
-    plates = tuple(reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=threshold_n) for p in trial.plates)
+    plates = tuple(
+        reaction(
+            plate, trial.analog, n_frames=n, rate=rate, threshold_n=threshold_n, zeroed=zeroed,
+            cutoff_hz=force_cutoff_hz,
+        )
+        for plate in trial.plates
+    )  # fmt: skip
     return Inputs(points, measures, plates, contacts(plates, points, rate=rate), rate, body=body)
 
 

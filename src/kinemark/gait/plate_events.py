@@ -52,7 +52,9 @@ def plate_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_U
         up: of the laboratory.
     """
     rate, n = trial.trajectories.rate, trial.trajectories.n_frames
-    at_frames = [reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=PLATE_N, up=up) for p in trial.plates]
+    at_frames = [
+        reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=PLATE_N, zeroed=True, up=up) for p in trial.plates
+    ]
     found: list[FootEvent] = []
     for one in contacts(at_frames, points, rate=rate, up=up):
         if one.side is not None and not one.reason:
@@ -85,7 +87,7 @@ def _force(trial: Trial, plate: int, up: Floats) -> _Force:
         own = replace(own, zero_frames=np.subtract(ends * record.rate, (0, 1)))
     fine = reaction(
         own, [replace(record, start=0.0)], n_frames=record.values.shape[1], rate=record.rate, threshold_n=0.0,
-        averaged=False, up=up,
+        averaged=False, zeroed=True, up=up,
     )  # fmt: skip
     return _Force(np.abs(fine.force @ up), record.rate, record.start)
 

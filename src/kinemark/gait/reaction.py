@@ -15,11 +15,16 @@ of sensors at (±a, ±b) adds up to
     M = (b (z₁ + z₂ − z₃ − z₄), a (−z₁ + z₂ + z₃ − z₄), b (−x₁₂ + x₃₄) + a (y₁₄ − y₂₃))                       (3)
 
 Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
-sign is the one with which it does (4). Where the file says in which frames nothing stands on a plate
-(FORCE_PLATFORM:ZERO), and nothing does, each channel is less its mean there (5). A sample that is missing is no
-force of 0: up to half a frame of them lie between their neighbours, else the frame is unknown, and between loaded
+sign is the one with which it does (4). While nothing stands on a plate, in the frames that the file states
+(FORCE_PLATFORM:ZERO) if nothing does then, else where its force shows it (`plate_baseline`), its channels have a mean
+that each of them is less (5). A sample that is missing is no force of 0: up to half a frame of them lie between their neighbours, else the frame is unknown, and between loaded
 frames the foot is taken to have stayed (6). The sensor is below the surface: where o would have it above, it is −o. Of
 corners that go round the other way z is up, and so is o (7).
+
+Where markers are low-passed and forces are not, a force that rises in a moment meets accelerations that do not: moments
+of knee and hip have a peak at foot strike that no muscle makes. So forces and moments may be filtered at the markers'
+cut-off (8) (Bisseling and Hof 2006; Kristianslund et al. 2012). Which frames are loaded follows from the unfiltered
+force, and the centre of pressure from what is filtered.
 
 Source: C3D file format user guide, types 1 to 5.
 """
@@ -34,6 +39,8 @@ import numpy as np
 from ..data import Analog, ForcePlate, KinemarkError
 from ..data.array_types import Bools, Floats
 from ..numerics.runs import true_runs
+from ..signal.filters import butterworth, edge_samples
+from .plate_baseline import unloaded
 from .segments import Z_UP, unit
 
 THRESHOLD_N = 5.0
@@ -63,6 +70,7 @@ class Reaction:
         loaded: (F).
         corners: (4, 3) mm of the plate.
         unknown: (F) frames in which a channel has a missing sample.
+        baseline_n: the greatest component of the force that was taken off (5), N.
     """
 
     force: Floats
@@ -71,6 +79,7 @@ class Reaction:
     loaded: Bools
     corners: Floats
     unknown: Bools
+    baseline_n: float = 0.0
 
 
 def reaction(
@@ -81,6 +90,8 @@ def reaction(
     rate: float,
     threshold_n: float = THRESHOLD_N,
     averaged: bool = True,
+    zeroed: bool = False,
+    cutoff_hz: float | None = None,
     up: Floats = Z_UP,
 ) -> Reaction:
     """The ground reaction of a plate at each frame of the markers.
@@ -91,30 +102,65 @@ def reaction(
         n_frames, rate: of the markers, Hz.
         threshold_n: vertical force from which it is loaded.
         averaged: take the mean of as many samples as a frame has, centred on it; else the one sample.
+        zeroed: the baseline (5) is taken from the data where the file states none; it is 0 else.
+        cutoff_hz: of a low-pass filter of force and moment (8); none where None.
         up: of the laboratory.
 
     Raises:
-        KinemarkError: the plate is of an unknown type, or a channel is missing.
+        KinemarkError: the plate is of an unknown type, a channel is missing, or too slow for the cut-off.
     """
-    channels = plate_channels(plate, analog, n_frames=n_frames, rate=rate, averaged=averaged)
+    record, values = _recorded(plate, analog)
+    baseline = _baseline(values, record, plate, rate, zeroed)
     R, middle = plate_axes(plate.corners)
-    force, moment, centre = _in_plate(plate, channels, outward=1.0 if R[:, 2] @ up > FACES_UP else -1.0)
-    sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
+    outward = 1.0 if R[:, 2] @ up > FACES_UP else -1.0
+
+    def in_plate(samples: Floats) -> tuple[Floats, Floats, Floats | None]:
+        channels = at_frames(samples, record, n_frames=n_frames, rate=rate, averaged=averaged)
+        return _in_plate(plate, channels, outward=outward)
+
+    force, moment, centre = in_plate(values - baseline)
     unknown: Bools = np.asarray(~np.isfinite(force).all(axis=1), np.bool_)
     loaded = _bridged(np.asarray(np.abs(force[:, 2]) > threshold_n), unknown)  # (6)
+    if cutoff_hz is not None:
+        force, moment, centre = in_plate(_low_passed(plate, values - baseline, record.rate, cutoff_hz))  # (8)
+    sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
     if centre is None:
         centre, free = _centre(force, moment, loaded)
     else:
         free = moment[:, 2]
-    down = np.where(loaded, sign * free, 0.0)[:, None] * R[:, 2] / 1000.0
     return Reaction(
         np.where(loaded[:, None], sign * force @ R.T, 0.0),
         np.where(loaded[:, None], middle + centre @ R.T, np.nan),
-        down,
+        np.where(loaded, sign * free, 0.0)[:, None] * R[:, 2] / 1000.0,
         loaded,
         plate.corners,
         unknown,
+        float(np.abs(_in_plate(plate, baseline[None], outward=outward)[0]).max()),
     )
+
+
+def _low_passed(plate: ForcePlate, values: Floats, rate: float, cutoff_hz: float) -> Floats:
+    """(N, K) channels, each stretch without a missing sample filtered (8); a measured centre by its moment.
+
+    Raises:
+        KinemarkError: the channels are too slow for the cut-off.
+    """
+    if cutoff_hz >= rate / 2:
+        raise KinemarkError(
+            f"Forces cannot be filtered at {cutoff_hz:g} Hz: the plates have {rate:g} samples a second, which show "
+            f"nothing above {rate / 2:g} Hz. Give a lower cut-off."
+        )
+    weight = np.ones_like(values)
+    if plate.type == 1:
+        weight[:, 3:5] = values[:, 2:3]
+    out, weighted = values.copy(), values * weight
+    for first, stop in true_runs(np.asarray(np.isfinite(values).all(1), np.bool_)):
+        if stop - first > edge_samples(2):
+            out[first:stop] = butterworth(weighted[first:stop], rate=rate, cutoff_hz=cutoff_hz)
+            if plate.type == 1:
+                with np.errstate(invalid="ignore", divide="ignore"):
+                    out[first:stop, 3:5] /= out[first:stop, 2:3]
+    return out
 
 
 def _bridged(loaded: Bools, unknown: Bools) -> Bools:
@@ -173,10 +219,8 @@ def _eight(c: Floats, a: float, b: float) -> tuple[Floats, Floats]:
     return force, np.stack(moment, -1)
 
 
-def plate_channels(
-    plate: ForcePlate, analog: Sequence[Analog], *, n_frames: int, rate: float, averaged: bool
-) -> Floats:
-    """(F, K) the channels of a plate at each frame, N, N·mm and, of a measured centre, mm.
+def _recorded(plate: ForcePlate, analog: Sequence[Analog]) -> tuple[Analog, Floats]:
+    """The record that has a plate's channels, and (N, K) N, N·mm and, of a measured centre, mm of them.
 
     Raises:
         KinemarkError: the plate is of an unknown type, or a channel is missing.
@@ -190,22 +234,32 @@ def plate_channels(
     names = plate.channels[:wanted]
     for record in analog:
         if set(names) <= set(record.names):
-            values = np.stack([record[name] * _to_house(record, name) for name in names], -1)
-            values = values - _baseline(values, record, plate, rate)
-            return at_frames(values, record, n_frames=n_frames, rate=rate, averaged=averaged)
+            return record, np.stack([record[name] * _to_house(record, name) for name in names], -1)
     raise KinemarkError(f"The channels {', '.join(names)} of a force plate are not in the trial.")
 
 
-def _baseline(values: Floats, record: Analog, plate: ForcePlate, rate: float) -> Floats:
-    """(K) mean of channels (N, K) over the frames in which the file says that nothing stands on the plate (5)."""
-    if plate.zero_frames is None:
+def _baseline(values: Floats, record: Analog, plate: ForcePlate, rate: float, zeroed: bool) -> Floats:
+    """(K) mean of channels (N, K) while nothing stands on the plate (5); of a measured centre 0."""
+    quiet = _stated_quiet(values, record, plate, rate)
+    known = np.asarray(np.isfinite(values).all(1), np.bool_)
+    if quiet is None and zeroed:
+        quiet = unloaded(plate, values, record.rate)
+    if quiet is None or not (quiet & known).any():
         return np.zeros(values.shape[1])
+    return np.asarray(values[quiet & known].mean(0)) * ((1, 1, 1, 0, 0, 1) if plate.type == 1 else 1.0)
+
+
+def _stated_quiet(values: Floats, record: Analog, plate: ForcePlate, rate: float) -> Bools | None:
+    """(N) samples in which nothing stands on the plate as its file states, and nothing does; None where there are
+    none."""
+    if plate.zero_frames is None:
+        return None
     first, stop = ((frame / rate - record.start) * record.rate for frame in np.add(plate.zero_frames, (0, 1)))
-    quiet = values[max(round(first), 0) : max(round(stop), 0)]
-    quiet = quiet[np.isfinite(quiet).all(1)]
-    known = values[np.isfinite(values).all(1)]
-    steady = len(quiet) and bool((np.ptp(quiet, axis=0) <= QUIET_SHARE * np.ptp(known, axis=0)).all())
-    return np.asarray(quiet.mean(0)) if steady else np.zeros(values.shape[1])
+    quiet, known = np.zeros(len(values), np.bool_), np.isfinite(values).all(1)
+    quiet[max(round(first), 0) : max(round(stop), 0)] = True
+    quiet &= known
+    steady = quiet.any() and (np.ptp(values[quiet], axis=0) <= QUIET_SHARE * np.ptp(values[known], axis=0)).all()
+    return quiet if steady else None
 
 
 def _to_house(record: Analog, name: str) -> float:

@@ -145,7 +145,7 @@ def gait_uncertainty(
     """
     errors, clusters = GaitErrors() if errors is None else errors, clusters or {}
     points = method.markers(trial, besides=[name for markers in clusters.values() for name in markers])
-    given = inputs_of(trial, points, measures, threshold_n=method.threshold_n)
+    given = method.inputs(trial, points, measures)
     model = _Model(given, None if static is None else with_knees(static), flat_foot, method, axes, clusters)
     out = {
         cause: _combined(shifted)

@@ -23,6 +23,7 @@ class GaitSettings:
         inertia: of the segments, likewise.
         smoothing: of the markers, likewise.
         cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
+        force_cutoff_hz: of a low-pass filter of the plates, likewise; none where none is given.
         flat_foot: in the standing trial heel and toe are at one height.
         axes: knee alignment devices and markers inside of knees and ankles, where the standing trial wears them, show
             the joints' axes; markers inside not where the method is plug_in_gait, which does not look at them.
@@ -42,6 +43,7 @@ class GaitSettings:
     inertia: Literal["winter", "de_leva_male", "de_leva_female", "plug_in_gait"] = "winter"
     smoothing: Literal["none", "butterworth", "woltring"] = "butterworth"
     cutoff_hz: float | None = None
+    force_cutoff_hz: float | None = None
     flat_foot: bool = True
     axes: bool = True
     placement_mm: float = 5.0
@@ -59,8 +61,9 @@ class GaitSettings:
         if self.method == "plug_in_gait":
             return PlugInGait()
         return Physical(
-            hip_centre=self.hip_centre, inertia=self.inertia, smoothing=self.smoothing, cutoff_hz=self.cutoff_hz
-        )
+            hip_centre=self.hip_centre, inertia=self.inertia, smoothing=self.smoothing, cutoff_hz=self.cutoff_hz,
+            force_cutoff_hz=self.force_cutoff_hz,
+        )  # fmt: skip
 
     def axes_from(self, static: Mapping[str, Floats] | None) -> AxesShown:
         """By what of a standing trial, (F, 3) mm by the model's names, the axes are taken; "" where by nothing."""

@@ -23,7 +23,7 @@ from ...gait.estimated_measures import WIDTH_SD_MM, check_legs, estimated_measur
 from ...gait.foot_events import foot_events
 from ...gait.functional_hip import functional_hip, with_functional_hips
 from ...gait.gait_cycles import dynamic_peaks, emg_curves, gait_curves
-from ...gait.gait_trial import REACTION, along_way, analyse_gait, inputs_of, marker_points, measured_only
+from ...gait.gait_trial import REACTION, along_way, analyse_gait, marker_points, measured_only
 from ...gait.key_values import key_values
 from ...gait.lower_limb import check_markers, leg_seen, lower_limbs, never_seen
 from ...gait.marker_spikes import MarkerSpikes, without_spikes
@@ -363,7 +363,8 @@ def as_events(events: Sequence[FootEvent], start_s: float) -> Events:
 
 def how(settings: GaitSettings, hips: HipsShown | None = None) -> dict[str, Any]:
     """What of the settings makes the method, by name; with hips that a motion has shown."""
-    names = () if settings.method == "plug_in_gait" else ("hip_centre", "inertia", "smoothing", "cutoff_hz")
+    names = ("hip_centre", "inertia", "smoothing", "cutoff_hz", "force_cutoff_hz")
+    names = () if settings.method == "plug_in_gait" else names
     made = {"name": settings.method} | {name: getattr(settings, name) for name in (*names, "flat_foot")}
     return made if hips is None else made | {"hip_centre": f"functional, from {hips.trial}"}
 
@@ -373,7 +374,7 @@ def _mass(walk: Recorded) -> float | None:
     if not walk.trial.plates or any(name not in walk.points for name in ("LHEE", "LTOE", "RHEE", "RTOE")):
         return None
     nobody = estimated_measures(walk.points)
-    given = inputs_of(walk.trial, walk.points, nobody, threshold_n=GaitSettings().made.threshold_n)
+    given = GaitSettings().made.inputs(walk.trial, walk.points, nobody)
     events, rate = foot_events(walk.trial, walk.points), walk.trial.trajectories.rate
     return mass_on_plates(given.reactions, given.contacts, events, rate=rate)
 

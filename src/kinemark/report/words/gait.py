@@ -315,6 +315,10 @@ GAIT_WORDS = {
         "The markers of the cluster of the {segment} are {misfit_mm:1} RMS from where {trial} has them.",
         "Look whether two of them are exchanged in one of the trials, or one came off; leave it out of the cluster.",
     ),
+    "gait_plate_zeroed": Words(
+        "{trial}: plate {plate} showed {baseline:0} while nothing stood on it. That was taken off all its channels.",
+        "Set the plates to zero before a session, while nobody stands on them.",
+    ),
     "contact_left_out": Words(_left_out, _for_left_out),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(

@@ -35,6 +35,7 @@ SUFFIX: dict[Unit, str] = {
     "Hz": "\u00a0Hz",
     "m/s": "\u00a0m/s",
     "kg": "\u00a0kg",
+    "N": "\u00a0N",
 }
 DECIMALS: dict[Unit, int] = {"px": 2, "s": 2, "ms": 1, "frames": 2, "m/s": 0, "ratio": 1, "level": 0, "m": 2}
 """Where nothing else is said."""

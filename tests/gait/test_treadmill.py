@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import Trajectories, Trial
+from kinemark.findings.gait_events import of_way
 from kinemark.gait import foot_events, marker_points
 from kinemark.gait.time_distance import averages, strides
 from kinemark.gait.treadmill import STILL, floor_velocity
@@ -49,6 +50,34 @@ def test_lengths_and_speed_count_from_the_belt(speed, direction):
             assert here[side][name][0] == pytest.approx(there[side][name][0], rel=0.02, abs=3), name
     errors = [(s.values["speed"] - speed) / s.sd["speed"] for s in found]
     assert np.sqrt(np.nanmean(np.square(errors))) < 1.6
+
+
+def split(points, factor):
+    """The left foot goes to and fro by so much more: its belt is as much faster, strikes and offs are the same."""
+    to_and_fro = (points["LHEE"] - points["LHEE"].mean(0)) * [1, 0, 0]
+    return {n: xyz + (factor - 1) * to_and_fro * (n in ("LHEE", "LTOE", "LANK")) for n, xyz in points.items()}
+
+
+@pytest.mark.parametrize(("speed", "factor", "seed"), [(600.0, 2.0, 1), (1200.0, 1.2, 2), (1200.0, 0.6, 3)])
+def test_each_foot_has_the_speed_of_its_own_belt(speed, factor, seed):
+    """Steps are from heel to heel at a strike, as the laboratory sees them, for then the other foot has not left."""
+    points = split(on_belt(walk(speed, seed=seed), speed, 0.0), factor)
+    found, floor, means = measured(points)
+    told = next(of_way("walk", "level", floor)).values
+    for side, own in (("left", factor * speed), ("right", speed)):
+        assert np.linalg.norm(floor.below(side)) == pytest.approx(own, rel=0.03)
+        assert told[f"{side}_speed"] == pytest.approx(own / 1000, rel=0.03)
+        assert means[side]["speed"][0] == pytest.approx(own, rel=0.03)
+        assert means[side]["stride_length"][0] == pytest.approx(own * means[side]["stride_time"][0], rel=0.03)
+        struck = [round(s.last * RATE) for s in found if s.side == side]
+        heel, other = (points[letter + "HEE"][struck, 0] for letter in (("L", "R") if side == "left" else ("R", "L")))
+        assert means[side]["step_length"][0] == pytest.approx((heel - other).mean(), abs=60)
+        assert max(s.sd["speed"] for s in found if s.side == side) < 0.1 * own
+
+
+def test_one_belt_is_one():
+    _, floor, _ = measured(on_belt(walk(1200.0), 1200.0, 0.0))
+    assert not floor.belts and next(of_way("walk", "level", floor)).values["left_speed"] is None
 
 
 def test_a_belt_that_is_sped_up_is_known_worse():

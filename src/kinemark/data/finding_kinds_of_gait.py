@@ -72,8 +72,8 @@ GAIT_KINDS = (
          "left thigh = L_FTC, LKNE, LKNM.", {"clusters_list": "text"}),
     Kind("gait_cluster_loose", "gait", "amber", "The markers of a cluster move against each other, RMS misfit in the "
          "worst walk.", {"trial": "text", "segment": "text", "misfit_mm": "mm"}),
-    Kind("gait_plate_zeroed", "gait", "info", "A plate showed a force while nothing stood on it, its greatest component; "
-         "it was taken off.", {"trial": "text", "plate": "count", "baseline": "N"}),
+    Kind("gait_plate_zeroed", "gait", "info", "A plate showed a force while nothing stood on it; its "
+         "greatest component, which was taken off.", {"trial": "text", "plate": "count", "baseline": "N"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, aid, beside, cut, two_plates or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",
@@ -88,7 +88,8 @@ GAIT_KINDS = (
          "stairs, backward or to and fro. Standard uncertainty of events from markers there.",
          {"trial": "text", "way": "text", "sd_ms": "ms"}),
     Kind("gait_on_treadmill", "gait", "info", "The floor moves below standing feet, at this speed; lengths and speed "
-         "count from it.", {"trial": "text", "speed": "m/s"}),
+         "count from it. Speeds below each foot where there are two belts.",
+         {"trial": "text", "speed": "m/s", "left_speed": "m/s", "right_speed": "m/s"}),
     Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "
          "from its mean direction, or from that of progression.", {"trial": "text", "turned_deg": "deg"}),
     Kind("gait_turns_left_out", "gait", "info", "Strides in which the subject turns, of all; they are left out of "

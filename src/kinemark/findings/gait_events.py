@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ..data import Events, Finding, make_finding
+from ..data.array_types import Floats
 from ..data.strides import FootEvent
-from ..data.subject_measures import Side
+from ..data.subject_measures import SIDES, Side
 from ..gait.foot_events import UNLIKE_MS
 from ..gait.treadmill import Floor
 
@@ -54,4 +55,12 @@ def of_way(trial: str, way: str, floor: Floor) -> Iterator[Finding]:
     if way != "level":
         yield make_finding("gait_not_level", trial=trial, way=way, sd_ms=UNLIKE_MS)
     if floor.moves:
-        yield make_finding("gait_on_treadmill", trial=trial, speed=float(np.linalg.norm(floor.velocity)) / 1000)
+        left, right = (None if not floor.belts else _speed(floor.below(side)) for side in SIDES)
+        yield make_finding(
+            "gait_on_treadmill", trial=trial, speed=_speed(floor.velocity), left_speed=left, right_speed=right
+        )
+
+
+def _speed(velocity: Floats) -> float:
+    """m/s of mm/s."""
+    return float(np.linalg.norm(velocity)) / 1000

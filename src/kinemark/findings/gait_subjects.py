@@ -31,7 +31,7 @@ class BodyOfTrial(NamedTuple):
 def of_bodies(bodies: Sequence[BodyOfTrial]) -> Iterator[Finding]:
     """Findings of the bodies in files."""
     for body in bodies:
-        yield from of_doubts(body.trial, body.names, (), MarkerLeaps())
+        yield from of_doubts(body.trial, body.names, MarkerLeaps())
         if body.steps_mm:
             yield make_finding("gait_static_moves", trial=body.trial, by_mm=body.steps_mm)
         if (change := body.change) is not None:

@@ -17,9 +17,10 @@ of sensors at (±a, ±b) adds up to
 Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
 sign is the one with which it does (4). While nothing stands on a plate, in the frames that the file states
 (FORCE_PLATFORM:ZERO) if nothing does then, else where its force shows it (`plate_baseline`), its channels have a mean
-that each of them is less (5). A sample that is missing is no force of 0: up to half a frame of them lie between their neighbours, else the frame is unknown, and between loaded
-frames the foot is taken to have stayed (6). The sensor is below the surface: where o would have it above, it is −o. Of
-corners that go round the other way z is up, and so is o (7).
+that each of them is less (5). A sample that is missing is no force of 0: up to half a frame of them lie between their
+neighbours, else the frame is unknown, and between loaded frames the foot is taken to have stayed (6). The sensor is
+below the surface: where o would have it above, it is −o. Of corners that go round the other way z is up, and so is o
+(7).
 
 Where markers are low-passed and forces are not, a force that rises in a moment meets accelerations that do not: moments
 of knee and hip have a peak at foot strike that no muscle makes. So forces and moments may be filtered at the markers'

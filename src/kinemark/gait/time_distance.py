@@ -19,13 +19,15 @@ Standard uncertainties follow from those of the events and of the heels, each in
 a length the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of
 squares. In the speed what a heel moves and what its event is off cancel in part, and the first is left out (6). Where
 the heels' markers sit beside their landmarks, by s along each axis, a step's length and width are off by √2 s in every
-stride; the way of one heel is not (7). On a treadmill heels are taken as its belt sees them (`treadmill`).
+stride; the way of one heel is not (7). On a treadmill heels are taken as its belt sees them (`treadmill`): of belts
+that differ a stride as its own foot's does, and a step, which begins where the other foot struck, as the other's (8).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,6 +39,18 @@ from .treadmill import STILL, Floor
 
 OF_BOTH_HEELS = ("step_length", "step_width")
 """Parameters that hang on where two different markers sit (7); by definition."""
+
+
+ORDER: tuple[tuple[Side, Side], ...] = (("left", "right"), ("right", "left"))
+"""A side and the other one; by definition."""
+
+
+class _Heels(NamedTuple):
+    """(F, 3) mm of a heel on the belt below it, the same on the belt below the other foot, and the other heel there."""
+
+    own: Floats
+    own_there: Floats
+    other: Floats
 
 
 def strides(
@@ -58,16 +72,17 @@ def strides(
         floor: that moves, on a treadmill. up: of the laboratory.
     """
     feet = [name for name in ("LHEE", "RHEE", "LTOE", "RTOE") if name in points]
-    points = {name: floor.still(points[name], rate) for name in feet}
     found = []
-    for side, other in (("left", "right"), ("right", "left")):
+    for side, other in ORDER:
+        own_belt, other_belt = ({name: floor.still(points[name], rate, one) for name in feet} for one in (side, other))
         own = sorted((e for e in events if e.side == side and e.strike), key=lambda e: e.time)
         offs = [e for e in events if e.side == side and not e.strike]
         theirs = [e for e in events if e.side == other]
-        heels = points[LETTER[side] + "HEE"], points[LETTER[other] + "HEE"]
+        heel, others = (LETTER[one] + "HEE" for one in (side, other))
+        heels = _Heels(own_belt[heel], other_belt[heel], other_belt[others])  # (8)
         for begin, end in pairwise(own):
             one = _stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, floor.sd, up)
-            if _goes_backwards(points, begin, end, rate):
+            if _goes_backwards(own_belt, begin, end, rate):
                 one = one._replace(values={**one.values, "step_width": -one.values["step_width"]})
             found.append(_misplaced(one, float(np.sqrt(2) * placement_mm)))
     return tuple(sorted(found, key=lambda one: one.first))
@@ -95,7 +110,7 @@ def _stride(
     end: FootEvent,
     offs: Sequence[FootEvent],
     theirs: Sequence[FootEvent],
-    heels: tuple[Floats, Floats],
+    heels: _Heels,
     rate: float,
     heel_sd: float,
     floor_sd: float,
@@ -129,7 +144,7 @@ def _distances(
     begin: FootEvent,
     end: FootEvent,
     struck: FootEvent | None,
-    heels: tuple[Floats, Floats],
+    heels: _Heels,
     rate: float,
     heel_sd: float,
     floor_sd: float,
@@ -138,13 +153,13 @@ def _distances(
     """Lengths and width, mm, and speed of a stride, each with its standard uncertainty; steps where the other foot
     `struck` in between."""
     T, sd_T = _between(begin, end)
-    first, last = _at(heels[0], begin, rate), _at(heels[0], end, rate)
+    first, last = _at(heels.own, begin, rate), _at(heels.own, end, rate)
     other, other_sd = np.full(3, np.nan), np.nan
     if struck is not None:
-        other, other_sd = _at(heels[1], struck, rate), _heel_sd(heels[1], struck, rate, heel_sd)
-    path, step = _floor(last - first, up), _floor(last - other, up)
+        other, other_sd = _at(heels.other, struck, rate), _heel_sd(heels.other, struck, rate, heel_sd)
+    path, step = _floor(last - first, up), _floor(_at(heels.own_there, end, rate) - other, up)
     length, along = float(np.linalg.norm(path)), unit(path)
-    first_sd, last_sd = (_heel_sd(heels[0], event, rate, heel_sd) for event in (begin, end))
+    first_sd, last_sd = (_heel_sd(heels.own, event, rate, heel_sd) for event in (begin, end))
     both_heels, belt = heel_sd * np.sqrt(2), floor_sd * T
     return {
         "stride_length": (length, float(np.linalg.norm([first_sd, last_sd, belt]))),

@@ -4,7 +4,8 @@ While a foot stands flat, between `FLAT` of its stance, its heel goes with the f
 is the floor's velocity v (1). The median over a foot's stances, and the mean of both feet, which roll outwards to
 either side, is that of the trial; the deviation of a stance from it is what is not known of v in a stride: how steadily
 the belt runs, and how flat the foot stood (2). In the frame of the belt, h − v t, a walk on a treadmill is one over
-ground.
+ground. Where the medians of both feet are apart by more than `APART` of v, and by more than the stances of a foot are,
+each foot has a belt of its own, and its own median (4).
 
 Heels of runners, and of those who walk on their toes, go forwards while they stand. But these leave the place, and who
 walks on a belt stays: v counts only if it is STAYS times as fast as heels go from strike to strike (3).
@@ -20,7 +21,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
-from ..data.subject_measures import LETTER, SIDES
+from ..data.subject_measures import LETTER, SIDES, Side
 from .backwards import walks_backwards
 from .foot_motion import BELT_MM_S
 from .segments import Z_UP
@@ -30,6 +31,11 @@ FLAT = (0.25, 0.5)
 heels come down until 0.15, and begin to rise between 0.5 and 0.7."""
 STAYS = 2.0
 """Of (3); chosen: over ground no heel that stands goes faster than its owner, and on a belt owners hardly go at all."""
+APART = 0.08
+"""Of (4); chosen: on one belt feet were up to 0.04 apart, and who splits belts has one at 1.2 to 3 times the other."""
+STEADY = 0.02
+"""Of a belt's speed, to which its foot's stances tell it at best, where two belts leave nothing to compare them with;
+chosen: half of what feet on one belt were apart."""
 FEWEST = 3
 """Frames of a slope; chosen."""
 
@@ -39,19 +45,25 @@ class Floor(NamedTuple):
 
     Attributes:
         velocity: (3) mm/s; 0 where it stands still. sd: mm/s, its standard uncertainty in one stride.
+        belts: (3) mm/s of the belt below each foot, where there are two.
     """
 
     velocity: Floats
     sd: float
+    belts: Mapping[Side, Floats] = {}
 
     @property
     def moves(self) -> bool:
         """Whether it is a treadmill's."""
         return bool(np.any(self.velocity))
 
-    def still(self, xyz: Floats, rate: float) -> Floats:
-        """(F, 3) mm of a marker as the belt sees it."""
-        return np.asarray(xyz - self.velocity * (np.arange(len(xyz)) / rate)[:, None])
+    def still(self, xyz: Floats, rate: float, side: Side) -> Floats:
+        """(F, 3) mm of a marker as the belt below the foot of this side sees it."""
+        return np.asarray(xyz - self.below(side) * (np.arange(len(xyz)) / rate)[:, None])
+
+    def below(self, side: Side) -> Floats:
+        """(3) mm/s of the belt below a foot."""
+        return self.belts.get(side, self.velocity)
 
 
 STILL = Floor(np.zeros(3), 0.0)
@@ -61,24 +73,30 @@ STILL = Floor(np.zeros(3), 0.0)
 def floor_velocity(
     events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
 ) -> Floor:
-    """Velocity of the floor by (1) to (3); `STILL` where it is below `BELT_MM_S`, or no stance is seen.
+    """Velocity of the floor by (1) to (4); `STILL` where it is below `BELT_MM_S`, or no stance is seen.
 
     Args:
         events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second. up: of the laboratory.
     """
     flat = (1 - FLAT[1], 1 - FLAT[0]) if walks_backwards(points, up=up) else FLAT
-    feet = [
-        _stood(points[LETTER[side] + "HEE"], [e for e in events if e.side == side], flat, rate, up) for side in SIDES
-    ]
-    seen = [v for v in feet if len(v)]
-    if not seen:
+    stood: dict[Side, Floats] = {
+        side: _stood(points[LETTER[side] + "HEE"], [e for e in events if e.side == side], flat, rate, up)
+        for side in SIDES
+    }
+    medians = {side: np.asarray(np.median(v, axis=0)) for side, v in stood.items() if len(v)}
+    if not medians:
         return STILL
-    v = np.mean([np.median(each, axis=0) for each in seen], axis=0)
+    v = np.mean(list(medians.values()), axis=0)
     speed = float(np.linalg.norm(v))
     if speed < max(BELT_MM_S, STAYS * _gone(events, points, rate, up)):
         return STILL
-    along = np.concatenate(seen) @ v / speed
-    return Floor(v, float(np.sqrt(np.mean((along - speed) ** 2))))
+    along = {side: stood[side] @ v / speed for side in medians}
+    belts = {side: v * (median @ v) / speed**2 for side, median in medians.items()}
+    own = np.concatenate([along[side] - belts[side] @ v / speed for side in medians])
+    apart = abs(float(np.subtract(*(belts[side] @ v / speed for side in SIDES)))) if len(belts) == 2 else 0.0
+    if apart > max(APART * speed, 2 * float(np.abs(own).max())):  # (4)
+        return Floor(v, float(np.hypot(np.sqrt(np.mean(own**2)), STEADY * speed)), belts)
+    return Floor(v, float(np.sqrt(np.mean((np.concatenate(list(along.values())) - speed) ** 2))))
 
 
 def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float, up: Floats) -> float:

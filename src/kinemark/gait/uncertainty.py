@@ -28,7 +28,7 @@ from ..data.array_types import Floats
 from ..data.model_markers import INSIDE
 from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
 from .clusters import Clusters, calibrated_body, landmarks_of, with_wands
-from .gait_trial import Inputs, gait_of, inputs_of
+from .gait_trial import Inputs, gait_of
 from .lower_limb import LowerLimbs, lower_limbs, pelvis_of
 from .segments import Segment, within_half_turn
 from .static_axes import with_knees

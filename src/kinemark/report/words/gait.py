@@ -36,6 +36,12 @@ NOT_LEVEL = {
 }
 
 
+def _treadmill(found: Finding) -> str:
+    if found.values["left_speed"] is None:
+        return fill("{trial}: the floor moves at {speed:2} below the feet that stand: a treadmill.", found)
+    return fill("{trial}: a treadmill of two belts, {left_speed:2} left and {right_speed:2} right.", found)
+
+
 def _not_level(found: Finding) -> str:
     return (
         fill("{trial}: the subject ", found)
@@ -337,10 +343,7 @@ GAIT_WORDS = {
         _not_level,
         "Time and distance hang on the events; mark them by hand, or give plates, where they matter.",
     ),
-    "gait_on_treadmill": Words(
-        "{trial}: the floor moves at {speed:2} below the feet that stand: a treadmill.",
-        "Speed, stride and step count from it.",
-    ),
+    "gait_on_treadmill": Words(_treadmill, "Speed, stride and step count from it."),
     "gait_turns": Words(
         "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} aside.",
         "Angles of pelvis and feet are to the way at each moment, and mean little where it turns back or the subject "

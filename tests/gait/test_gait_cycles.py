@@ -15,6 +15,7 @@ from kinemark.gait.gait_cycles import (
     most_typical,
     movement_analysis_profile,
     muscle_sides,
+    overall_score,
     reference_of,
     scaled_score,
 )
@@ -73,6 +74,15 @@ def test_the_profile_is_the_distance_from_the_reference():
     own, score = movement_analysis_profile(gait_curves(signals(offset=4.0), STRIDES), reference, "left")
     assert score == pytest.approx(4.0, abs=1e-6) and len(own) == 9
     assert reference.subjects == 3
+
+
+def test_the_overall_score_counts_the_pelvis_once():
+    """Baker et al. (2009): nine variables of the left and six of the right."""
+    names = list(PROFILE)
+    left, right = dict.fromkeys(names, 3.0), dict.fromkeys(names, 6.0)
+    assert overall_score(left, right) == pytest.approx(np.sqrt((9 * 9 + 6 * 36) / 15))
+    assert overall_score(left, right | {"pelvic tilt": 90.0}) == overall_score(left, right)
+    assert np.isnan(overall_score(left, right | {"hip flexion": np.nan}))
 
 
 def controls(rng, n, spread):
@@ -175,7 +185,8 @@ def test_the_side_of_a_muscle_is_in_its_name():
 def test_a_glued_letter_is_a_side_where_its_twin_is_there():
     sides = muscle_sides(["RTA", "LTA", "EMG.RGastroc", "EMG.LGastroc"])
     assert list(sides.values()) == ["right", "left", "right", "left"]
-    assert set(muscle_sides(["RF", "LatGast", "EMG1", "Soleus"]).values()) == {None}
+    assert list(muscle_sides(["TAL", "TAR", "EMG.SolL", "EMG.SolR"]).values()) == ["left", "right"] * 2
+    assert set(muscle_sides(["RF", "LatGast", "EMG1", "Soleus", "GL", "GR", "BFL"]).values()) == {None}
 
 
 def test_a_channel_without_bursts_has_no_time_that_it_is_on():

@@ -11,7 +11,7 @@ from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
 from ..data.strides import Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
-from ..gait.gait_cycles import movement_analysis_profile, scaled_score
+from ..gait.gait_cycles import movement_analysis_profile, overall_score, scaled_score
 from ..gait.harmonics import curve_harmonics
 from ..gait.key_values import KEYS
 from ..gait.time_distance import averages
@@ -40,6 +40,7 @@ def profile(curves: Sequence[GaitCurves], reference: GaitReference) -> dict[str,
     for side in SIDES:
         variables, score = movement_analysis_profile(curves, reference, side)
         found[side] = {"variables": variables, "score": score, "scaled_score": scaled_score(score, reference)}
+    found["overall_score"] = overall_score(*(found[side]["variables"] for side in SIDES))
     return found
 
 

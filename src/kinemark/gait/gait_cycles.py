@@ -85,8 +85,9 @@ def dynamic_peaks(each: Sequence[tuple[Mapping[str, Emg], Sequence[Stride]]]) ->
 def muscle_sides(names: Collection[str]) -> dict[str, Side | None]:
     """Sides of EMG channels by their names; None of one that does not say it.
 
-    A letter or a word says it ("R Rect", "EMG_left_soleus"), or the letter that a word begins with, where another
-    channel is called alike but for the other letter ("RTA" beside "LTA"; "RF" alone is the rectus femoris).
+    A letter or a word says it ("R Rect", "EMG_left_soleus"), or the letter that a word begins or ends with, where
+    another channel is called alike but for the other letter ("RTA" beside "LTA", "TAR" beside "TAL"; "RF" alone is the
+    rectus femoris, and "GL" beside "GR" are two muscles).
     """
     known = set(names)
     return {name: _said_side(name) or _glued_side(name, known) for name in names}
@@ -103,8 +104,8 @@ def _said_side(name: str) -> Side | None:
 
 
 def _glued_side(name: str, known: Collection[str]) -> Side | None:
-    """By the letter that one of its words begins with, where its twin is there."""
-    for found in re.finditer(r"(?<![A-Za-z])[LR](?=[A-Za-z])", name):
+    """By the letter that one of its words begins or ends with, where its twin is there."""
+    for found in re.finditer(GLUED, name):
         i, left = found.start(), found.group() == "L"
         if f"{name[:i]}{'R' if left else 'L'}{name[i + 1 :]}" in known:
             return "left" if left else "right"
@@ -150,6 +151,8 @@ def _median(y: Floats) -> Floats:
     return np.asarray(np.nanmedian(np.where(np.isfinite(y).any(0), y, 0.0), axis=0))
 
 
+GLUED = re.compile(r"(?<![A-Za-z])[LR](?=[A-Za-z])|(?<=[A-Za-z]{2})[LR](?![A-Za-z])")
+"""A letter of a side before a word, or behind one of two letters and more; conventional."""
 PROFILE = {
     "pelvic tilt": ("PelvisAngles", 0), "pelvic obliquity": ("PelvisAngles", 1), "pelvic rotation": ("PelvisAngles", 2),
     "hip flexion": ("HipAngles", 0), "hip adduction": ("HipAngles", 1), "hip rotation": ("HipAngles", 2),
@@ -159,6 +162,8 @@ PROFILE = {
 """The nine kinematic variables of the movement analysis profile (Baker et al. 2009)."""
 
 
+OF_BOTH_SIDES = tuple(title for title in PROFILE if title.startswith("pelvic"))
+"""Of the profile, what left and right share; by definition."""
 FEWEST_SCORED = 4
 """Controls whose own scores make a scale; chosen: the deviation of three is known to a half."""
 
@@ -177,6 +182,17 @@ def movement_analysis_profile(
         else:
             found[title] = np.nan
     return found, float(np.sqrt(np.mean(np.square(list(found.values())))))
+
+
+def overall_score(left: Mapping[str, float], right: Mapping[str, float]) -> float:
+    """The gait profile score of both sides, deg: of the nine variables of the left and six of the right, for both have
+    one pelvis (Baker et al. 2009); NaN where one is missing.
+
+    Args:
+        left, right: distances of `movement_analysis_profile`, deg.
+    """
+    each = [*left.values(), *(value for title, value in right.items() if title not in OF_BOTH_SIDES)]
+    return float(np.sqrt(np.mean(np.square(each))))
 
 
 def scaled_score(score: float, reference: GaitReference) -> float:

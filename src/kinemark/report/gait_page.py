@@ -317,5 +317,7 @@ def profile_table(figures: dict[str, Any]) -> Table | None:
     rows.append(["gait profile score", *(number(each[side]["score"], 1) for side in each)])
     if any(one["scaled_score"] is not None for one in each.values()):
         rows.append(["score, 100 ± 10 in the controls", *(number(each[side]["scaled_score"], 0) for side in each)])
-    note = f"Reference: {profile['source']}, {profile['subjects']} subjects."
+    both = profile.get("overall_score")
+    overall = "" if both is None else f" Overall gait profile score, of both sides: {number(both, 1)}°."
+    note = f"Reference: {profile['source']}, {profile['subjects']} subjects.{overall}"
     return Table(["RMS distance from the reference (°)", "left", "right"], rows, note=note).known()

@@ -43,3 +43,11 @@ def test_muscles_of_a_file_without_units_are_emg():
     values = np.random.default_rng(0).normal(size=(len(muscles + others), 2000))
     trial = Trial("walk", Trajectories((), 100.0), (Analog(muscles + others, ("",) * len(values), 1000.0, values),))
     assert tuple(emg_of(trial)) == muscles
+
+
+def test_letters_of_a_muscle_tell_a_channel_without_a_unit():
+    muscles = ("LTA", "R_SOL", "GMED L", "rf", "VM")
+    others = ("FX1", "CH3", "STEP", "GM2X", "A", "LR")
+    values = np.random.default_rng(0).normal(size=(len(muscles + others), 3000))
+    trial = Trial("walk", Trajectories((), 100.0), (Analog(muscles + others, ("",) * len(values), 1000.0, values),))
+    assert tuple(emg_of(trial)) == muscles

@@ -17,6 +17,10 @@ MUSCLE = re.compile(
     r"pectoral|brachi"
 )
 """Names of muscles, whole and as they are usually cut short, by which a channel without a unit is EMG; conventional."""
+SHORT = re.compile(
+    r"(?i)([lr][ _.-]?)?(ta|tp|gm|gl|mg|lg|gas|sol|rf|vl|vm|vi|bf|st|sm|pl|pb|gmax|gmed|ham|quad|add)([ _.-]?[lr])?"
+)
+"""Letters of muscles, with a side or without one, as the whole name of a channel without a unit; conventional."""
 NO_MUSCLE = re.compile(r"(?i)(^|[^a-z])([fmc][xyz]\d*( ?\[\d+\])?$|pin ?\d+)|foot.?switch|sync|trigger|gonio")
 """Names of channels in volts that are no EMG: a plate's before it is scaled, bare pins of a converter, switches."""
 
@@ -41,7 +45,7 @@ def greatest_contractions(mvc: Trial, wanted: Collection[str]) -> dict[str, floa
 
 def emg_of(trial: Trial) -> dict[str, Emg]:
     """Of each channel that says EMG, or is in volts and nothing else by its name (`NO_MUSCLE`), or has no unit and the
-    name of a muscle, and no plate's; none whose name says that nothing is plugged in (`UNUSED`).
+    name or the letters of a muscle, and no plate's; none whose name says that nothing is plugged in (`UNUSED`).
 
     One that is no EMG by its samples, too few or too slow, is left out: the rest of the trial is as good without it.
     """
@@ -71,7 +75,7 @@ def _candidates(trial: Trial) -> Iterator[tuple[str, Analog]]:
         for name, unit in zip(record.names, record.units, strict=True):
             letters = "".join(c for c in unit.upper() if c.isalpha())
             in_volts = letters in ("V", "MV", "UV", "ΜV")
-            named = in_volts or (not letters and bool(MUSCLE.search(name)))
+            named = in_volts or (not letters and bool(MUSCLE.search(name) or SHORT.fullmatch(name)))
             is_emg = "EMG" in name.upper() or (named and not NO_MUSCLE.search(name))
             if name not in plates and is_emg and not UNUSED.search(name) and np.ptp(record[name]) > 0:
                 yield name, record

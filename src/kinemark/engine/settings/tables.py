@@ -165,6 +165,9 @@ class GaitTable(Strict):
     cutoff_hz: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
         default=None, description="of the smoothing, Hz; by the data where absent"
     )
+    force_cutoff_hz: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
+        default=None, description="of a low-pass filter of force plates, Hz; none where absent"
+    )
     flat_foot: bool = Field(default=True, description="in the static trial heel and toe are at one height")
     axes: bool = Field(
         default=True, description="devices and markers inside of knees and ankles in the static trial show their axes"

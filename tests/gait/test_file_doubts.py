@@ -10,12 +10,11 @@ from kinemark.data import MarkerTrajectory
 from kinemark.data.strides import FootEvent
 from kinemark.engine.gait.settings import GaitSettings
 from kinemark.engine.gait.walks import gait_of_trial
-from kinemark.findings.gait_doubts import of_doubts
+from kinemark.findings.gait_doubts import of_doubts, of_plates
 from kinemark.gait import analyse_gait, marker_points, standard_trial, with_static_offsets
 from kinemark.gait.estimated_measures import mass_on_plates
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.marker_doubts import MarkerDoubts, marker_doubts
-from kinemark.gait.marker_leaps import MarkerLeaps
 from kinemark.gait.plate_contacts import Contact
 from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
 from kinemark.gait.reaction import Reaction
@@ -357,7 +356,10 @@ def test_who_reads_is_told_what_to_do():
     off[100:] += (0, 0, 150.0)
     paths = tuple(MarkerTrajectory.measured("RKNE", off) if p.name == "RKNE" else p for p in walk.trajectories)
     found = gait(replace(walk, trajectories=replace(walk.trajectories, paths=paths)))
-    late = of_doubts("walk", found.names, (*found.plates, PlateDoubt(None, "time", -0.06)), found.leaps)
+    late = [
+        *of_doubts("walk", found.names, found.leaps),
+        *of_plates("walk", (*found.plates, PlateDoubt(None, "time", -0.06)), ()),
+    ]
     said = with_words({"findings": [one.as_dict() for one in late]})["findings"]
     texts = " ".join(one["text"] + " " + one["advice"] for one in said)
     assert "LHEE" in texts and "point backwards" in texts and "before those of the markers" in texts
@@ -425,5 +427,5 @@ def test_plates_that_are_elsewhere_and_origins_of_another_unit_are_told(name, ch
     where = [doubt for doubt in found if doubt.what in ("elsewhere", "origin")]
     assert bool(where) == bool(told) and told <= {doubt.what for doubt in where}
     assert len({doubt.plate for doubt in where}) == len(where)  # of each plate one
-    said = with_words({"findings": [one.as_dict() for one in of_doubts("walk", MarkerDoubts(), where, MarkerLeaps())]})
+    said = with_words({"findings": [one.as_dict() for one in of_plates("walk", where, ())]})
     assert all("mm or m" in one["advice"] and "{" not in one["text"] for one in said["findings"])

@@ -78,3 +78,29 @@ def test_the_path_says_how_well_it_is_known_where_samples_do():
     mended, _ = without_spikes(replace(walk, trajectories=replace(walk.trajectories, paths=paths)))
     assert np.isfinite(mended.trajectories["RANK"].cov).all()
     assert np.isnan(mended.trajectories["LANK"].cov).all()
+
+
+def with_gap(trial, name, first, frames):
+    keep = ~np.isin(np.arange(trial.trajectories.n_frames), np.arange(first, first + frames))
+    paths = tuple(p.only(keep) if p.name == name else p for p in trial.trajectories)
+    return replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+
+
+@pytest.mark.parametrize("frames", [1, 2, 4])
+@pytest.mark.parametrize("beside", ["first", "last", "before", "after"])
+def test_samples_beside_a_gap_and_at_the_ends_are_left_out(beside, frames):
+    clean = lab(100.0).walk
+    n = clean.trajectories.n_frames
+    first = {"first": 0, "last": n - frames, "before": AT - frames, "after": AT + 20}[beside]
+    inside = beside in ("before", "after")
+    right = with_gap(clean, "LKNE", AT, 20) if inside else clean
+    wrong = off(clean, "LKNE", (40.0, 30.0, 0), first, frames)
+    wrong = with_gap(wrong, "LKNE", AT, 20) if inside else wrong
+    mended, told = without_spikes(wrong)
+    assert told.markers == ("LKNE",) and told.frames == ((first, first + frames - 1),) and told.samples == frames
+    assert told.most_mm > 40
+    known = np.isfinite(mended.trajectories["LKNE"].xyz).all(1)
+    assert (np.isfinite(right.trajectories["LKNE"].xyz).all(1) & ~known).sum() == frames
+    np.testing.assert_array_equal(mended.trajectories["LKNE"].xyz[known], right.trajectories["LKNE"].xyz[known])
+    bent, better = (np.nanmax(np.abs(knee(one) - knee(right))) for one in (wrong, mended))
+    assert better < max(0.5, bent / 4)

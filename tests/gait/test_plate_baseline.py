@@ -88,6 +88,13 @@ def test_what_carries_somebody_all_the_time_keeps_its_force(force):
     assert zeroed.baseline_n == 0.0
 
 
+def test_a_plate_that_writes_0_without_a_load_keeps_its_zeros():
+    """By which its events are known to leap (`plate_events`)."""
+    values = channels_of(2, np.where(step() > 50.0, step(), 0.0))
+    values[2, 100] = 1.0
+    np.testing.assert_array_equal(found(2, values, zeroed=True).force, found(2, values).force)
+
+
 def test_a_plate_on_which_nobody_steps_is_not_loaded():
     assert found(2, np.full((6, 2000), 30.0)).loaded.all()
     assert not found(2, np.full((6, 2000), 30.0), zeroed=True).loaded.any()

@@ -31,13 +31,18 @@ class MarkerLeaps(NamedTuple):
     most_mm: float = 0.0
 
 
+def leap_mm(rate: float) -> float:
+    """Second difference of a leap, mm, at so many frames a second."""
+    return max(LEAST_MM, LEAST_M_S2 * 1000.0 / rate**2)
+
+
 def marker_leaps(points: Mapping[str, Floats], names: tuple[str, ...], *, rate: float) -> MarkerLeaps:
     """Leaps of the markers of these names that are there.
 
     Args:
         points: (F, 3) mm by name, not smoothed. names: that count. rate: frames a second.
     """
-    limit = max(LEAST_MM, LEAST_M_S2 * 1000.0 / rate**2)
+    limit = leap_mm(rate)
     leap = {n: np.linalg.norm(np.diff(points[n], 2, axis=0), axis=1) for n in names if n in points}
     most = {n: float(y.max(initial=0.0, where=y > limit)) for n, y in leap.items()}
     leaping = sorted((n for n in most if most[n] > 0), key=lambda n: -most[n])

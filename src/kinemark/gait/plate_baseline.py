@@ -7,7 +7,8 @@ and more in which v, averaged over `AVERAGED_S`, stays within `NOISE` of its ran
     b = median of v where |v| < LIGHT r                                                                     (1)
 
 less `EDGE_S` at both ends, in which a foot may begin to load. A plate that never carries a person's weight is unloaded
-all the time, if it is steady. A plate that is always loaded, as the belt of a walker with both feet on it, has none.
+all the time, if it is steady. A plate that is always loaded, as the belt of a walker with both feet on it, has none;
+nor has one whose program writes 0 while nobody stands on it, for it has taken its own off.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ def unloaded(plate: ForcePlate, values: Floats, rate: float) -> Bools:
     Args:
         plate: of type 1 to 5. values: (N, K) of its channels. rate: samples a second.
     """
-    v = _averaged(_vertical(plate, values), max(1, round(AVERAGED_S * rate)))
+    raw = _vertical(plate, np.where(np.isfinite(values), values, np.nan))
+    v = _averaged(raw, max(1, round(AVERAGED_S * rate)))
     none = np.zeros(len(v), np.bool_)
     span = float(np.nanmax(v, initial=0.0) - np.nanmin(v, initial=0.0))
     light = np.abs(v) < LIGHT * span if span > PERSON_N else np.isfinite(v)
@@ -49,7 +51,7 @@ def unloaded(plate: ForcePlate, values: Floats, rate: float) -> Bools:
     for first, stop in true_runs(np.asarray(np.abs(v - np.median(v[light])) < noise)).tolist():
         if stop - first >= STEADY_S * rate:
             none[first + edge * (first > 0) : stop - edge * (stop < len(v))] = True
-    return none
+    return none & (np.median(raw[none]) != 0) if none.any() else none
 
 
 def _vertical(plate: ForcePlate, values: Floats) -> Floats:

@@ -264,8 +264,8 @@ GAIT_WORDS = {
     ),
     "gait_spikes_left_out": Words(
         "{trial}: {samples} {samples:sample|samples} of {markers} {samples:is|are} off the path by up to {most_mm:0} "
-        "for a moment ({frames}). {samples:It was|They were} left out before anything was computed; the path goes on "
-        "there from the frames beside.",
+        "for a moment ({frames}). {samples:It was|They were} left out before anything was computed. Where there are "
+        "frames on both sides the path goes on from these; beside a gap, and at the ends, nothing is there.",
         "kinemark audit lists what went wrong in the tracks, kinemark studio mends it.",
     ),
     "gait_markers_exchanged": Words(_exchanged, _for_exchanged),

@@ -209,7 +209,8 @@ MODEL_WORDS: dict[str, str | dict[Any, str]] = {
     "hip_centre": "hip joint centre by {}", "inertia": "segments' inertia by {}", "smoothing": "markers smoothed by {}",
     "axes": {True: "axes of knees and ankles as the standing trial shows them",
              False: "axes of knees and ankles by wands and measures"},
-    "cutoff_hz": "cut-off {} Hz", "flat_foot": {True: "feet flat in the standing trial", False: "feet as they stood"},
+    "cutoff_hz": "cut-off {} Hz", "force_cutoff_hz": "forces low-passed at {} Hz",
+    "flat_foot": {True: "feet flat in the standing trial", False: "feet as they stood"},
 }  # fmt: skip
 """How a parameter of the model is said; the others by their names."""
 VALUE_WORDS = {
@@ -232,10 +233,14 @@ def _model_part(name: str, value: Any) -> str:
         return words.get(value, f"{name.replace('_', ' ')} {value}")
     if name == "smoothing" and value == "none":
         return "markers not smoothed"
+    if name == "force_cutoff_hz" and value is None:
+        return "forces not filtered"
     if value is None:
         return words.removesuffix(" Hz").format("chosen from the data")
     if isinstance(value, bool):
         return words.format("yes" if value else "no")
+    if isinstance(value, float):
+        return words.format(f"{value:g}")
     return words.format(VALUE_WORDS.get(str(value), str(value).replace("_", " ")))
 
 

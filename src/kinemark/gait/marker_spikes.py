@@ -73,7 +73,7 @@ def _loose_ends(xyz: Floats, rate: float) -> list[tuple[int, int, float]]:
     """First and last-plus-one frame of samples of a path (F, 3) mm, beside a gap or an end, from which it leaps to
     where it stays, and by how many mm."""
     most, found = int(LONGEST_S * rate), []
-    for first, stop in true_runs(np.isfinite(xyz).all(1)).tolist():
+    for first, stop in true_runs(np.asarray(np.isfinite(xyz).all(1), np.bool_)).tolist():
         if most < 1 or stop - first < 4 * most + 4:
             continue
         for begins in (True, False):

@@ -363,9 +363,9 @@ def as_events(events: Sequence[FootEvent], start_s: float) -> Events:
 
 def how(settings: GaitSettings, hips: HipsShown | None = None) -> dict[str, Any]:
     """What of the settings makes the method, by name; with hips that a motion has shown."""
-    names = ("hip_centre", "inertia", "smoothing", "cutoff_hz", "force_cutoff_hz")
-    names = () if settings.method == "plug_in_gait" else names
-    made = {"name": settings.method} | {name: getattr(settings, name) for name in (*names, "flat_foot")}
+    own = ("hip_centre", "inertia", "smoothing", "cutoff_hz", "force_cutoff_hz")
+    names = (*own, "flat_foot") if settings.method == "physical" else ("flat_foot",)
+    made = {"name": settings.method} | {name: getattr(settings, name) for name in names}
     return made if hips is None else made | {"hip_centre": f"functional, from {hips.trial}"}
 
 

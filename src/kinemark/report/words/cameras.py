@@ -127,8 +127,8 @@ def _lost_images(found: Finding) -> str:
 
 
 def _dropped_images(found: Finding) -> str:
-    n = round(_number(found, "dropped"))
-    many = "an image" if n == 1 else f"{n}\u00a0images"
+    n = _number(found, "dropped")
+    many = "an image" if n == 1 else f"{round(n)}\u00a0images" if math.isfinite(n) else "images"
     return fill(
         f"{{Cameras}} dropped {many} about frame {{first_frame}}: its later ones were put into the frames that they "
         "show, where they fit better.",

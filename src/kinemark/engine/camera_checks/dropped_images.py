@@ -9,7 +9,8 @@ f − s of the camera the one that shows them,
 where d is the distance from the projection of a point to the nearest detection in that image; points that are near one
 in none of these images are hidden from the camera, and left out. The shifts s_f that make
 Σ cost(f, s_f) least, from none up to the images that the camera has fewer, and never back, follow by dynamic
-programming (2). A step from frame to frame is where images were dropped. A camera that only stopped early has none.
+programming (2). A step from frame to frame is where images were dropped, if the cost becomes less by more than chance,
+the root of the sum of the squares of what it becomes less in each frame (3). A camera that stopped early has none.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ MOST = 10
 """Images that are looked for; chosen: a camera that drops more is of no use, and by more markers meet others."""
 REACH = 5.0
 """px of (1); chosen: an image late moves who walks by less at 100 Hz, and who runs at 50 Hz by not much more."""
-BETTER = 0.8
-"""Of the cost without any step, the most that is left; chosen: noise lowers it by less than 2 %."""
+SURE = 5.0
+"""Standard deviations by which the cost is less with steps (3); chosen, as of delays (`calibrate.wand.left_delays`)."""
 FEW = 100
 """Points from which something can be said; chosen."""
 
@@ -97,7 +98,8 @@ def _of_others(cloud: Cloud, c: int) -> Matches:
 
 def _findings(name: str, shift: Ints, cost: Floats) -> Iterator[Finding]:
     """About each step of the shifts (F), where they lower the cost (S, F) enough."""
-    if cost[shift, np.arange(len(shift))].sum() > BETTER * cost[0].sum():
+    gain = cost[0] - cost[shift, np.arange(len(shift))]
+    if not gain.sum() > SURE * np.linalg.norm(gain):  # (3)
         return
     step = np.diff(shift, prepend=0)
     for f in np.flatnonzero(step).tolist():

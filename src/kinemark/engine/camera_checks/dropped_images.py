@@ -30,8 +30,9 @@ MOST = 10
 """Images that are looked for; chosen: a camera that drops more is of no use, and by more markers meet others."""
 REACH = 5.0
 """px of (1); chosen: an image late moves who walks by less at 100 Hz, and who runs at 50 Hz by not much more."""
-SURE = 5.0
-"""Standard deviations by which the cost is less with steps (3); chosen, as of delays (`calibrate.wand.left_delays`)."""
+SURE = 3.0
+"""Standard deviations by which the cost is less with steps (3); chosen: n frames after a step reach the root of n at
+most, so that nine are enough. Whether it is kept is decided by tracking again."""
 FEW = 100
 """Points from which something can be said; chosen."""
 

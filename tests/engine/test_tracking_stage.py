@@ -22,6 +22,6 @@ def test_only_of_centroids_from_files_is_their_noise_told_as_overstated(monkeypa
     methods = {"track": Simultaneous(), "reconstruct": LeastSquares(), "match": None}
     settings = SimpleNamespace(**methods, cameras=SimpleNamespace(delays_ms={}))
     source = SimpleNamespace(of=SimpleNamespace(entry=SimpleNamespace(images=images)))
-    inputs = SimpleNamespace(rig=rig, settings=settings, source=source)
+    inputs = SimpleNamespace(rig=rig, settings=settings, source=source, calibrated=SimpleNamespace(figures={}))
     found = from_detections(inputs, {"detect": records["detections"]}).diagnostics
     assert [one.kind for one in found] == [one.kind for one in told if images is None or one.kind != "noise_overstated"]

@@ -74,6 +74,12 @@ TRIAL_KINDS = (
     Kind("camera_started_apart", "track", "amber", "A camera was started later (or earlier, below 0) than the others, "
          "by whole images; state_ms is what to state as its delay: with all that is stated, and learned.",
          {"images": "count", "delay_ms": "ms", "state_ms": "ms"}),
+    Kind("camera_late_as_calibrated", "track", "amber", "A camera was taken to be as late (or early, below 0) as "
+         "the calibration's film told, where it then fits better: delay_ms, of it whole images; state_ms as above.",
+         {"images": "count", "delay_ms": "ms", "state_ms": "ms"}),
+    Kind("camera_dropped_images", "track", "amber", "A camera dropped images about a frame. Its later ones, too early "
+         "by images in all, were put into the frames that they show, where they fit better.",
+         {"dropped": "count", "images": "count"}),
     Kind("camera_lost_images", "track", "amber", "From a frame on, a camera's images are those of later (or earlier, "
          "below 0) frames: it lost images, or has some twice.", {"images": "count", "delay_ms": "ms"}),
     Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "

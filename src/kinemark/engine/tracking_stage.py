@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -18,6 +18,7 @@ from ..geometry.weighted_points import inside_volume
 from ..io.files import write_text
 from ..io.records import load, save
 from ..reconstruct import LeastSquares, image_errors, reconstruct
+from ..signal.common_time import moved_in_time
 from ..track import track
 from ..track.simultaneous import (
     AmbiguousDecision,
@@ -32,9 +33,12 @@ from ..track.simultaneous import (
 from ..track.simultaneous.camera_strobes import diagnose_strobes
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
+from .calibration.task import Calibrated
 from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_others, put_in_order, told_in_order
+from .camera_checks.dropped_images import dropped_images
 from .camera_checks.pixel_axes import pixel_axes
-from .camera_checks.start_times import in_time, with_delays_to_state, with_start_times
+from .camera_checks.start_times import APART, in_time, with_delays_to_state, with_start_times
+from .camera_checks.told_delays import found_as_told, parts_of_images, told_delays
 from .fill_files import angle_model
 from .graph import Records, Stage
 from .settings import Settings
@@ -44,6 +48,9 @@ from .trial_rig import TrialRig
 
 Record = TypeVar("Record")
 TRACKS, DECISIONS = "tracks.h5", "ambiguous_decisions.json"
+SAME = 0.99
+"""Of the images that confirm points, from which on two ways of tracking have about as many; chosen, as of delays that
+are learned (`track.simultaneous.learned_delays`)."""
 
 
 class Tracked(NamedTuple):
@@ -121,6 +128,9 @@ def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, (), tuple(diagnose_tracks(detections, rig, tracks)), TrialRig.given(rig))
     tracked = _in_any_order(detections, rig, method, place, inputs.settings.match)
+    told = told_by_calibration(inputs.calibrated, inputs.settings)
+    tracked = _as_told(told, detections, rig, tracked, method, place)
+    tracked = _without_dropped(detections, rig, method, place, tracked)
     late = with_delays_to_state(tracked.diagnostics, inputs.settings.cameras.delays_ms)
     own = inputs.source.of.entry.images is not None  # of its own centroids nobody can state another noise
     return tracked._replace(diagnostics=tuple(one for one in late if not own or one.kind != "noise_overstated"))
@@ -156,14 +166,69 @@ def _at_any_start(
     apart = tuple(one for one in found if one.kind == "camera_started_apart")
     if not apart:
         return tracked
-    moved = in_time(apart, detections)
-    again = _simultaneously(moved, rig, method, place)
+    again = _again(apart, detections, rig, method, place)
     either = turned & {name for one in apart for name in one.cameras}
     if either:  # who goes straight on is beside by the same offset, whether the camera was turned or is late
-        better = _residual(again, moved, either) < _residual(tracked, detections, either)
+        better = _residual(again, in_time(apart, detections), either) < _residual(tracked, detections, either)
     else:
         better = _confirmed(again.tracks) >= _confirmed(tracked.tracks)
-    return again._replace(diagnostics=(*again.diagnostics, *apart)) if better else tracked
+    return again if better else tracked
+
+
+def told_by_calibration(calibrated: Calibrated, settings: Settings) -> dict[str, float]:
+    """Delays, ms by camera, that the calibration tells and the session does not state."""
+    return told_delays(calibrated.figures, settings.cameras.delays_ms)
+
+
+def _as_told(
+    told_ms: Mapping[str, float],
+    detections: Detections,
+    rig: Rig,
+    tracked: Tracked,
+    method: Simultaneous,
+    place: LeastSquares,
+) -> Tracked:
+    """What was tracked; once again with cameras as late as at the calibration, if their images then fit better."""
+    if not told_ms:
+        return tracked
+    again = _again(found_as_told(told_ms, detections), detections, rig, method, place)
+    return again if _fits_better(again, tracked, detections, {*told_ms}) else tracked
+
+
+def _without_dropped(
+    detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares, tracked: Tracked
+) -> Tracked:
+    """What was tracked; once again with images behind those that a camera dropped in place, if they then fit better."""
+    apart = tuple(one for one in tracked.diagnostics if one.kind in APART)
+    late = {name for one in apart for name in one.cameras}
+    dropped = dropped_images(in_time(apart, detections), rig, tracked.tracks.cloud, method=place)
+    found = tuple(one for one in dropped if not late & {*one.cameras})
+    if not found:
+        return tracked
+    again = _again((*apart, *found), detections, rig, method, place)
+    names = {name for one in found for name in one.cameras}
+    return again if _fits_better(again, tracked, detections, names) else tracked
+
+
+def _again(
+    found: tuple[Finding, ...], detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares
+) -> Tracked:
+    """Tracks with images in time by what was found of their cameras, which it says too."""
+    part = parts_of_images(found, detections)
+    moved = moved_in_time(in_time(found, detections), part[detections.camera])
+    again = _simultaneously(moved, rig, method, place)
+    cameras = again.cameras or TrialRig.given(rig)
+    cameras = cameras._replace(delay=cameras.delay + part)
+    return again._replace(diagnostics=(*again.diagnostics, *found), cameras=cameras)
+
+
+def _fits_better(again: Tracked, before: Tracked, detections: Detections, names: Set[str]) -> bool:
+    """Whether more images confirm points; of about as many, whether those of cameras of these names lie nearer."""
+    more, less = _confirmed(again.tracks), _confirmed(before.tracks)
+    if min(more, less) < SAME * max(more, less):
+        return more > less
+    beside, was = (_residual(one, in_time(one.diagnostics, detections), names) for one in (again, before))
+    return beside < was
 
 
 def puts_in_time(settings: Settings) -> bool:

@@ -75,6 +75,7 @@ from .tracking_stage import (
     from_points,
     puts_in_time,
     reader,
+    told_by_calibration,
     with_angle_model,
 )
 from .trial_inputs import (
@@ -136,7 +137,8 @@ def _to_tracks(name: str, s: Settings, source: TrialSource, calibrated: Calibrat
     if identifies(source):
         return [*stages, tracks.stage(as_operated, ("detect",), None, (kept, s.digitise, s.reconstruct))]
     if matches_itself(s.track):
-        stages.append(tracks.stage(from_detections, ("detect",), s.track, (kept, s.reconstruct)))
+        told = told_by_calibration(calibrated, s)
+        stages.append(tracks.stage(from_detections, ("detect",), s.track, (kept, s.reconstruct, told)))
     else:
         matched, cloud = reader(Matches), reader(Cloud)
         stages.append(Stage("match", ("detect",), ("matches.h5",), _match, save, matched, s.match, (rig,)))

@@ -28,6 +28,8 @@ name = "one"
 images = "one/{{camera}}.mkv"
 """
 APART = make_finding("camera_started_apart", cameras=["c1"], images=4, delay_ms=80.0, state_ms=80.0)
+DROPPED = make_finding("camera_dropped_images", cameras=["c1"], frames=[(9, 39)], dropped=2, images=2)
+LATER = make_finding("camera_dropped_images", cameras=["c2"], frames=[(5, 39)], dropped=2, images=2)
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +66,8 @@ def shown(document, n):
         ("", (APART,), [20, 16, 20]),
         ("delays_ms = {c2 = 60.0}", (), [20, 20, 17]),
         ("delays_ms = {c2 = -29.0}", (APART,), [20, 16, 21]),
+        ("", (DROPPED,), [20, 18, 20]),
+        ("", (APART, LATER), [20, 16, 18]),
         ("rates_hz = {c0 = 25.0}", (), [10, 20, 20]),
         ("rates_hz = {c1 = 25.0}", (APART,), [20, 8, 20]),
     ],

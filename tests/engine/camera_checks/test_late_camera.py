@@ -1,6 +1,7 @@
 """A camera that was started apart by whole images: after tracking its images stay where that put them."""
 
 import shutil
+from itertools import cycle
 
 import numpy as np
 import pytest
@@ -52,7 +53,7 @@ def test_a_late_camera_is_told_once(trial):
 
 def test_a_camera_whose_images_fit_no_better_in_other_frames_was_not_started_apart(trial, tmp_path, monkeypatch):
     """Images of a camera that was turned may look late; that fewer of them then fit is known from tracking."""
-    images = iter((1, 2))
+    images = cycle((1, 2))
     monkeypatch.setattr(tracking_stage, "_confirmed", lambda _: next(images))
     shutil.copytree(trial.workspace.root, tmp_path / "again", ignore=shutil.ignore_patterns("results"))
     found = Session.open(tmp_path / "again").trial("one").run("quality").quality["findings"]

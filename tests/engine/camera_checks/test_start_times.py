@@ -91,7 +91,8 @@ def inputs(rig, **delays_ms):
     cameras = SimpleNamespace(delays_ms=delays_ms)
     settings = SimpleNamespace(track=DEFAULT, reconstruct=LeastSquares(), match=None, cameras=cameras)
     source = SimpleNamespace(of=SimpleNamespace(entry=SimpleNamespace(images=None)))
-    return SimpleNamespace(rig=rig, settings=settings, source=source)
+    calibrated = SimpleNamespace(figures={})
+    return SimpleNamespace(rig=rig, settings=settings, source=source, calibrated=calibrated)
 
 
 def test_the_delay_to_state_is_all_that_is_stated_and_known():

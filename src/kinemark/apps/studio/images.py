@@ -6,7 +6,7 @@ import numpy as np
 
 from ...data import KinemarkError, Trajectories
 from ...data.array_types import Ints
-from ...engine.camera_checks.start_times import started_apart
+from ...engine.camera_checks.start_times import MOVED, images_late
 from ...engine.keys import digest
 from ...engine.pictures.mosaics import Mosaics
 from ...engine.pictures.small_videos import small_images
@@ -56,13 +56,15 @@ def _mosaics(document: OpenDocument) -> Mosaics | None:
     except KinemarkError:  # they were moved since the trial was run
         return None
     folder = document.inputs.folder
-    apart = started_apart(last_tracked(document.records).diagnostics)
+    found = [one for one in last_tracked(document.records).diagnostics if one.kind in MOVED]
+    before = recording.first_frame - 1
 
     def image_at(camera: str, n: int) -> int:
-        return recording.image_at(camera, n - apart.get(camera, 0), sources[camera])  # started apart by whole frames
+        late = images_late(found, camera, n - before)  # by whole frames
+        return recording.image_at(camera, n - late, sources[camera])
 
     cameras = recording.settings.cameras
-    times = [apart, cameras.delays_ms, cameras.rates_hz, recording.settings.rate_hz]
+    times = [[one.as_dict() for one in found], cameras.delays_ms, cameras.rates_hz, recording.settings.rate_hz]
     key = digest(recording_key(sources), times)
     return Mosaics(sources, folder / FOLDER, recording=key, small=small_images(sources, folder), image_at=image_at)
 

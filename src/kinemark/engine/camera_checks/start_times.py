@@ -22,7 +22,11 @@ from ...match.start_offsets import agreement, start_offsets
 
 SUSPICIOUS = ("camera_out_of_sync", "camera_fits_nothing", "camera_shifted", "camera_moved", "camera_put_right")
 """Findings of cameras whose images may belong to other frames, and that say so less well."""
-LATE = ("camera_started_apart", "camera_delay_learned")
+APART = ("camera_started_apart", "camera_late_as_calibrated")
+"""Findings of cameras whose images were put into the frames that they show."""
+MOVED = (*APART, "camera_dropped_images")
+"""The same, and of cameras that dropped some on the way."""
+LATE = (*APART, "camera_delay_learned")
 """Findings of delays that tracking has reckoned with."""
 MOST_S, MOST = 1.0, 100
 """Seconds, and frames at most, that cameras are looked for apart; chosen: `kinemark starts` looks farther."""
@@ -58,23 +62,30 @@ def with_start_times(
 
 
 def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
-    """The detections with the images of cameras that were started apart in the frames that they show; their rows stay.
+    """The detections with images in the frames that they show, of cameras that were started apart or dropped some.
 
-    Images of frames that were not recorded are not valid, in the first or last frame.
+    Their rows stay. Images of frames that were not recorded are not valid, in the first or last frame.
 
     Args:
         findings: with those about these cameras. detections: as recorded.
     """
-    apart = started_apart(findings)
-    if not apart:
-        return detections
-    start, validity, last = detections.start.copy(), detections.validity.copy(), detections.n_frames
-    for name, late in apart.items():
+    start, validity, n = detections.start.copy(), detections.validity.copy(), detections.n_frames
+    for name in sorted({name for one in findings if one.kind in MOVED for name in one.cameras}):
         c = detections.cameras.index(name)
-        begin, end = (detections.start[c, int(np.clip(edge, 0, last))] for edge in (-late, last - late))
-        start[c, 1:-1] = detections.start[c, np.clip(np.arange(1, last) - late, 0, last)]
-        validity[detections.start[c, 0] : begin] = validity[end : detections.start[c, last]] = Validity.MASKED
+        shown = np.array([f - images_late(findings, name, f) for f in range(n + 1)])
+        shown = np.maximum.accumulate(np.clip(shown, 0, n))
+        begin, end = detections.start[c, shown[[0, n]]]
+        start[c, 1:-1] = detections.start[c, shown[1:-1]]
+        validity[detections.start[c, 0] : begin] = validity[end : detections.start[c, n]] = Validity.MASKED
     return replace(detections, start=start, validity=validity)
+
+
+def images_late(findings: Sequence[Finding], name: str, frame: int) -> int:
+    """How many images too early a camera's image of a frame, from 0, stands in the recording: it is that of frame less
+    these."""
+    own = [one for one in findings if one.kind in MOVED and name in one.cameras]
+    since = [one for one in own if not one.frames or one.frames[0][0] < frame]
+    return round(_number(max(since, key=lambda one: one.frames[0][0] if one.frames else -1), "images")) if since else 0
 
 
 def with_delays_to_state(findings: Sequence[Finding], stated_ms: Mapping[str, float]) -> tuple[Finding, ...]:
@@ -96,12 +107,6 @@ def with_delays_to_state(findings: Sequence[Finding], stated_ms: Mapping[str, fl
 
 def _number(found: Finding, name: str) -> float:
     return float(np.asarray(found.values[name], np.float64))
-
-
-def started_apart(findings: Sequence[Finding]) -> dict[str, int]:
-    """Cameras that were started at another time than the others, and how many images late."""
-    apart = [found for found in findings if found.kind == "camera_started_apart"]
-    return {name: round(_number(one, "images")) for one in apart for name in one.cameras}
 
 
 def _apart(suspects: Sequence[Finding], detections: Detections, rig: Rig) -> Iterator[Finding]:

@@ -167,8 +167,8 @@ CALIBRATION_WORDS = {
     "camera_late_while_calibrating": Words(
         "{Cameras} took its images of the wand {late_images:.3g} images ({delay_ms:3}) later than the others. They "
         "were moved in time.",
-        "Check that all cameras are started and triggered together. If this one is late by as much in trials, state "
-        "its delays_ms below [cameras]: they are exacter by it than by the delay that each learns.",
+        "Check that all cameras are started and triggered together. Trials try this delay, and say so where they keep "
+        "to it. If this one is always late by as much, state its delays_ms below [cameras].",
     ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "

@@ -81,6 +81,15 @@ def _delay_learned(found: Finding) -> str:
     )
 
 
+def _late_as_calibrated(found: Finding) -> str:
+    ms = _number(found, "delay_ms")
+    return fill(
+        f"{{Cameras}} was tracked as {shown(abs(ms), 'ms')} {'earlier' if ms < 0 else 'later'} than the others, as the "
+        "film of the calibration told: its images fit better by that than by what this trial tells.",
+        found,
+    )
+
+
 def _by_images(found: Finding) -> str:
     """How many images a camera is late or early."""
     n = _number(found, "images")
@@ -115,6 +124,16 @@ def _lost_images(found: Finding) -> str:
     said = f"About from frame {{first_frame}} on, {{cameras}} shows what the others show {_by_images(found)}"
     lost = "lost" if _number(found, "images") > 0 else "repeated"
     return fill(f"{said}: it {lost} images before. The others were used.", found)
+
+
+def _dropped_images(found: Finding) -> str:
+    n = _number(found, "dropped")
+    many = "an image" if n == 1 else f"{round(n)}\u00a0images" if math.isfinite(n) else "images"
+    return fill(
+        f"{{Cameras}} dropped {many} about frame {{first_frame}}: its later ones were put into the frames that they "
+        "show, where they fit better.",
+        found,
+    )
 
 
 def _number(found: Finding, name: str) -> float:
@@ -202,6 +221,11 @@ CAMERA_WORDS = {
         "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
     ),
     "camera_started_apart": Words(_started_apart, _apart_advice),
+    "camera_dropped_images": Words(
+        _dropped_images,
+        "Look at the times of its images. Put a black one where one was dropped, and run again, to be exact.",
+    ),
+    "camera_late_as_calibrated": Words(_late_as_calibrated, _apart_advice),
     "camera_lost_images": Words(
         _lost_images,
         "Look at the times of its images, and put an empty one where one was lost; or leave these frames of it out.",

@@ -73,11 +73,13 @@ def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[C
 
 def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:
     """One; `again`: the same, and the samples in doubt, without these."""
-    gap, beside, xyz = one.gap, known.suspicious.get(one.gap, ()), known.motion.xyz[one.gap.marker]
-    if again and (off := contradicted_mm(xyz, again, known.in_doubt(gap), known.method.least_error)):
-        one, beside = cut(again, gap, off), known.in_doubt(gap)
-    elif again and beside:
-        one = doubted(one, cut(again, gap))
+    gap, beside, doubt = one.gap, known.suspicious.get(one.gap, ()), known.in_doubt(one.gap)
+    if again:
+        xyz, least = known.motion.xyz[gap.marker], known.method.least_error
+        if off := contradicted_mm(xyz, again, doubt, least, stand_out=bool(beside)):
+            one, beside = cut(again, gap, off), doubt
+        elif beside:
+            one = doubted(one, cut(again, gap))
     filled, references = one.prediction.xyz, one.prediction.references
     jump = 0.0 if beside else largest_jump(known.motion, gap, filled, references)  # none to a bad sample
     return one._replace(found=replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm))

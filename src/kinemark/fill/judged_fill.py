@@ -12,6 +12,7 @@ from .judge.choice import ChosenFill
 from .judge.contradicted_edges import ContradictedEdge, contradicted_edges
 from .judge.contradiction import largest_jump
 from .judge.doubtful_edges import Fill, contradicted_mm, cut, doubted, filled_without
+from .judge.kept_distances import with_kept_distances
 from .judge.two_sides import apart_on_the_body
 from .marker_array import Gap, MarkerArray, find_gaps
 
@@ -68,7 +69,8 @@ def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[C
     known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
     doubtful = [one for one in fills if one.found.method and known.in_doubt(one.gap)]
     again = filled_without(known.trimmed, doubtful, fill)
-    return [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
+    done = [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
+    return with_kept_distances(known.motion, done)
 
 
 def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:

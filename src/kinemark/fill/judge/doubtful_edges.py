@@ -32,7 +32,8 @@ from .contradicted_edges import TIMES
 from .contradiction import largest_sd
 
 RARE = 7.0
-"""k of (1), without unit, where samples stand out from the marker's own motion; chosen: see docs/theory/fill.md."""
+"""k of (1), without unit, where samples stand out from the marker's own motion; chosen: docs/theory/fill.md has
+what others cost."""
 Fill = Callable[[MarkerArray, list[Gap], Collection[str]], list[ChosenFill]]
 """Fills some gaps of a trial, each as it is done best by methods of these names."""
 

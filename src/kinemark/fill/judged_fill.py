@@ -12,6 +12,7 @@ from .judge.choice import ChosenFill
 from .judge.contradicted_edges import ContradictedEdge, contradicted_edges
 from .judge.contradiction import largest_jump
 from .judge.doubtful_edges import Fill, contradicted_mm, cut, doubted, filled_without
+from .judge.kept_distances import with_kept_distances
 from .judge.two_sides import apart_on_the_body
 from .marker_array import Gap, MarkerArray, find_gaps
 
@@ -68,16 +69,19 @@ def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[C
     known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
     doubtful = [one for one in fills if one.found.method and known.in_doubt(one.gap)]
     again = filled_without(known.trimmed, doubtful, fill)
-    return [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
+    done = [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
+    return with_kept_distances(known.motion, done)
 
 
 def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:
     """One; `again`: the same, and the samples in doubt, without these."""
-    gap, beside, xyz = one.gap, known.suspicious.get(one.gap, ()), known.motion.xyz[one.gap.marker]
-    if again and (off := contradicted_mm(xyz, again, known.in_doubt(gap), known.method.least_error)):
-        one, beside = cut(again, gap, off), known.in_doubt(gap)
-    elif again and beside:
-        one = doubted(one, cut(again, gap))
+    gap, beside, doubt = one.gap, known.suspicious.get(one.gap, ()), known.in_doubt(one.gap)
+    if again:
+        xyz, least = known.motion.xyz[gap.marker], known.method.least_error
+        if off := contradicted_mm(xyz, again, doubt, least, stand_out=bool(beside)):
+            one, beside = cut(again, gap, off), doubt
+        elif beside:
+            one = doubted(one, cut(again, gap))
     filled, references = one.prediction.xyz, one.prediction.references
     jump = 0.0 if beside else largest_jump(known.motion, gap, filled, references)  # none to a bad sample
     return one._replace(found=replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm))

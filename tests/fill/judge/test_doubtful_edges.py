@@ -48,6 +48,16 @@ def test_a_fill_by_another_method_alone_stays_tied_and_says_so(method):
 
 
 @pytest.mark.parametrize("method", [None, Body()], ids=["auto", "body"])
+def test_a_sample_that_may_be_one_of_a_rare_movement_is_followed_and_makes_the_fill_less_sure(method):
+    """It stands out by 2.5 mm, six standard deviations of the fill without it; bad ones are mostly farther off."""
+    found, d, sd, xyz, done = filled_beside(2.5, method)
+    assert found.suspicious == (GAP.start - 1,) and found.off_mm == 0
+    good, *_ = filled_beside(0.0, method)
+    assert found.expected_mm > good.expected_mm and found.sd_mm > 2 * good.sd_mm and (np.abs(d) < 2 * sd).mean() > 0.9
+    assert_what_was_measured_stays(xyz, done)
+
+
+@pytest.mark.parametrize("method", [None, Body()], ids=["auto", "body"])
 def test_a_sample_far_off_does_not_keep_a_gap_open_that_is_filled_without_it(method):
     found, d, _, _, _ = filled_beside(260.0, method, limit_mm=20.0)
     assert found.state == "filled" and found.suspicious == (GAP.start - 1,)

@@ -4,13 +4,18 @@ A fill is tied to the samples beside its gap. Where those are suspicious it may 
 hold-out gap, whose edges are good, says so. Without them the gap is a longer one, and is filled as any gap of a trial
 that never had them, with hold-out gaps of its own: in those of the first fill, methods learnt from bad samples too.
 
-Where that fill contradicts the samples it stands in the gap. It does so by (1) of `contradicted_edges`, which looks at
-many samples on both sides and knows the less of each; or, where other markers tell of it, by the same at the suspicious
-samples alone. Others merely stand out from the marker's own motion (`edges`), and some of these are good samples of a
-rare movement. There the fill stays tied to them, and with d(t) from it to the one without them, what is expected of it
-and its covariance become
+Where that fill contradicts the samples it stands in the gap. With d(t) from it to a sample in doubt, and C(t) its
+calibrated covariance, it does so if
 
-    max(ē, mean |d|),     V + d dᵀ                                                                          (1)
+    |d(t)| > k √(tr C(t))     and     |d(t)| > the least error of `edges`                                 (1)
+
+for any. k is TIMES, as in `contradicted_edges`, for samples that only the other markers contradict. Others stand out
+from the marker's own motion (`edges`). Some of these are good samples of a rare movement, which the fill does not know:
+its errors are several times what hold-out gaps in usual movements tell. Bad samples that stand out so are farther off
+than that. So beside them k is RARE. Where it is not contradicted the fill stays tied to the samples, and what is
+expected of it and its covariance become
+
+    max(ē, mean |d|),     V + d dᵀ                                                                          (2)
 """
 
 from __future__ import annotations
@@ -26,6 +31,9 @@ from .choice import FIRST, ChosenFill
 from .contradicted_edges import TIMES
 from .contradiction import largest_sd
 
+RARE = 7.0
+"""k of (1), without unit, where samples stand out from the marker's own motion; chosen: docs/theory/fill.md has
+what others cost."""
 Fill = Callable[[MarkerArray, list[Gap], Collection[str]], list[ChosenFill]]
 """Fills some gaps of a trial, each as it is done best by methods of these names."""
 
@@ -41,15 +49,18 @@ def filled_without(trimmed: MarkerArray, fills: Sequence[ChosenFill], fill: Fill
     return {gap: made[all_of_it] for gap, all_of_it in longer.items() if made[all_of_it].found.method}
 
 
-def contradicted_mm(xyz: Floats, again: ChosenFill, frames: Sequence[int], least_mm: float) -> float:
+def contradicted_mm(
+    xyz: Floats, again: ChosenFill, frames: Sequence[int], least_mm: float, *, stand_out: bool = False
+) -> float:
     """How far a fill is off its marker's samples (F, 3) in these frames, without which it was made; 0 by (1) unless it
-    contradicts one, by more than `least_mm`, or where no other markers tell.
+    contradicts one, by more than `least_mm`, or where no other markers tell. `stand_out`: from the marker's own motion.
     """
     if not np.isfinite(again.found.candidates.get(FIRST, np.nan)):
         return 0.0
     at = np.array(frames, np.int64) - again.gap.start
     d = np.linalg.norm(xyz[again.gap.start :][at] - again.prediction.xyz[at], axis=1)
-    beyond = (d > TIMES * np.sqrt(np.trace(again.cov[at], axis1=1, axis2=2))) & (d > least_mm)
+    k = RARE if stand_out else TIMES
+    beyond = (d > k * np.sqrt(np.trace(again.cov[at], axis1=1, axis2=2))) & (d > least_mm)
     return float(np.max(d, where=beyond, initial=0.0))
 
 
@@ -64,7 +75,7 @@ def cut(one: ChosenFill, gap: Gap, off_mm: float = 0.0) -> ChosenFill:
 
 
 def doubted(one: ChosenFill, again: ChosenFill) -> ChosenFill:
-    """(1) of a fill, and the same without the suspicious samples."""
+    """(2) of a fill, and the same without the suspicious samples."""
     d = again.prediction.xyz - one.prediction.xyz
     cov = one.cov + np.einsum("fi,fj->fij", d, d)
     apart = float(np.linalg.norm(d, axis=1).mean())

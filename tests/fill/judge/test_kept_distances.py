@@ -1,0 +1,80 @@
+"""Fills of markers that are lost together: moved by the distances that these keep, and by nothing else."""
+
+import numpy as np
+import pytest
+
+from kinemark.fill import Gap, fill, judged_fill
+from kinemark.fill.filled_gap import FilledGap
+from kinemark.fill.judge.choice import ChosenFill
+from kinemark.fill.judge.kept_distances import with_kept_distances
+from kinemark.fill.marker_array import Prediction
+from support.filling import moving, trial
+
+SD = 4.0
+
+
+def lost(motion, gaps, *, wrong, seed=0, candidates=2):
+    """The trial without these gaps, and fills of them: each off by a place of its own all through, mm."""
+    rng = np.random.default_rng(seed)
+    fills = []
+    for gap in gaps:
+        xyz = motion.xyz[gap.marker, gap.start : gap.stop] + wrong * rng.normal(0, SD, 3)
+        cov = np.tile(SD**2 * np.eye(3), (gap.length, 1, 1))
+        found = FilledGap(motion.names[gap.marker], gap.start, gap.stop, "body", SD)
+        fills.append(ChosenFill(gap, found, Prediction(xyz, cov), cov, [None] * candidates))
+    return motion.hidden(gaps), fills
+
+
+def off(motion, fills):
+    return [
+        np.linalg.norm(f.prediction.xyz - motion.xyz[f.gap.marker, f.gap.start : f.gap.stop], axis=1) for f in fills
+    ]
+
+
+TOGETHER = [Gap(0, 100, 150), Gap(1, 110, 160), Gap(2, 90, 140)]
+
+
+def test_markers_of_one_body_are_filled_at_their_distances_and_nearer_to_the_truth():
+    better = []
+    motion = moving(300, noise=0.1)
+    for seed in range(12):
+        hidden, fills = lost(motion, TOGETHER, wrong=1.0, seed=seed)
+        moved = with_kept_distances(hidden, fills)
+        better.append(np.mean(np.concatenate(off(motion, moved))) / np.mean(np.concatenate(off(motion, fills))))
+        a, b = (f.prediction.xyz[s] for f, s in zip(moved, (slice(10, 40), slice(0, 30)), strict=False))
+        truth = np.linalg.norm(motion.xyz[0, 110:140] - motion.xyz[1, 110:140], axis=1)
+        assert np.abs(np.linalg.norm(a - b, axis=1) - truth).max() < 0.5
+    assert np.mean(better) < 0.9
+
+
+def test_true_fills_stay_where_they_are():
+    hidden, fills = lost(motion := moving(300, soft=0.1, noise=0.02), TOGETHER, wrong=0.0)
+    assert max(np.max(each) for each in off(motion, with_kept_distances(hidden, fills))) < 0.2
+
+
+@pytest.mark.parametrize("gaps, candidates", [(TOGETHER[:1], 2), ([TOGETHER[0], Gap(1, 200, 220)], 2), (TOGETHER, 1)])
+def test_alone_or_by_a_method_that_somebody_named_nothing_is_moved(gaps, candidates):
+    hidden, fills = lost(moving(300), gaps, wrong=1.0, candidates=candidates)
+    assert with_kept_distances(hidden, fills) == fills
+
+
+def test_a_marker_that_goes_its_own_way_hardly_moves_another():
+    motion = moving(300, noise=0.1)
+    motion.xyz[1] += np.random.default_rng(1).normal(0, 60, (300, 1)) * np.ones(3)
+    hidden, fills = lost(motion, TOGETHER[:2], wrong=1.0)
+    (one, _) = with_kept_distances(hidden, fills)
+    assert np.abs(one.prediction.xyz - fills[0].prediction.xyz).max() < 0.05
+
+
+def test_fill_keeps_the_distances_of_markers_lost_together(monkeypatch):
+    motion = moving(300, soft=6.0, noise=0.3)
+    hidden = trial(motion.hidden(TOGETHER))
+
+    def spread(xyz):
+        return np.linalg.norm(xyz[0, 110:140] - xyz[1, 110:140], axis=1)
+
+    kept = spread(fill(hidden, limit_mm=np.inf).trajectories.xyz)
+    monkeypatch.setattr(judged_fill, "with_kept_distances", lambda _, fills: list(fills))
+    before = spread(fill(hidden, limit_mm=np.inf).trajectories.xyz)
+    truth = spread(motion.xyz)
+    assert np.abs(kept - truth).mean() < np.abs(before - truth).mean()

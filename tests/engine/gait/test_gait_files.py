@@ -487,3 +487,16 @@ def test_one_stride_that_ends_with_the_recording_has_no_speed_and_gives_no_warni
     found = gait_of_files([tmp_path / "walk.c3d"], settings=QUICK)  # warnings are errors here
     said = {one["kind"]: one["values"] for one in found.figures["verdict"]["statements"]}
     assert said["gait_measured"]["speed"] is None and said["gait_measured"]["right_strides"] == 1
+
+
+def test_a_recording_under_two_names_counts_once(walk, capsys):
+    """A folder held a walk and its processed copy: every step counted twice, and spreads were too small."""
+    trial = read_trial(walk / "walk.c3d")
+    cut = replace(trial, trajectories=trial.trajectories.frames(40, trial.trajectories.n_frames))
+    write_c3d(walk / "walk_processed.c3d", cut)
+    alone = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    app(["gait", str(walk), "--measures", str(walk / "anna.toml"), "--no-uncertainty", "-o", str(walk / "all")])
+    assert "walk_processed is the same recording as walk." in capsys.readouterr().out
+    figures = json.loads((walk / "all/gait.json").read_text())
+    assert figures["time_distance"] == alone["time_distance"]
+    assert [trial["name"] for trial in figures["trials"]] == ["walk"]

@@ -44,7 +44,7 @@ export function Labels(): React.JSX.Element {
   );
 }
 
-/** The marker sets that may be chosen; another one is stated in session.toml, of a file as long as the studio runs. */
+/** The marker sets that may be chosen; another one is stated in session.toml, of a file beside its journal. */
 function Sets(): React.JSX.Element {
   const { id, header, busy } = useParts("id", "header", "busy"), [sets, setSets] = useState<readonly MarkerSetChoice[]>([]), worn = sets.find((one) => one.worn), own = header?.marker_set;
   const head = header?.head, shown = own?.names.join();

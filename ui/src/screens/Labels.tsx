@@ -56,7 +56,7 @@ function Sets(): React.JSX.Element {
     if (!got) return;
     setSets(got);
     await refetch();
-    say("done", `${name ? `The marker set is ${name}` : "There is no marker set"}${header?.session_id ? ", as session.toml says now; a run names markers by it" : ", until the studio is ended"}.`);
+    say("done", `${name ? `The marker set is ${name}` : "There is no marker set"}${header?.session_id ? ", as session.toml says now; a run names markers by it" : ", also when the studio is opened again"}.`);
   };
   return (
     <label className={styles.set} title={worn?.description}><span className="hidden-words">Marker set</span>

@@ -333,7 +333,9 @@ def test_a_calibration_of_another_program_asks_its_unit(tmp_path):
     assert refused.way is None and "fisheye lenses are not supported" in session_text(refused)
 
 
-@pytest.mark.parametrize(("files", "told"), [(("a.png",), "has 1 recording, and"), (("a.png", "b.mkv"), "has 2 recordings")])
+@pytest.mark.parametrize(
+    ("files", "told"), [(("a.png",), "has 1 recording, and"), (("a.png", "b.mkv"), "has 2 recordings")]
+)
 def test_recordings_of_no_camera_are_counted_in_words(tmp_path, files, told):
     """It had "1 recordings"."""
     for name in files:

@@ -152,7 +152,7 @@ def test_a_folder_of_images_is_told_how_to_begin(tmp_path):
     """It was said what it lacks, and not what to do."""
     (tmp_path / "of the day").mkdir()
     (tmp_path / "of the day" / "cam1.PNG").write_bytes(b"")
-    with pytest.raises(KinemarkError, match="kinemark init '.*of the day'"):
+    with pytest.raises(KinemarkError, match=r"kinemark init '.*of the day'"):
         trials_in([tmp_path / "of the day"])
     (tmp_path / "of the day" / "cam1.PNG").rename(tmp_path / "of the day" / "cam1.txt")
     with pytest.raises(KinemarkError, match=r"no session\.toml\.$"):

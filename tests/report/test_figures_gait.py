@@ -51,7 +51,9 @@ def test_the_trunk_is_drawn_where_it_was_worn():
 def test_the_key_names_what_is_drawn_and_nothing_else(sides, foot_off):
     """A leg without markers stood in the key, and a foot off that no stride has."""
     values = Signals(
-        tuple(Signal.of(f"{side[0].upper()}KneeAngles", "angle", "deg", np.ones((101, 3)), rate=100.0) for side in sides)
+        tuple(
+            Signal.of(f"{side[0].upper()}KneeAngles", "angle", "deg", np.ones((101, 3)), rate=100.0) for side in sides
+        )
     )
     strides = [Stride(side, 0.0, 1.0, {"foot_off": foot_off}, {}) for side in sides]
     notes = panels_figure(gait_curves(values, strides), KINEMATICS).layout["annotations"]

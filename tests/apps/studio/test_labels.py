@@ -155,7 +155,7 @@ def test_a_files_marker_set_is_the_one_whose_names_it_has(tmp_path):
 
 def test_a_marker_set_that_is_chosen_for_a_file_is_there_in_the_next_studio(tmp_path):
     """It was forgotten with the studio; sets of the laboratory's own, beside the file, could not be chosen at all."""
-    (tmp_path / "mine.toml").write_text('[markers]\nLKNE = {}\nEXTRA = {}\n', encoding="utf-8")
+    (tmp_path / "mine.toml").write_text("[markers]\nLKNE = {}\nEXTRA = {}\n", encoding="utf-8")
     (tmp_path / "measures.toml").write_text("mass_kg = 70\n", encoding="utf-8")
     studio = Studio(file := file_in(tmp_path))
     sets = {one["name"]: one for one in studio.page.get(f"{studio.trial}/marker-sets").json()}

@@ -524,5 +524,5 @@ def test_where_nothing_was_measured_there_is_no_table_of_nothing(walk, capsys):
 
 def test_walks_themselves_are_no_conditions_to_compare(walk):
     """A C3D was refused as "a binary file, wanted text"."""
-    with pytest.raises(KinemarkError, match="no gait.json of kinemark gait. Run it"):
+    with pytest.raises(KinemarkError, match=r"no gait\.json of kinemark gait. Run it"):
         compare_gait(walk / "walk.c3d", walk / "other.c3d", folder=walk / "compared")

@@ -243,8 +243,8 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
 
 
 def _expected(fill: GapFill, final: GapFill | None) -> float:
-    """mm, by all hold-out gaps where they are done, NaN of a method that they left behind: those of the first answer are
-    fewer, and another measure, by which it could seem better than the one that is proposed."""
+    """mm, by all hold-out gaps where they are done, NaN of a method that they left behind: those of the first answer
+    are fewer, and another measure, by which it could seem better than the one that is proposed."""
     if final is None or fill is final:
         return fill.expected_mm
     return final.gap.expected_of.get(fill.method, float("nan"))

@@ -6,7 +6,9 @@ import numpy as np
 
 from kinemark.data import Trial
 from kinemark.engine.describe import describe, described
+from kinemark.io.images import write_png
 from kinemark.io.trial import write_trial
+from kinemark.io.video import write_video
 from support.computed import computed, walker, with_computed
 
 
@@ -28,3 +30,12 @@ def test_markers_that_are_never_seen_are_told(tmp_path):
     write_trial(Trial("walk", replace(trial, paths=without)), tmp_path / "walk.c3d")
     facts = describe(tmp_path / "walk.c3d")
     assert facts["never_seen"] == [first.name] and f"never seen: 1: {first.name}" in described(facts)
+
+
+def test_a_video_is_called_one(tmp_path):
+    """It "holds images", and the next line said "video: True"."""
+    still, film = tmp_path / "cam1.png", tmp_path / "cam1.mkv"
+    frames = np.zeros((3, 32, 48), np.uint8)
+    write_png(still, frames[0])
+    write_video(film, frames, rate=25.0)
+    assert [described(describe(path))[0] for path in (still, film)] == ["holds: images", "holds: a video"]

@@ -331,3 +331,16 @@ def test_a_calibration_of_another_program_asks_its_unit(tmp_path):
     file.write_text(theirs.replace("fisheye = false", "fisheye = true"))
     refused = propose_session(tmp_path)
     assert refused.way is None and "fisheye lenses are not supported" in session_text(refused)
+
+
+@pytest.mark.parametrize(
+    ("files", "told"), [(("a.png",), "has 1 recording, and"), (("a.png", "b.mkv"), "has 2 recordings")]
+)
+def test_recordings_of_no_camera_are_counted_in_words(tmp_path, files, told):
+    """It had "1 recordings"."""
+    for name in files:
+        (clip if name.endswith("mkv") else lambda path, *_, **__: write_png(path, np.zeros((8, 8), np.uint8)))(
+            tmp_path / name, 5, seed=1
+        )
+    with pytest.raises(KinemarkError, match=told):
+        propose_session(tmp_path)

@@ -146,3 +146,14 @@ def test_a_table_takes_the_place_of_an_earlier_table_and_of_nothing_else(folder)
 def test_info_counts_signals_by_their_kind():
     signals = [{"kind": kind} for kind in ("angle", "angle", "scalar", "emg", "emg")]
     assert described({"signals": signals}) == ["signals: 2 angles, 1 scalar, 2 EMG channels"]
+
+
+def test_a_folder_of_images_is_told_how_to_begin(tmp_path):
+    """It was said what it lacks, and not what to do."""
+    (tmp_path / "of the day").mkdir()
+    (tmp_path / "of the day" / "cam1.PNG").write_bytes(b"")
+    with pytest.raises(KinemarkError, match=r"kinemark init '.*of the day'"):
+        trials_in([tmp_path / "of the day"])
+    (tmp_path / "of the day" / "cam1.PNG").rename(tmp_path / "of the day" / "cam1.txt")
+    with pytest.raises(KinemarkError, match=r"no session\.toml\.$"):
+        trials_in([tmp_path / "of the day"])

@@ -2,6 +2,7 @@
 
 import json
 import re
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,9 +12,12 @@ import pytest
 from kinemark.apps.cli import app
 from kinemark.data import Detections, KinemarkError
 from kinemark.detect import detect, learn_masks
+from kinemark.engine.calibration.results import LOCK
+from kinemark.engine.progress import SILENT, Cancelled
 from kinemark.engine.session import Session
 from kinemark.engine.settings import SETTABLE, read_settings
 from kinemark.engine.settings.method_tables import COMMON
+from kinemark.engine.store import Store
 from kinemark.geometry import project_all, to_dlt
 from kinemark.io.c3d import read_c3d
 from kinemark.io.control_points import read_control_points
@@ -503,3 +507,20 @@ def test_delays_of_cameras_that_are_not_there_are_refused(folder):
     changed(folder, "[calibration]", "[cameras]\ndelays_ms = { nobody = 3 }\n[calibration]")
     with pytest.raises(KinemarkError, match="name nobody, and the cameras are"):
         run(folder)
+
+
+def test_who_waits_is_told_for_what(folder):
+    """A second process on one session said "wait: 0 of 1"."""
+    session = Session.open(folder)
+    said, stop = [], threading.Event()
+
+    def progress(stage, *_):
+        said.append(stage)
+        stop.set()
+
+    with (
+        Store.open(session.results, session.results / LOCK, SILENT.of("")),
+        pytest.raises(Cancelled, match="wait for another run"),
+    ):
+        session.calibrate(progress=progress, cancel=stop)
+    assert said == ["wait for another run"]

@@ -10,7 +10,7 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.gait.gait_cycles import gait_curves
 from kinemark.gait.segments import Segment
 from kinemark.gait.upper_body import upper_body_angles
-from kinemark.report.figures_gait import TRUNK, trunk_figure
+from kinemark.report.figures_gait import KINEMATICS, TRUNK, panels_figure, trunk_figure
 
 THORAX = {"CLAV": (100, 0, 1400), "C7": (-80, 0, 1450), "STRN": (120, 0, 1250), "T10": (-90, 0, 1200)}
 """Markers of a trunk that looks along x, mm."""
@@ -44,3 +44,18 @@ def test_the_trunk_is_drawn_where_it_was_worn():
     )
     assert trunk_figure(trunk) is not None
     assert trunk_figure(knee) is None
+
+
+@pytest.mark.parametrize("sides", [("left",), ("right",), ("left", "right")])
+@pytest.mark.parametrize("foot_off", [60.0, np.nan])
+def test_the_key_names_what_is_drawn_and_nothing_else(sides, foot_off):
+    """A leg without markers stood in the key, and a foot off that no stride has."""
+    values = Signals(
+        tuple(
+            Signal.of(f"{side[0].upper()}KneeAngles", "angle", "deg", np.ones((101, 3)), rate=100.0) for side in sides
+        )
+    )
+    strides = [Stride(side, 0.0, 1.0, {"foot_off": foot_off}, {}) for side in sides]
+    notes = panels_figure(gait_curves(values, strides), KINEMATICS).layout["annotations"]
+    key = [note["text"] for note in notes if note["text"].startswith(("━━", "┊"))]
+    assert key == [*(f"━━ {side}" for side in sides), *(["┊ foot off"] if np.isfinite(foot_off) else [])]

@@ -114,6 +114,8 @@ def test_a_page_in_a_folder_of_its_own_finds_the_library_and_plays(folder):
         dots = "document.getElementById('scene').data.at(-1)"
         page.until("!!document.querySelector('#scene + .controls')")
         began = page.ask(f"{dots}.name")
+        shown = page.ask("document.querySelector('#scene + .controls output').textContent")
+        assert began == f"markers at {shown}" != "markers at 0.00 s", "the slider stood at the beginning"
         page.ask("document.querySelector('#scene + .controls button').click()")
         page.until(f"{dots}.name !== {began!r}")
         assert page.ask("document.querySelector('#scene + .controls button').textContent") == "Pause"

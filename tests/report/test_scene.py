@@ -103,6 +103,14 @@ def test_what_plays_is_where_the_markers_were(up):
         assert place == pytest.approx(true[[(up + 1) % 3, (up + 2) % 3, up]], abs=0.11)
 
 
+def test_the_slider_begins_at_the_dots_that_are_drawn():
+    """The dots were those of 1.00 s, and the slider below them stood at 0.00 s."""
+    rig, records = turned(2)
+    drawn = checked(scene(rig, records["tracks"], records["trajectories"])).data[-1]
+    told = motion(records["trajectories"], 2, trace=3)
+    assert drawn.name == f"markers at {told['time'][told['drawn']]:.2f} s" != "markers at 0.00 s"
+
+
 def test_what_plays_is_bounded_and_leaves_gaps_open():
     trajectories = fragments(300, 3000)
     told = motion(trajectories, 2, trace=0)

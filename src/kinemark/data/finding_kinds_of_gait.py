@@ -9,6 +9,8 @@ GAIT_KINDS = (
          "where other trials have some.", {"trial": "text", "file": "text"}),
     Kind("gait_walk_left_out", "gait", "amber", "A walk that cannot be used beside others that can; why.",
          {"trial": "text", "why": "text"}),
+    Kind("gait_walk_repeated", "gait", "amber", "A walk that is the recording of another one given, as a copy of it or "
+         "processed; it was left out.", {"trial": "text", "other": "text"}),
     Kind("gait_subjects_differ", "gait", "amber", "Walks and standing trial state more than one subject, each with its "
          "files.", {"subjects_list": "text"}),
     Kind("gait_bodies_differ", "gait", "amber", "The body in a file is another than in the standing trial or the "

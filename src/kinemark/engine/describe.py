@@ -143,7 +143,7 @@ def _detections(d: Detections) -> dict[str, Any]:
 
 def _images(source: ImageSource) -> dict[str, Any]:
     return {
-        "video": bool(source.video),
+        **({"holds": "a video"} if source.video else {}),
         "size_px": [int(n) for n in source.size],
         "frames": source.n_frames,
         "rate_hz": source.rate or None,

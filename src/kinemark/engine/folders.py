@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from ..data import KinemarkError
+from ..data.typed import typed
+from ..io.formats import IMAGES
 from ..io.qualisys_tsv import holds_markers
 from ..io.toml_text import toml_table
 from .session_name import FILE
@@ -53,8 +55,14 @@ def check_folder(path: Path) -> None:
         deeper = sorted(
             {str(one.parent) for folder in path.iterdir() if folder.is_dir() for one in _recordings(folder)}
         )
-        advice = f" There are some in {', '.join(deeper[:3])}: name those folders." if deeper else ""
+        advice = f" There are some in {', '.join(deeper[:3])}: name those folders." if deeper else _of_cameras(path)
         raise KinemarkError(f"{path} has no file that ends with {', '.join(RECORDINGS)}, and no {FILE}.{advice}")
+
+
+def _of_cameras(folder: Path) -> str:
+    """What to do with a folder of images and videos."""
+    there = any(one.suffix.lower() in IMAGES for one in folder.iterdir())
+    return f" Its images or videos need one: kinemark init {typed(folder)}" if there else ""
 
 
 def is_recording(path: Path, endings: Sequence[str] = RECORDINGS) -> bool:

@@ -24,7 +24,7 @@ from .naming.earlier import check_files_of_names
 from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import Settings, TrialEntry
 from .sources import Frames, Recording, TrialSource, identifies, source_of
-from .store import Store
+from .store import WAITING, Store
 from .trial_graph import REPORT, trial_graph
 from .trial_inputs import TrialInputs, detections_of, edits_of, filled_of, tracks_of, trial_rig
 
@@ -150,7 +150,7 @@ class OpenTrial:
         source, graph = self.source(calibrated.rig), self._graph(calibrated, earlier)
         if any(stage.name == "label" for stage in graph.to(to)) and not identifies(source):
             check_files_of_names(self.workspace.root, self.workspace.settings, self.entry)
-        with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
+        with one_blas_thread(), Store.open(self.folder, self._lock, watch.of(WAITING)) as store:
             s = self.workspace
             inputs = TrialInputs(
                 self.name, self.folder, s.settings, source, calibrated, store, threads, s.assets, earlier

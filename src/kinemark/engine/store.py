@@ -28,6 +28,8 @@ from .keys import code_key
 Record = TypeVar("Record")
 
 STEPS = "steps.json"
+WAITING = "wait for another run"
+"""What is told as a stage while another process has the folder."""
 
 PAUSE = 0.2
 """s between two looks whether another process is done; chosen."""

@@ -153,7 +153,7 @@ def gait_figures(
     feet: FeetTaken | None = None,
     files: Mapping[str, str] | None = None,
     bodies: Sequence[BodyOfTrial] = (),
-    unusable: Mapping[str, str] | None = None,
+    left_out: Sequence[Finding] = (),
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -165,11 +165,11 @@ def gait_figures(
             has shown. clusters: that carried segments. heels: that were taken from the static trial.
         renamed: the files' names by the model's, where they differ. stated: the subject that each file states, by its
             name. files: of the trials, by their names. feet: how the static trial's own program took them, where it is
-            the other way. bodies: that the files show. unusable: why walks were left out, by their names.
+            the other way. bodies: that the files show. left_out: what is told of walks that do not count.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
-        *(make_finding("gait_walk_left_out", trial=trial, why=why) for trial, why in (unusable or {}).items()),
+        *left_out,
         *of_subjects(stated or {}),
         *of_bodies(bodies),
         *_of_files(measures, estimated, heels, renamed or {}),

@@ -1,4 +1,4 @@
-"""Whether the files of a gait report are of one person: by what they say, and by the body that they show."""
+"""Which files of a gait report count, and whether these are of one person: by what they say, by the body they show."""
 
 from __future__ import annotations
 
@@ -26,6 +26,16 @@ class BodyOfTrial(NamedTuple):
     like: str
     change: BodyChange | None
     steps_mm: float = 0.0
+
+
+def of_left_out(unusable: Mapping[str, str], repeated: Mapping[str, str]) -> Iterator[Finding]:
+    """Findings of walks that do not count.
+
+    Args:
+        unusable: why they cannot be used. repeated: which other walk is the same recording. Both by their names.
+    """
+    yield from (make_finding("gait_walk_left_out", trial=trial, why=why) for trial, why in unusable.items())
+    yield from (make_finding("gait_walk_repeated", trial=trial, other=other) for trial, other in repeated.items())
 
 
 def of_bodies(bodies: Sequence[BodyOfTrial]) -> Iterator[Finding]:

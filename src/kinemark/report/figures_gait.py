@@ -104,8 +104,8 @@ def panels_figure(
         notes += directions(panel.up, panel.down, i)
     blank = [i for i, panel in enumerate(panels) if panel is BLANK]
     if blank:
-        with_sd = any(np.isfinite(one.measurement_sd).any() for panel in known for one in _of(curves, panel))
-        notes += _key(corner(blank[-1] - 1, len(panels)), with_sd=with_sd, with_reference=reference is not None)
+        drawn = [one for panel in known for one in _of(curves, panel)]
+        notes += _key(corner(blank[-1] - 1, len(panels)), drawn, with_reference=reference is not None)
     hidden = dict.fromkeys(blank, ({"visible": False}, {"visible": False}))
     return stride_figure(titles, traces, shapes, notes, heads=heads, axes=hidden)
 
@@ -115,11 +115,11 @@ def trunk_figure(curves: Sequence[GaitCurves], reference: GaitReference | None =
     return panels_figure(curves, TRUNK, reference) if any(_of(curves, panel) for panel in TRUNK) else None
 
 
-def _key(place: tuple[float, float], *, with_sd: bool, with_reference: bool) -> list[Part]:
-    """Which line is which, below this corner of an empty panel."""
-    lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items()]
-    lines += [("- - measured to ±", INK)] if with_sd else []
-    lines += [("┊ foot off", INK)]
+def _key(place: tuple[float, float], drawn: Sequence[GaitCurves], *, with_reference: bool) -> list[Part]:
+    """Which line is which of those that are drawn, below this corner of an empty panel."""
+    lines = [(f"━━ {side}", colour) for side, colour in SIDE_COLOURS.items() if any(one.side == side for one in drawn)]
+    lines += [("- - measured to ±", INK)] if any(np.isfinite(one.measurement_sd).any() for one in drawn) else []
+    lines += [("┊ foot off", INK)] if any(np.isfinite(one.foot_off).any() for one in drawn) else []
     lines += [("▒▒ reference", REFERENCE_COLOUR)] if with_reference else []
     return [
         {

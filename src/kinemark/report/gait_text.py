@@ -26,8 +26,8 @@ def gait_summary(figures: dict[str, Any]) -> str:
     lines += [f"  {sentence}" for sentence in sentences_of(figures["verdict"])]
     each = figures["time_distance"]
     sides = [side for side in ("left", "right") if any(one["mean"] is not None for one in each[side].values())]
-    lines += ["", f"  {'':32s}" + "".join(f" {side:>8s}" for side in sides)]
-    for name, title in NAMES.items():
+    lines += ["", f"  {'':32s}" + "".join(f" {side:>8s}" for side in sides)] if sides else []
+    for name, title in NAMES.items() if sides else ():
         unit, by, digits = SHOWN[figures["units"][name]]
         means = [each[side][name]["mean"] for side in sides]
         shown = ["–" if mean is None else number(mean / by, digits) for mean in means]

@@ -237,19 +237,22 @@ def _loose_points(fig: Figure, tracks: Tracks) -> None:
 
 
 def _markers(fig: Figure, trajectories: Trajectories) -> None:
-    """Dots at the fullest frame nearest to the middle of the time in view."""
-    xyz, middle = positions(trajectories), sum(in_view(trajectories)) / 2
-    there = present(trajectories)
-    complete = there.sum(axis=0)
-    full = np.flatnonzero(complete == complete.max())
-    f = int(full[np.abs(full - middle).argmin()])
-    rows = np.flatnonzero(there[:, f])
-    x, y, z = xyz[rows, f].T
+    """Dots at the frame that is drawn before anything plays."""
+    f = _drawn_frame(trajectories)
+    rows = np.flatnonzero(present(trajectories)[:, f])
+    x, y, z = positions(trajectories)[rows, f].T
     fig.add(
         "scatter3d", x=x, y=y, z=z, mode="markers", name=f"markers at {trajectories.time[f]:.2f} s",
         marker={"size": 4, "color": INK}, text=labels(trajectories.names[m] for m in rows),
         hovertemplate=f"%{{text}}<br>{HOVER}<extra></extra>",
     )  # fmt: skip
+
+
+def _drawn_frame(trajectories: Trajectories) -> int:
+    """The fullest frame nearest to the middle of the time in view."""
+    middle, complete = sum(in_view(trajectories)) / 2, present(trajectories).sum(axis=0)
+    full = np.flatnonzero(complete == complete.max())
+    return int(full[np.abs(full - middle).argmin()])
 
 
 def draw_line(fig: Figure, xyz: Floats, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
@@ -286,6 +289,7 @@ def motion(trajectories: Trajectories, up: int, *, trace: int) -> dict[str, Any]
         "trace": trace,
         "names": shortened(trajectories.names),
         "time": [round(float(t), 3) for t in trajectories.time[frames]],
+        "drawn": int(np.abs(frames - _drawn_frame(trajectories)).argmin()),
         "starts": np.searchsorted(frame, np.arange(len(frames) + 1)).tolist(),
         "marker": _packed(marker, "<u2"),
         "xyz": _packed(np.rint((places - origin) / step), "<i2"),

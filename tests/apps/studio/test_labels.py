@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
 
 from kinemark.apps.studio.labels import labels
-from kinemark.data import MarkerTrajectory, Trajectories, Trial
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.findings.labels import label_figures
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.trial import write_trial
@@ -153,17 +153,33 @@ def test_a_files_marker_set_is_the_one_whose_names_it_has(tmp_path):
         assert ["LTOP", "RTOP"] in shown["pairs"] and "LTIP" in shown["one_sided"], "those besides are still paired"
 
 
-def test_a_marker_set_is_chosen_for_a_file_as_long_as_the_studio_runs(tmp_path):
-    """Which sets there are, and how to have one, was told of the command line and of session.toml alone."""
-    studio = Studio(file_in(tmp_path))
+def test_a_marker_set_that_is_chosen_for_a_file_is_there_in_the_next_studio(tmp_path):
+    """It was forgotten with the studio; sets of the laboratory's own, beside the file, could not be chosen at all."""
+    (tmp_path / "mine.toml").write_text("[markers]\nLKNE = {}\nEXTRA = {}\n", encoding="utf-8")
+    (tmp_path / "measures.toml").write_text("mass_kg = 70\n", encoding="utf-8")
+    studio = Studio(file := file_in(tmp_path))
     sets = {one["name"]: one for one in studio.page.get(f"{studio.trial}/marker-sets").json()}
     assert sets["kiss-15"]["markers"] == 15 and sets["kiss-15"]["there"] == 2  # LKNE and RKNE
     assert not any(one["worn"] for one in sets.values())
-    before = sorted(path.name for path in tmp_path.iterdir())
-    for name in ("kiss-15", "um2as-7", None):
+    assert "mine.toml" in sets and "measures.toml" not in sets
+    for name in ("kiss-15", None, "um2as-7", "mine.toml"):
         now = studio.page.post(f"{studio.trial}/marker-set", {"name": name}).json()
         assert [one["name"] for one in now if one["worn"]] == ([name] if name else [])
         shown = studio.page.get(studio.trial).json()["marker_set"]
-        assert (shown and shown["name"]) == name
+        assert bool(shown) == bool(name)
+        again = Studio(file)
+        assert again.page.get(again.trial).json()["marker_set"] == shown
     assert studio.page.post(f"{studio.trial}/marker-set", {"name": "../secret.toml"}).status == 404
-    assert sorted(path.name for path in tmp_path.iterdir()) == before
+    (tmp_path / "mine.toml").unlink()
+    again = Studio(file)
+    assert again.page.get(again.trial).json()["marker_set"] is None, "its file is gone"
+
+
+def test_a_marker_set_is_worn_where_nobody_may_write(tmp_path, monkeypatch):
+    def refused(*_):
+        raise KinemarkError("cannot be written")
+
+    monkeypatch.setattr("kinemark.apps.studio.worn_sets.keep_choice", refused)
+    studio = Studio(file_in(tmp_path))
+    assert studio.page.post(f"{studio.trial}/marker-set", {"name": "kiss-15"}).status == 200
+    assert studio.page.get(studio.trial).json()["marker_set"]["name"] == "kiss-15"

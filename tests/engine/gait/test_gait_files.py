@@ -12,6 +12,7 @@ from kinemark.apps.cli import app
 from kinemark.data import Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.data.gait_curves import GaitReference
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
+from kinemark.engine.gait.comparison import compare_gait
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.reference import read_band, reference_of_files
 from kinemark.engine.gait.settings import GaitSettings
@@ -153,9 +154,15 @@ def test_a_walk_gives_page_tables_figures_and_a_file(walk):
     assert {f["kind"] for f in figures["findings"]} >= {"gait_without_moments", "foot_offsets_unknown"}
 
 
+def moved(trial, mm):
+    """Another walk of the subject: the same steps beside those of the first, which would be one recording."""
+    paths = tuple(replace(path, xyz=path.xyz + np.array([0.0, mm, 0.0])) for path in trial.trajectories)
+    return replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+
+
 def test_each_value_of_a_stride_says_of_which_walk_it_is(walk):
     """What a statistician needs: rows by trial, side and stride, whose means are those of the page."""
-    (walk / "second.c3d").write_bytes((walk / "walk.c3d").read_bytes())
+    write_c3d(walk / "second.c3d", moved(read_trial(walk / "walk.c3d"), 150.0))
     found = gait_of_files([walk / "walk.c3d", walk / "second.c3d"], measures=walk / "anna.toml", settings=QUICK)
     tables = {}
     for name in ("key_values", "time_distance"):
@@ -276,7 +283,7 @@ def test_devices_on_the_knees_show_their_axes(tmp_path):
 
 
 def test_several_walks_count_together(walk):
-    (walk / "second.c3d").write_bytes((walk / "walk.c3d").read_bytes())
+    write_c3d(walk / "second.c3d", moved(read_trial(walk / "walk.c3d"), 150.0))
     both = [walk / "walk.c3d", walk / "second.c3d", walk / "walk.c3d"]  # a file that is given twice counts once
     two = gait_of_files(both, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
     one = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", folder=walk / "one", settings=QUICK)
@@ -387,9 +394,10 @@ def test_no_result_overwrites_a_file_that_was_given(tmp_path, given, exports):
 def test_trials_of_one_name_keep_their_rows_files_and_subjects(walk):
     """Of two sessions, whose folders tell them apart, and of a standing trial that is called as a walk."""
     trial = read_trial(walk / "walk.c3d")
-    for folder, subject in (("a", "Anna"), ("b", "Anna"), ("s", "Ben")):
+    for k, (folder, subject) in enumerate((("a", "Anna"), ("b", "Anna"), ("s", "Ben"))):
         (walk / folder).mkdir()
-        write_c3d(walk / folder / "w.c3d", replace(trial, about={**trial.about, "subject": subject}))
+        own = replace(moved(trial, 150.0 * k), about={**trial.about, "subject": subject})
+        write_c3d(walk / folder / "w.c3d", own)
     found = gait_of_files(
         [walk / "a" / "w.c3d", walk / "b" / "w.c3d"], static=walk / "s" / "w.c3d", measures=walk / "anna.toml",
         folder=walk / "out", settings=QUICK,
@@ -487,3 +495,34 @@ def test_one_stride_that_ends_with_the_recording_has_no_speed_and_gives_no_warni
     found = gait_of_files([tmp_path / "walk.c3d"], settings=QUICK)  # warnings are errors here
     said = {one["kind"]: one["values"] for one in found.figures["verdict"]["statements"]}
     assert said["gait_measured"]["speed"] is None and said["gait_measured"]["right_strides"] == 1
+
+
+def test_a_recording_under_two_names_counts_once(walk, capsys):
+    """A folder held a walk and its processed copy: every step counted twice, and spreads were too small."""
+    trial = read_trial(walk / "walk.c3d")
+    cut = replace(trial, trajectories=trial.trajectories.frames(40, trial.trajectories.n_frames))
+    write_c3d(walk / "walk_processed.c3d", cut)
+    alone = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    with pytest.raises(SystemExit) as ended:
+        app(["gait", str(walk), "--measures", str(walk / "anna.toml"), "--no-uncertainty", "-o", str(walk / "all")])
+    assert ended.value.code == 0
+    assert "walk_processed is the same recording as walk." in capsys.readouterr().out
+    figures = json.loads((walk / "all/gait.json").read_text())
+    assert figures["time_distance"] == alone["time_distance"]
+    assert [trial["name"] for trial in figures["trials"]] == ["walk"]
+
+
+def test_where_nothing_was_measured_there_is_no_table_of_nothing(walk, capsys):
+    """A static trial given as walk showed twelve lines without a number."""
+    leg = LegMeasures(880, 100, 70)
+    lab = gait_laboratory(WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0)), duration_s=2.0)
+    write_c3d(walk / "standing.c3d", lab.static)
+    with pytest.raises(SystemExit):
+        app(["gait", str(walk / "standing.c3d"), "--no-uncertainty"])
+    assert "walking speed" not in (out := capsys.readouterr().out) and "no foot strikes the floor twice" in out
+
+
+def test_walks_themselves_are_no_conditions_to_compare(walk):
+    """A C3D was refused as "a binary file, wanted text"."""
+    with pytest.raises(KinemarkError, match=r"no gait\.json of kinemark gait. Run it"):
+        compare_gait(walk / "walk.c3d", walk / "other.c3d", folder=walk / "compared")

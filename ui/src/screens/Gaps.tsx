@@ -98,7 +98,7 @@ function Ways(): React.JSX.Element {
       <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}{gap.cameras_alone.length > 0 && ` · ${gap.cameras_alone.join(", ")} saw it alone`}</span></h2>
       <div className={styles.methods} role="group" aria-label="Ways to fill">
         {candidates?.candidates.map((c) => (
-          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} title={c.method} onClick={() => set({ method: c.method, picked: true })}>{wayOf(c.method)} <span className="number soft">{mm(c.expected_mm)} mm</span></button>
+          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} title={c.method} onClick={() => set({ method: c.method, picked: true })}>{wayOf(c.method)} <span className="number soft">{c.expected_mm == null ? "–" : `${mm(c.expected_mm)} mm`}</span></button>
         ))}
         {(!candidates || candidates.pending) && <span className="soft" role="status">others are being computed …</span>}
       </div>

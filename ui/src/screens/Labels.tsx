@@ -44,7 +44,7 @@ export function Labels(): React.JSX.Element {
   );
 }
 
-/** The marker sets that may be chosen; another one is stated in session.toml, of a file as long as the studio runs. */
+/** The marker sets that may be chosen; another one is stated in session.toml, of a file beside its journal. */
 function Sets(): React.JSX.Element {
   const { id, header, busy } = useParts("id", "header", "busy"), [sets, setSets] = useState<readonly MarkerSetChoice[]>([]), worn = sets.find((one) => one.worn), own = header?.marker_set;
   const head = header?.head, shown = own?.names.join();
@@ -56,7 +56,7 @@ function Sets(): React.JSX.Element {
     if (!got) return;
     setSets(got);
     await refetch();
-    say("done", `${name ? `The marker set is ${name}` : "There is no marker set"}${header?.session_id ? ", as session.toml says now; a run names markers by it" : ", until the studio is ended"}.`);
+    say("done", `${name ? `The marker set is ${name}` : "There is no marker set"}${header?.session_id ? ", as session.toml says now; a run names markers by it" : ", also when the studio is opened again"}.`);
   };
   return (
     <label className={styles.set} title={worn?.description}><span className="hidden-words">Marker set</span>

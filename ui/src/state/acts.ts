@@ -282,7 +282,7 @@ export async function fillAll(): Promise<void> {
   const some = acceptable();
   if (!some.length) return void say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
   const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: sayable(g.method) }));
-  const rows = tabled(get()), done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method with the least expected error`);
+  const rows = tabled(get()), done = await act({ kind: "several", acts }, `${many(some.length, "gap")} filled, each by the method that was proposed for it`);
   if (done && get().gap) nextUndecided(rows, get().gap!);
 }
 

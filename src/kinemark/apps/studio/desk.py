@@ -12,13 +12,13 @@ from ...data import KinemarkError, MarkerSet
 from ...data.edits import live
 from ...edit import Edited
 from ...engine.editing.editing import Editing
-from ...engine.naming.marker_set_files import set_by_names
 from ...engine.naming.templates import worn
 from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
 from ...engine.store import STEPS, Store
 from ...engine.trial_inputs import TrialInputs
 from ...io.edits_jsonl import JournalText
+from .chosen_sets import set_of_file
 from .home import other_program, read_once, written
 from .shelf import Place, Shelf
 
@@ -37,7 +37,8 @@ class OpenDocument:
     Attributes:
         place: of it. editing: before all edits, with what is behind it.
         trial, inputs, records: of a session's trial, as far as edits need it; None and empty for a file.
-        marker_set: that the subject wears, where the session says so; of a file as its names show.
+        marker_set: that the subject wears, where the session says so; of a file the one that was
+            chosen, else as its names show.
         text, now: the journal as it was read, and the trial with it.
         lock: for whoever reads or changes `text` and `now`; looking: for whoever looks for problems, which no act waits
             for.
@@ -98,7 +99,6 @@ class Desk:
         self._open: OrderedDict[str, tuple[int, OpenDocument]] = OrderedDict()
         self._lock = threading.Lock()
         self._places: dict[str, Place] = {}
-        self._worn: dict[str, MarkerSet | None] = {}
 
     def place(self, key: str) -> Place:
         """The trial of an id; raises NotThere."""
@@ -121,7 +121,6 @@ class Desk:
             if known is None or known[0] != ran or known[1].editing.outdated:
                 self._open[key] = known = ran, opened(place, self.by)
                 known[1].ran = ran
-                known[1].marker_set = self._worn.get(key, known[1].marker_set)
             self._open.move_to_end(key)
             while len(self._open) > MOST_OPEN:
                 self._open.popitem(last=False)
@@ -139,10 +138,6 @@ class Desk:
             if other.path == place.path:
                 self.forget(other.id)
 
-    def wear(self, document: OpenDocument, worn: MarkerSet | None) -> None:
-        """The marker set of a file, which says none itself, while the desk is there; then as its names show."""
-        document.marker_set = self._worn[document.place.id] = worn
-
     def heads(self) -> dict[str, str]:
         """The head of each open trial, read anew where it changed."""
         with self._lock:
@@ -158,7 +153,7 @@ def opened(place: Place, by: str) -> OpenDocument:
         editing = Editing.of_file(place.path, by=by, trial=read_once(place.path))
         _check_markers(place, editing)
         document = _document(place, editing)
-        document.marker_set = set_by_names(document.now.trajectories.names)
+        document.marker_set = set_of_file(document.editing, place.path.parent, document.now.trajectories.names)
         return document
     session = Session.open(place.path)
     trial = session.trial(place.trial)

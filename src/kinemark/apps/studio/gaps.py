@@ -243,10 +243,11 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
 
 
 def _expected(fill: GapFill, final: GapFill | None) -> float:
-    """mm, by all hold-out gaps where they are done: those of the first answer are fewer, and another measure."""
+    """mm, by all hold-out gaps where they are done, NaN of a method that they left behind: those of the first answer
+    are fewer, and another measure, by which it could seem better than the one that is proposed."""
     if final is None or fill is final:
         return fill.expected_mm
-    return final.gap.expected_of.get(fill.method, fill.expected_mm)
+    return final.gap.expected_of.get(fill.method, float("nan"))
 
 
 def _candidate(fill: GapFill, expected_mm: float) -> Candidate:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from pathlib import Path
 
 from ...data import KinemarkError, MarkerSet
 from ...engine.session_changes import change_session
-from ...engine.session_name import FILE
-from ...io.marker_sets import marker_sets, read_marker_set
+from .chosen_sets import keep_choice, known_sets
 from .desk import Desk, OpenDocument
 from .edit_messages import MarkerSetChoice
 from .shelf import NotThere
@@ -27,7 +25,7 @@ def set_choices(document: OpenDocument) -> list[MarkerSetChoice]:
 
 
 def choose_set(desk: Desk, document: OpenDocument, name: str | None) -> None:
-    """State a marker set, or none: of a session in its session.toml, of a file as long as the studio runs.
+    """State a marker set, or none: of a session in its session.toml, of a file beside its journal.
 
     Raises:
         NotThere: there is no such set.
@@ -37,7 +35,9 @@ def choose_set(desk: Desk, document: OpenDocument, name: str | None) -> None:
     if name is not None and name not in known:
         raise NotThere(f"There is no marker set {name!r}. There are {', '.join(known)}.")
     if document.trial is None:
-        desk.wear(document, None if name is None else known[name])
+        with suppress(KinemarkError):  # nobody may write there: it is worn while the file lies open
+            keep_choice(document.editing, name)
+        document.marker_set = None if name is None else known[name]
         return
     if document.trial.workspace.settings.label_subjects:
         raise KinemarkError(
@@ -48,15 +48,6 @@ def choose_set(desk: Desk, document: OpenDocument, name: str | None) -> None:
 
 
 def _known(document: OpenDocument) -> dict[str, MarkerSet]:
-    """Those that come with Kinemark, and the files beside session.toml, by what session.toml calls them."""
-    found = {name: read_marker_set(name) for name in marker_sets()}
-    for file in sorted(_own_files(document)):
-        with suppress(KinemarkError):  # it is another kind of file
-            found[file.name] = read_marker_set(file)
-    return found
-
-
-def _own_files(document: OpenDocument) -> list[Path]:
-    if document.trial is None:
-        return []
-    return [file for file in document.place.path.glob("*.toml") if file.name != FILE and not file.is_symlink()]
+    """All that may be chosen, the files beside session.toml or beside the file among them."""
+    path = document.place.path
+    return known_sets(path.parent if document.trial is None else path)

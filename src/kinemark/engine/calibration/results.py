@@ -35,7 +35,7 @@ from ..keys import code_key, digest, file_key, rig_key
 from ..progress import SILENT, Watch, check_threads
 from ..recordings import files_of, masks_key
 from ..settings import Settings
-from ..store import Store
+from ..store import WAITING, Store
 from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
 from .from_moved_target import from_single_marker, from_wand
 from .task import Calibrated, RigWithEvidence, Task
@@ -94,7 +94,7 @@ def calibrate(
     task = Task(root, settings, watch, threads)
     with (
         one_blas_thread(),
-        Store.open(results, results / LOCK, watch.of("wait")) as store,
+        Store.open(results, results / LOCK, watch.of(WAITING)) as store,
         listening(watch.of("calibrate")),
     ):
         rig, figures = store.do(

@@ -88,8 +88,9 @@ def _nothing(folder: Path, n_files: int, recordings: Sequence[FoundRecording]) -
     """The error for a folder that no session can be made of."""
     nameless = [one.path for one in recordings if one.why.kind == "no_camera_in_name"]
     if nameless:
+        many = "1 recording" if len(nameless) == 1 else f"{len(nameless)} recordings"
         return KinemarkError(
-            f"{folder} has {len(nameless)} recordings, and nothing says which camera took which: {nameless[0]}. "
+            f"{folder} has {many}, and nothing says which camera took which: {nameless[0]}. "
             "Name files or folders after the cameras, as cam1, cam2; two of them make a point in space."
         )
     return KinemarkError(

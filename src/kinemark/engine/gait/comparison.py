@@ -89,7 +89,7 @@ def _write_csv(path: Path, figures: Mapping[str, Any]) -> None:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    table = read_json(path)
+    table = read_json(path) if path.suffix.lower() == ".json" else None
     if not isinstance(table, dict) or not {"curves", "time_distance", "uncertainty", "method"} <= set(table):
         raise KinemarkError(f"{path} is no gait.json of kinemark gait. Run it on both conditions first.")
     return table

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...data import KinemarkError
+from ...data import Finding, KinemarkError
 from ...data.gait_curves import GaitCurves, GaitReference
 from ...data.marker_sides import without_subject
 from ...data.subject_measures import SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
-from ...findings.gait_subjects import BodyOfTrial
+from ...findings.gait_subjects import BodyOfTrial, of_left_out
 from ...gait.clusters import Clusters, usual_clusters, with_wands
+from ...gait.same_motion import same_motion
 from ...gait.standard_trial import with_absent_leg
 from ...io.c3d import write_c3d
 from ...io.files import write_json
@@ -119,7 +120,7 @@ def gait_of_files(
     Where one of several walks cannot be used, the others are; the page says why.
 
     Args:
-        walks: trials of one subject with named markers; a file that is given twice counts once.
+        walks: trials of one subject with named markers; a recording that is given twice counts once.
         left_out: files of the same recordings in another format, which are told and kept.
         static: a standing trial, for the feet.
         functional: a motion that turns the hips in all directions, which shows their centres.
@@ -152,7 +153,8 @@ def gait_of_files(
     def read(path: Path, like: Recorded | None = None) -> Recorded:
         return _read(path, names, markers, settings, like)
 
-    whole, still, unusable = _walks_and_standing(walks, static, read, clusters, settings)
+    given, still, unusable = _walks_and_standing(walks, static, read, clusters, settings)
+    whole, repeated = _once(given)
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
     moved = None if functional is None else read(functional, still)
@@ -160,8 +162,9 @@ def gait_of_files(
         known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
     found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
     files = {names[path.resolve()]: str(path) for path in walks}
-    why = {names[path.resolve()]: str(error) for path, error in unusable.items()}
-    figures = _figures(whole, still, found, known, static, band, settings, files, bodies_of(whole, still, moved), why)
+    no_use = [*of_left_out({names[path.resolve()]: str(error) for path, error in unusable.items()}, repeated)]
+    bodies = bodies_of(whole, still, moved)
+    figures = _figures(whole, still, found, known, static, band, settings, files, bodies, no_use)
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
     figures["identity"] = identity_of_file(whole[0].given, Path(files[whole[0].name]))
     notes = _written(into, whole, found, figures, band, self_contained=self_contained)
@@ -215,6 +218,22 @@ def _each(
     return made, failed
 
 
+def _once(walks: Sequence[Recorded]) -> tuple[list[Recorded], dict[str, str]]:
+    """Each recording once, as the first of its files has it; and that file's name by the name of each other.
+
+    Steps that count twice would make the spread between strides, and all that rests on it, too small.
+    """
+    kept, repeated = list[Recorded](), dict[str, str]()
+    for walk in walks:
+        rate = walk.trial.trajectories.rate
+        like = (one for one in kept if one.trial.trajectories.rate == rate and same_motion(one.points, walk.points))
+        if (first := next(like, None)) is None:
+            kept.append(walk)
+        else:
+            repeated[walk.name] = first.name
+    return kept, repeated
+
+
 def _read(
     path: Path, names: Mapping[Path, str], markers: Mapping[str, str] | None, settings: GaitSettings,
     static: Recorded | None = None,
@@ -238,7 +257,7 @@ def _c3d(folder: Path, name: str) -> Path:
 def _figures(
     walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
     band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str], bodies: Sequence[BodyOfTrial],
-    unusable: Mapping[str, str],
+    left_out: Sequence[Finding],
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
@@ -250,7 +269,7 @@ def _figures(
             method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
-            stated=stated, files=files, feet=feet, bodies=bodies, unusable=unusable,
+            stated=stated, files=files, feet=feet, bodies=bodies, left_out=left_out,
         )
     )  # fmt: skip
 

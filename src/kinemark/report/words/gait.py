@@ -225,6 +225,10 @@ GAIT_WORDS = {
         "{why} So {trial} was left out.",
         "Mend the file, or compute gait without it: nothing here rests on it.",
     ),
+    "gait_walk_repeated": Words(
+        "{trial} is the same recording as {other}. So it was left out, and its steps count once.",
+        "Nothing is lost. If {trial} is the better of both, give it without {other}.",
+    ),
     "gait_subjects_differ": Words(
         "The files state different subjects: {subjects_list}. They are averaged as one person's.",
         "Give walks and standing trial of one person, or correct the name in the files.",

@@ -377,21 +377,9 @@ def test_cameras_in_time_are_not_moved():
     assert not fit.delay.any()
 
 
-def test_cameras_in_time_are_not_called_late_beside_one_that_is():
-    """Where centroids are half a pixel off, pairs of cameras say of all that they are late by some hundredths."""
-    rig, observed = waved([500.0], cameras=4, frames=150, seed=6, noise_px=0.5)
-    seen, frames = observed.detections, np.arange(150)
-    parts = [seen[c, f] for c in range(4) for f in (np.minimum(frames + 9, 149) if c == 2 else frames)]
-    counts = np.reshape([len(part) for part in parts], seen.counts.shape)
-    film = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
-    fit = calibrate_wand(film, lengths=[500.0], sizes=[camera.size for camera in rig])
-    assert np.flatnonzero(fit.delay).tolist() == [2]
-    np.testing.assert_allclose(fit.delay[2], 9, atol=0.1)
-
-
-@pytest.mark.parametrize("lengths", [[257.0, 243.0], [150.0, 190.0, 160.0]], ids=str)
-def test_cameras_on_one_side_do_not_mistake_the_ends_of_nearly_equal_gaps(lengths):
+def test_cameras_on_one_side_do_not_mistake_the_ends_of_nearly_equal_gaps():
     """Depth makes the gaps more unequal than they are, in all images of a frame alike."""
+    lengths = [257.0, 243.0]
     rig, observed = waved(lengths, rig=ring(4, radius=2200.0, focal_px=700.0, sweep_deg=50.0), frames=150, seed=3)
     fit = calibrate_wand(observed.detections, lengths=lengths, sizes=[camera.size for camera in rig])
     assert "gaps seen" not in fit.rig.method

@@ -1,6 +1,7 @@
 """Cameras from a wand waved through the volume, from what they see of it alone.
 
-1. Which detection is which marker, without a rig (`identify`).
+1. Which detection is which marker, without a rig (`identify`); of gaps nearly alike from both ends, with one from the
+   ends alone (`direction`).
 2. A first rig from some poses, spread over the images, by bundle adjustment from the image sizes (`bundle`).
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
    a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.

@@ -22,6 +22,7 @@ from ..bundle.stick_gaps import FAR_OFF
 DEPTHS = 0.3
 """Of |ln (first gap / last gap)|, without unit; wands below are read from either end; chosen: three times the standard
 deviation of what depths do (`rows.TILT`)."""
+ROUNDING = 1e-9  # share by which equal gaps differ for rounding; chosen
 
 
 def looks_alike(along: Floats) -> bool:
@@ -30,7 +31,7 @@ def looks_alike(along: Floats) -> bool:
     Not where both are the same: nothing needs to be told apart there.
     """
     gaps = np.diff(along)
-    return 0 < np.abs(gaps - gaps[::-1]).max() and abs(float(np.log(gaps[0] / gaps[-1]))) < DEPTHS
+    return not np.allclose(gaps, gaps[::-1], rtol=ROUNDING) and abs(float(np.log(gaps[0] / gaps[-1]))) < DEPTHS
 
 
 def from_other_end(cameras: Sequence[Camera], uv: Floats, along: Floats) -> Bools:

@@ -22,9 +22,6 @@ from .left_delays import left_delays
 
 ROUNDS = 3
 """Of rigs and what delays they leave; chosen: the second left 0.0005 images in simulated films."""
-DOUBTFUL = 0.1
-"""Images; delays below, by pairs of cameras, may be chance, and are left to `left_delays`; chosen: where centroids are
-0.5 px off, cameras in time seemed late by up to 0.08."""
 
 
 class WandFit(NamedTuple):
@@ -40,8 +37,7 @@ def with_delays(
     """The fit of cameras that may be late, with their delays.
 
     Args:
-        detections: as recorded.
-        along: (K) places of the markers, mm.
+        detections: as recorded. along: (K) places of the markers, mm.
         calibrated: the fit of synchronous cameras.
 
     Raises:
@@ -54,7 +50,11 @@ def with_delays(
         between = delays_between(at_rows(detections, read_wand(detections, wanted(detections), along)[0])[0])
         if between is None:
             raise
-        found, delay, seen = _found(detections, between, calibrated, error)
+        try:
+            delay, seen = between, _in_time(detections, between)
+            found = calibrated(seen)
+        except KinemarkError:
+            raise error from None
     for _ in range(rounds):
         left = left_delays(found.fit, _flow(seen, found.rows))
         if not left.any():
@@ -65,24 +65,6 @@ def with_delays(
         except KinemarkError:
             break
     return found.fit._replace(delay=delay)
-
-
-def _found(
-    detections: Detections, between: Floats, calibrated: Callable[[Detections], WandFit], error: KinemarkError
-) -> tuple[WandFit, Floats, Detections]:
-    """The fit by delays (C) `between` pairs, these and what was seen at them; small ones only where nothing fits else.
-
-    Raises:
-        KinemarkError: `error`, where nothing fits.
-    """
-    clear = np.where(np.abs(between) < DOUBTFUL, 0.0, between)
-    for delay in (clear, between) if 0 < np.count_nonzero(clear) < np.count_nonzero(between) else (between,):
-        try:
-            seen = _in_time(detections, delay)
-            return calibrated(seen), delay, seen
-        except KinemarkError:
-            continue
-    raise error from None
 
 
 def _in_time(detections: Detections, delay: Floats) -> Detections:

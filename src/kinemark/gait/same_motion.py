@@ -20,7 +20,7 @@ from ..data.array_types import Floats
 
 SAME_MM = 5.0
 """Of (2), mm; chosen: of public walks against themselves processed, or filtered at 6 Hz and cut, it was up to 2.9; of
-any two walks from 100, of the standing trials of two children from 58."""
+two recordings 58 and more."""
 FEW_FRAMES = 10
 """That two walks must share to be compared; chosen."""
 

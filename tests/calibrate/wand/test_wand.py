@@ -377,6 +377,16 @@ def test_cameras_in_time_are_not_moved():
     assert not fit.delay.any()
 
 
+def test_cameras_on_one_side_do_not_mistake_the_ends_of_nearly_equal_gaps():
+    """Depth makes the gaps more unequal than they are, in all images of a frame alike."""
+    lengths = [257.0, 243.0]
+    rig, observed = waved(lengths, rig=ring(4, radius=2200.0, focal_px=700.0, sweep_deg=50.0), frames=150, seed=3)
+    fit = calibrate_wand(observed.detections, lengths=lengths, sizes=[camera.size for camera in rig])
+    assert "gaps seen" not in fit.rig.method
+    assert max(camera.residual for camera in fit.rig) < 0.16
+    assert np.isfinite(fit.residual[..., 0]).sum() - fit.kept.sum() < 10
+
+
 def mirrored(detections, c, width):
     """The detections of which camera c's images are seen in a mirror."""
     uv = detections.uv.copy()

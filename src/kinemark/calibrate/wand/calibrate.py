@@ -1,6 +1,7 @@
 """Cameras from a wand waved through the volume, from what they see of it alone.
 
-1. Which detection is which marker, without a rig (`identify`).
+1. Which detection is which marker, without a rig (`identify`); of gaps nearly alike from both ends, with one from the
+   ends alone (`direction`).
 2. A first rig from some poses, spread over the images, by bundle adjustment from the image sizes (`bundle`).
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
    a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.
@@ -40,6 +41,7 @@ from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
+from .direction import from_other_end, looks_alike
 from .film_delays import WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
 from .moved_camera import step_of_part, step_words
@@ -140,6 +142,10 @@ def _synchronous(
     """The rig of cameras that took their images at the same moments, from a wand with markers `along` (K) mm."""
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
+    if looks_alike(along):
+        ends, _ = _first_rig(detections, rows[..., [0, -1]], sizes, along[[0, -1]], method, lenses)
+        turned = from_other_end(ends.cameras, at_rows(detections, rows)[0], along)
+        rows = np.where(turned[:, None], rows[..., ::-1], rows)
     first = _first_rig(detections, rows, sizes, along, method, lenses)
     fit, chosen = _calibrated(detections, want, rows, sizes, *first, method, lenses is not None)
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))

@@ -44,9 +44,11 @@ def of_tracks(
     The list of the one before is empty afterwards, so that its places and the other ones are not in memory at once.
     """
     working = held.pop()
-    if not len(cloud) or (images.stated and not working.noise.added.any()):
-        return working, False  # nothing seen, or images that agree as well as they say
-    rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)
+    if not len(cloud):
+        return working, False
+    usable, believed = working.images.usable, images.stated and not working.noise.added.any()
+    usual = float(np.median(working.images.variance[usable]))
+    rig = rig_of_tracks(cloud.detection.T, working.images, working.rig, least=np.sqrt(usual) if believed else 0.0)
     if rig is working.rig:
         return working, False
     index, aside = working.images.by_cell, working.images.uv is not images.uv  # those of the rig as given are kept
@@ -55,8 +57,7 @@ def of_tracks(
     working = working._replace(images=working.images.unplaced()) if aside else working
     moved, noise = with_noise(read_images(detections, rig, images.timing, other=images), method)
     moved = moved.noisier(-excess(cloud.detection.T, moved))
-    usable = working.images.usable
-    if np.median(moved.variance[usable]) > OF_TRACKS_RATIO * np.median(working.images.variance[usable]):
+    if not believed and np.median(moved.variance[usable]) > OF_TRACKS_RATIO * usual:
         del moved
         images = working.images.placed(detections, working.rig, order, first) if aside else working.images
         return working._replace(images=images), False

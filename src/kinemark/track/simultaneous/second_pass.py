@@ -139,7 +139,7 @@ def points_between(
 def expected_between(
     points: TrackPoints, n_frames: int, T: float, method: Simultaneous, *, look: int = LOOK
 ) -> TrackPoints:
-    """Where tracks are expected in frames without a point between two of theirs, one of which is at most `look` away."""
+    """Where tracks are expected in frames without a point between two of theirs, one of them at most `look` away."""
     known = KnownPoints.of(points, np.ones(len(points.id), bool), points.take(np.zeros(0, np.int64)))
     gaps = _in_question(known, n_frames, T, method)
     gaps = gaps.take((gaps.before >= 0) & (gaps.after >= 0))

@@ -10,7 +10,8 @@ S_i by its motion on both sides and its other images. So
     L = ln N(x; u_j, S_j + s² I) − ln N(x; u_i, S_i + s² I)                               (1)
 
 is the log-likelihood ratio of the image being j's to it being i's. Above 0 it is taken from i, if both tracks are seen
-apart (`seen_apart`). Of a point of one image nothing is left; the second pass looks whose the images are.
+apart (`seen_apart`): pieces of one marker's trajectory expect its images alike. Of a point of two images nothing is
+left then, and the second pass looks whose they are.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ... import native
-from ...data.array_types import Bools, Floats, Ints
+from ...data.array_types import Floats, Ints
+from ...native.image_index import ranges
 from .associate import candidates, predict_images
 from .detection_index import Images
 from .drifting_pairs import MOST_IMAGES
@@ -34,10 +36,14 @@ AROUND = 3
 """Frames before and after, a number; chosen: of 35 scenes of four and six cameras (of seeds 30000 to 31029 of
 benchmarks/tracking_scenes.py) it tells 8 of 55 ghosts in tracks of markers, and one image of a marker."""
 
+APART = 6.0
+"""px, by which tracks are apart in some camera, of `SeenApart`; chosen: of the 35 scenes 9 images are claimed by tracks
+that are not, of which 8 are rightly where they are; of the 34 that others claim one is."""
+
 
 class _Claims(NamedTuple):
-    """N images (N) of points of rows `holder`, by the camera, that another track claims too, and twice ln N(x; u_j, …)
-    of (1), but for a constant."""
+    """N images (N) of points of rows `holder`, by the camera, that the track `other` claims too, and twice
+    ln N(x; u_j, …) of (1), but for a constant."""
 
     holder: Ints
     camera: Ints
@@ -45,32 +51,27 @@ class _Claims(NamedTuple):
     other: Ints
     said: Floats
 
-    def take(self, which: Bools | Ints) -> _Claims:
-        """Only these."""
-        return _Claims(*(column[which] for column in self))
-
 
 def without_taken(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> Ints:
     """The detections (C, P) of points without those that are other tracks' images by (1); frames are T s apart."""
     claims = _claims(points, detection, images, T, method)
     if not len(claims.image):
         return detection
-    good = claims.said > _own(claims, points, detection, images, T, method)
-    claims = claims.take(good)
-    apart = SeenApart(points, detection, images.P, 0.0)
-    claims = claims.take(apart(points.id[claims.holder], claims.other))
+    taken = claims.said > _own(claims, points, detection, images, T, method)
+    taken &= SeenApart(points, detection, images.P, APART)(points.id[claims.holder], claims.other)
     out = detection.copy()
-    out[claims.camera, claims.holder] = -1
+    out[claims.camera[taken], claims.holder[taken]] = -1
     return out
 
 
 def _claims(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> _Claims:
     """What tracks claim that lack an image between others of the same camera; of several on an image the likeliest."""
-    unseen = expected_between(points, images.n_frames, T, method, look=AROUND)
-    every, C = points.plus(unseen), len(images.P)
-    lacking = _lacking(points, detection, every)
-    which = np.flatnonzero(lacking.any(0))
-    every, lacking = every.take(which), lacking[:, which]
+    every = points.plus(expected_between(points, images.n_frames, T, method, look=AROUND))
+    c, id, frame = _lacking(points, detection)
+    row = RowsByTrack.of(every.frame, every.id).at(id, frame)
+    which, at = np.unique(row[row >= 0], return_inverse=True)
+    every, lacking = every.take(which), np.zeros((len(detection), len(which)), bool)
+    lacking[c[row >= 0], at] = True
     holder = np.full(len(images.uv), -1)
     few = np.flatnonzero((detection >= 0).sum(0) <= MOST_IMAGES)
     for own in detection[:, few]:
@@ -81,23 +82,26 @@ def _claims(points: TrackPoints, detection: Ints, images: Images, T: float, meth
     good = np.flatnonzero(lacking[c, at] & (points.id[holder[pairs.detection]] != every.id[at]))
     said = -pairs.squared[good] - pairs.log_det[good]
     image = pairs.detection[good]
-    claims = _Claims(holder[image], c[good], image, every.id[at[good]], said)
     order = np.lexsort([-said, image])
-    return claims.take(order[np.diff(image[order], prepend=-1) > 0])
+    best = order[np.diff(image[order], prepend=-1) > 0]
+    return _Claims(holder[image[best]], c[good[best]], image[best], every.id[at[good[best]]], said[best])
 
 
-def _lacking(points: TrackPoints, detection: Ints, every: TrackPoints) -> Bools:
-    """(C, N) whether tracks in frames of `every`, the points (P) first, lack an image of a camera that they have in at
-    most AROUND frames before and after."""
-    out = np.zeros((len(detection), len(every.id)), bool)
-    for own, lacks in zip(detection, out, strict=True):
-        has = np.flatnonzero(own >= 0)
-        rows = RowsByTrack.of(points.frame[has], points.id[has])
-        steps = np.arange(1, AROUND + 1)[:, None]
-        before, after = ((rows.at(every.id, every.frame + way * steps) >= 0).any(0) for way in (-1, 1))
-        lacks[:] = before & after
-        lacks[has] = False
-    return out
+def _lacking(points: TrackPoints, detection: Ints) -> tuple[Ints, Ints, Ints]:
+    """Cameras, tracks and frames (n): those in which tracks lack an image of a camera that they have in at most AROUND
+    frames before and after."""
+    order, found = np.lexsort([points.frame, points.id]), []
+    for c, own in enumerate(detection[:, order]):
+        has = order[own >= 0]
+        id, frame = points.id[has], points.frame[has]
+        step = np.diff(frame)
+        k = np.flatnonzero((np.diff(id) == 0) & (step > 1) & (step <= 2 * AROUND))
+        between = ranges(frame[k] + 1, step[k] - 1)
+        k = np.repeat(k, step[k] - 1)
+        near = (between - frame[k] <= AROUND) & (frame[k + 1] - between <= AROUND)
+        found.append(np.stack([np.full(np.count_nonzero(near), c), id[k][near], between[near]]))
+    c, id, frame = np.concatenate(found, 1)
+    return c, id, frame
 
 
 def _own(

@@ -1,7 +1,8 @@
 """Points that images of other markers make, which are given up, and those of merged images, which are solved again.
 
 Images of two markers that drift past each other tell `drifting_pairs`, those of one marker half way between two others
-`points_between`, and what merged images say of each of their markers `unmarked_merging`.
+`points_between`, images that another track lacks for a moment `taken_images`, and what merged images say of each of
+their markers `unmarked_merging`.
 """
 
 from __future__ import annotations

@@ -33,11 +33,11 @@ from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
 
 AROUND = 3
-"""Frames before and after, a number; chosen: of 35 scenes of four and six cameras (of seeds 30000 to 31029 of
-benchmarks/tracking_scenes.py) it tells 8 of 55 ghosts in tracks of markers, and one image of a marker."""
+"""Frames before and after, a number; chosen: of 60 scenes of four and six cameras (of seeds 30011 to 31028 of
+benchmarks/tracking_scenes.py) it tells 8 of 52 ghosts in tracks of markers, and one image of a marker."""
 
 APART = 6.0
-"""px, by which tracks are apart in some camera, of `SeenApart`; chosen: of the 35 scenes 9 images are claimed by tracks
+"""px, by which tracks are apart in some camera, of `SeenApart`; chosen: of the 60 scenes 9 images are claimed by tracks
 that are not, of which 8 are rightly where they are; of the 34 that others claim one is."""
 
 

@@ -34,7 +34,8 @@ from .simultaneous_method import Simultaneous
 
 AROUND = 3
 """Frames before and after, a number; chosen: of 60 scenes of four and six cameras (of seeds 30011 to 31028 of
-benchmarks/tracking_scenes.py) it tells 8 of 52 ghosts in tracks of markers, and one image of a marker."""
+benchmarks/tracking_scenes.py) it tells 8 of 52 ghosts in tracks of markers, and one image of a marker.
+No more than `max_coasting` has: of a plate at 10 Hz three frames make 26 swaps, and one at most 5."""
 
 APART = 6.0
 """px, by which tracks are apart in some camera, of `SeenApart`; chosen: of the 60 scenes 9 images are claimed by tracks
@@ -66,8 +67,9 @@ def without_taken(points: TrackPoints, detection: Ints, images: Images, T: float
 
 def _claims(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> _Claims:
     """What tracks claim that lack an image between others of the same camera; of several on an image the likeliest."""
-    every = points.plus(expected_between(points, images.n_frames, T, method, look=AROUND))
-    c, id, frame = _lacking(points, detection)
+    around = min(AROUND, round(method.max_coasting / T))
+    every = points.plus(expected_between(points, images.n_frames, T, method, look=around))
+    c, id, frame = _lacking(points, detection, around)
     row = RowsByTrack.of(every.frame, every.id).at(id, frame)
     which, at = np.unique(row[row >= 0], return_inverse=True)
     every, lacking = every.take(which), np.zeros((len(detection), len(which)), bool)
@@ -87,18 +89,18 @@ def _claims(points: TrackPoints, detection: Ints, images: Images, T: float, meth
     return _Claims(holder[image[best]], c[good[best]], image[best], every.id[at[good[best]]], said[best])
 
 
-def _lacking(points: TrackPoints, detection: Ints) -> tuple[Ints, Ints, Ints]:
-    """Cameras, tracks and frames (n): those in which tracks lack an image of a camera that they have in at most AROUND
-    frames before and after."""
+def _lacking(points: TrackPoints, detection: Ints, around: int) -> tuple[Ints, Ints, Ints]:
+    """Cameras, tracks and frames (n): those in which tracks lack an image of a camera that they have in at most
+    `around` frames before and after."""
     order, found = np.lexsort([points.frame, points.id]), []
     for c, own in enumerate(detection[:, order]):
         has = order[own >= 0]
         id, frame = points.id[has], points.frame[has]
         step = np.diff(frame)
-        k = np.flatnonzero((np.diff(id) == 0) & (step > 1) & (step <= 2 * AROUND))
+        k = np.flatnonzero((np.diff(id) == 0) & (step > 1) & (step <= 2 * around))
         between = ranges(frame[k] + 1, step[k] - 1)
         k = np.repeat(k, step[k] - 1)
-        near = (between - frame[k] <= AROUND) & (frame[k + 1] - between <= AROUND)
+        near = (between - frame[k] <= around) & (frame[k + 1] - between <= around)
         found.append(np.stack([np.full(np.count_nonzero(near), c), id[k][near], between[near]]))
     c, id, frame = np.concatenate(found, 1)
     return c, id, frame

@@ -67,8 +67,12 @@ class Derivatives(NamedTuple):
     B: Floats
 
 
-def rig_of_tracks(detection: Ints, images: Images, rig: Rig) -> Rig:
-    """The rig by (2), of points with these detections (C, S), −1 for none; the same object where it gains nothing."""
+def rig_of_tracks(detection: Ints, images: Images, rig: Rig, *, least: float = 0.0) -> Rig:
+    """The rig by (2), of points with these detections (C, S), −1 for none; the same object where it gains nothing.
+
+    Args:
+        least: px, σ of (2) up to which images agree as well as they say, and the rig stays as it was.
+    """
     own = (detection >= 0) & ~images.merged[detection]
     rows = np.flatnonzero(own.sum(0) >= FEWEST_IMAGES)
     if len(rows) < FEWEST_POINTS:
@@ -83,6 +87,8 @@ def rig_of_tracks(detection: Ints, images: Images, rig: Rig) -> Rig:
     equations = _equations(weighted, theta)
     xyz = xyz + (block_inverses(equations.V[0]) @ equations.h[0][..., None])[..., 0]  # the points alone
     weighted, before = _weighted(image_derivatives(rig, xyz, uv, depth), seen)
+    if before <= least:
+        return rig
     for _ in range(STEPS):
         delta, (epsilon,), _ = block_step(_equations(weighted, theta), 0.0)
         theta, xyz = theta + delta.reshape(theta.shape), xyz + epsilon

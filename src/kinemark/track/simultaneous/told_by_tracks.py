@@ -41,12 +41,16 @@ def of_tracks(
 ) -> tuple[Working, bool]:
     """With the rig adjusted to the points of the first pass, where the images agree better with it, which is also told.
 
+    Noise that is stated, and that no pair of cameras contradicts, is no less by another rig. There the rig is adjusted
+    where three images disagree by more than that: lines of two cameras do not tell how far one stands from the other,
+    and where all stand in a row no pair of them does.
+
     The list of the one before is empty afterwards, so that its places and the other ones are not in memory at once.
     """
     working = held.pop()
-    if not len(cloud) or (images.stated and not working.noise.added.any()):
-        return working, False  # nothing seen, or images that agree as well as they say
-    rig = rig_of_tracks(cloud.detection.T, working.images, working.rig)
+    usable, believed = working.images.usable, images.stated and not working.noise.added.any()
+    before = float(np.median(working.images.variance[usable])) if len(cloud) else 0.0
+    rig = rig_of_tracks(cloud.detection.T, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
     if rig is working.rig:
         return working, False
     index, aside = working.images.by_cell, working.images.uv is not images.uv  # those of the rig as given are kept
@@ -55,8 +59,7 @@ def of_tracks(
     working = working._replace(images=working.images.unplaced()) if aside else working
     moved, noise = with_noise(read_images(detections, rig, images.timing, other=images), method)
     moved = moved.noisier(-excess(cloud.detection.T, moved))
-    usable = working.images.usable
-    if np.median(moved.variance[usable]) > OF_TRACKS_RATIO * np.median(working.images.variance[usable]):
+    if not believed and np.median(moved.variance[usable]) > OF_TRACKS_RATIO * before:
         del moved
         images = working.images.placed(detections, working.rig, order, first) if aside else working.images
         return working._replace(images=images), False

@@ -7,7 +7,8 @@ expected in a camera, s_p and s_p′ in each axis, the common image b of markers
 
     b = (p + p′) / 2,   variance s² + (s_p² + s_p′²) / 4 + (SHARE |p − p′|)²                 (1)
 
-as in `unmarked_merging`. Often neither has a track, as only those cameras see both. Then it is told by cameras that
+as in `unmarked_merging`. Such an image is theirs, and no third marker's, be it with another stray one in the next
+camera. Often neither has a track, as only those cameras see both. Then it is told by cameras that
 have no image of the point itself, but one on either side of the places where the point is expected: at a and a′ from
 them, in one camera or in two, c and c′. Two markers at x ± d make them, if
 
@@ -22,13 +23,12 @@ and so do not if either image is of a track that has an image of its own there. 
 while. So where (2) and (3) hold in some frame of a track, in others one image by (3) is enough, with a = J_c d, that is
 too far off to be the point's (4).
 
-A point all of whose images lie by (1), or that has two images beside it by (2) and (3), or one by (4), is given up, if
-MOST of its track lies so. GATE standard deviations are allowed for.
+A point of which fewer than two images do not lie by (1), or that has two images beside it by (2) and (3), or one by
+(4), is given up, if MOST of its track lies so. GATE standard deviations are allowed for.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -71,18 +71,14 @@ def between_markers(points: TrackPoints, detection: Ints, images: Images, r: flo
 
 
 def _between_tracks(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points all of whose images lie by (1) between the same two tracks."""
-    out = np.zeros(len(points.id), bool)
-    said: Counter[tuple[int, int, int]] = Counter()
+    """(P) the points of which fewer than two images do not lie by (1) between two other tracks."""
+    common = np.zeros(len(images.uv), bool)
     for near in near_held(points, detection, images, r):
-        near = near.take(np.lexsort([near.other, near.image]))
+        near = near.take(np.argsort(near.image, kind="stable"))
         i, j = _pairs(near.image)
-        good = _middle(near.take(i), near.take(j), images)
-        i, j = i[good], j[good]
-        said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
-    number = (detection >= 0).sum(0)
-    out[[row for (row, _, _), count in said.items() if count == number[row]]] = True
-    return out
+        common[near.image[i[_middle(near.take(i), near.take(j), images)]]] = True
+    own = (detection >= 0) & ~common[detection]
+    return np.asarray(own.sum(0) < 2)
 
 
 def _pairs(group: Ints) -> tuple[Ints, Ints]:

@@ -7,11 +7,11 @@ with b,
 
     (e_a + e_b) / 2                                                                       (1)
 
-is then the residual of the middle, which is noise about what the calibration leaves, though e_a and e_b may drift
-against each other. Were m the image of one marker, that of b would be hidden in the camera of m, and its residual drift.
-So (2) of `drifting_pairs` of (1) tells: where one marker, here the middle, is CERTAIN, m is of both. What merges in one
-camera is seldom far from each other in the next: a and b are within REACH. Images b are followed from frame to frame as
-`drifting_rivals` follows rivals. Nothing is told while tracks are still found, as b may be of one of these.
+is then the residual of the middle: noise about what the calibration leaves, though e_a and e_b may drift against each
+other. Were m the image of one marker, that of b would be hidden in the camera of m, and its residual drift. So (2) of
+`drifting_pairs`, of (1), tells: where one marker, here the middle, is CERTAIN, m is of both. What merges in one camera
+is seldom far apart in the next: a and b are within REACH. Images b are followed from frame to frame as
+`drifting_rivals` follows rivals. Nothing is asked while tracks are still found, as b may be of one of these.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _of_the_middle(pieces: Pieces, detection: Ints, images: Images, usual: Usual
     out, frame = np.zeros(len(pieces.stretch)), images.frame[pieces.own]
     a = detection[images.camera[pieces.image], pieces.row]
     for cameras, one in usual.of.items():
-        some = (np.sort([images.camera[pieces.own], images.camera[a]], axis=0).T == cameras).all(1)
+        some = (np.sort(images.camera[[pieces.own, a]], axis=0) == np.array(cameras)[:, None]).all(0)
         e_a, squared = _residual(images, usual.F[cameras], pieces.own[some], a[some])
         e_b, _ = _residual(images, usual.F[cameras], pieces.own[some], pieces.image[some])
         middle, of = (e_a + e_b) / 2 - one.median, pieces.of[some]  # (1)

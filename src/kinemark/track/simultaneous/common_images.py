@@ -68,7 +68,7 @@ def _beside(detection: Ints, stretch: Ints, images: Images, r: float, gate: floa
     query, b = query[near], b[near]
     pair = np.stack([m[query], b])
     point = intersect(images, pair, images.camera[pair])
-    rivals = Rivals(row[query], *pair, point.squared.sum(0), point.xyz, point.cov)
+    rivals = Rivals(row[query], m[query], b, point.squared.sum(0), point.xyz, point.cov)
     fit = (rivals.squared < gate**2) & np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1))
     return rivals.take(fit)
 

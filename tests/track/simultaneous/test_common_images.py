@@ -66,5 +66,5 @@ def test_a_scene_in_which_markers_merge():
     """Before 241 of its points were no marker's, and 6 863 of 7 094 samples of two cameras were found."""
     made = make(scene(22078))
     count = tally(made, track_detections(made.detections, made.rig))
-    assert count.ghosts <= 120
-    assert count.two_found >= 6840
+    assert count.ghosts <= 130
+    assert count.two_found >= 6860

@@ -21,13 +21,20 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import intersect
 from .detection_index import Images
-from .drifting_pairs import CERTAIN, UsualResiduals, blocks, residual, scores, with_rest
-from .drifting_rivals import LEAST, Pieces, pieces_of, usual_of_two
+from .drifting_pairs import BLOCK, UsualResiduals, blocks, residual, scores, with_rest
+from .drifting_rivals import Pieces, pieces_of, usual_of_two
 from .rival_pairs import Rivals, stretches
 from .simultaneous_method import Simultaneous
 
 REACH = 2.5
 """Of a from b, in distances r below which images merge; chosen: see docs/theory/tracking-ghosts.md."""
+
+
+LEAST = BLOCK // 2
+"""Frames in which a and b both fit m, a number; chosen: fewer do by chance."""
+
+CERTAIN = float(np.log(100.0))
+"""One marker, in the middle, is then a hundred times likelier than two; chosen likewise."""
 
 
 def of_common_images(
@@ -51,6 +58,7 @@ def of_common_images(
     usual, stretch = usual_of_two(id, detection, images, usual), stretches(frame, id, detection, LEAST)
     pieces = pieces_of(_beside(detection, stretch, images, r, method.gate), detection, stretch, images, T, method)
     common = _of_the_middle(pieces, detection, images, usual, method.gate) < -CERTAIN
+    common &= np.bincount(pieces.of, minlength=len(common)) >= LEAST
     out[pieces.row[common[pieces.of]]] = True
     return with_rest(out, id, (detection >= 0).sum(0))
 

@@ -52,35 +52,6 @@ def test_where_no_images_merge_it_stays():
     assert not between_markers(points, held, images, 0.0).any()
 
 
-def behind_both(aside=0.0, third=False):
-    """Points of two markers 12 mm apart, which camera 0 has as one image, and one 300 mm behind them on its ray, or as
-    many mm aside, that cameras 0 and 1 have, or a third one too; with r."""
-    one, rig = dance(n=1, frames=FRAMES, seed=2), ring(CAMERAS)
-    way = np.array([3.0, 4.0, 11.0])
-    ray = one + way / 2 - rig[0].centre
-    behind = one + way / 2 + 300 * ray / np.linalg.norm(ray, axis=-1, keepdims=True) + [0, 0, aside]
-    detections, marker = observe(rig, np.concatenate([one, one + way, behind]), noise=0.05, seed=3)
-    images = read_images(detections, rig)
-    held = np.full((CAMERAS, 3, FRAMES), -1)
-    held[images.camera, marker, images.frame] = np.arange(len(marker))
-    apart = np.linalg.norm(images.uv[held[0, 0]] - images.uv[held[0, 1]], axis=-1).max()
-    held[0, :2], held[2 + third :, 2] = -1, -1
-    held = held.reshape(CAMERAS, -1)
-    point = intersect(images, held)
-    frame, id = np.tile(np.arange(FRAMES), 3), np.repeat(np.arange(3), FRAMES)
-    return TrackPoints(frame, id, point.xyz.T, point.cov.transpose(2, 0, 1)), held, images, 1.2 * apart
-
-
-def test_a_point_of_the_image_of_both_and_a_stray_one_is_given_up():
-    points, held, images, r = behind_both()
-    assert (between_markers(points, held, images, r) == (points.id == 2)).all()
-
-
-@pytest.mark.parametrize(("aside", "third"), [(30.0, False), (0.0, True)])
-def test_a_point_beside_their_image_or_that_a_third_camera_sees_stays(aside, third):
-    assert not between_markers(*behind_both(aside, third)).any()
-
-
 @pytest.mark.parametrize("seen", [0, 1])
 def test_where_either_marker_has_its_own_image_it_stays(seen):
     """One of both cameras has an image of one of the markers: there is no need of a common one."""

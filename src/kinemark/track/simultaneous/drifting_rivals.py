@@ -47,7 +47,7 @@ APART = 3.0
 apart (141065), with 5 a chance meeting that lies 40 mm beside its rivals stays (141068)."""
 
 
-class Pieces(NamedTuple):
+class _Pieces(NamedTuple):
     """K pieces, by stretch and cameras: the stretch (K), camera of its image and of the rival's (K), score (K) of
     `drifting_pairs`. Of their H frames, by piece: the piece (H), row of the stretch's point (H), its image (H) and the
     free one (H)."""
@@ -82,7 +82,7 @@ def with_rivals(
     free[detection[detection >= 0]] = False
     return_memory()
     rivals = near_rivals(frame, detection, stretch, images, free, usual.F, method.gate)
-    pieces = _scored(pieces_of(rivals, detection, stretch, images, T, method), images, usual, method.gate)
+    pieces = _scored(_pieces(rivals, detection, stretch, images, T, method), images, usual, method.gate)
     length, lost = np.bincount(stretch + 1)[1:], np.zeros(len(stretch), bool)
     for k in np.unique(pieces.stretch).tolist():
         more, seen = _more(own[k], _rivals_of(pieces, k, MIN_COVERED * length[k]))
@@ -119,7 +119,7 @@ def _own_scores(
     return out
 
 
-def pieces_of(rivals: Rivals, detection: Ints, stretch: Ints, images: Images, T: float, method: Simultaneous) -> Pieces:
+def _pieces(rivals: Rivals, detection: Ints, stretch: Ints, images: Images, T: float, method: Simultaneous) -> _Pieces:
     """The pieces by (1) of LEAST frames and more, of other markers than their stretches, without scores."""
     frame, number = images.frame[rivals.kept], stretch[rivals.row]
     kept, free = images.camera[rivals.kept], images.camera[rivals.free]
@@ -134,10 +134,10 @@ def pieces_of(rivals: Rivals, detection: Ints, stretch: Ints, images: Images, T:
     first = begins(of[some])
     one, of = some[first], np.cumsum(first) - 1
     score = np.zeros(len(one))
-    return Pieces(number[one], kept[one], free[one], score, of, rivals.row[some], rivals.kept[some], rivals.free[some])
+    return _Pieces(number[one], kept[one], free[one], score, of, rivals.row[some], rivals.kept[some], rivals.free[some])
 
 
-def _scored(pieces: Pieces, images: Images, usual: UsualResiduals, gate: float) -> Pieces:
+def _scored(pieces: _Pieces, images: Images, usual: UsualResiduals, gate: float) -> _Pieces:
     """The pieces with their scores, 0 of cameras that are not judged."""
     pair, frame = np.stack([pieces.own, pieces.image]), images.frame[pieces.own]
     return pieces._replace(score=scores_of_runs(pair, frame, pieces.of, len(pieces.score), images, usual, gate))
@@ -189,7 +189,7 @@ def _fits(rivals: Rivals, three: Ints, T: float, method: Simultaneous) -> Bools:
     return np.asarray(np.einsum("it,ijt,jt->t", bend, inverse(S), bend) < method.gate**2)
 
 
-def _rivals_of(pieces: Pieces, k: int, least: float) -> list[_Rival]:
+def _rivals_of(pieces: _Pieces, k: int, least: float) -> list[_Rival]:
     """The rivals of stretch k, of `least` frames and more: of two cameras, the best pieces that share no frame."""
     mine = np.flatnonzero((pieces.stretch == k) & (pieces.score < 0))
     mine = mine[np.lexsort([pieces.score[mine], pieces.free[mine], pieces.kept[mine]])]

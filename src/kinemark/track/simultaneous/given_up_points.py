@@ -15,7 +15,6 @@ from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import usable_points
 from ...numerics.returned_memory import return_memory
 from .candidate_points import intersect
-from .common_images import of_common_images
 from .detection_index import Images
 from .drift_beyond import drifting_beyond
 from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
@@ -70,17 +69,6 @@ def without_between(held: Held, ids: Ints, merging: Merging, images: Images) -> 
 def without_reflections(held: Held, ids: Ints, images: Images, gate: float) -> tuple[Held, Ints]:
     """The points and their tracks, without those that reflections that stand still make by chance."""
     sound = ~of_reflections(ids, held[0].detection.T, images, gate)
-    return kept_points(held, sound), ids[sound]
-
-
-def without_common(
-    held: Held, ids: Ints, images: Images, usual: UsualResiduals, r: float, method: Simultaneous
-) -> tuple[Held, Ints]:
-    """The points and their tracks, without those of which another camera shows an image to be of two markers, r px
-    apart at most."""
-    cloud = held[0]
-    sound = ~of_common_images(cloud.frame, ids, cloud.detection.T, images, usual, r, 1 / cloud.rate, method)
-    del cloud
     return kept_points(held, sound), ids[sound]
 
 

@@ -7,17 +7,9 @@ expected in a camera, s_p and s_p′ in each axis, the common image b of markers
 
     b = (p + p′) / 2,   variance s² + (s_p² + s_p′²) / 4 + (SHARE |p − p′|)²                 (1)
 
-as in `unmarked_merging`. With another image of a third marker, that of both makes a point anywhere along its ray. So
-one image is enough where fewer than two are left to the point, and it is outside of the sphere over both markers, x₁
-and x₂:
-
-    (x₁ − x) · (x₂ − x) > 0                                                                (5)
-
-Within it there may be a third marker, which is between both in every camera.
-
-Often neither has a track, as only those cameras see both. Then it is told by cameras that have no image of the point
-itself, but one on either side of the places where the point is expected: at a and a′ from them, in one camera or in
-two, c and c′. Two markers at x ± d make them, if
+as in `unmarked_merging`. Often neither has a track, as only those cameras see both. Then it is told by cameras that
+have no image of the point itself, but one on either side of the places where the point is expected: at a and a′ from
+them, in one camera or in two, c and c′. Two markers at x ± d make them, if
 
     a = J_c d,  a′ = −J_c′ d,   covariance S_c + ((s_a² + s_a′²) / 4 + (2 SHARE |a|)²) I,   |2a|, |2a′| > r      (2)
 
@@ -30,12 +22,13 @@ and so do not if either image is of a track that has an image of its own there. 
 while. So where (2) and (3) hold in some frame of a track, in others one image by (3) is enough, with a = J_c d, that is
 too far off to be the point's (4).
 
-A point whose images lie by (1), all of them or by (5), or that has two images beside it by (2) and (3), or one by (4),
-is given up, if MOST of its track lies so. GATE standard deviations are allowed for.
+A point all of whose images lie by (1), or that has two images beside it by (2) and (3), or one by (4), is given up, if
+MOST of its track lies so. GATE standard deviations are allowed for.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -78,23 +71,18 @@ def between_markers(points: TrackPoints, detection: Ints, images: Images, r: flo
 
 
 def _between_tracks(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points all of whose images lie by (1) between two other tracks, or all but one by (5)."""
-    common, astray = np.zeros((2, len(images.uv)), bool)
+    """(P) the points all of whose images lie by (1) between the same two tracks."""
+    out = np.zeros(len(points.id), bool)
+    said: Counter[tuple[int, int, int]] = Counter()
     for near in near_held(points, detection, images, r):
-        near = near.take(np.argsort(near.image, kind="stable"))
+        near = near.take(np.lexsort([near.other, near.image]))
         i, j = _pairs(near.image)
         good = _middle(near.take(i), near.take(j), images)
         i, j = i[good], j[good]
-        common[near.image[i]] = True
-        astray[near.image[i[_outside(points.xyz, near.holder[i], near.other[i], near.other[j])]]] = True
-    common_ones, astray_ones = ((detection >= 0) & image[detection] for image in (common, astray))
+        said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
     number = (detection >= 0).sum(0)
-    return np.asarray((common_ones.sum(0) == number) | (astray_ones.sum(0) > np.maximum(number - 2, 0)))
-
-
-def _outside(xyz: Floats, row: Ints, one: Ints, other: Ints) -> Bools:
-    """(n) whether points, rows of xyz (P, 3) mm, are (5) of one and another."""
-    return np.asarray(((xyz[one] - xyz[row]) * (xyz[other] - xyz[row])).sum(1) > 0)
+    out[[row for (row, _, _), count in said.items() if count == number[row]]] = True
+    return out
 
 
 def _pairs(group: Ints) -> tuple[Ints, Ints]:

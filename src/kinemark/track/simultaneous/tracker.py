@@ -42,7 +42,7 @@ from .companions import joined_pieces
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import with_merging, without_common, without_drifting, without_reflections
+from .given_up_points import with_merging, without_drifting, without_reflections
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
@@ -231,7 +231,6 @@ def _passes_over(
     held, ids, merging, solver = with_merging(held, ids, unmarked, method)
     images = solver.working.images
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
-    held, ids = without_common(held, ids, images, usual, merging.resolution, method)
     held, ids = without_reflections(held, ids, images, method.gate)
     held, ids, became = with_rigid_pass(held, ids, images, solver, method)
     return held.pop(), ids, became, merging

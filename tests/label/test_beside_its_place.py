@@ -40,6 +40,13 @@ def test_a_ghost_beside_its_place_has_no_sure_name(template, name):
     assert set(found.state[:-1]) == {"sure"}
 
 
+@pytest.mark.parametrize(("name", "beside_mm"), [("LTHI", 25.0), ("LTIB", 15.0), ("LANK", 15.0), ("LHEE", 15.0)])
+def test_a_ghost_that_lies_where_its_marker_is_at_other_times_has_no_sure_name(template, name, beside_mm):
+    found = label(tracks(beside_mm, name=name), template)
+    assert (found.names[-1], found.state[-1]) == (name, "unsure")
+    assert set(found.state[:-1]) == {"sure"}
+
+
 def test_a_piece_at_its_place_is_sure(template):
     found = label(tracks(0.0), template)
     assert (found.names[-1], found.state[-1]) == ("LTHI", "sure")

@@ -20,7 +20,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Floats, Ints
 from .body_places import LEAST_MM, QUANTILES, Figure, turned
@@ -62,19 +61,25 @@ def _of_figure(figure: Figure, xyz: Floats, frame: Ints, rate: float) -> Places:
     known = np.flatnonzero(np.isfinite(own[:, 0]))
     at = np.searchsorted(known, frame)
     sides = np.stack([np.r_[-1, known][at], np.r_[known, -1][at]])
-    place, cov = carried(figure, own, y, frame, sides, np.arange(len(own)), changes(figure, own, y, rate))
+    place, cov = carried(figure, own, y, frame, sides, np.arange(float(len(own))), changes(figure, own, y, rate))
     ok = np.isfinite(place).all(1)
     return Places(np.full(int(ok.sum()), figure.marker), frame[ok], place[ok], cov[ok])
 
 
 def carried(
-    figure: Figure, own: Floats, y: Floats, frame: Ints, sides: Ints, time: NDArray[np.generic], v: tuple[Floats, Floats]
+    figure: Figure,
+    own: Floats,
+    y: Floats,
+    frame: Ints,
+    sides: Ints,
+    time: Floats,
+    v: tuple[Floats, Floats],
 ) -> tuple[Floats, Floats]:
     """(N, 3) places by (2), NaN where the neighbours do not tell them, and their covariances (N, 3, 3).
 
     Args:
         own, y: (F, 3) of the marker and (n, F, 3) of its neighbours, mm, NaN where not seen. frame: (N) which frames.
-        sides: (2, N) frames from which offsets are carried, −1 for none. time: (F) of frames, in the unit of v.
+        sides: (S, N) frames from which offsets are carried, −1 for none. time: (F) of frames, in the unit of v.
         v: see `changes`.
     """
     there = np.isfinite(y[:, frame, 0])
@@ -95,7 +100,11 @@ def carried(
 
 
 def changes(figure: Figure, own: Floats, y: Floats, rate: float) -> tuple[Floats, Floats]:
-    """τ in frames and v(τ) mm² by (1) of a marker (F, 3) by its neighbours (n, F, 3), mm, at the rate Hz: no less than the τ before; beyond the last it is 2 s²."""
+    """τ in frames and v(τ) mm² by (1), no less than the τ before; beyond the last it is 2 s².
+
+    Args:
+        own, y: (F, 3) of the marker and (n, F, 3) of its neighbours, mm, NaN where not seen. rate: Hz.
+    """
     b, _, R = turned(figure, y)
     r = np.einsum("fi,fji->fj", own - b, R)
     lags, found = [0.0], [LEAST_MM**2]

@@ -56,20 +56,20 @@ def _squares(
 ) -> Floats:
     """(P) of (1) of pieces (P, K, 3) mm, the least of both ends, each by one side `alone` or by both; 0 by none."""
     own, seen = xyz[figure.marker], np.isfinite(pieces[..., 0])
-    first, last = seen.argmax(1), seen.shape[1] - 1 - seen[:, ::-1].argmax(1)
-    least = np.full(len(pieces), np.inf)
-    for end, way in ((first, 0), (last, 1)):
-        sides = _sides(np.isfinite(own[:, 0]), seen, end)
-        if alone:
-            sides[1 - way] = -1
-        place, cov = carried(figure, own, xyz[figure.near], end, sides, time, change)
-        square = distance(pieces[np.arange(len(pieces)), end], place, cov)
-        least = np.where((sides >= 0).any(0) & np.isfinite(square), np.minimum(least, square), least)
+    P, piece = len(pieces), np.tile(np.arange(len(pieces)), 2)
+    end = np.r_[seen.argmax(1), seen.shape[1] - 1 - seen[:, ::-1].argmax(1)]
+    sides = _sides(np.isfinite(own[:, 0]), seen[piece], end)
+    if alone:
+        sides = np.r_[sides[0, :P], sides[1, P:]][None]
+    place, cov = carried(figure, own, xyz[figure.near], end, sides, time, change)
+    square = distance(pieces[piece, end], place, cov)
+    told = (sides >= 0).any(0) & np.isfinite(square)
+    least = np.where(told, square, np.inf).reshape(2, P).min(0)
     return np.where(np.isfinite(least), least, 0.0)
 
 
 def _sides(known: Bools, seen: Bools, end: Ints) -> Ints:
-    """(2, P) the nearest rows before and after `end` (P) in which other pieces than these (P, K) are known (K)."""
+    """(2, P) the nearest rows before and after `end` (P) in which others than these pieces (P, K) are known (K)."""
     row = np.arange(len(known))
     others = known & ~seen
     before = np.where(others & (row < end[:, None]), row, -1).max(1)

@@ -22,13 +22,13 @@ def template():
     return learn_template(walk(1))
 
 
-def tracks(beside_mm, by_m=0.0, name="LTHI"):
+def tracks(beside_mm, by_m=0.0, name="LTHI", apart=3):
     """A walk, so many metres off; one marker has a gap, in which a ghost, the last, goes with it so many mm beside."""
     trial, (first, stop) = walk(2), GAP
     own, frames = trial[name].xyz, np.arange(trial.n_frames)
     parts = [(path.xyz, frames >= 0) for path in trial if path.name != name]
     parts += [(own, frames < first), (own, frames >= stop)]
-    parts += [(own + beside_mm * np.array([0.0, 0.8, 0.6]), (frames >= first + 3) & (frames < stop - 3))]
+    parts += [(own + beside_mm * np.array([0.0, 0.8, 0.6]), (frames >= first + apart) & (frames < stop - apart))]
     paths = (np.where(seen[:, None], xyz + 1000.0 * by_m, np.nan) for xyz, seen in parts)
     return Trajectories(tuple(MarkerTrajectory.measured(f"*{k}", xyz) for k, xyz in enumerate(paths)), trial.rate)
 
@@ -36,6 +36,13 @@ def tracks(beside_mm, by_m=0.0, name="LTHI"):
 @pytest.mark.parametrize("name", ["LTHI", "LTIB"])
 def test_a_ghost_beside_its_place_has_no_sure_name(template, name):
     found = label(tracks(40.0, name=name), template)
+    assert (found.names[-1], found.state[-1]) == (name, "unsure")
+    assert set(found.state[:-1]) == {"sure"}
+
+
+@pytest.mark.parametrize(("name", "beside_mm"), [("LTHI", 25.0), ("LTIB", 15.0), ("LANK", 15.0), ("LHEE", 15.0)])
+def test_a_ghost_that_lies_where_its_marker_is_at_other_times_has_no_sure_name(template, name, beside_mm):
+    found = label(tracks(beside_mm, name=name, apart=8), template)
     assert (found.names[-1], found.state[-1]) == (name, "unsure")
     assert set(found.state[:-1]) == {"sure"}
 

@@ -59,33 +59,52 @@ def _of_figure(figure: Figure, xyz: Floats, frame: Ints, rate: float) -> Places:
     """The same of one marker."""
     own, y = xyz[figure.marker], xyz[figure.near]
     known = np.flatnonzero(np.isfinite(own[:, 0]))
-    seen = np.isfinite(y[..., 0])
-    v = _changes(figure, own, y, rate)
-    s2 = figure.spread**2
     at = np.searchsorted(known, frame)
-    inside = at > 0, at < len(known)
-    sides = [known[np.clip(k, 0, len(known) - 1)] for k in (at - 1, at)]
-    there = seen[:, frame]
-    for side, has in zip(sides, inside, strict=True):
-        both = there & seen[:, side]
-        there = np.where(has & (both.sum(0) >= 3), both, there)
-    place, G, R = turned(figure, np.where(there[..., None], y[:, frame], np.nan))
-    r, precision = np.zeros((len(frame), 3)), np.full(len(frame), 1 / s2)
-    for side, has in zip(sides, inside, strict=True):
-        b, _, turn = turned(figure, np.where(there[..., None], y[:, side], np.nan))
-        offset = np.einsum("fi,fji->fj", own[side] - b, turn)
-        good = has & np.isfinite(offset).all(1)
-        weight = np.where(good, 1 / np.interp(np.abs(frame - side), *v), 0.0)
-        r += np.where(good[:, None], offset, 0.0) * weight[:, None]
-        precision += weight
-    place = place + np.einsum("fj,fji->fi", r / precision[:, None], R)
-    cov = G * (1 / precision)[:, None, None]
+    sides = np.stack([np.r_[-1, known][at], np.r_[known, -1][at]])
+    place, cov = carried(figure, own, y, frame, sides, np.arange(float(len(own))), changes(figure, own, y, rate))
     ok = np.isfinite(place).all(1)
     return Places(np.full(int(ok.sum()), figure.marker), frame[ok], place[ok], cov[ok])
 
 
-def _changes(figure: Figure, own: Floats, y: Floats, rate: float) -> tuple[Floats, Floats]:
-    """τ in frames and v(τ) mm² by (1), no less than the τ before; beyond the last it is 2 s²."""
+def carried(
+    figure: Figure,
+    own: Floats,
+    y: Floats,
+    frame: Ints,
+    sides: Ints,
+    time: Floats,
+    v: tuple[Floats, Floats],
+) -> tuple[Floats, Floats]:
+    """(N, 3) places by (2), NaN where the neighbours do not tell them, and their covariances (N, 3, 3).
+
+    Args:
+        own, y: (F, 3) of the marker and (n, F, 3) of its neighbours, mm, NaN where not seen. frame: (N) which frames.
+        sides: (S, N) frames from which offsets are carried, −1 for none. time: (F) of frames, in the unit of v.
+        v: see `changes`.
+    """
+    there = np.isfinite(y[:, frame, 0])
+    for side in sides:
+        both = there & np.isfinite(y[:, side, 0])
+        there = np.where((side >= 0) & (both.sum(0) >= 3), both, there)
+    place, G, R = turned(figure, np.where(there[..., None], y[:, frame], np.nan))
+    r, precision = np.zeros((len(frame), 3)), np.full(len(frame), 1 / figure.spread**2)
+    for side in sides:
+        b, _, turn = turned(figure, np.where(there[..., None], y[:, side], np.nan))
+        offset = np.einsum("fi,fji->fj", own[side] - b, turn)
+        good = (side >= 0) & np.isfinite(offset).all(1)
+        weight = np.where(good, 1 / np.interp(np.abs(time[frame] - time[side]), *v), 0.0)
+        r += np.where(good[:, None], offset, 0.0) * weight[:, None]
+        precision += weight
+    place = place + np.einsum("fj,fji->fi", r / precision[:, None], R)
+    return place, G * (1 / precision)[:, None, None]
+
+
+def changes(figure: Figure, own: Floats, y: Floats, rate: float) -> tuple[Floats, Floats]:
+    """τ in frames and v(τ) mm² by (1), no less than the τ before; beyond the last it is 2 s².
+
+    Args:
+        own, y: (F, 3) of the marker and (n, F, 3) of its neighbours, mm, NaN where not seen. rate: Hz.
+    """
     b, _, R = turned(figure, y)
     r = np.einsum("fi,fji->fj", own - b, R)
     lags, found = [0.0], [LEAST_MM**2]

@@ -77,8 +77,8 @@ def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFi
     """One; `again`: the same, and the samples in doubt, without these."""
     gap, beside, doubt = one.gap, known.suspicious.get(one.gap, ()), known.in_doubt(one.gap)
     if again:
-        xyz, least = known.motion.xyz[gap.marker], known.method.least_error
-        if off := contradicted_mm(xyz, again, doubt, least, stand_out=bool(beside)):
+        least, stand_out = known.method.least_error, bool(beside)
+        if off := contradicted_mm(known.motion, known.trimmed, again, doubt, least, stand_out=stand_out):
             one, beside = cut(again, gap, off), doubt
         elif beside:
             one = doubted(one, cut(again, gap))

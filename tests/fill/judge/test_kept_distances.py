@@ -66,6 +66,40 @@ def test_a_marker_that_goes_its_own_way_hardly_moves_another():
     assert np.abs(one.prediction.xyz - fills[0].prediction.xyz).max() < 0.05
 
 
+def test_a_fill_does_not_step_where_a_marker_of_its_body_is_lost_or_comes_back():
+    """Its place is known the better the nearer its gap's edge: as a seen one's its distance says nothing there."""
+    motion = moving(300, noise=0.1)
+    for seed in range(4):
+        hidden, fills = lost(motion, TOGETHER, wrong=1.0, seed=seed)
+        fills = [one._replace(cov=one.cov * growing(one.gap.length)[:, None, None]) for one in fills]
+        (moved, *_) = with_kept_distances(hidden, fills)
+        by = moved.prediction.xyz - fills[0].prediction.xyz
+        steps = np.linalg.norm(np.diff(by, axis=0), axis=1)
+        assert np.linalg.norm(by, axis=1).max() > 0.5 and steps.max() < 0.3 * np.linalg.norm(by, axis=1).max()
+
+
+def growing(length):
+    """What a variance is of the greatest, over a gap."""
+    u = (np.arange(length) + 1) / (length + 1)
+    return (4 * u * (1 - u)) ** 2
+
+
+def test_exact_fills_stay_where_they_are_though_their_distance_is_another_in_the_gap():
+    motion = moving(300)
+    motion.xyz[1, 110:160] += 0.05
+    hidden, fills = lost(motion, TOGETHER, wrong=0.0)
+    fills = [one._replace(cov=1e-8 * one.cov) for one in fills]
+    assert max(np.max(each) for each in off(motion, with_kept_distances(hidden, fills))) < 5e-4
+
+
+def test_a_distance_seen_in_a_small_part_of_the_trial_moves_nothing():
+    """As of markers of two segments seen together only at rest."""
+    motion = moving(300, noise=0.1)
+    motion.xyz[1, 60:] += np.minimum(np.arange(240), 100)[:, None]
+    hidden, fills = lost(motion, [TOGETHER[0], Gap(1, 60, 299)], wrong=0.0)
+    assert max(np.max(each) for each in off(motion, with_kept_distances(hidden, fills))) < 1e-9
+
+
 def test_fill_keeps_the_distances_of_markers_lost_together(monkeypatch):
     motion = moving(300, soft=6.0, noise=0.3)
     hidden = trial(motion.hidden(TOGETHER))

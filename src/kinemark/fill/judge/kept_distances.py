@@ -5,13 +5,14 @@ between them come out wrong, though the trial tells these well. With x̂_a and P
 its covariance, d_ab and s_ab mean and standard deviation of the distance of two markers where both are seen, the
 places in that frame are those of the least
 
-    Σ (x_a − x̂_a)ᵀ P_a⁻¹ (x_a − x̂_a) + Σ h_ab ( (|x_a − x_b| − d_ab) / (K s_ab) )²                         (1)
+    Σ (x_a − x̂_a)ᵀ P_a⁻¹ (x_a − x̂_a) + Σ w_ab (|x_a − x_b| − d_ab)²                                       (1)
 
-    h_ab = 4 p_a p_b / (p_a + p_b)²,     p = tr P                                                           (2)
+    1 / w_ab = (K s_ab)² + (p_a + p_b) (p_a − p_b)² / (4 p_a p_b),     p = tr P / 3                         (2)
 
 over the gap's marker and the MOST others missing there that keep their distance from it best. Found by Gauss–Newton.
 Distances from markers that are seen are not used: methods have learnt from these, and more (they made fills worse). By
-(2) a distance fades in as the other marker gets lost: a fill does not step where another's gap begins or ends.
+the second part of (2), 0 where both are known equally well, a distance fades in as the other marker gets lost: a fill
+does not step where another's gap begins or ends.
 No hold-out gap hides all of them to be filled together, so expected errors and covariances stay what they were.
 """
 
@@ -55,7 +56,7 @@ class _Company:
     Attributes:
         xyz: (L, n, 3) mm; any where there is none.
         inverse: (L, n, 3, 3) P⁻¹; 1 where there is none.
-        p: (L, n) mm², tr P; 0 where there is none.
+        p: (L, n) mm², tr P / 3; 0 where there is none.
         markers: rows of the trial.
     """
 
@@ -95,16 +96,17 @@ def _moved(one: ChosenFill, others: list[ChosenFill], distances: Distances) -> C
     for b, a in combinations(range(len(others) + 1), 2):
         d, s, _ = (each[company.markers[b]] for each in distances(company.markers[a]))
         if company.markers[a] != company.markers[b] and np.isfinite(s):
-            pairs.append((a, b, float(d), _alike(company.p[:, a], company.p[:, b]) / (K * s) ** 2))
+            pairs.append((a, b, float(d), _weight(company.p[:, a], company.p[:, b], s)))
     xyz = company.xyz
     for _ in range(STEPS):
         xyz = xyz + _step(company, xyz, pairs)
     return one._replace(prediction=one.prediction._replace(xyz=xyz[:, 0]))
 
 
-def _alike(p: Floats, q: Floats) -> Floats:
-    """(2): 1 where two places are known equally well, 0 where one is known, or there is none."""
-    return np.asarray(4 * p * q / np.maximum(p + q, SHARPEST**2) ** 2)
+def _weight(p: Floats, q: Floats, s: float) -> Floats:
+    """(2), 1 / mm²; 0 where one of the two has no fill."""
+    both = p * q
+    return np.asarray(both / np.maximum(both * (K * s) ** 2 + (p + q) * (p - q) ** 2 / 4, SHARPEST**6))
 
 
 def _company(one: ChosenFill, others: Sequence[ChosenFill]) -> _Company:
@@ -116,7 +118,7 @@ def _company(one: ChosenFill, others: Sequence[ChosenFill]) -> _Company:
         ours, theirs = (slice(start - g.start, stop - g.start) for g in (gap, fill.gap))
         P = fill.cov[theirs] + SHARPEST**2 * np.eye(3)
         xyz[ours, k], inverse[ours, k] = fill.prediction.xyz[theirs], np.linalg.inv(P)
-        p[ours, k] = np.trace(P, axis1=1, axis2=2)
+        p[ours, k] = np.trace(P, axis1=1, axis2=2) / 3
     return _Company(xyz, inverse, p, [one.gap.marker, *(other.gap.marker for other in others)])
 
 

@@ -43,8 +43,8 @@ LEAST = 0.01
 SHARPEST = 0.001
 """mm, added to the standard deviation of a place, as P has to be invertible; chosen: well below LEAST."""
 OFTEN = 0.5
-"""Of the frames of a marker, in which it is seen with another at least for their distance to be used, as by `Ranks`;
-chosen: together in a few frames, at rest say, any two keep it."""
+"""Of the frames of the marker that is seen more, in which both are seen at least for their distance to be used; chosen:
+together in a few frames, at rest say, any two keep it."""
 STEPS = 3
 """Gauss–Newton steps; chosen: the next one moves places by less than noise."""
 
@@ -85,7 +85,8 @@ def with_kept_distances(motion: MarkerArray, fills: Sequence[ChosenFill]) -> lis
 def _distances(thin: Floats, marker: int) -> MarkerDistances:
     """d and s of (1) from one marker to all; s infinite where the two are seldom seen together."""
     found = distances_from(thin, marker)
-    often = found.frames >= max(FEWEST, OFTEN * found.frames[marker])
+    seen = np.count_nonzero(~np.isnan(thin[..., 0]), axis=1)
+    often = found.frames >= np.maximum(FEWEST, OFTEN * np.maximum(seen, seen[marker]))
     sd = np.where(often, np.maximum(found.spread, LEAST), np.inf)
     return MarkerDistances(found.mean, sd, found.frames)
 

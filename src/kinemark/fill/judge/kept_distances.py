@@ -1,9 +1,9 @@
 """Markers that are lost together keep their distances: fills of one body moved by what they say of each other.
 
 Each gap is filled for itself. Where markers of one segment are missing at once their fills err apart, and the distances
-between them come out wrong, though the trial tells these well. With x̂_a and P_a the fill of marker a in a frame and
-its covariance, d_ab and s_ab mean and standard deviation of the distance of two markers where both are seen, the
-places in that frame are those of the least
+between them come out wrong, though the trial tells these well. With x̂_a the fill of marker a in a frame, P_a its
+covariance, scaled such that it states the expected error of the gap, d_ab and s_ab mean and standard deviation of the
+distance of two markers where both are seen, the places in that frame are those of the least
 
     Σ (x_a − x̂_a)ᵀ P_a⁻¹ (x_a − x̂_a) + Σ w_ab (|x_a − x_b| − d_ab)²                                       (1)
 
@@ -12,7 +12,8 @@ places in that frame are those of the least
 over the gap's marker and the MOST others missing there that keep their distance from it best. Found by Gauss–Newton.
 Distances from markers that are seen are not used: methods have learnt from these, and more (they made fills worse). By
 the second part of (2), 0 where both are known equally well, a distance fades in as the other marker gets lost: a fill
-does not step where another's gap begins or ends.
+does not step where another's gap begins or ends. Fills of which `contradiction` (1) says that the expected error cannot
+be true have no part in it, as they look better known than they are.
 No hold-out gap hides all of them to be filled together, so expected errors and covariances stay what they were.
 """
 
@@ -31,6 +32,8 @@ from ..marker_array import MarkerArray
 from ..reference_markers import Distances, MarkerDistances
 from ..reference_ranking import FEWEST
 from .choice import ChosenFill
+from .contradiction import SD_RATIO
+from .expected_error import size
 
 K = 4.0
 """Times the standard deviation elsewhere of a distance, to which it is known in a gap; chosen: of 1 to 4 the best."""
@@ -68,7 +71,7 @@ class _Company:
 
 def with_kept_distances(motion: MarkerArray, fills: Sequence[ChosenFill]) -> list[ChosenFill]:
     """The fills moved by (1); as they are those that no other is made at once with, and those of a method by itself."""
-    usable = [fill for fill in fills if fill.found.method and len(fill.candidates) > 1 and np.isfinite(fill.cov).all()]
+    usable = [fill for fill in fills if _usable(fill)]
     marker, start, stop = np.array([fill.gap for fill in usable], np.int64).reshape(-1, 3).T
     thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // INSTANTS)]
     distances = cache(lambda marker: _distances(thin, marker))
@@ -80,6 +83,13 @@ def with_kept_distances(motion: MarkerArray, fills: Sequence[ChosenFill]) -> lis
         if others:
             moved[fill.gap] = _moved(fill, others, distances)
     return [moved.get(fill.gap, fill) for fill in fills]
+
+
+def _usable(fill: ChosenFill) -> bool:
+    """Whether it was chosen among several, and its covariance is known and does not contradict the expected error."""
+    found = fill.found
+    several = bool(found.method) and len(fill.candidates) > 1
+    return several and bool(np.isfinite(fill.cov).all()) and found.sd_mm <= SD_RATIO * found.expected_mm
 
 
 def _distances(thin: Floats, marker: int) -> MarkerDistances:
@@ -117,7 +127,7 @@ def _company(one: ChosenFill, others: Sequence[ChosenFill]) -> _Company:
     for k, fill in enumerate((one, *others)):
         start, stop = max(gap.start, fill.gap.start), min(gap.stop, fill.gap.stop)
         ours, theirs = (slice(start - g.start, stop - g.start) for g in (gap, fill.gap))
-        P = fill.cov[theirs] + SHARPEST**2 * np.eye(3)
+        P = (fill.found.expected_mm / size(fill.cov)) ** 2 * fill.cov[theirs] + SHARPEST**2 * np.eye(3)
         xyz[ours, k], inverse[ours, k] = fill.prediction.xyz[theirs], np.linalg.inv(P)
         p[ours, k] = np.trace(P, axis1=1, axis2=2) / 3
     return _Company(xyz, inverse, p, [one.gap.marker, *(other.gap.marker for other in others)])
@@ -132,9 +142,9 @@ def _step(company: _Company, xyz: Floats, pairs: Sequence[tuple[int, int, float,
     g = np.einsum("fkij,fkj->fki", company.inverse, xyz - company.xyz)
     for a, b, d, w in pairs:
         apart = xyz[:, a] - xyz[:, b]
-        size = np.maximum(np.linalg.norm(apart, axis=1), LEAST)
-        along = apart / size[:, None]
-        pull = (w * (size - d))[:, None] * along
+        far = np.maximum(np.linalg.norm(apart, axis=1), LEAST)
+        along = apart / far[:, None]
+        pull = (w * (far - d))[:, None] * along
         g[:, a] += pull
         g[:, b] -= pull
         square = w[:, None, None] * along[:, :, None] * along[:, None]

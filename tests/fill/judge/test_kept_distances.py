@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kinemark.fill import Gap, fill, judged_fill
+from kinemark.fill import Auto, Gap, fill, judged_fill
 from kinemark.fill.filled_gap import FilledGap
 from kinemark.fill.judge.choice import ChosenFill
 from kinemark.fill.judge.kept_distances import with_kept_distances
@@ -139,3 +139,14 @@ def test_fill_keeps_the_distances_of_markers_lost_together(monkeypatch):
     before = spread(fill(hidden, limit_mm=np.inf).trajectories.xyz)
     truth = spread(motion.xyz)
     assert np.abs(kept - truth).mean() < np.abs(before - truth).mean()
+
+
+def test_the_jump_that_is_told_is_that_of_the_fill_in_the_end(monkeypatch):
+    hidden = trial(moving(300, noise=0.1).hidden(TOGETHER))
+
+    def stepped(_, fills):
+        far = [one.prediction.xyz + 30.0 for one in fills]
+        return [f._replace(prediction=f.prediction._replace(xyz=xyz)) for f, xyz in zip(fills, far, strict=True)]
+
+    monkeypatch.setattr(judged_fill, "with_kept_distances", stepped)
+    assert all(gap.jump_mm > 30.0 for gap in fill(hidden, method=Auto(("body", "cubic")), limit_mm=np.inf).gaps)

@@ -70,18 +70,23 @@ def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[C
     doubtful = [one for one in fills if one.found.method and known.in_doubt(one.gap)]
     again = filled_without(known.trimmed, doubtful, fill)
     done = [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
-    return with_kept_distances(known.motion, done)
+    return [_with_jump(one, known.motion) for one in with_kept_distances(known.motion, done)]
 
 
 def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:
     """One; `again`: the same, and the samples in doubt, without these."""
     gap, beside, doubt = one.gap, known.suspicious.get(one.gap, ()), known.in_doubt(one.gap)
     if again:
-        xyz, least = known.motion.xyz[gap.marker], known.method.least_error
-        if off := contradicted_mm(xyz, again, doubt, least, stand_out=bool(beside)):
+        least, stand_out = known.method.least_error, bool(beside)
+        if off := contradicted_mm(known.motion, known.trimmed, again, doubt, least, stand_out=stand_out):
             one, beside = cut(again, gap, off), doubt
         elif beside:
             one = doubted(one, cut(again, gap))
+    return one._replace(found=replace(one.found, suspicious=beside, sides_mm=sides_mm))
+
+
+def _with_jump(one: ChosenFill, motion: MarkerArray) -> ChosenFill:
+    """The same, saying how much it jumps; nothing is said of a jump to a bad sample."""
     filled, references = one.prediction.xyz, one.prediction.references
-    jump = 0.0 if beside else largest_jump(known.motion, gap, filled, references)  # none to a bad sample
-    return one._replace(found=replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm))
+    jump = 0.0 if one.found.suspicious else largest_jump(motion, one.gap, filled, references)
+    return one._replace(found=replace(one.found, jump_mm=jump))

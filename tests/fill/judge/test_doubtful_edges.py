@@ -5,7 +5,10 @@ import pytest
 
 from kinemark.fill import Body, Gap, Linear, LocalRegression, fill, judged_fill
 from kinemark.fill.edges import GapEdges
+from kinemark.fill.fill import judged_together
+from kinemark.fill.judge.choice import ChosenFill
 from kinemark.fill.judge.contradicted_edges import ContradictedEdge
+from kinemark.fill.judge.doubtful_edges import contradicted_mm
 from support.filling import moving, trial
 from support.walked import clean, spiked, without
 
@@ -111,6 +114,21 @@ def test_good_samples_that_seem_to_be_contradicted_stay_what_the_fill_is_tied_to
     again = fill(trial(motion))
     assert again.gaps == untouched.gaps and not again.gaps[0].suspicious
     np.testing.assert_array_equal(again.trajectories.xyz, untouched.trajectories.xyz)
+
+
+@pytest.mark.parametrize("n", [1, 26])
+def test_what_no_other_marker_tells_contradicts_no_sample(n):
+    """Of more than 20 gaps `body` has hold-out errors, but is asked only about those that it fills."""
+    motion = moving(300, soft=3.0, noise=0.2)
+    gaps = [GAP, *(Gap(k % 8, 4 + 10 * k, 6 + 10 * k) for k in range(1, n) if k not in (9, 10, 11, 12))]
+    answers = judged_together(motion.hidden(gaps), gaps, (Linear(), Body()))
+    again = ChosenFill.of(motion, gaps, 0, answers)
+    again = again._replace(prediction=again.prediction._replace(xyz=again.prediction.xyz + 60.0))
+    frames, trimmed = range(GAP.start, GAP.stop), motion.hidden(gaps)
+    assert contradicted_mm(motion, trimmed, again, frames, 1.0) > 60.0
+    alone = trimmed.hidden([Gap(k, 0, 300) for k in range(8) if k != GAP.marker])
+    assert np.isfinite(again.found.candidates["body"])
+    assert contradicted_mm(motion, alone, again, frames, 1.0) == 0.0
 
 
 def test_nobody_who_wants_no_check_gets_one():

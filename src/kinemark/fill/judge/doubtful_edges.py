@@ -25,8 +25,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools
 from ..marker_array import Gap, MarkerArray
+from ..methods.stage import filler_of
 from .choice import FIRST, ChosenFill
 from .contradicted_edges import TIMES
 from .contradiction import largest_sd
@@ -50,18 +51,37 @@ def filled_without(trimmed: MarkerArray, fills: Sequence[ChosenFill], fill: Fill
 
 
 def contradicted_mm(
-    xyz: Floats, again: ChosenFill, frames: Sequence[int], least_mm: float, *, stand_out: bool = False
+    known: MarkerArray,
+    trimmed: MarkerArray,
+    again: ChosenFill,
+    frames: Sequence[int],
+    least_mm: float,
+    *,
+    stand_out: bool = False,
 ) -> float:
-    """How far a fill is off its marker's samples (F, 3) in these frames, without which it was made; 0 by (1) unless it
-    contradicts one, by more than `least_mm`, or where no other markers tell. `stand_out`: from the marker's own motion.
+    """How far a fill is off its marker's samples in these frames; 0 by (1) unless it contradicts one, by more than
+    `least_mm`, or where no other markers tell.
+
+    Args:
+        known: the trial. trimmed: without these samples, from which the fill was made. again: the fill.
+        frames: of the samples. least_mm: of (1), mm.
+        stand_out: from the marker's own motion.
     """
-    if not np.isfinite(again.found.candidates.get(FIRST, np.nan)):
-        return 0.0
     at = np.array(frames, np.int64) - again.gap.start
-    d = np.linalg.norm(xyz[again.gap.start :][at] - again.prediction.xyz[at], axis=1)
+    samples = known.xyz[again.gap.marker, again.gap.start :][at]
+    d = np.linalg.norm(samples - again.prediction.xyz[at], axis=1)
     k = RARE if stand_out else TIMES
     beyond = (d > k * np.sqrt(np.trace(again.cov[at], axis1=1, axis2=2))) & (d > least_mm)
-    return float(np.max(d, where=beyond, initial=0.0))
+    return float(d[beyond].max()) if beyond.any() and _others_tell(trimmed, again) else 0.0
+
+
+def _others_tell(trimmed: MarkerArray, again: ChosenFill) -> bool:
+    """Whether `FIRST`, which needs other markers, has a prediction here; asked, as in trials of many gaps it is not."""
+    by = again.witness()
+    if not by or not np.isfinite(again.found.candidates[FIRST]):
+        return False
+    (told,) = filler_of(by.method)(trimmed, [again.gap], method=by.method)
+    return bool(np.isfinite(told.xyz).all())
 
 
 def cut(one: ChosenFill, gap: Gap, off_mm: float = 0.0) -> ChosenFill:

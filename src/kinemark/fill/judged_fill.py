@@ -12,7 +12,6 @@ from .judge.choice import ChosenFill
 from .judge.contradicted_edges import ContradictedEdge, contradicted_edges
 from .judge.contradiction import largest_jump
 from .judge.doubtful_edges import Fill, contradicted_mm, cut, doubted, filled_without
-from .judge.kept_distances import with_kept_distances
 from .judge.two_sides import apart_on_the_body
 from .marker_array import Gap, MarkerArray, find_gaps
 
@@ -69,8 +68,7 @@ def judged(fills: Sequence[ChosenFill], known: KnownEdges, fill: Fill) -> list[C
     known = known.contradicted([one for one, mm in zip(fills, sides, strict=True) if not mm])
     doubtful = [one for one in fills if one.found.method and known.in_doubt(one.gap)]
     again = filled_without(known.trimmed, doubtful, fill)
-    done = [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
-    return [_with_jump(one, known.motion) for one in with_kept_distances(known.motion, done)]
+    return [_judged(one, known, mm, again.get(one.gap)) for one, mm in zip(fills, sides, strict=True)]
 
 
 def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFill | None) -> ChosenFill:
@@ -82,11 +80,6 @@ def _judged(one: ChosenFill, known: KnownEdges, sides_mm: float, again: ChosenFi
             one, beside = cut(again, gap, off), doubt
         elif beside:
             one = doubted(one, cut(again, gap))
-    return one._replace(found=replace(one.found, suspicious=beside, sides_mm=sides_mm))
-
-
-def _with_jump(one: ChosenFill, motion: MarkerArray) -> ChosenFill:
-    """The same, saying how much it jumps; nothing is said of a jump to a bad sample."""
     filled, references = one.prediction.xyz, one.prediction.references
-    jump = 0.0 if one.found.suspicious else largest_jump(motion, one.gap, filled, references)
-    return one._replace(found=replace(one.found, jump_mm=jump))
+    jump = 0.0 if beside else largest_jump(known.motion, gap, filled, references)  # none to a bad sample
+    return one._replace(found=replace(one.found, suspicious=beside, jump_mm=jump, sides_mm=sides_mm))

@@ -25,7 +25,7 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.array_types import Floats, Ints
 from ...numerics.evenly import evenly
-from .ends import FEWEST, SAMPLES, epipolar_costs
+from .ends import FEWEST, LEAST_SPREAD, SAMPLES, epipolar_costs
 
 WITHIN = (6, 25, 100)
 """Images that cameras are looked for apart, one after the other, and a quarter of the recording at most; chosen for
@@ -71,7 +71,7 @@ def seem_late(uv: Floats) -> bool:
     at, *beside = (np.array([_cost(uv[a], uv[b], d, QUICK) for a, b in chain]) for d in (0.0, -1.0, 1.0))
     if not np.isfinite(at).any():
         return False
-    return bool(np.nanmax(at) > UNLIKE * np.nanmin(at) or (np.fmin(*beside) < LATER * at).any())
+    return bool(np.nanmax(at) > UNLIKE * max(np.nanmin(at), LEAST_SPREAD**2) or (np.fmin(*beside) < LATER * at).any())
 
 
 def _chain(uv: Floats) -> list[tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""Laws of a wand's late cameras: what pairs of cameras tell of them, and that a small wand in noise is no other case."""
+"""Laws of a wand's late cameras: what pairs of cameras tell of them, and that a small wand in noise is calibrated."""
 
 import numpy as np
 import pytest

@@ -137,16 +137,25 @@ def calibrate_wand(
 
 
 def _synchronous(
-    detections: Detections, *, along: Floats, sizes: Ints, method: Wand, lenses: Sequence[Camera] | None
+    detections: Detections,
+    known: BundleFit | None = None,
+    *,
+    along: Floats,
+    sizes: Ints,
+    method: Wand,
+    lenses: Sequence[Camera] | None,
 ) -> WandFit:
-    """The rig of cameras that took their images at the same moments, from a wand with markers `along` (K) mm."""
+    """The rig of cameras that took their images at the same moments, from a wand with markers `along` (K) mm, and from
+    a rig that is nearly right where one is `known`."""
     want = wanted(detections)
-    rows = identify_wand(detections, want, along)
+    cameras = known.rig.cameras if known else None
+    rows = identify_wand(detections, want, along, cameras)
     if looks_alike(along):
-        ends, _ = _first_rig(detections, rows[..., [0, -1]], sizes, along[[0, -1]], method, lenses)
-        turned = from_other_end(ends.cameras, at_rows(detections, rows)[0], along)
+        if cameras is None:
+            cameras = _first_rig(detections, rows[..., [0, -1]], sizes, along[[0, -1]], method, lenses)[0].cameras
+        turned = from_other_end(cameras, at_rows(detections, rows)[0], along)
         rows = np.where(turned[:, None], rows[..., ::-1], rows)
-    first = _first_rig(detections, rows, sizes, along, method, lenses)
+    first = _rig_of(known, len(along)) if known else _first_rig(detections, rows, sizes, along, method, lenses)
     fit, chosen = _calibrated(detections, want, rows, sizes, *first, method, lenses is not None)
     fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
@@ -226,8 +235,12 @@ def _first_rig(
     uv, cov = at_rows(detections, _first_poses(detections, rows, sizes))
     names = detections.cameras
     plain = replace(method.bundle, usual_lens=False)  # else the final fit would be told of its lens what these tell
-    fit = calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses)
-    return fit.rig, places_of(fit.xyz.reshape(-1, len(along), 3))
+    return _rig_of(calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses), len(along))
+
+
+def _rig_of(fit: BundleFit, K: int) -> tuple[Rig, Floats]:
+    """The cameras, and where K markers are along the wand by them, mm."""
+    return fit.rig, places_of(fit.xyz.reshape(-1, K, 3))
 
 
 def _final_fit(

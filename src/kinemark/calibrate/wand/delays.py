@@ -11,7 +11,8 @@ and where d = d_b − d_a, a fundamental matrix fits them to those of a, either 
 
 that is left of lenses and noise; elsewhere the wand's motion comes on top. Whole d are tried, then three about the
 least, on the parabola through which S is least (3), in steps that become smaller. A pair tells something where S is
-`CLEAR` times less there than far from there. Cameras are chained by the pairs that share most frames (a
+`CLEAR` times less there than far from there, and parts of an image where S is `PARTS` times less than at the whole
+one: lenses, too, are fitted a little better at a wrong time. Cameras are chained by the pairs that share most frames (a
 spanning tree), and delays are given less their (lower) median, as most cameras are thought to be in time.
 """
 
@@ -24,7 +25,7 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.array_types import Floats, Ints
 from ...numerics.evenly import evenly
-from .ends import FEWEST, SAMPLES, epipolar_costs
+from .ends import FEWEST, LEAST_SPREAD, SAMPLES, epipolar_costs
 
 WITHIN = (6, 25, 100)
 """Images that cameras are looked for apart, one after the other, and a quarter of the recording at most; chosen for
@@ -39,6 +40,12 @@ CLEAR = 4.0
 """Of S far from the least S by that; chosen: right ones of simulated wands had more than 30, chance less than 2."""
 STEPS = (0.5, 0.25)
 """Images to both sides of the least in (3); chosen: S is a parabola as long as the wand's motion is even."""
+PARTS = 2.0
+"""Of S at the nearest whole image by the least S; chosen: with less, noise and lenses hide what is left."""
+LATER = 0.8
+"""Of S at the next image by S at this one, below which cameras seem late; chosen: chance changes S by some percent."""
+UNLIKE = 30.0
+"""Of S of two pairs of cameras, above which some seem late; chosen: noise and lenses differ by less."""
 LEAST = 0.02
 """Images; delays below are none; chosen: the wand moves some px an image, and centroids are a tenth px off."""
 
@@ -49,17 +56,35 @@ def delays_between(uv: Floats) -> Floats | None:
     Args:
         uv: NaN where not seen; markers in either order, in each image its own.
     """
-    seen = np.isfinite(uv).all((2, 3))
-    shared = np.einsum("if,jf->ij", seen, seen, dtype=np.int64)
-    pairs = sorted(combinations(range(len(uv)), 2), key=lambda pair: -shared[pair])
-    delay: dict[int, float] = {pairs[0][0]: 0.0}
-    while new := next((pair for pair in pairs if (pair[0] in delay) != (pair[1] in delay)), None):
-        old, other = new if new[0] in delay else new[::-1]
-        delay[other] = delay[old] + (pair_delay(uv[old], uv[other]) or 0.0)
+    delay: dict[int, float] = {}
+    for old, new in _chain(uv):
+        delay[new] = delay.setdefault(old, 0.0) + (pair_delay(uv[old], uv[new]) or 0.0)
     found = np.array([delay[c] for c in range(len(uv))])
     found -= np.sort(found)[(len(found) - 1) // 2]
     found[np.abs(found) < LEAST] = 0.0
     return found if found.any() else None
+
+
+def seem_late(uv: Floats) -> bool:
+    """Whether a camera of (C, F, K, 2) px fits another much worse than others do, or better by its next image."""
+    chain = _chain(uv)
+    at, *beside = (np.array([_cost(uv[a], uv[b], d, QUICK) for a, b in chain]) for d in (0.0, -1.0, 1.0))
+    if not np.isfinite(at).any():
+        return False
+    return bool(np.nanmax(at) > UNLIKE * max(np.nanmin(at), LEAST_SPREAD**2) or (np.fmin(*beside) < LATER * at).any())
+
+
+def _chain(uv: Floats) -> list[tuple[int, int]]:
+    """C − 1 pairs of cameras, of which the first is known from the pairs before, by the frames (C, F, K, 2) that most
+    share."""
+    seen = np.isfinite(uv).all((2, 3))
+    shared = np.einsum("if,jf->ij", seen, seen, dtype=np.int64)
+    pairs = sorted(combinations(range(len(uv)), 2), key=lambda pair: -shared[pair])
+    known, chain = {pairs[0][0]}, list[tuple[int, int]]()
+    while new := next((pair for pair in pairs if (pair[0] in known) != (pair[1] in known)), None):
+        chain.append(new if new[0] in known else new[::-1])
+        known |= set(new)
+    return chain
 
 
 def pair_delay(a: Floats, b: Floats) -> float | None:
@@ -67,13 +92,14 @@ def pair_delay(a: Floats, b: Floats) -> float | None:
     best = next((whole for most in WITHIN if (whole := _whole_delay(a, b, min(most, len(a) // 4))) is not None), None)
     if best is None:
         return None
+    whole, at_whole = best, _cost(a, b, best)
     for step in STEPS:
         before, at, after = (_cost(a, b, best + s) for s in (-step, 0.0, step))
         bend = before - 2 * at + after
         if not bend > 0:  # nan where the recording ends there
-            return best
+            break
         best += float(np.clip(step * (before - after) / (2 * bend), -step, step))  # (3)
-    return best
+    return best if _cost(a, b, best) * PARTS < at_whole else whole
 
 
 def _whole_delay(a: Floats, b: Floats, most: int) -> float | None:

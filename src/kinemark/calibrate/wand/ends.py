@@ -26,12 +26,15 @@ one, and so on.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations, product
 
 import numpy as np
 
-from ...data import KinemarkError
+from ...data import Camera, KinemarkError
 from ...data.array_types import Bools, Floats
+from ...geometry import undistort
+from ...geometry.epipolar import fundamental
 from ...geometry.two_view import fit_fundamental, fundamentals, sampson_distance
 from ...numerics.evenly import evenly
 
@@ -51,20 +54,24 @@ SURE = 3.0
 """Evidence below which a camera's sign is left open; chosen (see benchmarks/bundle.py)."""
 
 
-def agreed_ends(uv: Floats, lead: Floats) -> tuple[Bools, Bools]:
+def agreed_ends(uv: Floats, lead: Floats, cameras: Sequence[Camera] | None = None) -> tuple[Bools, Bools]:
     """Where the order of the markers (C, F, K, 2) px, NaN where not read, must be turned, and where that is open.
 
     Args:
         uv: the markers of each image in the order in which they were read.
         lead: (C, F) how much more likely that order is than the other, as 2 ln of odds.
+        cameras: (C), where they are known already; F of two is theirs then.
 
     Returns:
         turned (C, F) and open (C, F).
     """
     n = len(uv)
+    if cameras is not None:
+        uv = np.stack([undistort(camera, each) for camera, each in zip(cameras, uv, strict=True)])
     evidence = np.zeros((uv.shape[1], n + 1, n + 1))
     for i, j in combinations(range(n), 2):
-        evidence[:, i, j] = evidence[:, j, i] = pair_evidence(uv[i], uv[j])
+        F = None if cameras is None else fundamental(cameras[i].P, cameras[j].P)
+        evidence[:, i, j] = evidence[:, j, i] = pair_evidence(uv[i], uv[j], F)
     known = np.clip(lead.T / 2, -STRONGEST, STRONGEST)
     evidence[:, :n, n] = evidence[:, n, :n] = known
     sign, support = best_signs(evidence)
@@ -72,15 +79,16 @@ def agreed_ends(uv: Floats, lead: Floats) -> tuple[Bools, Bools]:
     return (sign < 0).T, (support[:, :n] < SURE).T
 
 
-def pair_evidence(uv1: Floats, uv2: Floats) -> Floats:
-    """(2) of two cameras that see markers (F, K, 2): (F), 0 where one of them does not or nothing is known."""
+def pair_evidence(uv1: Floats, uv2: Floats, F: Floats | None = None) -> Floats:
+    """(2) of two cameras that see markers (F, K, 2): (F), 0 where one of them does not or nothing is known; by their
+    fundamental matrix F of ideal pixels where it is known."""
     seen = np.isfinite(uv1).all((1, 2)) & np.isfinite(uv2).all((1, 2))
     evidence = np.zeros(len(uv1))
     if seen.sum() < FEWEST:
         return evidence
     a, b = uv1[seen], uv2[seen]
     try:
-        equal, opposite = epipolar_costs(a, b)
+        equal, opposite = epipolar_costs(a, b) if F is None else _costs(F, a, b)
     except KinemarkError:
         return evidence  # the cameras are in one place, or the wand was held still
     evidence[seen] = _evidence(equal, opposite, a.shape[1])

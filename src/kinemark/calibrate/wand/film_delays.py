@@ -1,14 +1,14 @@
 """A wand's film by cameras that did not take their images at the same moments: from it follow delays, then the rig.
 
-Where all cameras together are no calibration, delays are looked for by pairs of cameras (`delays`), and the detections
-are moved to common times (`signal.common_time`). Of a rig that was found, points tell what delays are left
-(`left_delays`); while these are more than chance, the rig is made again.
+Where cameras seem late, or all together are no calibration, delays are looked for by pairs of cameras (`delays`), and
+the detections are moved to common times (`signal.common_time`). Of a rig that was found, points tell what delays are
+left (`left_delays`); while these are more than chance, the rig is fitted again, from the one that was found.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ...data import Detections, KinemarkError
 from ...data.array_types import Floats, Ints
 from ...signal.common_time import at_common_time, image_flow
 from ..bundle import BundleFit
-from .delays import delays_between
+from .delays import delays_between, seem_late
 from .identify import at_rows, read_wand, wanted
 from .left_delays import left_delays
 
@@ -31,9 +31,11 @@ class WandFit(NamedTuple):
     rows: Ints
 
 
-def with_delays(
-    detections: Detections, along: Floats, calibrated: Callable[[Detections], WandFit], *, rounds: int = ROUNDS
-) -> BundleFit:
+Calibrated: TypeAlias = Callable[[Detections, BundleFit | None], WandFit]
+"""The fit of synchronous cameras, from a fit that is nearly right where there is one."""
+
+
+def with_delays(detections: Detections, along: Floats, calibrated: Calibrated, *, rounds: int = ROUNDS) -> BundleFit:
     """The fit of cameras that may be late, with their delays.
 
     Args:
@@ -43,28 +45,41 @@ def with_delays(
     Raises:
         KinemarkError: as `calibrated` of the detections as recorded, where no delays make a calibration of them.
     """
-    delay, seen = np.zeros(len(detections.cameras)), detections
-    try:
-        found = calibrated(detections)
-    except KinemarkError as error:
-        between = delays_between(at_rows(detections, read_wand(detections, wanted(detections), along)[0])[0])
-        if between is None:
-            raise
-        try:
-            delay, seen = between, _in_time(detections, between)
-            found = calibrated(seen)
-        except KinemarkError:
-            raise error from None
+    found, delay = _first_fit(detections, along, calibrated)
     for _ in range(rounds):
-        left = left_delays(found.fit, _flow(seen, found.rows))
+        left = left_delays(found.fit, _flow(_in_time(detections, delay), found.rows))
         if not left.any():
             break
         try:
-            seen = _in_time(detections, delay + left)
-            found, delay = calibrated(seen), delay + left
+            found = calibrated(_in_time(detections, delay + left), found.fit)
+            delay = delay + left
         except KinemarkError:
             break
     return found.fit._replace(delay=delay)
+
+
+def _first_fit(detections: Detections, along: Floats, calibrated: Calibrated) -> tuple[WandFit, Floats]:
+    """A fit, and the delays (C) with which it was made: those of pairs first, where cameras seem late by images."""
+    uv = at_rows(detections, read_wand(detections, wanted(detections), along)[0])[0]
+    late = seem_late(uv)
+    if late and (found := _with_pair_delays(detections, uv, calibrated)):
+        return found
+    try:
+        return calibrated(detections, None), np.zeros(len(uv))
+    except KinemarkError:
+        if late or not (found := _with_pair_delays(detections, uv, calibrated)):
+            raise
+    return found
+
+
+def _with_pair_delays(detections: Detections, uv: Floats, calibrated: Calibrated) -> tuple[WandFit, Floats] | None:
+    """The fit with the delays that pairs tell of markers uv (C, F, K, 2), and these; None where there is none."""
+    if (delay := delays_between(uv)) is None:
+        return None
+    try:
+        return calibrated(_in_time(detections, delay), None), delay
+    except KinemarkError:
+        return None
 
 
 def _in_time(detections: Detections, delay: Floats) -> Detections:
@@ -72,6 +87,8 @@ def _in_time(detections: Detections, delay: Floats) -> Detections:
 
     Those that no motion tells where they were then are left out: a calibration has enough others.
     """
+    if not delay.any():
+        return detections
     moved, row = at_common_time(detections, delay / detections.rate)
     known = np.isfinite(image_flow(detections)).all(1) | (delay == np.rint(delay))[detections.camera]
     return moved.keep(known[row])

@@ -13,12 +13,13 @@ Rows that lack a marker, or have strays that look like one, are not read. Once t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...data import Detections, KinemarkError
+from ...data import Camera, Detections, KinemarkError
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.robust import SD_PER_MEDIAN
 from .ends import FEWEST as FEWEST_SHARED
@@ -114,11 +115,12 @@ def read_wand(detections: Detections, want: Wanted, along: Floats) -> tuple[Ints
     return rows, lead
 
 
-def identify_wand(detections: Detections, want: Wanted, along: Floats) -> Ints:
-    """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen; errors as in `wand_points`."""
+def identify_wand(detections: Detections, want: Wanted, along: Floats, cameras: Sequence[Camera] | None = None) -> Ints:
+    """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen, with the cameras (C) where they are known;
+    errors as in `wand_points`."""
     rows, lead = read_wand(detections, want, along)
     if (lead[rows[..., 0] >= 0] < CERTAIN).any():
-        turned, undecided = agreed_ends(at_rows(detections, rows)[0], lead)
+        turned, undecided = agreed_ends(at_rows(detections, rows)[0], lead, cameras)
         read = rows[..., 0]
         rows = np.where(turned[..., None], rows[..., ::-1], rows)
         rows[undecided & (lead < CERTAIN)] = -1

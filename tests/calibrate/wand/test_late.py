@@ -1,0 +1,46 @@
+"""Laws of a wand's late cameras: what pairs of cameras tell of them, and that a small wand in noise is calibrated."""
+
+import numpy as np
+import pytest
+
+from kinemark.calibrate.wand import calibrate_wand
+from kinemark.calibrate.wand.delays import delays_between, seem_late
+from kinemark.calibrate.wand.identify import marker_places
+from kinemark.data import Detections
+from kinemark.synth import observe, ring, wand
+
+LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
+
+
+def waved(length, late, *, rate, frames, noise, seed):
+    """Detections and markers (C, F, K, 2) px of a wand, where cameras take their images so many late."""
+    rig = ring(len(late), distortion=LENS)
+    duration = (frames + max(late)) / rate
+    subject = wand(marker_places([length]), duration_s=duration, rate=rate, seed=seed, volume=rig.volume)
+    observed = observe(rig, subject, noise_px=noise, seed=seed)
+    shown = [observed.detections[c, f + d] for c, d in enumerate(late) for f in range(frames)]
+    counts = np.reshape([len(part) for part in shown], (len(late), frames))
+    seen = Detections.build(observed.detections.cameras, rate, counts, np.concatenate(shown))
+    true = observed.sight.uv.transpose(0, 2, 1, 3)
+    uv = np.stack([true[c, d : d + frames] for c, d in enumerate(late)])
+    return rig, seen, uv + np.random.default_rng(seed).normal(0.0, noise, uv.shape)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_pairs_take_lenses_for_no_parts_of_an_image(seed):
+    _, _, uv = waved(500.0, [0, 0, 0, 0], rate=25, frames=150, noise=0.1, seed=seed)
+    assert delays_between(uv) is None
+    assert not seem_late(uv)
+
+
+@pytest.mark.parametrize("late", [1, 3, 12])
+def test_pairs_tell_whole_images(late):
+    _, _, uv = waved(500.0, [0, 0, late, 0], rate=25, frames=150, noise=0.1, seed=1)
+    assert seem_late(uv)
+    np.testing.assert_array_equal(delays_between(uv), [0, 0, late, 0])
+
+
+def test_a_late_camera_that_sees_a_small_wand_in_noise_is_calibrated():
+    rig, seen, _ = waved(200.0, [0, 0, 9, 0], rate=60, frames=300, noise=0.8, seed=6)
+    fit = calibrate_wand(seen, lengths=[200.0], sizes=[camera.size for camera in rig])
+    np.testing.assert_allclose(fit.delay, [0, 0, 9, 0], atol=0.02)

@@ -9,13 +9,14 @@ f − s of the camera the one that shows them,
 where d is the distance from the projection of a point to the nearest detection in that image; points that are near one
 in none of these images are hidden from the camera, and left out. The shifts s_f that make
 Σ cost(f, s_f) least, from none up to the images that the camera has fewer, and never back, follow by dynamic
-programming (2). A step from frame to frame is where images were dropped, if the cost becomes less by more than chance,
-the root of the sum of the squares of what it becomes less in each frame (3). A camera that stopped early has none.
+programming (2). A step from frame to frame is where images were dropped, if each shift that stays the same costs more
+by more than chance, the root of the sum of the squares of what it costs more in each frame (3). A camera that stopped
+early, or takes its images later than the others, has none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -37,11 +38,14 @@ FEW = 100
 """Points from which something can be said; chosen."""
 
 
-def dropped_images(detections: Detections, rig: Rig, cloud: Cloud, *, method: Method) -> Iterator[Finding]:
+def dropped_images(
+    detections: Detections, timed: Detections, rig: Rig, cloud: Cloud, *, among: Set[str], method: Method
+) -> Iterator[Finding]:
     """About cameras that dropped images, one for each place, frames from 0.
 
     Args:
-        detections: as they were tracked. rig: the cameras. cloud: the points of the tracks.
+        detections: images in their frames. timed: the same rows, where they would be at the times of the frames.
+        rig: the cameras. cloud: the points of the tracks. among: names of cameras that are asked for.
         method: by which points are reconstructed.
     """
     counts = detections.keep(detections.valid).counts
@@ -49,11 +53,11 @@ def dropped_images(detections: Detections, rig: Rig, cloud: Cloud, *, method: Me
     last = [int(np.flatnonzero(own)[-1]) if own.any() else -1 for own in counts]
     for c, end in enumerate(last):
         fewer = int(seen[-1]) - end if end >= 0 else 0
-        if not 0 < fewer <= MOST:
+        if rig.names[c] not in among or not 0 < fewer <= MOST:
             continue
         matches = _of_others(cloud, c)
         if len(matches) >= FEW:
-            cost = shift_costs(detections, rig, c, reconstruct(matches, detections, rig, method=method), fewer)
+            cost = shift_costs(detections, rig, c, reconstruct(matches, timed, rig, method=method), fewer)
             cost[:, end + 1 :] = 0.0  # else a camera that stopped early would be thought to show the end
             yield from _findings(rig.names[c], least_shifts(cost), cost)
 
@@ -99,8 +103,8 @@ def _of_others(cloud: Cloud, c: int) -> Matches:
 
 def _findings(name: str, shift: Ints, cost: Floats) -> Iterator[Finding]:
     """About each step of the shifts (F), where they lower the cost (S, F) enough."""
-    gain = cost[0] - cost[shift, np.arange(len(shift))]
-    if not gain.sum() > SURE * np.linalg.norm(gain):  # (3)
+    gain = cost - cost[shift, np.arange(len(shift))]
+    if not (gain.sum(1) > SURE * np.linalg.norm(gain, axis=1)).all():  # (3)
         return
     step = np.diff(shift, prepend=0)
     for f in np.flatnonzero(step).tolist():

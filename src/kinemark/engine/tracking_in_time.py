@@ -31,7 +31,7 @@ from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_oth
 from .camera_checks.dropped_images import dropped_images
 from .camera_checks.pixel_axes import pixel_axes
 from .camera_checks.start_times import APART, in_time, with_start_times
-from .camera_checks.told_delays import found_as_told, parts_of_images
+from .camera_checks.told_delays import delays_learned, found_as_told, parts_of_images
 from .settings import Settings
 from .trial_rig import TrialRig
 
@@ -124,6 +124,9 @@ def _as_told(
     if not told_ms:
         return tracked
     again = _again(found_as_told(told_ms, detections), detections, rig, method, place)
+    learned = delays_learned(again.diagnostics)
+    if any(abs(learned.get(name, 0.0)) > abs(ms) / 2 for name, ms in told_ms.items()):
+        return tracked  # the trial takes them back
     return again if _fits_better(again, tracked, detections, {*told_ms}) else tracked
 
 
@@ -134,8 +137,7 @@ def _without_dropped(
     apart = tuple(one for one in tracked.diagnostics if one.kind in APART)
     names = {*rig.names} - {name for one in apart for name in one.cameras}
     cameras, there = tracked.cameras or TrialRig.given(rig), in_time(apart, detections)
-    points = tracked.tracks.cloud
-    found = tuple(dropped_images(there, cameras.timed(there), rig, points, among=names, method=place))
+    found = tuple(dropped_images(there, cameras.timed(there), rig, tracked.tracks.cloud, among=names))
     if not found:
         return tracked
     again = _again((*apart, *found), detections, rig, method, place)

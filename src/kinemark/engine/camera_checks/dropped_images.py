@@ -21,11 +21,10 @@ from collections.abc import Iterator, Set
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...data import Cloud, Detections, Finding, Matches, Rig, make_finding
+from ...data import Cloud, Detections, Finding, Rig, make_finding
 from ...data.array_types import Floats, Ints
-from ...data.method import Method
-from ...geometry import project
-from ...reconstruct import reconstruct
+from ...geometry import project, triangulate
+from ...geometry.camera import undistort_all
 
 MOST = 10
 """Images that are looked for; chosen: a camera that drops more is of no use, and by more markers meet others."""
@@ -39,14 +38,13 @@ FEW = 100
 
 
 def dropped_images(
-    detections: Detections, timed: Detections, rig: Rig, cloud: Cloud, *, among: Set[str], method: Method
+    detections: Detections, timed: Detections, rig: Rig, cloud: Cloud, *, among: Set[str]
 ) -> Iterator[Finding]:
     """About cameras that dropped images, one for each place, frames from 0.
 
     Args:
         detections: images in their frames. timed: the same rows, where they would be at the times of the frames.
         rig: the cameras. cloud: the points of the tracks. among: names of cameras that are asked for.
-        method: by which points are reconstructed.
     """
     counts = detections.keep(detections.valid).counts
     seen = np.flatnonzero(counts.any(0))
@@ -55,20 +53,21 @@ def dropped_images(
         fewer = int(seen[-1]) - end if end >= 0 else 0
         if rig.names[c] not in among or not 0 < fewer <= MOST:
             continue
-        matches = _of_others(cloud, c)
-        if len(matches) >= FEW:
-            cost = shift_costs(detections, rig, c, reconstruct(matches, timed, rig, method=method), fewer)
+        frame, xyz = _by_others(cloud, timed, rig, c)
+        if len(frame) >= FEW:
+            cost = shift_costs(detections, rig, c, frame, xyz, fewer)
             cost[:, end + 1 :] = 0.0  # else a camera that stopped early would be thought to show the end
             yield from _findings(rig.names[c], least_shifts(cost), cost)
 
 
-def shift_costs(detections: Detections, rig: Rig, c: int, points: Cloud, most: int) -> Floats:
-    """(most + 1, F) px², by (1), of images of camera c that stand 0 … most frames too early."""
-    uv, valid = project(rig[c], points.xyz), np.flatnonzero(detections.valid & (detections.camera == c))
+def shift_costs(detections: Detections, rig: Rig, c: int, frame: Ints, xyz: Floats, most: int) -> Floats:
+    """(most + 1, F) px², by (1), of images of camera c that stand 0 … most frames too early, by points xyz (P, 3) mm of
+    frames (P)."""
+    uv, valid = project(rig[c], xyz), np.flatnonzero(detections.valid & (detections.camera == c))
     inside = np.flatnonzero(((uv >= 0) & (uv < rig[c].size)).all(1))
     apart = 4.0 * (max(rig[c].size) + REACH)  # images lie so far from each other that none is near the next
     tree = cKDTree(np.column_stack([detections.uv[valid], detections.frame[valid] * apart]))
-    shifts, frame = np.arange(most + 1), points.frame[inside]
+    shifts, frame = np.arange(most + 1), frame[inside]
     place = [np.column_stack([uv[inside], (frame - s) * apart]) for s in shifts]
     d = np.minimum(tree.query(np.array(place), distance_upper_bound=REACH)[0], REACH)
     d[:, (d == REACH).all(0)] = 0.0  # hidden from the camera
@@ -93,12 +92,13 @@ def least_shifts(cost: Floats) -> Ints:
     return shift
 
 
-def _of_others(cloud: Cloud, c: int) -> Matches:
-    """The images of points in two and more cameras that are not c."""
+def _by_others(cloud: Cloud, timed: Detections, rig: Rig, c: int) -> tuple[Ints, Floats]:
+    """Frames (P), and where they are (P, 3) mm, of points that two and more cameras show that are not c."""
     others = cloud.detection.copy()
     others[:, c] = -1
     rows = np.flatnonzero((others >= 0).sum(1) >= 2)
-    return Matches(cloud.frame[rows], others[rows], np.zeros(len(rows)), cloud.n_frames)
+    uv = np.where((others[rows] >= 0)[..., None], timed.uv[others[rows]], np.nan)
+    return cloud.frame[rows], triangulate(undistort_all(rig, uv), rig.P)
 
 
 def _findings(name: str, shift: Ints, cost: Floats) -> Iterator[Finding]:

@@ -65,11 +65,10 @@ from .naming.naming import with_names
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
 from .store import load_figures
-from .tracking_in_time import puts_in_time
+from .tracking_in_time import Tracked, puts_in_time
 from .tracking_stage import (
     DECISIONS,
     TRACKS,
-    Tracked,
     Tracking,
     as_operated,
     from_detections,

@@ -9,9 +9,9 @@ f − s of the camera the one that shows them,
 where d is the distance from the projection of a point to the nearest detection in that image; points that are near one
 in none of these images are hidden from the camera, and left out. The shifts s_f that make
 Σ cost(f, s_f) least, from none up to the images that the camera has fewer, and never back, follow by dynamic
-programming (2). A step from frame to frame is where images were dropped, if each shift that stays the same costs more
-by more than chance, the root of the sum of the squares of what it costs more in each frame (3). A camera that stopped
-early, or takes its images later than the others, has none.
+programming (2). A step from frame to frame is where images were dropped, if the cost becomes less by more than chance,
+the root of the sum of the squares of what it becomes less in each frame (3). A camera that stopped early has none. One
+that steps in its first frames takes all its images later, and none is told of it.
 """
 
 from __future__ import annotations
@@ -103,10 +103,10 @@ def _by_others(cloud: Cloud, timed: Detections, rig: Rig, c: int) -> tuple[Ints,
 
 def _findings(name: str, shift: Ints, cost: Floats) -> Iterator[Finding]:
     """About each step of the shifts (F), where they lower the cost (S, F) enough."""
-    gain = cost - cost[shift, np.arange(len(shift))]
-    if not (gain.sum(1) > SURE * np.linalg.norm(gain, axis=1)).all():  # (3)
-        return
+    gain = cost[0] - cost[shift, np.arange(len(shift))]
     step = np.diff(shift, prepend=0)
+    if step[: round(SURE**2)].any() or not gain.sum() > SURE * np.linalg.norm(gain):  # (3)
+        return
     for f in np.flatnonzero(step).tolist():
         n, late = int(step[f]), int(shift[f])
         frames = [(max(f - n, 0), len(shift) - 1)]

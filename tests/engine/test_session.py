@@ -153,7 +153,7 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.engine.tracking_stage.track_simultaneously", fail)
+        patch.setattr("kinemark.engine.tracking_in_time.track_simultaneously", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder, "track")
     assert not list(folder.rglob("*.part*"))

@@ -6,7 +6,8 @@ import pytest
 
 from kinemark.data import make_finding
 from kinemark.engine import tracking_stage
-from kinemark.engine.tracking_stage import Tracked, from_detections
+from kinemark.engine.tracking_in_time import Tracked
+from kinemark.engine.tracking_stage import from_detections
 from kinemark.reconstruct import LeastSquares
 from kinemark.track.simultaneous import Simultaneous
 from support.captures import capture, ring, walk
@@ -18,7 +19,7 @@ def test_only_of_centroids_from_files_is_their_noise_told_as_overstated(monkeypa
     rig = ring()
     records = capture(rig, walk())
     told = make_finding("noise_overstated", stated_px=0.29, seen_px=0.07), make_finding("nothing_goes_on", rate_hz=50.0)
-    monkeypatch.setattr(tracking_stage, "_in_any_order", lambda *_: Tracked(records["tracks"], diagnostics=told))
+    monkeypatch.setattr(tracking_stage, "in_any_order", lambda *_: Tracked(records["tracks"], diagnostics=told))
     methods = {"track": Simultaneous(), "reconstruct": LeastSquares(), "match": None}
     settings = SimpleNamespace(**methods, cameras=SimpleNamespace(delays_ms={}))
     source = SimpleNamespace(of=SimpleNamespace(entry=SimpleNamespace(images=images)))

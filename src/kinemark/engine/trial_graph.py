@@ -65,15 +65,14 @@ from .naming.naming import with_names
 from .settings import Settings
 from .sources import TrialSource, beside_key, identifies, recorded_beside
 from .store import load_figures
+from .tracking_in_time import Tracked, puts_in_time
 from .tracking_stage import (
     DECISIONS,
     TRACKS,
-    Tracked,
     Tracking,
     as_operated,
     from_detections,
     from_points,
-    puts_in_time,
     reader,
     told_by_calibration,
     with_angle_model,

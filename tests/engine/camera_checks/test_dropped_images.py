@@ -1,5 +1,6 @@
 """A camera that dropped images within a recording was not touched: its later images go where they belong."""
 
+from dataclasses import replace
 from itertools import combinations_with_replacement
 from types import SimpleNamespace
 
@@ -7,11 +8,12 @@ import numpy as np
 import pytest
 
 from kinemark.data import make_finding
-from kinemark.engine.camera_checks.dropped_images import least_shifts
+from kinemark.engine.camera_checks.dropped_images import dropped_images, least_shifts
 from kinemark.engine.camera_checks.start_times import images_late, in_time
 from kinemark.engine.tracking_stage import from_detections
 from kinemark.reconstruct import LeastSquares
 from kinemark.report.words import text_of
+from kinemark.signal.common_time import moved_in_time
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -59,6 +61,27 @@ def test_images_behind_those_that_a_camera_dropped_are_put_into_their_frames(see
 def test_a_camera_that_stopped_early_dropped_none(seen):
     early = seen.keep(~((seen.camera == 1) & (seen.frame >= FRAMES - 2)))
     assert not tracked(early).diagnostics
+
+
+def of_others(detections, camera=1):
+    """Points of the tracks of all cameras but one."""
+    rows = np.flatnonzero(detections.camera != camera)
+    cloud = tracked(detections.keep(detections.camera != camera)).tracks.cloud
+    return replace(cloud, detection=np.where(cloud.detection >= 0, rows[cloud.detection], -1))
+
+
+@pytest.mark.parametrize("late", [0.5, 0.9, 1.0])
+def test_a_camera_that_is_late_all_the_time_and_stopped_early_dropped_none(seen, late):
+    """Its images fit the next frame better, or as well, from the first on."""
+    there = moved_in_time(seen, np.where(seen.camera == 1, -late / seen.rate, 0.0))
+    early = there.keep(~((there.camera == 1) & (there.frame >= FRAMES - 2)))
+    assert not [*dropped_images(early, early, RIG, of_others(early), among={*RIG.names})]
+
+
+def test_only_of_cameras_that_are_asked_for_dropped_images_are_told(seen):
+    lost = without(seen, [60])
+    told = [[*dropped_images(lost, lost, RIG, of_others(lost), among=among)] for among in ({"c1"}, {"c0", "c2"})]
+    assert [len(one) for one in told] == [1, 0]
 
 
 def test_images_go_back_to_where_they_were_taken(seen):

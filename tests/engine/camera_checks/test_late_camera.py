@@ -6,7 +6,7 @@ from itertools import cycle
 import numpy as np
 import pytest
 
-from kinemark.engine import tracking_stage
+from kinemark.engine import tracking_in_time
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.session import Session
 from kinemark.io.detections_csv import write_detections_csv
@@ -54,7 +54,7 @@ def test_a_late_camera_is_told_once(trial):
 def test_a_camera_whose_images_fit_no_better_in_other_frames_was_not_started_apart(trial, tmp_path, monkeypatch):
     """Images of a camera that was turned may look late; that fewer of them then fit is known from tracking."""
     images = cycle((1, 2))
-    monkeypatch.setattr(tracking_stage, "_confirmed", lambda _: next(images))
+    monkeypatch.setattr(tracking_in_time, "_confirmed", lambda _: next(images))
     shutil.copytree(trial.workspace.root, tmp_path / "again", ignore=shutil.ignore_patterns("results"))
     found = Session.open(tmp_path / "again").trial("one").run("quality").quality["findings"]
     kinds = {one["kind"] for one in found if "c1" in one["cameras"]}

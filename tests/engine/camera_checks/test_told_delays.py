@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import make_finding
+from kinemark.engine import tracking_in_time
 from kinemark.engine.camera_checks.told_delays import told_delays
 from kinemark.engine.tracking_stage import from_detections
 from kinemark.reconstruct import LeastSquares
@@ -82,3 +83,39 @@ def test_cameras_that_are_in_time_in_the_trial_are_not_taken_for_late(told):
 def test_delays_that_are_stated_are_not_told_again():
     assert told_delays(figures((0.0, 2.0, 1.0, 0.0)), {"c1": 40.0}) == {"c2": 20.0}
     assert told_delays({}, {}) == {}
+
+
+def scored(images, off, findings=()):
+    """Of tracks in which camera c1 has so many images, which are off by px, and `images` beyond two confirm points."""
+    return SimpleNamespace(images=images, off=np.sort(off), tracks=None, diagnostics=findings)
+
+
+@pytest.mark.parametrize(
+    ("again", "kept"),
+    [
+        (scored(156, np.full(160, 0.1)), True),  # 14 fewer of 170 are chance
+        (scored(100, np.full(160, 0.1)), False),
+        (scored(240, np.full(200, 0.5)), True),
+        (scored(170, np.r_[np.full(80, 0.1), np.full(20, 0.2)]), False),  # those that were far are lost
+    ],
+)
+def test_fewer_images_by_chance_do_not_refuse_what_lies_nearer_and_lost_ones_are_no_gain(monkeypatch, again, kept):
+    before = scored(170, np.r_[np.full(99, 0.1), np.full(101, 0.4)])
+    monkeypatch.setattr(tracking_in_time, "_confirmed", lambda tracks: next(counts))
+    monkeypatch.setattr(tracking_in_time, "_offsets", lambda tracked, *_: tracked.off)
+    counts = iter((again.images, before.images))
+    seen, _ = recorded((0.0,) * 4)
+    assert tracking_in_time._fits_better(again, before, seen, {"c1"}) == kept
+
+
+def test_told_delays_that_the_trial_takes_back_are_not_kept(monkeypatch):
+    seen, _ = recorded((0.0,) * 4)
+    learned = make_finding("camera_delay_learned", cameras=["c1"], delay_ms=-2.8, delay_se_ms=0.1, state_ms=-2.8)
+    before = scored(170, np.full(200, 0.2))
+    monkeypatch.setattr(tracking_in_time, "_again", lambda *_: scored(400, np.full(200, 0.1), (learned,)))
+    monkeypatch.setattr(tracking_in_time, "_confirmed", lambda tracks: next(counts))
+    monkeypatch.setattr(tracking_in_time, "_offsets", lambda tracked, *_: tracked.off)
+    for told_ms, kept in ((3.0, False), (20.0, True)):
+        counts = iter((400, 170))
+        got = tracking_in_time._as_told({"c1": told_ms}, seen, RIG, before, DEFAULT, LeastSquares())
+        assert (got is not before) == kept

@@ -10,21 +10,21 @@ where d is the distance from the projection of a point to the nearest detection 
 in none of these images are hidden from the camera, and left out. The shifts s_f that make
 Σ cost(f, s_f) least, from none up to the images that the camera has fewer, and never back, follow by dynamic
 programming (2). A step from frame to frame is where images were dropped, if the cost becomes less by more than chance,
-the root of the sum of the squares of what it becomes less in each frame (3). A camera that stopped early has none.
+the root of the sum of the squares of what it becomes less in each frame (3). A camera that stopped early has none. One
+that steps in its first frames takes all its images later, and none is told of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...data import Cloud, Detections, Finding, Matches, Rig, make_finding
+from ...data import Cloud, Detections, Finding, Rig, make_finding
 from ...data.array_types import Floats, Ints
-from ...data.method import Method
-from ...geometry import project
-from ...reconstruct import reconstruct
+from ...geometry import project, triangulate
+from ...geometry.camera import undistort_all
 
 MOST = 10
 """Images that are looked for; chosen: a camera that drops more is of no use, and by more markers meet others."""
@@ -37,34 +37,37 @@ FEW = 100
 """Points from which something can be said; chosen."""
 
 
-def dropped_images(detections: Detections, rig: Rig, cloud: Cloud, *, method: Method) -> Iterator[Finding]:
+def dropped_images(
+    detections: Detections, timed: Detections, rig: Rig, cloud: Cloud, *, among: Set[str]
+) -> Iterator[Finding]:
     """About cameras that dropped images, one for each place, frames from 0.
 
     Args:
-        detections: as they were tracked. rig: the cameras. cloud: the points of the tracks.
-        method: by which points are reconstructed.
+        detections: images in their frames. timed: the same rows, where they would be at the times of the frames.
+        rig: the cameras. cloud: the points of the tracks. among: names of cameras that are asked for.
     """
     counts = detections.keep(detections.valid).counts
     seen = np.flatnonzero(counts.any(0))
     last = [int(np.flatnonzero(own)[-1]) if own.any() else -1 for own in counts]
     for c, end in enumerate(last):
         fewer = int(seen[-1]) - end if end >= 0 else 0
-        if not 0 < fewer <= MOST:
+        if rig.names[c] not in among or not 0 < fewer <= MOST:
             continue
-        matches = _of_others(cloud, c)
-        if len(matches) >= FEW:
-            cost = shift_costs(detections, rig, c, reconstruct(matches, detections, rig, method=method), fewer)
+        frame, xyz = _by_others(cloud, timed, rig, c)
+        if len(frame) >= FEW:
+            cost = shift_costs(detections, rig, c, frame, xyz, fewer)
             cost[:, end + 1 :] = 0.0  # else a camera that stopped early would be thought to show the end
             yield from _findings(rig.names[c], least_shifts(cost), cost)
 
 
-def shift_costs(detections: Detections, rig: Rig, c: int, points: Cloud, most: int) -> Floats:
-    """(most + 1, F) px², by (1), of images of camera c that stand 0 … most frames too early."""
-    uv, valid = project(rig[c], points.xyz), np.flatnonzero(detections.valid & (detections.camera == c))
+def shift_costs(detections: Detections, rig: Rig, c: int, frame: Ints, xyz: Floats, most: int) -> Floats:
+    """(most + 1, F) px², by (1), of images of camera c that stand 0 … most frames too early, by points xyz (P, 3) mm of
+    frames (P)."""
+    uv, valid = project(rig[c], xyz), np.flatnonzero(detections.valid & (detections.camera == c))
     inside = np.flatnonzero(((uv >= 0) & (uv < rig[c].size)).all(1))
     apart = 4.0 * (max(rig[c].size) + REACH)  # images lie so far from each other that none is near the next
     tree = cKDTree(np.column_stack([detections.uv[valid], detections.frame[valid] * apart]))
-    shifts, frame = np.arange(most + 1), points.frame[inside]
+    shifts, frame = np.arange(most + 1), frame[inside]
     place = [np.column_stack([uv[inside], (frame - s) * apart]) for s in shifts]
     d = np.minimum(tree.query(np.array(place), distance_upper_bound=REACH)[0], REACH)
     d[:, (d == REACH).all(0)] = 0.0  # hidden from the camera
@@ -89,20 +92,21 @@ def least_shifts(cost: Floats) -> Ints:
     return shift
 
 
-def _of_others(cloud: Cloud, c: int) -> Matches:
-    """The images of points in two and more cameras that are not c."""
+def _by_others(cloud: Cloud, timed: Detections, rig: Rig, c: int) -> tuple[Ints, Floats]:
+    """Frames (P), and where they are (P, 3) mm, of points that two and more cameras show that are not c."""
     others = cloud.detection.copy()
     others[:, c] = -1
     rows = np.flatnonzero((others >= 0).sum(1) >= 2)
-    return Matches(cloud.frame[rows], others[rows], np.zeros(len(rows)), cloud.n_frames)
+    uv = np.where((others[rows] >= 0)[..., None], timed.uv[others[rows]], np.nan)
+    return cloud.frame[rows], triangulate(undistort_all(rig, uv), rig.P)
 
 
 def _findings(name: str, shift: Ints, cost: Floats) -> Iterator[Finding]:
     """About each step of the shifts (F), where they lower the cost (S, F) enough."""
     gain = cost[0] - cost[shift, np.arange(len(shift))]
-    if not gain.sum() > SURE * np.linalg.norm(gain):  # (3)
-        return
     step = np.diff(shift, prepend=0)
+    if step[: round(SURE**2)].any() or not gain.sum() > SURE * np.linalg.norm(gain):  # (3)
+        return
     for f in np.flatnonzero(step).tolist():
         n, late = int(step[f]), int(shift[f])
         frames = [(max(f - n, 0), len(shift) - 1)]

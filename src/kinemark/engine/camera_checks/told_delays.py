@@ -41,6 +41,12 @@ def found_as_told(told_ms: Mapping[str, float], detections: Detections) -> tuple
     )
 
 
+def delays_learned(findings: Sequence[Finding]) -> dict[str, float]:
+    """Delays, ms by camera, that tracking learned beside those that were told."""
+    learned = (one for one in findings if one.kind == "camera_delay_learned")
+    return {one.cameras[0]: float(np.asarray(one.values["delay_ms"], np.float64)) for one in learned}
+
+
 def parts_of_images(findings: Sequence[Finding], detections: Detections) -> Floats:
     """(C) s by which cameras are late as `found_as_told` says, beside whole images."""
     part = np.zeros(len(detections.cameras))

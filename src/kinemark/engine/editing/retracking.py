@@ -29,7 +29,8 @@ from ...track.simultaneous.neighbouring_points import TrackPoints
 from ..graph import Records, Stage
 from ..keys import world_key
 from ..sources import TrialSource
-from ..tracking_stage import Tracked, load_tracked, save_tracked
+from ..tracking_in_time import Tracked
+from ..tracking_stage import load_tracked, save_tracked
 from ..trial_inputs import detections_of, trial_rig
 from .journal import Journal
 

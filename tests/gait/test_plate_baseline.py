@@ -124,6 +124,17 @@ def test_frames_that_the_file_states_do_not_count_while_somebody_stands_there():
         assert got.loaded[:120].all() and not got.loaded[135:].any()
 
 
+@pytest.mark.parametrize("newton", [-150.0, 150.0])
+def test_frames_that_the_file_states_tell_a_drift_of_half_a_load(newton):
+    """As a public file has it (TYPE-3 of c3d.org)."""
+    noise = np.random.default_rng(6).normal(0, 2.0, (6, 2000))
+    plate = replace(plate_of(2), zero_frames=np.array([0, 19]))
+    analog = Analog(plate.channels, ("",) * 6, SAMPLES, channels_of(2, step()) + drift(2, newton) + noise)
+    got, true = reaction(plate, [analog], n_frames=200, rate=RATE, threshold_n=20.0), found(2, channels_of(2, step()))
+    assert got.baseline_n == pytest.approx(150.0, abs=1.0)
+    assert (got.loaded != true.loaded).sum() <= 2
+
+
 def test_frames_that_the_file_states_go_before():
     values = channels_of(2, step()) + 12.0
     values[:, :200] += 5.0  # what the data show is a mean of both

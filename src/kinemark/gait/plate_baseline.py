@@ -33,6 +33,9 @@ LIGHT = 0.25
 """Of r, which nobody who steps on a plate stays below; chosen: drifts of up to 60 N below a child."""
 WITHIN = 4.0
 """Of (2); chosen: some hundred samples in a row are to be within."""
+ONE_WAY = 0.1
+"""Of how far v goes to one side, by which it may go to the other; chosen: plates with drifts of 80 to 210 N had 0.006,
+who pushes off from standing adds a fifth."""
 PERSON_N = 100.0
 """r of a plate that carries a person, N; chosen: a child of 10 kg."""
 
@@ -43,14 +46,15 @@ def unloaded(plate: ForcePlate, values: Floats, rate: float) -> Bools:
     Args:
         plate: of type 1 to 5. values: (N, K) of its channels. rate: samples a second.
     """
-    raw = vertical(plate, values)
+    raw = _vertical(plate, values)
     n = max(1, round(AVERAGED_S * rate))
     v = _averaged(raw, n)
     none = np.zeros(len(v), np.bool_)
-    light = is_light(v)
+    span = _range(v)
+    light = np.abs(v) < (LIGHT * span if span > PERSON_N else PERSON_N / 2)
     if not light.any():
         return none
-    noise = max(NOISE * max(_range(v), PERSON_N), WITHIN * _noise(raw) / np.sqrt(n))  # (2)
+    noise = max(NOISE * max(span, PERSON_N), WITHIN * _noise(raw) / np.sqrt(n))  # (2)
     edge = round(EDGE_S * rate)
     for first, stop in true_runs(np.asarray(np.abs(v - np.median(v[light])) < noise)).tolist():
         if stop - first >= STEADY_S * rate:
@@ -58,10 +62,17 @@ def unloaded(plate: ForcePlate, values: Floats, rate: float) -> Bools:
     return none & (np.median(raw[none]) != 0) if none.any() else none
 
 
-def is_light(v: Floats) -> Bools:
-    """(N) where a vertical force v (N) N is too light for somebody who steps on the plate, or stands there."""
-    span = _range(v)
-    return np.asarray(np.abs(v) < (LIGHT * span if span > PERSON_N else PERSON_N / 2))
+def loads_one_way(plate: ForcePlate, values: Floats, quiet: Bools, rate: float) -> bool:
+    """Whether v goes from its mean in some samples to one side alone, as from those without a load it does; who stands
+    there meanwhile leaves the plate, and loads it more.
+
+    Args:
+        plate: of type 1 to 5. values: (N, K) of its channels. quiet: (N) these samples. rate: samples a second.
+    """
+    v = _averaged(_vertical(plate, values), max(1, round(AVERAGED_S * rate)))
+    level = float(np.nanmean(v[quiet]))
+    ways = float(np.nanmax(v)) - level, level - float(np.nanmin(v))
+    return min(ways) <= ONE_WAY * max(ways)
 
 
 def _range(v: Floats) -> float:
@@ -76,7 +87,7 @@ def _noise(v: Floats) -> float:
     return float(np.median(known)) / (0.6745 * np.sqrt(6.0)) if len(known) else 0.0
 
 
-def vertical(plate: ForcePlate, values: Floats) -> Floats:
+def _vertical(plate: ForcePlate, values: Floats) -> Floats:
     """(N) N of channels (N, K); NaN where one is missing."""
     values = np.where(np.isfinite(values), values, np.nan)
     if plate.type == 3:

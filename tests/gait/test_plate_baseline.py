@@ -127,7 +127,7 @@ def test_frames_that_the_file_states_do_not_count_while_somebody_stands_there():
 @pytest.mark.parametrize("newton", [-150.0, 150.0])
 def test_frames_that_the_file_states_tell_a_drift_of_half_a_load(newton):
     """As a public file has it (TYPE-3 of c3d.org)."""
-    noise = np.random.default_rng(6).normal(0, 2.0, (6, 2000))
+    noise = np.random.default_rng(6).normal(0, 0.2, (6, 2000))
     plate = replace(plate_of(2), zero_frames=np.array([0, 19]))
     analog = Analog(plate.channels, ("",) * 6, SAMPLES, channels_of(2, step()) + drift(2, newton) + noise)
     got, true = reaction(plate, [analog], n_frames=200, rate=RATE, threshold_n=20.0), found(2, channels_of(2, step()))

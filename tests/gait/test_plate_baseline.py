@@ -77,6 +77,7 @@ def test_a_step_is_the_same_whatever_the_plate_shows_without_it(kind, newton):
     [
         step(first=-0.3, last=1.0, duration=0.6),  # cut within a step
         np.full(2000, 350.0) + 5 * np.sin(np.arange(2000) / 300),  # somebody stands there
+        np.full(2000, 75.0) + np.sin(np.arange(2000) / 300),  # a child with one of two feet
         500 + 200 * np.sin(np.arange(3000) / 80),  # a belt with both feet on it
         np.abs(300 * np.sin(np.pi * np.arange(3000) / 500)),  # one step after the other, without a pause
     ],
@@ -98,6 +99,40 @@ def test_a_plate_that_writes_0_without_a_load_keeps_its_zeros():
 def test_a_plate_on_which_nobody_steps_is_not_loaded():
     assert found(2, np.full((6, 2000), 30.0)).loaded.all()
     assert not found(2, np.full((6, 2000), 30.0), zeroed=True).loaded.any()
+
+
+@pytest.mark.parametrize("newton", [0.0, 200.0])
+def test_noise_hides_no_drift(newton):
+    """Of a plate that a child steps on, or nobody."""
+    noise = np.random.default_rng(5).normal(0, 15.0, (6, 2000))
+    got = found(2, channels_of(2, step(newton=newton)) + 35.0 + noise, zeroed=True)
+    true = found(2, channels_of(2, step(newton=newton)))
+    assert got.baseline_n == pytest.approx(35.0, abs=1.5)
+    assert (got.loaded != true.loaded).sum() <= 4
+
+
+def test_frames_that_the_file_states_do_not_count_while_somebody_stands_there():
+    """Who stands on a plate when the recording begins is as steady as one that nobody stands on."""
+    t = np.arange(2000)
+    force = np.where(t < 900, 300 + 3 * np.sin(t / 100), step(newton=350.0, first=0.2, last=1.3) * (t < 1300))
+    values = channels_of(2, np.where(t < 1300, force, 0.0))
+    plate = replace(plate_of(2), zero_frames=np.array([0, 9]))
+    analog = Analog(plate.channels, ("",) * 6, SAMPLES, values)
+    for zeroed in (True, False):
+        got = reaction(plate, [analog], n_frames=200, rate=RATE, zeroed=zeroed)
+        assert got.baseline_n == 0.0
+        assert got.loaded[:120].all() and not got.loaded[135:].any()
+
+
+@pytest.mark.parametrize("newton", [-150.0, 150.0])
+def test_frames_that_the_file_states_tell_a_drift_of_half_a_load(newton):
+    """As a public file has it (TYPE-3 of c3d.org)."""
+    noise = np.random.default_rng(6).normal(0, 0.2, (6, 2000))
+    plate = replace(plate_of(2), zero_frames=np.array([0, 19]))
+    analog = Analog(plate.channels, ("",) * 6, SAMPLES, channels_of(2, step()) + drift(2, newton) + noise)
+    got, true = reaction(plate, [analog], n_frames=200, rate=RATE, threshold_n=20.0), found(2, channels_of(2, step()))
+    assert got.baseline_n == pytest.approx(150.0, abs=1.0)
+    assert (got.loaded != true.loaded).sum() <= 2
 
 
 def test_frames_that_the_file_states_go_before():

@@ -54,8 +54,22 @@ def test_two_walks_are_two():
         assert not same_motion(one, other)
 
 
+def standing(seed):
+    """Of a person who sways by some millimetres, always in one place."""
+    rng, t = np.random.default_rng(seed), np.arange(300)[:, None] / RATE
+    sway = sum(rng.normal(0, 0.8, 3) * np.sin(2 * np.pi * hz * t + rng.uniform(0, 6)) for hz in (0.2, 0.35, 0.6))
+    return {name: xyz[150] + sway + rng.normal(0, 0.2, xyz.shape) for name, xyz in walk(1).items()}
+
+
+@pytest.mark.parametrize("seed", [2, 3, 4])
+def test_who_stands_twice_in_one_place_is_recorded_twice(seed):
+    one, again = standing(seed), standing(seed + 10)
+    assert motion_apart(one, again)[0] < 5.0 and not same_motion(one, again)
+    assert same_motion(one, one)
+
+
 def test_what_shares_nothing_is_not_compared():
     one = walk(1)
-    assert np.isinf(motion_apart(one, {"other": one["LKNE"]}))
-    assert np.isinf(motion_apart(one, {name: np.full_like(xyz, np.nan) for name, xyz in one.items()}))
-    assert np.isinf(motion_apart(one, {name: xyz[:5] for name, xyz in one.items()}))
+    assert np.isinf(motion_apart(one, {"other": one["LKNE"]})[0])
+    assert np.isinf(motion_apart(one, {name: np.full_like(xyz, np.nan) for name, xyz in one.items()})[0])
+    assert np.isinf(motion_apart(one, {name: xyz[:5] for name, xyz in one.items()})[0])

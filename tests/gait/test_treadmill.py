@@ -1,5 +1,7 @@
 """A walk on a treadmill is one over ground, seen from the belt."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -78,6 +80,28 @@ def test_each_foot_has_the_speed_of_its_own_belt(speed, factor, seed):
 def test_one_belt_is_one():
     _, floor, _ = measured(on_belt(walk(1200.0), 1200.0, 0.0))
     assert not floor.belts and next(of_way("walk", "level", floor)).values["left_speed"] is None
+
+
+def early_heel(points, mm):
+    """The left heel goes forwards and up by so much from early stance on, as of a foot that comes onto its toes."""
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    own = sorted((e for e in events if e.side == "left"), key=lambda e: e.time)
+    heel, t = points["LHEE"].copy(), np.arange(len(points["LHEE"])) / RATE
+    for strike, off in pairwise(own):
+        if strike.strike and not off.strike:
+            share = np.clip(((t - strike.time) / (off.time - strike.time) - 0.15) / 0.85, 0, 1)
+            heel += (mm * share * np.clip(1 - (t - off.time) / 0.3, 0, 1))[:, None] * [1.0, 0.0, 0.6]
+    return points | {"LHEE": heel}
+
+
+@pytest.mark.parametrize(("speed", "seed"), [(500.0, 1), (1200.0, 2)])
+def test_a_heel_that_rises_early_is_no_belt_of_its_own(speed, seed):
+    ground = early_heel(walk(speed, seed=seed), 80.0)
+    _, floor, _ = measured(on_belt(ground, speed, 0.0))
+    assert floor.moves and not floor.belts
+    without_toes = {n: xyz for n, xyz in on_belt(ground, speed, 0.0).items() if "TOE" not in n}
+    events = foot_events(Trial("walk", Trajectories((), RATE)), on_belt(ground, speed, 0.0))
+    assert floor_velocity(events, without_toes, rate=RATE).belts  # heels alone say two
 
 
 def test_a_belt_that_is_sped_up_is_known_worse():

@@ -41,7 +41,7 @@ from ..data import Analog, ForcePlate, KinemarkError
 from ..data.array_types import Bools, Floats
 from ..numerics.runs import true_runs
 from ..signal.filters import butterworth, edge_samples
-from .plate_baseline import unloaded
+from .plate_baseline import loads_one_way, unloaded
 from .segments import Z_UP, unit
 
 THRESHOLD_N = 5.0
@@ -260,7 +260,7 @@ def _stated_quiet(values: Floats, record: Analog, plate: ForcePlate, rate: float
     quiet[max(round(first), 0) : max(round(stop), 0)] = True
     quiet &= known
     steady = quiet.any() and (np.ptp(values[quiet], axis=0) <= QUIET_SHARE * np.ptp(values[known], axis=0)).all()
-    return quiet if steady else None
+    return quiet if steady and loads_one_way(plate, values, quiet, record.rate) else None
 
 
 def _to_house(record: Analog, name: str) -> float:

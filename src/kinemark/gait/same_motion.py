@@ -7,7 +7,12 @@ shift between both, and the distances at all frames that they share:
     s = argmin_f  median_markers |x₁(f) − x₂(m)|  −  m                                                        (1)
     d = 95th percentile over frames f of  median_markers |x₁(f + s) − x₂(f)|                                  (2)
 
-Of one recording d is small. Nobody walks the same way twice: of two walks d is many times larger.
+Of one recording d is small, and small beside how far it moves,
+
+    w = 95th percentile over frames f of  median_markers |x₂(f) − x₂(m)|                                      (3)
+
+Nobody walks the same way twice: of two walks d is many times larger. Who stands moves by no more than d, and twice in
+the same place is two recordings.
 """
 
 from __future__ import annotations
@@ -21,6 +26,9 @@ from ..data.array_types import Floats
 SAME_MM = 5.0
 """Of (2), mm; chosen: of public walks against themselves processed, or filtered at 6 Hz and cut, it was up to 2.9; of
 two recordings 58 and more."""
+SAME_SHARE = 0.1
+"""Of w, that d is below; chosen: of public standing trials cut in two it was 0.8 and more, of walks against themselves
+processed or filtered 0.003 at most."""
 FEW_FRAMES = 10
 """That two walks must share to be compared; chosen."""
 
@@ -31,27 +39,33 @@ def same_motion(first: Mapping[str, Floats], second: Mapping[str, Floats]) -> bo
     Args:
         first, second: (F, 3) mm by the model's names, of any number of frames.
     """
-    return bool(motion_apart(first, second) < SAME_MM)
+    apart, moved = motion_apart(first, second)
+    return bool(apart < min(SAME_MM, SAME_SHARE * moved))
 
 
-def motion_apart(first: Mapping[str, Floats], second: Mapping[str, Floats]) -> float:
-    """d of (2), mm; infinite where they share too little to be compared."""
+def motion_apart(first: Mapping[str, Floats], second: Mapping[str, Floats]) -> tuple[float, float]:
+    """d of (2) and w of (3), mm; d is infinite where they share too little to be compared."""
     names = sorted(first.keys() & second.keys())
     if not names:
-        return np.inf
+        return np.inf, 0.0
     both = (np.stack([walk[name] for name in names], axis=1) for walk in (first, second))
     short, long = sorted(both, key=len)
     if len(short) < FEW_FRAMES:
-        return np.inf
+        return np.inf, 0.0
     middle = len(short) // 2
     apart = _apart(long, short[middle])
     if not np.isfinite(apart).any():
-        return np.inf
+        return np.inf, 0.0
     shift = int(np.nanargmin(apart)) - middle  # (1)
     begin, end = max(-shift, 0), min(len(long) - shift, len(short))
     apart = _apart(long[begin + shift : end + shift], short[begin:end])
-    apart = apart[np.isfinite(apart)]
-    return float(np.percentile(apart, 95)) if len(apart) >= FEW_FRAMES else np.inf  # (2)
+    return _most(apart), _most(_apart(short, short[middle]))  # (2), (3)
+
+
+def _most(apart: Floats) -> float:
+    """The 95th percentile of (F) mm; infinite where too few are known."""
+    known = apart[np.isfinite(apart)]
+    return float(np.percentile(known, 95)) if len(known) >= FEW_FRAMES else np.inf
 
 
 def _apart(one: Floats, other: Floats) -> Floats:

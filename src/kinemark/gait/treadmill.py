@@ -5,7 +5,8 @@ is the floor's velocity v (1). The median over a foot's stances, and the mean of
 either side, is that of the trial; the deviation of a stance from it is what is not known of v in a stride: how steadily
 the belt runs, and how flat the foot stood (2). In the frame of the belt, h − v t, a walk on a treadmill is one over
 ground. Where the medians of both feet are apart by more than `APART` of v, and by more than the stances of a foot are,
-each foot has a belt of its own, and its own median (4).
+each foot has a belt of its own, and its own median (4), if toes say so too, where they are seen: a heel that rises
+early on one side goes forwards, and its toe stands.
 
 Heels of runners, and of those who walk on their toes, go forwards while they stand. But these leave the place, and who
 walks on a belt stays: v counts only if it is STAYS times as fast as heels go from strike to strike (3).
@@ -79,24 +80,35 @@ def floor_velocity(
         events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second. up: of the laboratory.
     """
     flat = (1 - FLAT[1], 1 - FLAT[0]) if walks_backwards(points, up=up) else FLAT
-    stood: dict[Side, Floats] = {
-        side: _stood(points[LETTER[side] + "HEE"], [e for e in events if e.side == side], flat, rate, up)
-        for side in SIDES
-    }
-    medians = {side: np.asarray(np.median(v, axis=0)) for side, v in stood.items() if len(v)}
-    if not medians:
+
+    def stood(marker: str) -> dict[Side, Floats]:
+        seen = [side for side in SIDES if LETTER[side] + marker in points]
+        each = {side: [e for e in events if e.side == side] for side in seen}
+        found = {side: _stood(points[LETTER[side] + marker], own, flat, rate, up) for side, own in each.items()}
+        return {side: slopes for side, slopes in found.items() if len(slopes)}
+
+    heels = stood("HEE")
+    if not heels:
         return STILL
-    v = np.mean(list(medians.values()), axis=0)
+    v = np.mean([np.median(slopes, axis=0) for slopes in heels.values()], axis=0)
     speed = float(np.linalg.norm(v))
     if speed < max(BELT_MM_S, STAYS * _gone(events, points, rate, up)):
         return STILL
-    along = {side: stood[side] @ v / speed for side in medians}
-    belts = {side: v * (median @ v) / speed**2 for side, median in medians.items()}
-    own = np.concatenate([along[side] - belts[side] @ v / speed for side in medians])
-    apart = abs(float(np.subtract(*(belts[side] @ v / speed for side in SIDES)))) if len(belts) == 2 else 0.0
-    if apart > max(APART * speed, 2 * float(np.abs(own).max())):  # (4)
+    along, toes = ({side: slopes @ v / speed for side, slopes in one.items()} for one in (heels, stood("TOE")))
+    if _two_belts(along) and (len(toes) < len(SIDES) or _two_belts(toes)):  # (4)
+        belts = {side: v / speed * np.median(own) for side, own in along.items()}
+        own = np.concatenate([own - np.median(own) for own in along.values()])
         return Floor(v, float(np.hypot(np.sqrt(np.mean(own**2)), STEADY * speed)), belts)
     return Floor(v, float(np.sqrt(np.mean((np.concatenate(list(along.values())) - speed) ** 2))))
+
+
+def _two_belts(along: Mapping[Side, Floats]) -> bool:
+    """Whether (N) mm/s of the stances of each foot, along the way, are those of two belts (4)."""
+    if len(along) < len(SIDES):
+        return False
+    left, right = medians = [float(np.median(along[side])) for side in SIDES]
+    own = max(float(np.abs(along[side] - median).max()) for side, median in zip(SIDES, medians, strict=True))
+    return abs(left - right) > max(APART * abs(left + right) / 2, 2 * own)
 
 
 def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float, up: Floats) -> float:

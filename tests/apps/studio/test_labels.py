@@ -173,6 +173,9 @@ def test_a_marker_set_that_is_chosen_for_a_file_is_there_in_the_next_studio(tmp_
     (tmp_path / "mine.toml").unlink()
     again = Studio(file)
     assert again.page.get(again.trial).json()["marker_set"] is None, "its file is gone"
+    for damaged in ('{"marker_set": ["mine.toml"]}', "[]", "{"):
+        (tmp_path / "edits" / f"{file.stem}.json").write_text(damaged, encoding="utf-8")
+        assert Studio(file).page.get(again.trial).status == 200
 
 
 def test_a_marker_set_is_worn_where_nobody_may_write(tmp_path, monkeypatch):

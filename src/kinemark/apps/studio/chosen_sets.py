@@ -35,7 +35,8 @@ def set_of_file(editing: Editing, folder: Path, names: Collection[str]) -> Marke
     said = read_json(_kept(editing))
     if CHOSEN not in said:
         return set_by_names(names)
-    return known_sets(folder).get(said[CHOSEN])
+    name = said[CHOSEN]
+    return known_sets(folder).get(name) if isinstance(name, str) else None
 
 
 def keep_choice(editing: Editing, name: str | None) -> None:

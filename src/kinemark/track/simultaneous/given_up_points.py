@@ -1,8 +1,7 @@
 """Points that images of other markers make, which are given up, and those of merged images, which are solved again.
 
 Images of two markers that drift past each other tell `drifting_pairs`, those of one marker half way between two others
-`points_between`, images that another track lacks for a moment `taken_images`, and what merged images say of each of
-their markers `unmarked_merging`.
+`points_between`, and what merged images say of each of their markers `unmarked_merging`.
 """
 
 from __future__ import annotations
@@ -26,7 +25,6 @@ from .points_between import between_markers
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, kept_points, precise_enough, solved, taken_out, with_columns
 from .standing_reflections import of_reflections
-from .taken_images import without_taken
 from .unmarked_merging import Merging, inferred_merging
 
 
@@ -151,24 +149,6 @@ def _without_drifting(
     return_memory()
     sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
     return np.ascontiguousarray(detection.T), sound
-
-
-def without_images_of_others(
-    held: Held, ids: Ints, images: Images, solver: Solver, method: Simultaneous
-) -> tuple[Held, Ints]:
-    """The points and their tracks, without images that other tracks lack for a moment and explain better."""
-    return_memory()
-    detection = _without_taken(held[0], ids, images, method)
-    if (held[0].detection == detection).all():
-        return held, ids
-    held, sound = _of_fewer_images(held, detection, (detection >= 0).sum(1) >= 2, images, solver, method)
-    return held, ids[sound]
-
-
-def _without_taken(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> Ints:
-    """The detections (P, C) of a cloud without such images."""
-    detection = without_taken(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
-    return np.ascontiguousarray(detection.T)
 
 
 def _of_fewer_images(

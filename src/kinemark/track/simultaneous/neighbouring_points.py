@@ -146,7 +146,7 @@ def _smoothed(
 ) -> tuple[Floats, Floats]:
     """The same of some rows (n), with those of all tracks."""
     around = points.xyz[row].T
-    both = motion_beside(points, rows, row, sound, T, method, share)
+    both = _beside(points, rows, row, sound, T, method, share)
     N = inverse(points.cov[row].transpose(1, 2, 0) * share)
     both = update(both, N, np.einsum("ijt,jt->it", N, around - both.position))
     return both.position.T, both.cov.transpose(2, 0, 1)
@@ -156,13 +156,13 @@ def off_the_motion(points: TrackPoints, which: Bools, T: float, method: Simultan
     """(n) squared distances of the points `which` (P) from where the other points of their tracks lead, in standard
     deviations; of one track there may be several in a frame."""
     row = np.flatnonzero(which)
-    motion = motion_beside(points, RowsByTrack.of(points.frame, points.id), row, ~which, T, method)
+    motion = _beside(points, RowsByTrack.of(points.frame, points.id), row, ~which, T, method)
     off = points.xyz[row] - motion.position.T
     S = motion.cov.transpose(2, 0, 1) + points.cov[row]
     return np.asarray((off * np.linalg.solve(S, off[..., None])[..., 0]).sum(1))
 
 
-def motion_beside(
+def _beside(
     points: TrackPoints,
     rows: RowsByTrack,
     row: Ints,

@@ -136,15 +136,13 @@ def points_between(
     return found, own
 
 
-def expected_between(
-    points: TrackPoints, n_frames: int, T: float, method: Simultaneous, *, look: int = LOOK
-) -> TrackPoints:
-    """Where tracks are expected in frames without a point between two of theirs, one of them at most `look` away."""
+def expected_between(points: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> TrackPoints:
+    """Where tracks are expected in frames without a point between two of theirs, one of which is at most LOOK away."""
     known = KnownPoints.of(points, np.ones(len(points.id), bool), points.take(np.zeros(0, np.int64)))
     gaps = _in_question(known, n_frames, T, method)
     gaps = gaps.take((gaps.before >= 0) & (gaps.after >= 0))
     away = np.minimum(gaps.frame - known.frame[gaps.before], known.frame[gaps.after] - gaps.frame)
-    gaps = gaps.take(away <= look)
+    gaps = gaps.take(away <= LOOK)
     found = [points.take(np.zeros(0, np.int64))]
     for part in parts_of_frames(gaps.frame, AT_ONCE):
         some = gaps.take(part)

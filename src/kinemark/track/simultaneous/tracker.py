@@ -42,7 +42,7 @@ from .companions import joined_pieces
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import with_merging, without_drifting, without_images_of_others, without_reflections
+from .given_up_points import with_merging, without_drifting, without_reflections
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
@@ -226,7 +226,6 @@ def _passes_over(
     usual = usual_residuals(held[0].frame, ids, held[0].detection.T, images, method.gate)
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
     held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
-    held, ids = without_images_of_others(held, ids, images, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
     del solver, images  # before there are two in memory
     held, ids, merging, solver = with_merging(held, ids, unmarked, method)

@@ -26,6 +26,7 @@ from .judged_fill import KnownEdges, judged
 from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
+from .name_order import as_before, by_name
 from .static import place_absent
 from .static_shape import StaticShape
 from .trial_copy import TrialCopy
@@ -69,7 +70,8 @@ def fill(
     """Fill the gaps of a trial.
 
     What was measured stays as it is. The exceptions are samples more than a kilometre from the median of all, which are
-    no positions and become missing, and suspicious ones beside gaps where `trim` asks for that.
+    no positions and become missing, and suspicious ones beside gaps where `trim` asks for that. The order of the
+    markers makes no difference.
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
@@ -87,8 +89,8 @@ def fill(
     """
     method = Auto() if method is None else method
     candidates = _candidates(method, limit_mm)
-    edges = edges or GapEdges()
-    edges = replace(edges, most_trimmed=trim) if trim else edges
+    edges = replace(edges or GapEdges(), most_trimmed=trim) if trim else edges or GapEdges()
+    given, trajectories = trajectories, by_name(trajectories)
     known = KnownEdges.of(without_outliers(MarkerArray.of(trajectories)), edges, keep=not trim)
     gaps = of_markers(find_gaps(known.motion, ends=ends), known.motion.names)
     if isinstance(method, Auto):
@@ -110,8 +112,8 @@ def fill(
         done.append(found)
         if found.method:
             written.put(one.gap, one.prediction.xyz, one.cov)
-    done.sort(key=lambda found: (known.motion.names.index(found.marker), found.start))
-    filled = Filled(written.trajectories(), tuple(done))
+    done.sort(key=lambda found: (given.names.index(found.marker), found.start))
+    filled = Filled(as_before(written.trajectories(), given), tuple(done))
     return filled if static is None else _with_static(filled, static, limit_mm)
 
 

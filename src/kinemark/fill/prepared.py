@@ -32,6 +32,7 @@ from .marker_array import Gap, MarkerArray, find_gaps
 from .methods.pca import PCA
 from .methods.polynomials import Cubic, Linear
 from .methods.rigid_body import RigidBody
+from .name_order import by_name
 
 QUICK = (Linear(), Cubic(), RigidBody(), PCA())
 """Methods of the first answer; chosen: of each kind one that takes hundredths of a second."""
@@ -72,7 +73,7 @@ class PreparedFill:
     """A trial whose gaps can be asked for one by one.
 
     Attributes:
-        trajectories: the trial. motion: its markers as one array. gaps: of all markers, by marker and frame.
+        trajectories: the trial. motion: its markers as one array, by name, as `fill` takes them. gaps: of all of these.
         method: what chooses. seed: of the places of hold-out gaps.
     """
 
@@ -137,7 +138,8 @@ class PreparedFill:
         for index in range(len(gaps)):
             tell(index, len(gaps))
             found.append(self._chosen(gaps, index, answers))
-        return self._judged(found, methods)
+        place = self.trajectories.names.index
+        return tuple(sorted(self._judged(found, methods), key=lambda one: (place(one.gap.marker), one.first)))
 
     def _evaluated(self, gap: Gap, methods: tuple[Any, ...], tests: int | None) -> list[CandidateFill]:
         key = gap, methods, tests
@@ -191,5 +193,5 @@ def prepare(
         method: what chooses; `Auto()` where None. ends: also gaps before a marker's first sample and after its last.
         seed: of the places of the hold-out gaps.
     """
-    motion = without_outliers(MarkerArray.of(trajectories))
+    motion = without_outliers(MarkerArray.of(by_name(trajectories)))
     return PreparedFill(trajectories, motion, tuple(find_gaps(motion, ends=ends)), method or Auto(), seed)

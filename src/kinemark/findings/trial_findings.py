@@ -65,8 +65,6 @@ of simulated recordings travel up to 0.5 mm by noise; a person who stands moves 
 
 Figures = dict[str, Any]
 Findings = Iterator[Finding]
-
-
 NAMELESS = "labels_without_template"
 """The finding that says of all trajectories that they have no names; by definition."""
 
@@ -80,7 +78,6 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
     """
     diagnosed = [found for found in noted if found.stage == "track"]
     named = {name for found in diagnosed for name in found.cameras}
-    blind = {camera["name"] for camera in figures["cameras"] if not camera["detections"]}
     found = chain(
         _nothing(figures, diagnosed=bool(diagnosed)),
         *(check(figures) for check in CAMERA_CHECKS),
@@ -88,7 +85,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         *(check(figures) for check in MARKER_CHECKS),
         () if any(found.kind == NAMELESS for found in noted) else _unnamed(figures),
         _absent(figures, {name for found in noted for name in found.markers if found.kind == OUTSIDE}),
-        (one for one in noted if one.kind != WITHOUT_IMAGES or not blind.issuperset(one.cameras)),
+        (one for one in noted if _holds(one, noted, figures)),
         _close_decisions(figures),
         _confusable(figures),
         _rate_too_low(figures),
@@ -214,13 +211,24 @@ def _few_cameras(figures: Figures) -> Findings:
         yield make_finding("two_camera_points", points_share=few)
 
 
-OUTSIDE, WITHOUT_IMAGES = "points_dropped_outside", "camera_without_images"
+OUTSIDE, WITHOUT_IMAGES, NOT_FOUND = "points_dropped_outside", "camera_without_images", "markers_not_found"
 
 
 def _dropped_share(noted: Sequence[Finding]) -> float:
     """Share of the tracked points that lie outside the volume: their images are used, though not kept."""
     shares: list[Any] = [found.values["points_share"] for found in noted if found.kind == OUTSIDE]
     return max(shares, default=0.0)
+
+
+def _holds(one: Finding, noted: Sequence[Finding], figures: Figures) -> bool:
+    """Whether what a stage found needs to be said of the whole trial.
+
+    Not of markers that are missing where the volume left out the points of half their frames.
+    """
+    if one.kind == WITHOUT_IMAGES:
+        return not {c["name"] for c in figures["cameras"] if not c["detections"]}.issuperset(one.cameras)
+    left: list[Any] = [found.values["points"] for found in noted if found.kind == OUTSIDE]
+    return one.kind != NOT_FOUND or not left or max(left) < figures["recording"]["frames"] * len(one.markers) / 2
 
 
 def _absent(figures: Figures, outside: set[str]) -> Findings:

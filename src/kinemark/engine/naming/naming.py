@@ -78,7 +78,7 @@ def name_tracks(
     names = renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
     by_hand = stated_exchanges(done, by, known.values())
     contradicts = {s: found for s, one in by.items() if (found := _contradicts(markers_of(done, s), one, s))}
-    accepted = not by or (not labels.refused and figures["sure_share"] >= ACCEPTED)
+    accepted = not by or (not labels.refused and (figures["sure_share"] or 0.0) >= ACCEPTED)
     return NamedTracks(
         Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
         (*findings, *by_hand.findings, *contradicts.values()),

@@ -304,7 +304,8 @@ def _images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:
 
 def _in_no_track(result: TrackingResult, c: int, name: str) -> list[Finding]:
     """About a camera that has images, about as many as markers that it should see, and hardly any in a track (2)."""
-    if c in result.noise.inconsistent or not _images_fit_nothing(result, c, 0):
+    cut = len(result.outside) > len(result.tracks.cloud)  # by the volume: its images may be of these
+    if cut or c in result.noise.inconsistent or not _images_fit_nothing(result, c, 0):
         return []
     should = _in_view(result, c, _expected(result, c), 2).sum()
     has = (result.images.usable & (result.images.camera == c)).sum()

@@ -457,3 +457,10 @@ def test_tracks_that_came_near_for_long_are_never_green(frames, grade):
 def test_tracks_that_continue_earlier_ones_are_named_in_words():
     said = make_finding("tracks_continue", tracks=2, earlier_list=["*3", "*7"], later_list=["*40", "*41"])
     assert "*3" in text_of(said) and "*41" in text_of(said) and "2 tracks" in text_of(said)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_errors_are_not_called_the_calibration_s_where_it_states_none(known):
+    said = text_of(make_finding("position_deviation", sd_mm=0.07, noise_mm=0.04, calibration_known=known))
+    assert "the rest is of errors that stay" in said
+    assert ("as the calibration's" in said, "by the images alone" in said) == (known, not known)

@@ -96,7 +96,7 @@ def _deviation(found: Finding) -> str:
         return f"{said}."
     if noise > sd:
         return said + fill("; from frame to frame the positions tremble by {noise_mm:2}.", found)
-    rest = "the rest is of errors that stay, as the calibration's"
+    rest = "the rest is of errors that stay" + (", as the calibration's" if found.values["calibration_known"] else "")
     return said + fill(f", of which {{noise_mm:2}} is noise from frame to frame; {rest}.", found)
 
 

@@ -464,3 +464,17 @@ def test_errors_are_not_called_the_calibration_s_where_it_states_none(known):
     said = text_of(make_finding("position_deviation", sd_mm=0.07, noise_mm=0.04, calibration_known=known))
     assert "the rest is of errors that stay" in said
     assert ("as the calibration's" in said, "by the images alone" in said) == (known, not known)
+
+
+@pytest.mark.parametrize(("pieces_each", "grade"), [(1, None), (2, "amber"), (22, "red")])
+def test_many_more_tracks_than_markers_are_never_good(pieces_each, grade):
+    """341 tracks of 15 markers were called good to use."""
+    rig, whole = ring(), walk(frames=220)
+    cut = np.full((3, pieces_each, 220, 3), np.nan)
+    for k, frames in enumerate(np.array_split(np.arange(220), pieces_each)):
+        cut[:, k, frames] = whole[:, frames]
+    names = [f"*{k + 1}" for k in range(3 * pieces_each)]
+    figures = judge(rig, capture(rig, cut.reshape(-1, 220, 3), names=names))
+    kinds = {row["kind"]: row["severity"] for row in figures["findings"]}
+    assert kinds.get("tracks_broken") == grade
+    assert grade is None or figures["verdict"]["grade"] == grade

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kinemark.fill import Gap, MarkerArray, StaticShape
+from kinemark.data import Origin
+from kinemark.fill import Auto, Gap, MarkerArray, StaticShape, fill
 from kinemark.fill.edges import GapEdges, trim_edges
 from kinemark.fill.static import FromStatic, place_absent
 from kinemark.io.c3d.to_trial import read_c3d
 from support.filling import swaying
 from support.shared import shared_data
+from support.walked import clean, spiked, without
 
 GAIT = "mocap3d/qualisys_gait/Gait - CGM2 1.c3d"
 STATIC = "mocap3d/qualisys_gait/Static - CGM2 1.c3d"
@@ -173,3 +175,17 @@ def test_a_static_trial_gives_the_middle_of_each_marker():
     assert np.allclose(shape.xyz, motion.xyz[[0, 1, 2, 4], 0], atol=0.2)
     assert np.allclose(shape.sd, 0.5 * 3**0.5, rtol=0.1)
     assert StaticShape.of(motion._replace(xyz=np.nan * motion.xyz)).names == ()
+
+
+def test_no_measured_sample_is_replaced_unasked():
+    """By default 88 samples of four files were, up to 36 mm; `trim` asks for it."""
+    given = without(spiked(clean().frames(0, 250), 5, 149, 150, mm=35.0), 5, 150, 171)
+    quick = Auto(candidates=("linear", "rigid_body"))
+    replaced = {}
+    for trim in (0, 5):
+        filled = fill(given, method=quick, limit_mm=np.inf, **({"trim": trim} if trim else {}))
+        measured = [(old.origin == Origin.MEASURED) for old in given]
+        pairs = zip(given, filled.trajectories, measured, strict=True)
+        replaced[trim] = sum(int((old.xyz[at] != new.xyz[at]).any(1).sum()) for old, new, at in pairs)
+        assert (149 in filled.gaps[0].trimmed, 149 in filled.gaps[0].suspicious) == (trim > 0, trim == 0)
+    assert replaced[0] == 0 < replaced[5]

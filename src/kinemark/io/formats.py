@@ -35,7 +35,7 @@ from .number_text import bad_line, read_text
 from .possible_places import with_possible_places
 from .qualisys_tsv import read_qualisys_tsv
 from .tdf import Tdf, read_tdf
-from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
+from .trajectories_csv import read_csv_trial, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
 
 Content = Literal["trajectories", "detections", "rig"]
@@ -101,7 +101,7 @@ def _csv(path: Path, options: ReadOptions) -> Any:
     first_line = text.lstrip("\r\n\t,; ").split("\n", 1)[0]
     for says, read in ((is_motive, read_motive_csv), (is_nexus, read_nexus_csv)):
         if says(first_line):
-            return read(path, rate_hz=options.rate_hz, length_unit=options.length_unit)
+            return read(path, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial)
     if layout_of(path) is not None:
         return read_named_detections(path, rate=options.rate_hz or UNKNOWN_RATE)
     head = text.split("\n", 1)[0]
@@ -109,14 +109,14 @@ def _csv(path: Path, options: ReadOptions) -> Any:
     if found == "detections":
         return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)
     if found == "trajectories" or head.startswith("frame"):
-        return Trial(path.stem, read_trajectories_csv(path, rate=options.rate_hz))
+        return read_csv_trial(path, rate=options.rate_hz, partial=options.partial)
     if not any(character.isdigit() for character in head.split(",")[0]):
         raise bad_line(path, 1, f"{head.strip()[:60]!r} is the heading of no table that is known. {TABLES}")
     return read_dlt_csv(path)
 
 
 def _tdf(path: Path, options: ReadOptions) -> Tdf:
-    return read_tdf(path)
+    return read_tdf(path, partial=options.partial)
 
 
 def _toml(path: Path, options: ReadOptions) -> Rig | Rods:
@@ -229,7 +229,11 @@ FORMATS: dict[str, Format] = {
         ),
         {"trajectories": _markers_only(write_trc)},
     ),
-    ".tsv": Format(lambda p, options: read_qualisys_tsv(p, rate_hz=options.rate_hz, length_unit=options.length_unit)),
+    ".tsv": Format(
+        lambda p, options: read_qualisys_tsv(
+            p, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial
+        )
+    ),
     ".csv": Format(
         _csv,
         {

@@ -89,10 +89,31 @@ class Format(NamedTuple):
     Attributes:
         read: gives the record of a file.
         write: for each content that the format holds, writes it and returns what it could not hold.
+        own_unit: of length, where the format fixes it; its files state their rate too, and no caller may state others.
     """
 
     read: Callable[[Path, ReadOptions], Any]
     write: Mapping[Content, Callable[[Path, Any], tuple[FileNote, ...]]] = {}
+    own_unit: str = ""
+
+
+def _unheeded(path: Path, options: ReadOptions, unit: str, rate: float | None = None) -> None:
+    """Raises KinemarkError where the caller states otherwise what a file states itself, and nothing would change."""
+    for what, own, said, flag in (
+        ("unit of length", unit, options.length_unit, "--length-unit"),
+        ("rate in Hz", rate, options.rate_hz, "--rate-hz"),
+    ):
+        if None not in (own, said) and own != said:
+            raise KinemarkError(
+                f"{path} states its own {what}, {own}, which {flag} {said} does not change. Leave it out."
+            )
+
+
+def _rate_of(found: Any) -> float | None:
+    """Frames a second of a record; None where it has none."""
+    parts = (getattr(found, name, None) for name in ("trajectories", "detections", "cloud"))
+    owner = next((part for part in parts if part is not None), found)
+    return getattr(owner, "rate", None)
 
 
 def _csv(path: Path, options: ReadOptions) -> Any:
@@ -106,6 +127,8 @@ def _csv(path: Path, options: ReadOptions) -> Any:
         return read_named_detections(path, rate=options.rate_hz or UNKNOWN_RATE)
     head = text.split("\n", 1)[0]
     found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else options.what
+    if found is not None and found != "rig":
+        _unheeded(path, options, "mm")
     if found == "detections":
         return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)
     if found == "trajectories" or head.startswith("frame"):
@@ -222,7 +245,7 @@ FORMATS: dict[str, Format] = {
         lambda p, options: read_c3d(p, units=options.length_unit, rate_hz=options.rate_hz, partial=options.partial),
         {"trajectories": write_c3d},
     ),
-    ".tdf": Format(_tdf),
+    ".tdf": Format(_tdf, own_unit="m"),
     ".trc": Format(
         lambda p, options: read_trc_trial(
             p, length_unit=options.length_unit, rate_hz=options.rate_hz, partial=options.partial
@@ -242,7 +265,7 @@ FORMATS: dict[str, Format] = {
             "rig": _whole(_write_dlt),
         },
     ),
-    ".h5": Format(_load, {"trajectories": _save, "detections": _save}),
+    ".h5": Format(_load, {"trajectories": _save, "detections": _save}, own_unit="mm"),
     ".tdc": Format(_tdc, {"trajectories": _write_tdc}),
     ".toml": Format(_toml, {"rig": _whole(_write_rig)}),
 }
@@ -269,11 +292,14 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
     """What a file holds, as the record that fits: `Trial`, `Tdf`, `Rig`, `Detections`, …; an array for DLT parameters.
 
     Raises:
-        KinemarkError: the kind of file is not known, or the file is absent or damaged.
+        KinemarkError: the kind of file is not known, or the file is absent, damaged, or states itself what the options
+            state of it.
     """
     ending = path.suffix.lower()
     if ending in FORMATS:
         found = FORMATS[ending].read(path, options)
+        if unit := FORMATS[ending].own_unit:
+            _unheeded(path, options, unit, _rate_of(found))
         return with_possible_places(found) if isinstance(found, Trial) else found
     if ending in IMAGES:
         from .images import open_images

@@ -268,3 +268,10 @@ def test_what_a_file_states_itself_is_not_passed_over(tmp_path, name, stated):
         read_trial(tmp_path / name, **stated)
     own = {"a.tdf": "m"}.get(name, "mm")
     assert is_the_trial(read_trial(tmp_path / name, rate_hz=RATE, length_unit=own).trajectories)
+
+
+def test_a_csv_of_one_frame_says_that_its_rate_is_lost(tmp_path):
+    notes = write_trial(Trial("a", MARKERS.frames(0, 1)), tmp_path / "a.csv")
+    assert [note.what for note in notes] == ["the rate"]
+    assert not write_trial(Trial("a", MARKERS.frames(0, 2)), tmp_path / "b.csv")
+    assert not write_trial(Trial("a", MARKERS.frames(0, 1)), tmp_path / "a.trc")

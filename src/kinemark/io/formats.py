@@ -213,6 +213,12 @@ def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:
     return (*left, FileNote("not_written", "rate and names of markers"))
 
 
+def _write_csv(path: Path, trial: Trial) -> tuple[FileNote, ...]:
+    """Markers with their times, of which one alone does not tell the rate."""
+    left = _markers_only(write_trajectories_csv)(path, trial)
+    return (*left, FileNote("not_written", "the rate")) if trial.trajectories.n_frames == 1 else left
+
+
 def _write_dlt(path: Path, rig: Rig) -> None:
     """Eleven parameters a camera, for mm; refused where a lens would be lost."""
     if bent := [camera.name for camera in rig if camera.distortion.any()]:
@@ -260,7 +266,7 @@ FORMATS: dict[str, Format] = {
     ".csv": Format(
         _csv,
         {
-            "trajectories": _markers_only(write_trajectories_csv),
+            "trajectories": _write_csv,
             "detections": _whole(write_detections_csv),
             "rig": _whole(_write_dlt),
         },

@@ -127,7 +127,7 @@ def _csv(path: Path, options: ReadOptions) -> Any:
         return read_named_detections(path, rate=options.rate_hz or UNKNOWN_RATE)
     head = text.split("\n", 1)[0]
     found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else options.what
-    if found is not None and found != "rig":
+    if "_x_mm" in head:
         _unheeded(path, options, "mm")
     if found == "detections":
         return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)

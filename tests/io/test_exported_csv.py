@@ -141,3 +141,9 @@ def test_rows_before_the_end_of_a_file_that_is_cut_off_are_read_when_asked(tmp_p
     read = read_trial(path, partial=True)
     assert any("is cut off and left out" in note for note in read.notes)
     np.testing.assert_allclose(read.trajectories.xyz, walk(1).xyz[:, :26], atol=1e-3, rtol=0)
+
+
+def test_a_heading_of_motive_without_frames_is_refused(tmp_path):
+    text = motive(walk(0))
+    with pytest.raises(KinemarkError, match="no frames"):
+        read_trial(written(tmp_path / "a.csv", text[: text.index("\n0,") + 1]))

@@ -89,3 +89,10 @@ def test_what_is_left_of_a_file_that_is_cut_off_is_read_when_asked(tmp_path, kep
 def test_the_date_of_a_recording_is_kept(tmp_path):
     (tmp_path / "a.tsv").write_text(tsv(), "utf-8")
     assert read_trial(tmp_path / "a.tsv").about["date"] == "2020-01-01T10:00:00"
+
+
+def test_a_file_that_ends_within_its_first_row_holds_nothing(tmp_path):
+    text = tsv()
+    (tmp_path / "a.tsv").write_text(text[: text.index("1\t0.00000") + 12], "utf-8")
+    with pytest.raises(KinemarkError, match="cut off"):
+        read_trial(tmp_path / "a.tsv", partial=True)

@@ -302,6 +302,9 @@ def test_a_csv_that_ends_within_a_row_is_read_in_part_when_asked(tmp_path):
     with pytest.raises(KinemarkError, match=r"line 6: has . cells, wanted 5.*cut off.*--partial"):
         read_trial(path)
     assert read_trial(path, partial=True).trajectories.n_frames == 4
+    two = "".join(table.splitlines(keepends=True)[:3])
+    path.write_text(two[:-2], "utf-8")  # one row tells how many digits there are
+    assert np.isnan(read_trial(path).trajectories.xyz[0, :, 0]).tolist() == [False, True]
     path.write_text(table[:-2], "utf-8")
     trial = read_trial(path)
     assert np.isnan(trial.trajectories.xyz[0, :, 0]).tolist() == [False] * 4 + [True] and "line 6" in trial.notes[0]

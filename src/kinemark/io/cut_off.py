@@ -42,18 +42,18 @@ def without_cut_row(
         partial: whether to read what there is.
 
     Raises:
-        KinemarkError: the last row lacks cells, and `partial` is false.
+        KinemarkError: the last row lacks cells, and `partial` is false or it is the only one.
     """
     *others, last = body or [(0, [])]
     if ends or not body:
         return list(body), ()
     line, cells = last
     if len(cells) < wide:
-        if not partial:
+        if not (partial and others):
             raise bad_line(path, line, f"has {len(cells)} cells, wanted {wide}, for the file is cut off. {AGAIN}")
         return others, (f"line {line} is cut off and left out",)
     column = [_decimals(row[wide - 1]) for _, row in others if len(row) >= wide and row[wide - 1]]
-    if wide > 3 and len(column) > 1 and cells[wide - 1] and _decimals(cells[wide - 1]) < min(column):
+    if wide > 3 and column and cells[wide - 1] and _decimals(cells[wide - 1]) < min(column):
         note = f"the file ends within line {line}, maybe within its last number, whose sample counts as missing"
         return [*others, (line, [*cells[: wide - 1], "", *cells[wide:]])], (note,)
     return list(body), ()

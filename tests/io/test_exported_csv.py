@@ -130,3 +130,20 @@ def _without(text, word):
 def test_what_is_no_such_file_is_refused(tmp_path, text, says):
     with pytest.raises(KinemarkError, match=says):
         read_trial(written(tmp_path / "a.csv", text))
+
+
+@pytest.mark.parametrize("made", [nexus, lambda walk: motive(walk, unit="Millimeters")], ids=["Nexus", "Motive"])
+def test_rows_before_the_end_of_a_file_that_is_cut_off_are_read_when_asked(tmp_path, made):
+    text = made(walk(1))
+    path = written(tmp_path / "a.csv", text[: text.rindex("\n27,")] + "\n27,0,1.5")
+    with pytest.raises(KinemarkError, match=r"is cut off.*--partial"):
+        read_trial(path)
+    read = read_trial(path, partial=True)
+    assert any("is cut off and left out" in note for note in read.notes)
+    np.testing.assert_allclose(read.trajectories.xyz, walk(1).xyz[:, :26], atol=1e-3, rtol=0)
+
+
+def test_a_heading_of_motive_without_frames_is_refused(tmp_path):
+    text = motive(walk(0))
+    with pytest.raises(KinemarkError, match="no frames"):
+        read_trial(written(tmp_path / "a.csv", text[: text.index("\n0,") + 1]))

@@ -69,3 +69,30 @@ def test_what_is_no_whole_export_is_refused_with_what_to_do(tmp_path, change, sa
     (tmp_path / "a.tsv").write_text(change(tsv()), "utf-8")
     with pytest.raises(KinemarkError, match=says):
         read_trial(tmp_path / "a.tsv")
+
+
+@pytest.mark.parametrize(("kept", "frames", "lost"), [(0.55, 5, 0), (1.0, 12, 0), (-5, 12, 1)])
+def test_what_is_left_of_a_file_that_is_cut_off_is_read_when_asked(tmp_path, kept, frames, lost):
+    """Whole rows, and of the last row all but a number that may have lost digits."""
+    text = tsv()
+    cut = text[: int(kept * len(text))] if kept > 0 else text[:kept]
+    (tmp_path / "a.tsv").write_text(cut, "utf-8")
+    trial = read_trial(tmp_path / "a.tsv", partial=True)
+    found, whole = trial.trajectories.xyz, places().transpose(1, 0, 2)[:, :frames]
+    assert found.shape[1] == frames
+    assert np.isnan(found).any(2).sum() == np.isnan(whole).any(2).sum() + lost
+    known = np.isfinite(found)
+    np.testing.assert_array_equal(found[known], whole[known])
+    assert bool(trial.notes) == (kept != 1.0)
+
+
+def test_the_date_of_a_recording_is_kept(tmp_path):
+    (tmp_path / "a.tsv").write_text(tsv(), "utf-8")
+    assert read_trial(tmp_path / "a.tsv").about["date"] == "2020-01-01T10:00:00"
+
+
+def test_a_file_that_ends_within_its_first_row_holds_nothing(tmp_path):
+    text = tsv()
+    (tmp_path / "a.tsv").write_text(text[: text.index("1\t0.00000") + 12], "utf-8")
+    with pytest.raises(KinemarkError, match="cut off"):
+        read_trial(tmp_path / "a.tsv", partial=True)

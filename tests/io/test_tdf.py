@@ -226,6 +226,23 @@ def test_every_truncation_is_refused(tmp_path):
             read_tdf(part)
 
 
+@pytest.mark.parametrize("form", [1, 3])
+def test_what_is_whole_of_a_file_that_is_cut_off_is_read_when_asked(tmp_path, form):
+    """Blocks before its end, and tracks that stand one after the other; all else is named."""
+    blocks = sorted(WHOLE, key=lambda block: block[0] == 5)  # tracks last
+    blocks[-1] = (5, form, tracks_block(form, XYZ, ["a", "", "c"]))
+    whole = read_tdf(write(tmp_path / "a.tdf", *blocks))
+    (tmp_path / "cut.tdf").write_bytes((tmp_path / "a.tdf").read_bytes()[:-8])
+    found = read_tdf(tmp_path / "cut.tdf", partial=True)
+    assert same((found.rig, found.detections, found.analog), (whole.rig, whole.detections, whole.analog))
+    (said,) = (note for note in found.notes if note.startswith("unreadable"))
+    if form == 1:
+        assert "tracks 3 to 3 of 3" in said
+        assert np.array_equal(found.trajectories.xyz, whole.trajectories.xyz[:2], equal_nan=True)
+    else:
+        assert found.trajectories is None and "the tracks (block 5)" in said
+
+
 def test_damage_is_read_or_refused_but_never_crashes(tmp_path):
     data = write(tmp_path / "a.tdf", *WHOLE).read_bytes()
     rng, part, refused = np.random.default_rng(1), tmp_path / "part.tdf", 0

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, same
 from kinemark.io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from kinemark.io.trc import read_trc, read_trc_trial, write_trc
+from kinemark.io.trial import read_trial
 from support.examples import examples
 from support.shared import shared_data
 from support.trc_dialects import DIALECTS, TrcText, written_as
@@ -245,7 +246,7 @@ def test_a_file_that_ends_within_a_row_is_read_in_part_and_a_cut_number_is_no_me
     write_trc(path, Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip("AB", xyz, strict=True)), 50.0))
     path.write_text(path.read_text()[:-left_off])
     if frames < 20:
-        with pytest.raises(KinemarkError, match=r"line 26: is cut off.*--partial"):
+        with pytest.raises(KinemarkError, match=r"line 26: .*cut off.*--partial"):
             read_trc(path)
     trial = read_trc_trial(path, partial=True)
     assert trial.trajectories.n_frames == frames and "line 26" in trial.notes[0]
@@ -291,3 +292,21 @@ def test_a_rate_of_0_is_none_and_the_times_count(tmp_path):
     write_trc(path, markers(0))
     changed(path, 3, lambda s: s.replace("50.0", "0", 1))
     assert read_trc(path).rate == 50.0
+
+
+def test_a_csv_that_ends_within_a_row_is_read_in_part_when_asked(tmp_path):
+    """A last number that may have lost digits is no measurement."""
+    table = "frame,time_s,a_x_mm,a_y_mm,a_z_mm\n" + "".join(f"{f},{f / 100},1.25,2.25,3.25\n" for f in range(1, 6))
+    path = tmp_path / "a.csv"
+    path.write_text(table[:-12], "utf-8")
+    with pytest.raises(KinemarkError, match=r"line 6: has . cells, wanted 5.*cut off.*--partial"):
+        read_trial(path)
+    assert read_trial(path, partial=True).trajectories.n_frames == 4
+    two = "".join(table.splitlines(keepends=True)[:3])
+    path.write_text(two[:-2], "utf-8")  # one row tells how many digits there are
+    assert np.isnan(read_trial(path).trajectories.xyz[0, :, 0]).tolist() == [False, True]
+    path.write_text(table[:-2], "utf-8")
+    trial = read_trial(path)
+    assert np.isnan(trial.trajectories.xyz[0, :, 0]).tolist() == [False] * 4 + [True] and "line 6" in trial.notes[0]
+    path.write_text(table[:-1], "utf-8")
+    assert np.isfinite(read_trial(path).trajectories.xyz).all()

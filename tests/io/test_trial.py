@@ -251,3 +251,27 @@ def test_what_is_known_of_a_capture_goes_along(tmp_path):
     assert dict(read_trial(tmp_path / "b.c3d").about) == {}
     notes = write_trial(trial, tmp_path / "a.trc")
     assert ("about the capture", tuple(about)) in {(note.what, note.names) for note in notes}
+
+
+@pytest.mark.parametrize(
+    ("name", "stated"),
+    [
+        ("a.tdf", {"rate_hz": 2 * RATE}), ("a.tdf", {"length_unit": "mm"}), ("a.csv", {"length_unit": "m"}),
+        ("trial.h5", {"rate_hz": 2 * RATE}), ("tracks.h5", {"rate_hz": 2 * RATE}), ("trial.h5", {"length_unit": "m"}),
+    ],
+)  # fmt: skip
+def test_what_a_file_states_itself_is_not_passed_over(tmp_path, name, stated):
+    """Where a rate or a unit that the caller states would change nothing, that is said."""
+    FILES[name](tmp_path / name)
+    flag = "--rate-hz" if "rate_hz" in stated else "--length-unit"
+    with pytest.raises(KinemarkError, match=flag):
+        read_trial(tmp_path / name, **stated)
+    own = {"a.tdf": "m"}.get(name, "mm")
+    assert is_the_trial(read_trial(tmp_path / name, rate_hz=RATE, length_unit=own).trajectories)
+
+
+def test_a_csv_of_one_frame_says_that_its_rate_is_lost(tmp_path):
+    notes = write_trial(Trial("a", MARKERS.frames(0, 1)), tmp_path / "a.csv")
+    assert [note.what for note in notes] == ["the rate"]
+    assert not write_trial(Trial("a", MARKERS.frames(0, 2)), tmp_path / "b.csv")
+    assert not write_trial(Trial("a", MARKERS.frames(0, 1)), tmp_path / "a.trc")

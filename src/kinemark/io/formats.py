@@ -35,7 +35,7 @@ from .number_text import bad_line, read_text
 from .possible_places import with_possible_places
 from .qualisys_tsv import read_qualisys_tsv
 from .tdf import Tdf, read_tdf
-from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
+from .trajectories_csv import read_csv_trial, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
 
 Content = Literal["trajectories", "detections", "rig"]
@@ -89,10 +89,31 @@ class Format(NamedTuple):
     Attributes:
         read: gives the record of a file.
         write: for each content that the format holds, writes it and returns what it could not hold.
+        own_unit: of length, where the format fixes it; its files state their rate too, and no caller may state others.
     """
 
     read: Callable[[Path, ReadOptions], Any]
     write: Mapping[Content, Callable[[Path, Any], tuple[FileNote, ...]]] = {}
+    own_unit: str = ""
+
+
+def _unheeded(path: Path, options: ReadOptions, unit: str, rate: float | None = None) -> None:
+    """Raises KinemarkError where the caller states otherwise what a file states itself, and nothing would change."""
+    for what, own, said, flag in (
+        ("unit of length", unit, options.length_unit, "--length-unit"),
+        ("rate in Hz", rate, options.rate_hz, "--rate-hz"),
+    ):
+        if None not in (own, said) and own != said:
+            raise KinemarkError(
+                f"{path} states its own {what}, {own}, which {flag} {said} does not change. Leave it out."
+            )
+
+
+def _rate_of(found: Any) -> float | None:
+    """Frames a second of a record; None where it has none."""
+    parts = (getattr(found, name, None) for name in ("trajectories", "detections", "cloud"))
+    owner = next((part for part in parts if part is not None), found)
+    return getattr(owner, "rate", None)
 
 
 def _csv(path: Path, options: ReadOptions) -> Any:
@@ -101,22 +122,24 @@ def _csv(path: Path, options: ReadOptions) -> Any:
     first_line = text.lstrip("\r\n\t,; ").split("\n", 1)[0]
     for says, read in ((is_motive, read_motive_csv), (is_nexus, read_nexus_csv)):
         if says(first_line):
-            return read(path, rate_hz=options.rate_hz, length_unit=options.length_unit)
+            return read(path, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial)
     if layout_of(path) is not None:
         return read_named_detections(path, rate=options.rate_hz or UNKNOWN_RATE)
     head = text.split("\n", 1)[0]
     found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else options.what
+    if "_x_mm" in head:
+        _unheeded(path, options, "mm")
     if found == "detections":
         return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)
     if found == "trajectories" or head.startswith("frame"):
-        return Trial(path.stem, read_trajectories_csv(path, rate=options.rate_hz))
+        return read_csv_trial(path, rate=options.rate_hz, partial=options.partial)
     if not any(character.isdigit() for character in head.split(",")[0]):
         raise bad_line(path, 1, f"{head.strip()[:60]!r} is the heading of no table that is known. {TABLES}")
     return read_dlt_csv(path)
 
 
 def _tdf(path: Path, options: ReadOptions) -> Tdf:
-    return read_tdf(path)
+    return read_tdf(path, partial=options.partial)
 
 
 def _toml(path: Path, options: ReadOptions) -> Rig | Rods:
@@ -190,6 +213,12 @@ def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:
     return (*left, FileNote("not_written", "rate and names of markers"))
 
 
+def _write_csv(path: Path, trial: Trial) -> tuple[FileNote, ...]:
+    """Markers with their times, of which one alone does not tell the rate."""
+    left = _markers_only(write_trajectories_csv)(path, trial)
+    return (*left, FileNote("not_written", "the rate")) if trial.trajectories.n_frames == 1 else left
+
+
 def _write_dlt(path: Path, rig: Rig) -> None:
     """Eleven parameters a camera, for mm; refused where a lens would be lost."""
     if bent := [camera.name for camera in rig if camera.distortion.any()]:
@@ -222,23 +251,27 @@ FORMATS: dict[str, Format] = {
         lambda p, options: read_c3d(p, units=options.length_unit, rate_hz=options.rate_hz, partial=options.partial),
         {"trajectories": write_c3d},
     ),
-    ".tdf": Format(_tdf),
+    ".tdf": Format(_tdf, own_unit="m"),
     ".trc": Format(
         lambda p, options: read_trc_trial(
             p, length_unit=options.length_unit, rate_hz=options.rate_hz, partial=options.partial
         ),
         {"trajectories": _markers_only(write_trc)},
     ),
-    ".tsv": Format(lambda p, options: read_qualisys_tsv(p, rate_hz=options.rate_hz, length_unit=options.length_unit)),
+    ".tsv": Format(
+        lambda p, options: read_qualisys_tsv(
+            p, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial
+        )
+    ),
     ".csv": Format(
         _csv,
         {
-            "trajectories": _markers_only(write_trajectories_csv),
+            "trajectories": _write_csv,
             "detections": _whole(write_detections_csv),
             "rig": _whole(_write_dlt),
         },
     ),
-    ".h5": Format(_load, {"trajectories": _save, "detections": _save}),
+    ".h5": Format(_load, {"trajectories": _save, "detections": _save}, own_unit="mm"),
     ".tdc": Format(_tdc, {"trajectories": _write_tdc}),
     ".toml": Format(_toml, {"rig": _whole(_write_rig)}),
 }
@@ -265,11 +298,14 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
     """What a file holds, as the record that fits: `Trial`, `Tdf`, `Rig`, `Detections`, …; an array for DLT parameters.
 
     Raises:
-        KinemarkError: the kind of file is not known, or the file is absent or damaged.
+        KinemarkError: the kind of file is not known, or the file is absent, damaged, or states itself what the options
+            state of it.
     """
     ending = path.suffix.lower()
     if ending in FORMATS:
         found = FORMATS[ending].read(path, options)
+        if unit := FORMATS[ending].own_unit:
+            _unheeded(path, options, unit, _rate_of(found))
         return with_possible_places(found) if isinstance(found, Trial) else found
     if ending in IMAGES:
         from .images import open_images

@@ -26,6 +26,7 @@ from ..data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ..data.array_types import Floats
 from ..data.trial import UP
 from .c3d.points import distinct
+from .cut_off import Row, ends_its_line, without_cut_row
 from .number_text import bad_line, first_frame, numbers
 from .trajectories_csv import csv_rows
 from .units import USUAL_UNITS, mm_per
@@ -62,20 +63,23 @@ def is_motive(first_line: str) -> bool:
     return first_line.strip().strip('"').lower().startswith(SIGN)
 
 
-def read_motive_csv(path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None) -> Trial:
+def read_motive_csv(
+    path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None, partial: bool = False
+) -> Trial:
     """Measured markers of a CSV that Motive exported, mm, y upwards.
 
     Args:
         path: the file.
         rate_hz: frames a second; length_unit: "mm", "cm", "m" or "in": where the file is silent or wrong about them.
+        partial: read what there is of a file that is cut off within a row.
 
     Raises:
-        KinemarkError: the file is absent or malformed, has no measured markers, leaves frames out, or tells no unit or
-            rate.
+        KinemarkError: the file is absent, malformed or cut off, has no measured markers, leaves frames out, or tells no
+            unit or rate.
     """
     rows = csv_rows(path)
     top = _heading(path, rows)
-    body = [(line, cells) for line, cells in rows if line > top.line]
+    body, lost = _body(path, rows, top, partial)
     lines = [line for line, _ in body]
     cells = [[cell.replace(",", ".") for cell in row] for _, row in body]
     at = _markers(path, top)
@@ -89,7 +93,10 @@ def read_motive_csv(path: Path | str, *, rate_hz: float | None = None, length_un
     names = distinct([_name(top.names[k]) for k in at], len(at), "*")
     paths = tuple(MarkerTrajectory.measured(name, x) for name, x in zip(names, xyz, strict=True))
     return Trial(
-        Path(path).stem, Trajectories(paths, rate, first), about={UP: "+Y"}, notes=(*notes, *odd, *_left(top), TELLS_UP)
+        Path(path).stem,
+        Trajectories(paths, rate, first),
+        about={UP: "+Y"},
+        notes=(*lost, *notes, *odd, *_left(top), TELLS_UP),
     )
 
 
@@ -105,6 +112,14 @@ def _heading(path: Path | str, rows: Sequence[tuple[int, list[str]]]) -> Heading
     first = [cell.strip().strip('"') for cell in rows[0][1]]
     values = {name.lower(): value for name, value in zip(first[::2], first[1::2], strict=False)}
     return Heading(values, kinds, names, what, axes, rows[frame][0])
+
+
+def _body(path: Path | str, rows: Sequence[Row], top: Heading, partial: bool) -> tuple[list[Row], tuple[str, ...]]:
+    """The rows below the heading, and a note of a last one that is cut off."""
+    body = [row for row in rows if row[0] > top.line]
+    if not body:
+        raise KinemarkError(f"{path} has a heading and no frames. Export it again.")
+    return without_cut_row(path, body, len(top.axes), ends=ends_its_line(path), partial=partial)
 
 
 def _markers(path: Path | str, top: Heading) -> list[int]:

@@ -23,6 +23,7 @@ import numpy as np
 from ..data import Analog, Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ..data.array_types import Floats
 from .c3d.points import distinct
+from .cut_off import ends_its_line, without_cut_row
 from .number_text import bad_line, first_frame, numbers
 from .trajectories_csv import csv_rows
 from .units import USUAL_UNITS, mm_per
@@ -64,28 +65,38 @@ def is_nexus(first_line: str) -> bool:
     return first_line.strip().strip(",;\t").strip().lower() in TITLES
 
 
-def read_nexus_csv(path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None) -> Trial:
+def read_nexus_csv(
+    path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None, partial: bool = False
+) -> Trial:
     """Markers in mm, channels and events of a CSV that Nexus exported.
 
     Args:
         path: the file.
         rate_hz: frames a second; length_unit: "mm", "cm", "m" or "in": where the file is wrong about them.
+        partial: read what there is of a file that is cut off within a row.
 
     Raises:
-        KinemarkError: the file is absent or malformed, has no trajectories, leaves frames out, or has another unit.
+        KinemarkError: the file is absent, malformed or cut off, has no trajectories, leaves frames out, or has another
+            unit.
     """
     blocks = _blocks(path)
     named = {block.title.lower(): block for block in blocks}
     if MARKERS not in named:
         have = ", ".join(block.title for block in blocks)
         raise KinemarkError(f"{path} holds {have}, and no Trajectories. Export it again with these.")
-    table = _table(path, named[MARKERS])
+    ends = ends_its_line(path)
+    tables = {
+        title: _table(path, block, ends=ends or block is not blocks[-1], partial=partial)
+        for title, block in named.items()
+        if title in (MARKERS, DEVICES)
+    }
+    table, lost = tables[MARKERS]
     trajectories, odd = _trajectories(path, table, rate_hz, length_unit)
-    devices = _table(path, named[DEVICES]) if DEVICES in named else None
+    devices, lost_too = tables.get(DEVICES, (None, ()))
     analog = (_channels(devices, trajectories),) if devices is not None else ()
     events = _events(path, named[EVENTS]) if EVENTS in named else Events()
     left = [block.title for block in blocks if block.title.lower() not in (MARKERS, DEVICES, EVENTS)]
-    notes = (*odd, *(f"the block {title} is not read" for title in left))
+    notes = (*lost, *lost_too, *odd, *(f"the block {title} is not read" for title in left))
     return Trial(Path(path).stem, trajectories, analog, events=events, notes=notes)
 
 
@@ -100,8 +111,8 @@ def _blocks(path: Path | str) -> list[Block]:
     return blocks
 
 
-def _table(path: Path | str, block: Block) -> Table:
-    """The rate, the headings and the numbers of a block."""
+def _table(path: Path | str, block: Block, *, ends: bool, partial: bool) -> tuple[Table, tuple[str, ...]]:
+    """The rate, the headings and the numbers of a block, and a note of a last row that is cut off."""
     if len(block.rows) < 4:
         line = block.rows[-1][0] if block.rows else 1
         raise bad_line(path, line, f"{block.title} ends before its first row. Export the file again.")
@@ -114,9 +125,12 @@ def _table(path: Path | str, block: Block) -> Table:
     axes = [cell.strip() for cell in axes]
     while axes and not axes[-1]:
         axes.pop()
-    width, lines = len(axes), [line for line, _ in rows]
+    width = len(axes)
+    rows, lost = without_cut_row(path, rows, width, ends=ends, partial=partial)
+    lines = [line for line, _ in rows]
     cells = [[cell.replace(",", ".") for cell in row] for _, row in rows]
-    return Table(rate, _cells(names, width), axes, _cells(units, width), lines, numbers(path, lines, cells, width))
+    values = numbers(path, lines, cells, width)
+    return Table(rate, _cells(names, width), axes, _cells(units, width), lines, values), lost
 
 
 def _positive(text: str) -> float | None:

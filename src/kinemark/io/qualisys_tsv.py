@@ -26,6 +26,7 @@ import numpy as np
 from ..data import Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ..data.array_types import Floats
 from .c3d.points import distinct
+from .cut_off import AGAIN, ends_its_line, without_cut_row
 from .number_text import bad_line, first_frame, numbers, read_text
 from .units import USUAL_UNITS, mm_per
 
@@ -45,12 +46,15 @@ class Lines(NamedTuple):
     rows: list[tuple[int, list[str]]]
 
 
-def read_qualisys_tsv(path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None) -> Trial:
-    """Markers in mm and events of a TSV that Qualisys Track Manager exported.
+def read_qualisys_tsv(
+    path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None, partial: bool = False
+) -> Trial:
+    """Markers in mm, events and date of a TSV that Qualisys Track Manager exported.
 
     Args:
         path: the file.
         rate_hz: frames a second; length_unit: "mm", "cm", "m" or "in": where the file is wrong about them.
+        partial: read what there is of a file that holds less than its heading says, or is cut off within a row.
 
     Raises:
         KinemarkError: the file is absent, malformed or cut off, or holds no markers.
@@ -66,14 +70,14 @@ def read_qualisys_tsv(path: Path | str, *, rate_hz: float | None = None, length_
         raise KinemarkError(f"{path} has a heading and no frames. Export it again.")
     if (mm := mm_per(length_unit or "mm")) is None:
         raise KinemarkError(f"The unit {length_unit!r} is none. Wanted is {USUAL_UNITS}.")
-    lines, before, values = _table(path, found, len(names))
+    lines, before, values, lost = _table(path, found, len(names), partial)
     first, odd = first_frame(path, lines, values[:, 0]) if before else (1, ())
     xyz = values[:, before:].reshape(len(values), -1, 3)
     xyz[(xyz == 0).all(-1) | np.isnan(xyz).any(-1)] = np.nan
     called = distinct(names, len(names), "*")
     paths = tuple(MarkerTrajectory.measured(name, xyz[:, k] * mm) for k, name in enumerate(called))
     trajectories = Trajectories(paths, _rate(path, found, rate_hz), first)
-    return Trial(Path(path).stem, trajectories, events=_events(found), notes=odd)
+    return Trial(Path(path).stem, trajectories, events=_events(found), about=_about(found), notes=(*lost, *odd))
 
 
 def holds_markers(path: Path) -> bool:
@@ -112,8 +116,8 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _table(path: Path | str, found: Lines, n: int) -> tuple[list[int], int, Floats]:
-    """Numbers of the lines, columns before the markers, and the values (F, columns).
+def _table(path: Path | str, found: Lines, n: int, partial: bool) -> tuple[list[int], int, Floats, tuple[str, ...]]:
+    """Numbers of the lines, columns before the markers, the values (F, columns), and what the file lacks.
 
     Raises:
         KinemarkError: the file has other columns or fewer frames than it says.
@@ -122,13 +126,17 @@ def _table(path: Path | str, found: Lines, n: int) -> tuple[list[int], int, Floa
     before = (2 if "Time" in found.heading[:2] else 1) if "Frame" in found.heading[:1] else max(widths) - 3 * n
     if before not in (0, 1, 2):
         raise bad_line(path, found.rows[0][0], f"has {max(widths)} cells, wanted {3 * n} for the {n} MARKER_NAMES.")
-    cells = [["" if c.strip().upper() in EMPTY else c.replace(",", ".") for c in row] for _, row in found.rows]
-    lines, width = [line for line, _ in found.rows], before + 3 * n
+    width = before + 3 * n
+    rows, lost = without_cut_row(path, found.rows, width, ends=ends_its_line(path), partial=partial)
+    cells = [["" if c.strip().upper() in EMPTY else c.replace(",", ".") for c in row] for _, row in rows]
+    lines = [line for line, _ in rows]
     cut = [row[:width] if not any(c.strip() for c in row[width:]) else row for row in cells]
     stated = _whole(found.values.get("NO_OF_FRAMES"))
     if stated is not None and len(cut) < stated:
-        raise KinemarkError(f"{path} has {len(cut)} frames, its heading says {stated}. Copy or export it again.")
-    return lines, before, numbers(path, lines, cut, width)
+        if not partial:
+            raise KinemarkError(f"{path} has {len(cut)} frames, its heading says {stated}. {AGAIN}")
+        lost = (*lost, f"the heading says {stated} frames, the table has {len(cut)}; all of the table is read")
+    return lines, before, numbers(path, lines, cut, width), lost
 
 
 def _whole(cells: Sequence[str] | None) -> int | None:
@@ -147,6 +155,12 @@ def _rate(path: Path | str, found: Lines, said: float | None) -> float:
     if not 0 < rate < math.inf:
         raise KinemarkError(f"{path} states a FREQUENCY of {text or 'nothing'}. State it with --rate-hz.")
     return rate
+
+
+def _about(found: Lines) -> dict[str, str]:
+    """When it was recorded: "2020-01-31, 10:11:12" and, behind it, a counter of the system's."""
+    text = (found.values.get("TIME_STAMP") or [""])[0].strip()
+    return {"date": text.replace(", ", "T")} if text else {}
 
 
 def _events(found: Lines) -> Events:

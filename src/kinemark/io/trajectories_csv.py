@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..data import KinemarkError, Trajectories
+from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.array_types import Floats
 from .c3d.points import distinct
 from .csv_table import write_table
+from .cut_off import ends_its_line, without_cut_row
 from .number_text import bad_line, numbers, plain, read_text, separator, whole
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
@@ -24,23 +25,31 @@ UNEVEN, ROUNDED = 1.5, 0.01
 """A step of time above UNEVEN times the mean step and ROUNDED s is a jump; chosen, times are rounded to 0.01 s."""
 
 
-def read_trajectories_csv(path: Path | str, *, rate: float | None = None) -> Trajectories:
+def read_trajectories_csv(path: Path | str, *, rate: float | None = None, partial: bool = False) -> Trajectories:
     """Markers in mm from a CSV file.
 
     Args:
         path: the file.
         rate: Hz; without it, frames over time of the first and last row, to twelve digits.
+        partial: read what there is of a file that is cut off within a row.
 
     Raises:
-        KinemarkError: the file is absent or malformed, a frame is left out, or nothing tells the rate: the times do not
-            rise, or jump.
+        KinemarkError: the file is absent, malformed or cut off, a frame is left out, or nothing tells the rate: the
+            times do not rise, or jump.
     """
+    return read_csv_trial(path, rate=rate, partial=partial).trajectories
+
+
+def read_csv_trial(path: Path | str, *, rate: float | None = None, partial: bool = False) -> Trial:
+    """As `read_trajectories_csv`, with its errors; what was odd in the file stands in the notes of the trial."""
     rows = list(csv_rows(path))
     if not rows:
         raise KinemarkError(f"{path} has no header line. Check the path.")
     names = markers(path, rows[0][1])
-    at = [k for k, _ in rows[1:]]
-    table = numbers(path, at, [cells for _, cells in rows[1:]], 2 + 3 * len(names))
+    wide = 2 + 3 * len(names)
+    body, notes = without_cut_row(path, rows[1:], wide, ends=ends_its_line(path), partial=partial)
+    at = [k for k, _ in body]
+    table = numbers(path, at, [cells for _, cells in body], wide)
     frame = whole(path, at, table[:, 0], "frame")
     if (jump := np.flatnonzero(np.diff(frame) != 1)).size:
         raise bad_line(path, at[int(jump[0]) + 1], "the frame does not follow the one before. Export every frame.")
@@ -48,7 +57,7 @@ def read_trajectories_csv(path: Path | str, *, rate: float | None = None) -> Tra
     xyz = table[:, 2:].reshape(len(table), len(names), 3).transpose(1, 0, 2)
     first = int(frame[0]) if len(frame) else 1
     paths = (MarkerPath.measured(n, x) for n, x in zip(distinct(names, len(names), "*"), xyz, strict=True))
-    return Trajectories(tuple(paths), rate, first)
+    return Trial(Path(path).stem, Trajectories(tuple(paths), rate, first), notes=notes)
 
 
 def csv_rows(path: Path | str) -> list[tuple[int, list[str]]]:

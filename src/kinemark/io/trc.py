@@ -19,9 +19,10 @@ import numpy as np
 from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
+from .cut_off import AGAIN
 from .files import write_text
 from .number_text import bad_line, first_frame, plain, read_text
-from .trc_table import AGAIN, HEADINGS, ORIGINAL, TrcTable, parse_trc
+from .trc_table import HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL_UNITS, mm_per
 
 SMALL = 20.0

@@ -18,13 +18,12 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from .cut_off import without_cut_row
 from .number_text import bad_line, numbers
 from .units import mm_per
 
 HEADINGS = ("DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units")
 ORIGINAL = ("OrigDataRate", "OrigDataStartFrame", "OrigNumFrames")
-AGAIN = "Copy or export it again, or write what is left to another file: kinemark convert FROM TO --partial."
-"""What helps with a file that is cut off."""
 MOST_LINES = 20
 """Lines within which a table begins; chosen, the format has 5 or 6."""
 AXIS = re.compile(r"[_ .:-]?[xyz]\d*$", re.IGNORECASE)
@@ -84,7 +83,8 @@ def parse_trc(path: Path | str, text: str, *, partial: bool = False) -> TrcTable
     names = names_of(rows[naming].cells[lead:], (width - lead) // 3)
     wide = lead + 3 * max(len(names), 1)
     ends = text.endswith(("\n", "\r"))
-    body, notes = (body, ()) if ends else _as_cut_off(path, body, wide, partial)
+    kept, notes = without_cut_row(path, body, wide, ends=ends, partial=partial)
+    body = [Line(*row) for row in kept]
     whole, short = _filled_up(body, wide, ends=ends)
     table = numbers(path, [row.number for row in whole], [row.cells for row in whole], wide)
     if lead == 1:
@@ -177,35 +177,6 @@ def names_of(cells: Sequence[str], columns: int) -> tuple[str, ...]:
 def _in_threes(names: Sequence[str]) -> bool:
     """Whether each name stands three times."""
     return len(names) % 3 == 0 and all(len(set(names[i : i + 3])) == 1 for i in range(0, len(names), 3))
-
-
-def _as_cut_off(path: Path | str, body: list[Line], wide: int, partial: bool) -> tuple[list[Line], tuple[str, ...]]:
-    """The rows of a file that does not end its last line, which may be cut off: what there is of it, and a note.
-
-    A last number with fewer decimals than any other of its column has may have lost digits: its sample is missing.
-
-    Raises:
-        KinemarkError: the row lacks cells, and `partial` is false.
-    """
-    if not body:
-        return body, ()
-    *others, last = body
-    if len(last.cells) < wide:
-        if not partial:
-            what = f"is cut off: the file ends after {len(last.cells)} of {wide} cells."
-            raise bad_line(path, last.number, f"{what} {AGAIN}")
-        return others, (f"line {last.number} is cut off and left out",)
-    column = [_decimals(row.cells[wide - 1]) for row in others if len(row.cells) >= wide and row.cells[wide - 1]]
-    if wide > 3 and len(column) > 1 and last.cells[wide - 1] and _decimals(last.cells[wide - 1]) < min(column):
-        kept = Line(last.number, [*last.cells[: wide - 1], ""])
-        note = f"the file ends within line {last.number}, maybe within its last number, whose sample counts as missing"
-        return [*others, kept], (note,)
-    return body, ()
-
-
-def _decimals(text: str) -> int:
-    """How many digits a number has after its point."""
-    return len(text.partition(".")[2])
 
 
 def _filled_up(body: Sequence[Line], wide: int, *, ends: bool) -> tuple[list[Line], int]:

@@ -20,12 +20,14 @@ def read_trial(
 
     Args:
         path: the file.
-        rate_hz: frames a second, where the file is silent or wrong about it (CSV, TDC, TRC, C3D).
-        length_unit: "mm", "cm", "m" or "in", where a C3D or TRC file is silent or wrong about it.
-        partial: read what there is of a C3D or TRC file that is cut off or damaged; the trial's notes say what is not.
+        rate_hz: frames a second, where the file is silent or wrong about it; not of TDF and HDF5.
+        length_unit: "mm", "cm", "m" or "in", where the file is silent or wrong about it; not of TDF, HDF5 and our CSV.
+        partial: read what there is of a file that is cut off or damaged; the trial's notes say what is not. HDF5 has
+            no parts that could be read.
 
     Raises:
         KinemarkError: the file is absent, damaged, of no known kind, holds something else, or states no possible rate.
+            Or it states itself what the caller states.
     """
     path = Path(path)
     if rate_hz is not None and not 0 < rate_hz < math.inf:

@@ -74,3 +74,14 @@ def test_empty_channels_and_no_channels():
     assert on_frames((), 100.0, 5) == (None, ())
     whole, notes = on_frames((Analog(("x",), ("V",), 333.0, np.zeros((1, 0))),), 100.0, 5)
     assert whole.values.shape == (1, 20) and np.isnan(whole.values).all() and not notes
+
+
+@pytest.mark.parametrize("rate", [59.94, 119.88, 23.976, 100 / 3, 66.6667])
+@pytest.mark.parametrize("samples", [3, 5, 10, 20])
+def test_stored_rates_have_a_whole_ratio_for_readers_that_round_it_down(tmp_path, rate, samples):
+    """Rates are stored in single precision; ezc3d takes the whole part of their ratio as the samples of a frame."""
+    channels = Analog(("a",), ("V",), rate * samples, np.zeros((1, 4 * samples)))
+    marker = MarkerTrajectory.measured("m", np.ones((4, 3)))
+    write_c3d(tmp_path / "a.c3d", Trial("a", Trajectories((marker,), rate), analog=(channels,)))
+    doc = read_c3d(tmp_path / "a.c3d").source
+    assert int(doc.number("ANALOG", "RATE", 0) / doc.number("POINT", "RATE", 1)) == samples == doc.samples

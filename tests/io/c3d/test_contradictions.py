@@ -111,6 +111,25 @@ def test_an_offset_of_0x8000_says_that_channels_are_unsigned(order, stated):
     assert np.abs(np.diff(trial.analog[0].values)).max() < 400 * 0.01
 
 
+@pytest.mark.parametrize("order", list(ByteOrder))
+def test_an_offset_beyond_signed_numbers_says_so_also_as_a_float(order):
+    doc, wanted = unsigned_document(order, "")
+    doc = with_parameters(doc, "ANALOG", [Parameter.real("OFFSET", [40000.0] + [32768.0] * (len(doc.analog) - 1))])
+    trial = trial_of(decode_document(encode_document(replace(doc, analog=doc.analog % 65536)), name="made"), name="t")
+    assert np.allclose(trial.analog[0].values[0], wanted[0] - 7232 * np.float32(0.01), atol=1e-3)
+    assert np.allclose(trial.analog[0].values[1:], wanted[1:], atol=1e-4)
+
+
+@pytest.mark.parametrize(("stated", "noted"), [(50.0, True), (np.nan, False), (0.0, False), (200.01, False)])
+def test_two_frame_rates_are_noted(stated, noted):
+    doc = document_of(made_trial())
+    raw = bytearray(encode_document(replace(doc, rate=200.0, groups=with_parameters(
+        doc, "POINT", [Parameter.real("RATE", 200.0)]).groups)))  # fmt: skip
+    raw[20:24] = encode_floats(np.array([stated]), doc.order).tobytes()
+    found = decode_document(bytes(raw), name="made")
+    assert found.rate == 200.0 and any("50 Hz" in note and "200" in note for note in found.notes) == noted
+
+
 def test_signed_is_signed_when_the_file_says_so():
     doc, _ = unsigned_document(ByteOrder.INTEL, "")
     doc = with_parameters(doc, "ANALOG", [Parameter.text("FORMAT", "SIGNED")])

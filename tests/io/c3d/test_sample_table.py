@@ -67,6 +67,18 @@ def test_covariances_and_origins_come_back(order, floats, shape, first, poses, s
     assert same(again.trajectories, back.frames(0, n // 2 + 1).trajectories)
 
 
+@pytest.mark.parametrize("order", list(ByteOrder))
+@pytest.mark.parametrize("floats", [True, False])
+def test_a_coordinate_just_below_zero_does_not_lose_the_covariances(order, floats):
+    """Rounded to a count, or stored as −0, it comes back as 0."""
+    xyz = np.array([[-1e-9, 200.0, 300.0], [-0.0, 201.0, 301.0]])
+    cov = np.broadcast_to(np.eye(3), (2, 3, 3))
+    path = replace(MarkerTrajectory.measured("m", xyz), cov=cov)
+    doc = document_of(Trial("t", Trajectories((path,), 100.0)), order=order, floats=floats)
+    back = trial_of(decode_document(encode_document(doc), name="m"), name="m")
+    assert np.array_equal(back.trajectories["m"].cov, cov) and not back.notes
+
+
 def simple(n, m, first):
     xyz = np.random.default_rng(n).normal(0, 500, (m, n, 3)).astype(np.float32)
     return Trial(

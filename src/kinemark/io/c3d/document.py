@@ -117,12 +117,12 @@ def has_unsigned_analog(doc: C3D) -> bool:
     """Whether analog integers, and their offsets, run from 0 to 65 535.
 
     ANALOG:FORMAT says it. Where it is absent an offset of 0x8000 does, which is the middle of unsigned numbers; as a
-    signed one it would lie at the end of the range.
+    signed one it would lie at the end of the range. So does an offset stored as a float beyond the signed numbers.
     """
     if stated := doc.texts("ANALOG", "FORMAT")[:1]:
         return stated[0].upper() == "UNSIGNED"
-    offsets = [p for p in doc.series("ANALOG", "OFFSET") if p.values.dtype == np.int16]
-    return any((p.values == HALF).any() for p in offsets)
+    offsets = [p.values for p in doc.series("ANALOG", "OFFSET")]
+    return any((v == HALF if v.dtype == np.int16 else (v > -HALF - 1) & (v < -2 * HALF)).any() for v in offsets)
 
 
 def _bits(word: Floats) -> tuple[Ints, Bools]:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...data import KinemarkError
 from ..files import read_bytes
 from ..notes import UNREADABLE
+from .analog_rates import SAME_RATE
 from .document import C3D, has_unsigned_analog
 from .header import C3DHeader, byte_order, decode_header, parameter_offset
 from .layout import Layout, layout_of
@@ -171,6 +172,9 @@ def _oddities(doc: C3D, header: C3DHeader, layout: Layout, end: int, rest: int) 
         for what, (taken, ours, theirs) in said.items()
         if ours != taken or theirs not in (None, taken)
     ]
+    rates = (header.rate, doc.number("POINT", "RATE", header.rate))
+    if abs(rates[0] - rates[1]) > SAME_RATE * max(rates) and min(rates) > 0:
+        notes.append(f"frame rate: the header says {rates[0]:g} Hz, POINT:RATE {rates[1]:g}; taken as {doc.rate:g}")
     if not doc.groups:
         notes.append("no parameters; all is taken from the header")
     if rest:

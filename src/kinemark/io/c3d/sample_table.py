@@ -114,7 +114,7 @@ def _markers(doc: C3D) -> Bools:
 
 
 def _checksum(samples: Samples, own: Bools) -> int:
-    """Of the positions, in single precision; all missing ones alike."""
-    positions = samples.xyz[own].astype("<f4")
+    """Of the positions, in single precision; all missing ones alike, and zeros, whose sign integers do not keep."""
+    positions = samples.xyz[own].astype("<f4") + np.float32(0.0)
     positions[np.isnan(positions)] = np.float32(1e30)
     return zlib.crc32(positions.tobytes())

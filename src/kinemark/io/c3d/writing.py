@@ -89,10 +89,20 @@ def with_counts(doc: C3D) -> C3D:
     if frames > 65535 or doc.get("POINT", "LONG_FRAMES") is not None:
         point.append(Parameter.real("LONG_FRAMES", frames))
     doc = with_parameters(doc, "POINT", point)
-    analog = [Parameter.whole("USED", layout.channels), Parameter.real("RATE", doc.rate * layout.samples)]
+    analog = [Parameter.whole("USED", layout.channels), Parameter.real("RATE", _analog_rate(doc.rate, layout.samples))]
     doc = with_parameters(doc, "ANALOG", analog)
     trial = [Parameter.whole(f"ACTUAL_{which}_FIELD", n) for which, n in zip(("START", "END"), ends, strict=True)]
     return with_parameters(doc, "TRIAL", trial)
+
+
+def _analog_rate(rate: float, samples: int) -> np.float32:
+    """Of channels with so many samples a frame, Hz: not below so many times the frames' rate as it is stored.
+
+    Some readers round the ratio of the two down and would leave out a sample of every frame.
+    """
+    least = float(np.float32(rate)) * samples
+    near = np.float32(least)
+    return near if float(near) >= least else np.nextafter(near, np.float32(np.inf))
 
 
 def _in_blocks(raw: bytes) -> bytes:

@@ -76,7 +76,7 @@ class Tdf:
     notes: tuple[str, ...] = ()
 
 
-def read_tdf(path: Path | str, *, parts: Collection[str] | None = None) -> Tdf:
+def read_tdf(path: Path | str, *, parts: Collection[str] | None = None, partial: bool = False) -> Tdf:
     """Read a TDF file.
 
     Lengths become mm; the world keeps the file's axes, in which **Y points up**. Cameras are called `cam1`, `cam2`, …
@@ -87,6 +87,7 @@ def read_tdf(path: Path | str, *, parts: Collection[str] | None = None) -> Tdf:
         path: the file.
         parts: what to read; blocks that are not asked for are not looked at. Where it is not given, all that can be
             read is, and `notes` says what cannot.
+        partial: read the blocks that are whole in a file that is cut off.
 
     Raises:
         ValueError: `parts` has a name that is not in `TDF_PARTS`.
@@ -97,7 +98,7 @@ def read_tdf(path: Path | str, *, parts: Collection[str] | None = None) -> Tdf:
         raise ValueError(f"parts has {sorted(unknown)}, wanted some of {', '.join(TDF_PARTS)}")
     # damaged files hold signalling NaN, which would warn before it is found and refused
     with np.errstate(invalid="ignore", over="ignore"):
-        return checked(path, parsed(open_tdf(path), parts))
+        return checked(path, parsed(open_tdf(path, partial=partial), parts))
 
 
 def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:

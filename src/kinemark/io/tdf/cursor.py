@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from ...data import KinemarkError
+from ..cut_off import AGAIN
 from ..files import read_bytes
 
 SIGNATURE = bytes.fromhex("824b6041d31184ca6000b6ac16680c08")
@@ -39,7 +40,10 @@ class UnreadableBlock(KinemarkError):
 
 @dataclass(slots=True)
 class Cursor:
-    """A place in one block; every read is checked against the block's end. `notes` has what was odd in it."""
+    """A place in one block; every read is checked against the block's end.
+
+    `notes` has what was odd in it, `cut` whether the file ends before it does.
+    """
 
     name: str
     data: memoryview
@@ -47,6 +51,7 @@ class Cursor:
     file_size: int
     at: int = 0
     notes: list[str] = field(default_factory=list)
+    cut: bool = False
 
     def take(self, dtype: DTypeLike, n: int = 1) -> NDArray[Any]:
         """The next n values.
@@ -109,8 +114,8 @@ class TdfFile(NamedTuple):
     about: dict[str, str]
 
 
-def open_tdf(path: Path | str) -> TdfFile:
-    """A TDF file, whose blocks are not yet read.
+def open_tdf(path: Path | str, *, partial: bool = False) -> TdfFile:
+    """A TDF file, whose blocks are not yet read; where `partial`, also one that ends within a block or before it.
 
     Raises:
         KinemarkError: the file is absent, empty, truncated, or no TDF of version 1.
@@ -130,13 +135,13 @@ def open_tdf(path: Path | str) -> TdfFile:
     about = {"date": datetime.fromtimestamp(made, UTC).isoformat()[:19]} if made > EARLIEST else {}
     for i, (kind, form, offset, size) in enumerate(entries.tolist()):
         if form != 0 and kind not in found:
-            if offset < HEADER or size < 0 or offset + size > len(data):
+            if offset < HEADER or size < 0 or (offset + size > len(data) and not partial):
                 raise KinemarkError(
                     f"{path} is truncated: its block of type {kind} lies at bytes {offset} … {offset + size}, "
-                    f"the file has {len(data)}. Copy it again."
+                    f"the file has {len(data)}. {AGAIN}"
                 )
             name = f"{path}: the block of type {kind}"
-            found[kind] = Cursor(name, data[offset : offset + size], form, len(data))
+            found[kind] = Cursor(name, data[offset : offset + size], form, len(data), cut=offset + size > len(data))
             at = HEADER + i * ENTRY + 32
             if comment := _text(bytes(data[at : at + 256])):
                 about[f"comment on block {kind}"] = comment

@@ -18,7 +18,8 @@ import numpy as np
 
 from ...data import Analog, Events, ForcePlate, MarkerTrajectory, Trajectories
 from ...data.array_types import Floats, Ints
-from .cursor import Cursor
+from ..notes import UNREADABLE
+from .cursor import Cursor, UnreadableBlock
 
 WRENCH = ("Fx", "Fy", "Fz", "Px", "Py", "Mz")
 UNITS = ("N", "N", "N", "mm", "mm", "N·m")
@@ -74,8 +75,15 @@ def trajectories(cursor: Cursor) -> Trajectories:
 
 
 def tracks(cursor: Cursor, n: int, n_frames: int) -> tuple[list[str], list[Floats]]:
-    """Labels and (F, 3) m of n tracks, one after the other."""
-    pairs = [(cursor.text(), by_track(cursor, n_frames, 3)) for _ in range(n)]
+    """Labels and (F, 3) m of n tracks, one after the other; of a block that is cut off those that are whole."""
+    pairs: list[tuple[str, Floats]] = []
+    try:
+        for _ in range(n):
+            pairs.append((cursor.text(), by_track(cursor, n_frames, 3)))
+    except UnreadableBlock:
+        if not cursor.cut or not pairs:
+            raise
+        cursor.notes.append(f"{UNREADABLE}tracks {len(pairs) + 1} to {n} of {n} (block 5), for the file ends")
     return [name for name, _ in pairs], [xyz for _, xyz in pairs]
 
 

@@ -96,13 +96,16 @@ def _chain(pairs: list[tuple[int, int]]) -> list[tuple[int, int]]:
 def pair_delay(a: Floats, b: Floats, good: float = np.inf) -> float | None:
     """By how many images b (F, K, 2) was taken later than a, by (2) and (3); None where the wand does not tell.
 
-    S must be `good`, px², there, or `UNLIKE` times less than as they are: a slow wand may look much the same at another
-    time, and another's images look a little like it at some.
+    S must be `good`, px², there, or, if it is so nowhere, `UNLIKE` times less than as they are: a wand may look much
+    the same at another time, and another's images look a little like it at some.
     """
-    good = max(good, _cost(a, b, 0.0, QUICK) / UNLIKE)
-    found = (_whole_delay(a, b, min(most, len(a) // 4)) for most in WITHIN)
-    best = next((delay for S, delay in filter(None, found) if good >= S), None)
-    if best is None:
+    clear = [(np.inf, 0.0)]
+    for most in WITHIN:
+        clear.append(_whole_delay(a, b, min(most, len(a) // 4)) or clear[0])
+        if clear[-1][0] <= good:
+            break
+    least, best = min(clear)
+    if not least <= max(good, _cost(a, b, 0.0, QUICK) / UNLIKE):
         return None
     whole, at_whole = best, _cost(a, b, best)
     for step in STEPS:

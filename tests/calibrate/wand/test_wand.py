@@ -6,8 +6,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from kinemark.calibrate.bundle import Bundle
+from kinemark.calibrate.bundle import Bundle, calibrate_sticks, from_sizes
 from kinemark.calibrate.bundle.from_sizes import odd_one
+from kinemark.calibrate.bundle.initial import growth
 from kinemark.calibrate.wand import Wand, calibrate_wand, thinned
 from kinemark.calibrate.wand.completion import completed
 from kinemark.calibrate.wand.ends import best_signs, pair_evidence
@@ -22,7 +23,7 @@ from kinemark.calibrate.wand.identify import (
 )
 from kinemark.calibrate.wand.lengths import wand_lengths
 from kinemark.calibrate.wand.rows import read_rows
-from kinemark.data import Detections, KinemarkError
+from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.detect import detect
 from kinemark.geometry import project, rigid_align, triangulate, undistort
 from kinemark.geometry.sphere_offset import sphere_offset
@@ -424,6 +425,36 @@ def test_the_camera_that_is_mirrored_or_another_one_is_named(lengths, c, wrong):
         calibrate_wand(bad, lengths=lengths, sizes=[camera.size for camera in rig])
     named = {camera.name for camera in rig if camera.name in str(error.value)}
     assert named == {rig[c].name}
+
+
+def row_of_eight():
+    """Cameras side by side."""
+    at = [(1200.0 + 700.0 * c, 1000.0 + 100.0 * (c % 3), 1200.0 + 80.0 * c) for c in np.arange(-3.5, 4.0)]
+    looking = [([x, -3000.0, z], [to, 700.0, 850.0]) for x, z, to in at]
+    cameras = [look_at(f"cam{c + 1}", *each, focal_px=1000.0) for c, each in enumerate(looking)]
+    return Rig(tuple(cameras), "row", ring(4).volume)
+
+
+@pytest.mark.parametrize("c", [2, 4])
+def test_a_mirrored_camera_in_a_row_is_named_by_three_pairs(monkeypatch, c):
+    """By a pair with it any other camera seems mirrored; by pairs without it, always this one."""
+    rig, observed = waved([150.0, 350.0], rig=row_of_eight(), frames=120, seed=2)
+    uv = observed.sight.uv.transpose(0, 2, 1, 3) + np.random.default_rng(c).normal(0, 0.1, (8, 120, 3, 2))
+    uv[c, ..., 0] = rig[c].size[0] - 1 - uv[c, ..., 0]
+    begun = []
+    monkeypatch.setattr(growth, "grow", lambda *of, grow=growth.grow: begun.append(of) or grow(*of))
+    with pytest.raises(KinemarkError, match=f"Camera cam{c + 1} sees the others' points mirrored"):
+        calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])
+    assert len(begun) < growth.SEEDS
+
+
+def test_another_ones_images_are_told_before_anything_is_adjusted_to_them(monkeypatch):
+    rig, observed = waved([150.0, 350.0], cameras=5, frames=120, seed=4)
+    uv = observed.sight.uv.transpose(0, 2, 1, 3) + np.random.default_rng(0).normal(0, 0.1, (5, 120, 3, 2))
+    uv[3] = uv[3, ::-1]
+    monkeypatch.setattr(from_sizes, "adjusted", None)
+    with pytest.raises(KinemarkError, match=r"Camera cam4 does not fit the others: .* of its points lie beside"):
+        calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])
 
 
 @pytest.mark.parametrize("mirrored_too", [False, True])

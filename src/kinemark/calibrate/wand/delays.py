@@ -99,33 +99,39 @@ def pair_delay(a: Floats, b: Floats, good: float = np.inf) -> float | None:
     S must be `good`, px², there, or, if it is so nowhere, `UNLIKE` times less than as they are: a wand may look much
     the same at another time, and another's images look a little like it at some.
     """
-    clear = [(np.inf, 0.0)]
+    found = [(np.inf, 0.0)]
     for most in WITHIN:
-        clear.append(_whole_delay(a, b, min(most, len(a) // 4)) or clear[0])
-        if clear[-1][0] <= good:
+        found.append(_delay_within(a, b, min(most, len(a) // 4)) or found[0])
+        if found[-1][0] <= good:
             break
-    least, best = min(clear)
-    if not least <= max(good, _cost(a, b, 0.0, QUICK) / UNLIKE):
+    least, delay = min(found)
+    return delay if least <= max(good, _cost(a, b, 0.0, QUICK) / UNLIKE) else None
+
+
+def _delay_within(a: Floats, b: Floats, most: int) -> tuple[float, float] | None:
+    """S, px², and the delay at which it is least, of so many images at most; None where the wand does not tell."""
+    if (whole := _whole_delay(a, b, most)) is None:
         return None
-    whole, at_whole = best, _cost(a, b, best)
+    best, at_whole = whole, _cost(a, b, whole)
     for step in STEPS:
         before, at, after = (_cost(a, b, best + s) for s in (-step, 0.0, step))
         bend = before - 2 * at + after
         if not bend > 0:  # nan where the recording ends there
             break
         best += float(np.clip(step * (before - after) / (2 * bend), -step, step))  # (3)
-    return best if _cost(a, b, best) * PARTS < at_whole else whole
+    least = _cost(a, b, best)
+    return (least, best) if least * PARTS < at_whole else (at_whole, whole)
 
 
-def _whole_delay(a: Floats, b: Floats, most: int) -> tuple[float, float] | None:
-    """The least S, px², and its delay in whole images; None where it is not clear, or may be beyond."""
+def _whole_delay(a: Floats, b: Floats, most: int) -> float | None:
+    """The delay in whole images at which S is least; None where it is not clear, or may be beyond."""
     shifts = np.arange(-most, most + 1)
     costs = np.array([_cost(a, b, float(d), QUICK) for d in shifts])
     if not np.isfinite(costs).any():
         return None
     best = int(np.nanargmin(costs))
     clear = 0 < best < 2 * most and costs[best] * CLEAR < np.nanmedian(costs)
-    return (float(costs[best]), float(shifts[best])) if clear else None
+    return float(shifts[best]) if clear else None
 
 
 def _costs(uv: Floats, chain: list[tuple[int, int]], delay: float) -> Floats:

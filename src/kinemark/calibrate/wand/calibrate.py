@@ -333,7 +333,7 @@ def _explained(
 
 def _beside(rows: Ints, c: int) -> Ints:
     """Camera c, of rows (C, F, K), and the `WITNESSES` that see the wand with it in most frames, in order."""
-    seen = (rows >= 0).all(2)
+    seen: Bools = np.asarray((rows >= 0).all(2))
     shared = (seen & seen[c]).sum(1)
     shared[c] = rows.shape[1] + 1
     return np.sort(np.argsort(-shared, kind="stable")[: 1 + WITNESSES])

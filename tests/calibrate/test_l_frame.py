@@ -106,3 +106,15 @@ def test_an_l_frame_in_no_frame_says_why(rig):
         resting_l_frame(rig, [FRAME[:2]] * 3, long=(200, 600), short=400)
     with pytest.raises(KinemarkError, match="No frame"):
         resting_l_frame(rig, [], long=(200, 600), short=400)
+
+
+@pytest.mark.parametrize("always", [False, True])
+def test_a_wrong_unit_is_told_beside_strays(rig, always):
+    """By a frame that shows the L-frame alone, or, as a unit is hardly matched by chance, beside strays as well."""
+    rng = np.random.default_rng(3)
+    seen = 0.1 * np.array([[0, 0, 0], [400, 0, 0], [0, 250, 0.0]]) + rng.normal(0, 0.03, (3, 3))
+    frames = [np.concatenate([seen, rng.uniform(-90, 90, (2 if always or f % 2 else 0, 3))]) for f in (1, 0, 1, 2, 3)]
+    with pytest.raises(KinemarkError, match=r"All are 0\.1\d* times as long, as if the lengths .* were stated in cm"):
+        resting_l_frame(rig, frames, long=400.0, short=250.0, tolerance=0.05)
+    with pytest.raises(KinemarkError, match="Check its lengths"):  # 1.3 times as long may be chance
+        resting_l_frame(rig, [13 * frame for frame in frames if len(frame) > 3], long=400.0, short=250.0)

@@ -94,17 +94,18 @@ def resting_l_frame(
 
     Raises:
         ValueError: as `l_frame`.
-        KinemarkError: as `l_frame`, of the first frame, where no frame shows it.
+        KinemarkError: as `l_frame`, where no frame shows it: of that with most nearly as many points as it has markers.
     """
     model = _model(long, short)
-    read, trouble = [], KinemarkError("No frame shows any marker.")
+    read, trouble = list[Floats](), list[tuple[int, KinemarkError]]()
     for f in evenly(len(frames), MOST_FRAMES):
         try:
             read.append(frames[f][_recognised(frames[f], model, tolerance, scale)])
         except KinemarkError as error:
-            trouble = error if not read else trouble
+            trouble.append((abs(int(np.isfinite(frames[f]).all(1).sum()) - len(model)), error))
     if not read:
-        raise trouble
+        nothing = KinemarkError("No frame shows any marker.")
+        raise min(trouble, key=lambda each: each[0], default=(0, nothing))[1]
     places = np.array(read)
     distance = np.linalg.norm(places - np.median(places, axis=0), axis=2).max(1)
     rests: Bools = distance <= max(MOVED * float(np.median(distance)), STILL * float(_distances(places).max()))
@@ -149,8 +150,7 @@ def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> li
     difference = np.abs(found - wanted).max(-1) / wanted.max()
     best = np.argsort(difference)[:2]
     if not difference[best[0]] <= tolerance:
-        alone = len(there) == len(model)  # among more points some are like it by chance
-        advice = _advice(found, wanted, tolerance if alone else 0.0)
+        advice = _advice(found, wanted, tolerance, alone=len(there) == len(model))
         raise KinemarkError(
             f"No {len(model)} of {len(there)} points have the L-frame's distances: the best are off by "
             f"{difference[best[0]] * wanted.max():.1f} mm. {advice}"
@@ -163,14 +163,18 @@ def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> li
     return [int(i) for i in choices[best[0]]]
 
 
-def _advice(found: Floats, wanted: Floats, tolerance: float) -> str:
-    """What to do where no choice of points has the wanted distances (d): found are those of each (n, d)."""
+def _advice(found: Floats, wanted: Floats, tolerance: float, *, alone: bool) -> str:
+    """What to do where no choice of points has the wanted distances (d): found are those of each (n, d).
+
+    Where the L-frame is not alone, some points are like it by chance, in some size, but hardly in that of a unit.
+    """
     times = (found * wanted).sum(-1) / (wanted**2).sum()
     off = np.abs(found - times[:, None] * wanted).max(-1) / np.maximum(times * wanted.max(), 1e-300)
     likest = np.argmin(off)
-    if off[likest] <= tolerance / 2:
+    unit = _as_if(times[likest])
+    if off[likest] <= tolerance / 2 and (alone or unit):
         return (
-            f"All are {times[likest]:.3f} times as long{_as_if(times[likest])}: correct lengths_mm of the wand, or the "
+            f"All are {times[likest]:.3f} times as long{unit}: correct lengths_mm of the wand, or the "
             "distance, that gives the scale, or arms_mm."
         )
     return "Check its lengths, and that all its markers are seen."

@@ -7,6 +7,7 @@ from kinemark.calibrate.wand import calibrate_wand
 from kinemark.calibrate.wand.delays import delays_between, seem_late
 from kinemark.calibrate.wand.identify import marker_places
 from kinemark.data import Detections
+from kinemark.geometry import project
 from kinemark.synth import observe, ring, wand
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
@@ -38,6 +39,26 @@ def test_pairs_tell_whole_images(late):
     _, _, uv = waved(500.0, [0, 0, late, 0], rate=25, frames=150, noise=0.1, seed=1)
     assert seem_late(uv)
     np.testing.assert_array_equal(delays_between(uv), [0, 0, late, 0])
+
+
+def rhythmic(late, *, beat, seed, frames=150, noise=0.2):
+    """Markers (C, F, K, 2) px of a wand that is waved nearly the same every `beat` images."""
+    rng = np.random.default_rng(seed)
+    phase, pace = rng.uniform(0, 2 * np.pi, 6), rng.uniform(0.3, 0.9, 6)
+    seen = []
+    for camera, d in zip(ring(len(late), distortion=LENS), late, strict=True):
+        f = np.arange(frames)[:, None] + d
+        x = np.sin([1, 2, 1, 1, 2, 1] * (2 * np.pi * f / beat) + phase) + 0.4 * np.sin(pace * f / 20 + phase)
+        centre = [1200, 700, 850] + [700, 400, 400] * x[:, :3]
+        direction = x[:, 3:] / np.linalg.norm(x[:, 3:], axis=1, keepdims=True)
+        seen.append(project(camera, centre[:, None] + np.array([-250, 250])[:, None] * direction[:, None]))
+    return np.array(seen) + rng.normal(0, noise, (len(late), frames, 2, 2))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_wand_waved_in_time_is_not_taken_for_the_same_a_beat_before(seed):
+    """10 images late look a little like 3 early, where nothing fits, and that is nearer."""
+    np.testing.assert_array_equal(delays_between(rhythmic([0, 0, 10, 0], beat=13, seed=seed)), [0, 0, 10, 0])
 
 
 def test_a_late_camera_that_sees_a_small_wand_in_noise_is_calibrated():

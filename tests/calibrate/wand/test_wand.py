@@ -1,19 +1,29 @@
 """Laws of the wand: which blob is which marker, and what the rig that follows from it is worth."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
 
-from kinemark.calibrate.bundle import Bundle
+from kinemark.calibrate.bundle import Bundle, calibrate_sticks, from_sizes
 from kinemark.calibrate.bundle.from_sizes import odd_one
+from kinemark.calibrate.bundle.initial import growth
 from kinemark.calibrate.wand import Wand, calibrate_wand, thinned
 from kinemark.calibrate.wand.completion import completed
 from kinemark.calibrate.wand.ends import best_signs, pair_evidence
-from kinemark.calibrate.wand.identify import at_rows, identify_wand, marker_places, wand_points, wanted
+from kinemark.calibrate.wand.identify import (
+    at_rows,
+    identify_wand,
+    marker_places,
+    read_wand,
+    wand_points,
+    wanted,
+    wrong_gaps,
+)
 from kinemark.calibrate.wand.lengths import wand_lengths
 from kinemark.calibrate.wand.rows import read_rows
-from kinemark.data import Detections, KinemarkError
+from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.detect import detect
 from kinemark.geometry import project, rigid_align, triangulate, undistort
 from kinemark.geometry.sphere_offset import sphere_offset
@@ -295,8 +305,8 @@ def test_what_cannot_be_is_told():
     sizes = [camera.size for camera in rig]
     with pytest.raises(KinemarkError, match=r"Camera cam3 sees the wand's 3 markers in 0 of 100 .* fewer than 3"):
         wand_points(blind(seen, 2, np.zeros(len(seen), bool)), lengths=lengths)
-    with pytest.raises(KinemarkError, match=r"first gap is 0\.4.* say 0\.71.*Measure"):
-        wand_points(seen, lengths=[250.0, 350.0])
+    with pytest.raises(KinemarkError, match=r"come out as 180\.\d \+ 4(19|20)\.\d mm, .* given as 250\.0 \+ 350"):
+        calibrate_wand(seen, lengths=[250.0, 350.0], sizes=sizes)
     with pytest.raises(KinemarkError, match=r"come out as 1(49|50)\.\d \+ .* given as 165\.5 \+ 334\.5 mm"):
         calibrate_wand(seen, lengths=[165.5, 334.5], sizes=sizes)
     with pytest.raises(KinemarkError, match=r"Camera cam1 .* more than 2 points.*wand with three"):
@@ -417,6 +427,36 @@ def test_the_camera_that_is_mirrored_or_another_one_is_named(lengths, c, wrong):
     assert named == {rig[c].name}
 
 
+def row_of_eight():
+    """Cameras side by side."""
+    at = [(1200.0 + 700.0 * c, 1000.0 + 100.0 * (c % 3), 1200.0 + 80.0 * c) for c in np.arange(-3.5, 4.0)]
+    looking = [([x, -3000.0, z], [to, 700.0, 850.0]) for x, z, to in at]
+    cameras = [look_at(f"cam{c + 1}", *each, focal_px=1000.0) for c, each in enumerate(looking)]
+    return Rig(tuple(cameras), "row", ring(4).volume)
+
+
+@pytest.mark.parametrize("c", [2, 4])
+def test_a_mirrored_camera_in_a_row_is_named_by_three_pairs(monkeypatch, c):
+    """By a pair with it any other camera seems mirrored; by pairs without it, always this one."""
+    rig, observed = waved([150.0, 350.0], rig=row_of_eight(), frames=120, seed=2)
+    uv = observed.sight.uv.transpose(0, 2, 1, 3) + np.random.default_rng(c).normal(0, 0.1, (8, 120, 3, 2))
+    uv[c, ..., 0] = rig[c].size[0] - 1 - uv[c, ..., 0]
+    begun = []
+    monkeypatch.setattr(growth, "grow", lambda *of, grow=growth.grow: begun.append(of) or grow(*of))
+    with pytest.raises(KinemarkError, match=f"Camera cam{c + 1} sees the others' points mirrored"):
+        calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])
+    assert len(begun) < growth.SEEDS
+
+
+def test_another_ones_images_are_told_before_anything_is_adjusted_to_them(monkeypatch):
+    rig, observed = waved([150.0, 350.0], cameras=5, frames=120, seed=4)
+    uv = observed.sight.uv.transpose(0, 2, 1, 3) + np.random.default_rng(0).normal(0, 0.1, (5, 120, 3, 2))
+    uv[3] = uv[3, ::-1]
+    monkeypatch.setattr(from_sizes, "adjusted", None)
+    with pytest.raises(KinemarkError, match=r"Camera cam4 does not fit the others: .* of its points lie beside"):
+        calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])
+
+
 @pytest.mark.parametrize("mirrored_too", [False, True])
 def test_of_three_cameras_that_any_two_of_fit_none_is_odd(mirrored_too):
     """Of three that all fit each other any could be left out: none is to blame."""
@@ -425,6 +465,28 @@ def test_of_three_cameras_that_any_two_of_fit_none_is_odd(mirrored_too):
     uv, along = wand_points(seen, lengths=[150.0, 350.0])[0], marker_places([150.0, 350.0])
     odd = odd_one(rig.names, [camera.size for camera in rig], uv, along=along, method=Bundle())
     assert odd == (rig[1].name if mirrored_too else None)
+
+
+def held_alike(lengths, axis, **of):
+    """A wand whose far end is never towards the side (3) on which the cameras are."""
+    subject = wand(marker_places(lengths), rate=25, **of)
+    first, last = subject.xyz[0], subject.xyz[-1]
+    towards = (last - first) @ axis
+    last = last - ((towards + np.abs(towards))[:, None] * axis)  # length and smoothness stay
+    share = marker_places(lengths)[:, None, None] / sum(lengths)
+    return replace(subject, xyz=first + share * (last - first))
+
+
+def test_right_gaps_that_depth_changes_in_all_images_are_no_wrong_gaps():
+    """A wand that is always held alike: its near gap looks longer in nearly all images of all cameras."""
+    lengths, axis = [560.0, 280.0], np.array([np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0])
+    rig = ring(4, radius=2000.0, focal_px=600.0, sweep_deg=50.0)
+    observed = observe(rig, held_alike(lengths, axis, duration_s=8, seed=5, volume=rig.volume), noise_px=0.1, seed=5)
+    fit = calibrate_wand(observed.detections, lengths=lengths, sizes=[camera.size for camera in rig])
+    assert max(camera.residual for camera in fit.rig) < 0.16
+    assert "gaps seen" not in fit.rig.method
+    seen = read_wand(observed.detections, wanted(observed.detections), marker_places(lengths)).ratio
+    assert "Measure" in wrong_gaps(seen, marker_places(lengths))  # so it would be said were there no cameras
 
 
 def test_equal_gaps_that_depth_makes_unequal_are_no_wrong_gaps():

@@ -19,11 +19,12 @@ from ..stage import CALIBRATE
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .camera_step import camera_step
 from .initial import TargetViews, start
+from .initial.growth import BENT
 from .initial.odd_camera import odd_camera
 from .initial.unknown_optics import UnknownOptics, unknown_optics
-from .misfit import Misfit
-from .parts import Sticks, complete
-from .solver import BundleState, Freedom, placed
+from .misfit import Misfit, NoBeginning
+from .parts import Sticks, all_points, complete
+from .solver import BundleState, Freedom, placed, residuals
 from .stick_gaps import seen_places
 
 BASE = 1000.0  # mm between the first two cameras where nothing has a length; a convention
@@ -34,6 +35,9 @@ OTHER_ORDER = 0.5
 benchmarks/bundle.py)."""
 ROUGH = 0.002
 """Of a stick's length; how well cameras of the first guess tell its gaps; chosen (see benchmarks/bundle.py)."""
+HOPELESS = 0.7
+"""Share of a camera's points that lie more than `growth.BENT` beside in the first guess; chosen: of a camera that was
+moved meanwhile a half fits, and of another one's images a fifth at most."""
 FINAL = 0.0002
 """The same of adjusted cameras, whose centroids may all be off alike; chosen (see benchmarks/bundle.py)."""
 
@@ -135,6 +139,7 @@ def _calibrated(
         places = seen_places(first.cameras, uv, along, least=ROUGH)
         if places is not along:
             first, noise = start(TargetViews(optics, uv, places), seed=method.seed, focal_known=held)
+    _check_beginning(first, uv)
     seen = observed(uv, cov)
     freedoms = tuple(_freedom(o, method, held) for o in optics)
     if lenses is None and method.radial == 0:  # the first guess has k1
@@ -221,6 +226,19 @@ def _with_seen_gaps(state: BundleState, uv: Floats) -> BundleState:
         return state
     places = seen_places(state.cameras, uv, part.along, least=FINAL)
     return state if places is part.along else state._replace(parts=(replace(part, along=places),))
+
+
+def _check_beginning(first: BundleState, uv: Floats) -> None:
+    """Raises a NoBeginning where a camera of the first guess has next to nothing to do with what is seen (C, N, 2)."""
+    seen = complete(uv) & complete(all_points(first.parts))
+    for camera, mine, off in zip(first.cameras, seen, residuals(first, uv), strict=True):
+        near = np.linalg.norm(off[mine], axis=1) <= BENT * np.hypot(*camera.size)  # not those behind it
+        if len(near) and (beside := 1 - near.mean()) > HOPELESS:
+            raise NoBeginning(
+                f"Camera {camera.name} does not fit the others: {beside:.0%} of its points lie beside where the others "
+                "see them. Check that it is synchronous and did not move, and that its images are neither mirrored nor "
+                "another camera's; or leave it out."
+            )
 
 
 def _check_found(rig: Rig, noise: float) -> None:

@@ -9,3 +9,14 @@ class Misfit(KinemarkError):
 
 class NoBeginning(Misfit):
     """There are not even cameras to begin with, that might tell since when they do not fit."""
+
+
+class Mirrored(NoBeginning):
+    """A camera sees the points of the others mirrored, from whichever pair of them they come."""
+
+    def __init__(self, camera: str) -> None:
+        super().__init__(
+            f"Camera {camera} sees the others' points mirrored. Check that its images are neither mirrored nor another "
+            "camera's, that it is synchronous, and the order of its points; or leave it out."
+        )
+        self.camera = camera

@@ -35,7 +35,7 @@ from ..bundle.adjust import check_calibration
 from ..bundle.camera_step import CameraStep, camera_step
 from ..bundle.from_sizes import odd_one
 from ..bundle.initial.view_pairs import ENOUGH, weakest_link
-from ..bundle.misfit import Misfit, NoBeginning
+from ..bundle.misfit import Mirrored, Misfit, NoBeginning
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
@@ -43,12 +43,13 @@ from ..stage import CALIBRATE
 from .completion import completed
 from .direction import from_other_end, looks_alike
 from .film_delays import WandFit, with_delays
-from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
+from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
 from .moved_camera import step_of_part, step_words
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
 CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
+WITNESSES = 4  # cameras by which another is judged to have been moved, at most; chosen for speed
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
 SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
 
@@ -229,11 +230,19 @@ def _spread(detections: Detections, rows: Ints, sizes: Ints, most: int) -> Ints:
 
 
 def _first_rig(
-    detections: Detections, rows: Ints, sizes: Ints, along: Floats, method: Wand, lenses: Sequence[Camera] | None
+    detections: Detections,
+    rows: Ints,
+    sizes: Ints,
+    along: Floats,
+    method: Wand,
+    lenses: Sequence[Camera] | None,
+    few: Ints | None = None,
 ) -> tuple[Rig, Floats]:
-    """The cameras, and where the markers are along the wand by them (K) mm."""
+    """The cameras, or a few of them, and where the markers are along the wand by them (K) mm."""
+    few = np.arange(len(sizes)) if few is None else few
+    rows, sizes, names = rows[few], sizes[few], [detections.cameras[c] for c in few]
+    lenses = lenses and [lenses[c] for c in few]
     uv, cov = at_rows(detections, _first_poses(detections, rows, sizes))
-    names = detections.cameras
     plain = replace(method.bundle, usual_lens=False)  # else the final fit would be told of its lens what these tell
     return _rig_of(calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses), len(along))
 
@@ -305,15 +314,29 @@ def _explained(
     lenses: Sequence[Camera] | None,
 ) -> Misfit:
     """The error with what these detections tell of its cause."""
-    rows = identify_wand(detections, wanted(detections), along)
+    if isinstance(error, Mirrored):
+        return error
+    want = wanted(detections)
+    rows = identify_wand(detections, want, along)
     uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
     step = None
     if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
+        few = _beside(rows, detections.cameras.index(odd)) if odd else np.arange(2)
         step = step_of_part(
-            detections, rows, lambda part: _first_rig(detections, part, sizes, along, method, lenses)[0]
+            detections, rows, few, lambda part: _first_rig(detections, part, sizes, along, method, lenses, few)[0]
         )
+    if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
+        return Misfit(gaps)
     return Misfit(_misfit_words(str(error), step, odd))
+
+
+def _beside(rows: Ints, c: int) -> Ints:
+    """Camera c, of rows (C, F, K), and the `WITNESSES` that see the wand with it in most frames, in order."""
+    seen: Bools = np.asarray((rows >= 0).all(2))
+    shared = (seen & seen[c]).sum(1)
+    shared[c] = rows.shape[1] + 1
+    return np.sort(np.argsort(-shared, kind="stable")[: 1 + WITNESSES])
 
 
 def _misfit_words(error: str, step: CameraStep | None, odd: str | None) -> str:

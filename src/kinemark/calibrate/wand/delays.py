@@ -13,7 +13,8 @@ that is left of lenses and noise; elsewhere the wand's motion comes on top. Whol
 least, on the parabola through which S is least (3), in steps that become smaller. A pair tells something where S is
 `CLEAR` times less there than far from there, and parts of an image where S is `PARTS` times less than at the whole
 one: lenses, too, are fitted a little better at a wrong time. Cameras are chained by the pairs that share most frames (a
-spanning tree), and delays are given less their (lower) median, as most cameras are thought to be in time.
+spanning tree), those that fit as they are before others, and delays are given less their (lower) median, as most
+cameras are thought to be in time.
 """
 
 from __future__ import annotations
@@ -56,9 +57,11 @@ def delays_between(uv: Floats) -> Floats | None:
     Args:
         uv: NaN where not seen; markers in either order, in each image its own.
     """
-    delay: dict[int, float] = {}
-    for old, new in _chain(uv):
-        delay[new] = delay.setdefault(old, 0.0) + (pair_delay(uv[old], uv[new]) or 0.0)
+    pairs, delay = _pairs(uv), dict[int, float]()
+    as_they_are = _costs(uv, pairs, 0.0)
+    good = UNLIKE * max(float(np.fmin.reduce(as_they_are)), LEAST_SPREAD**2)
+    for old, new in _chain([pairs[i] for i in np.argsort(~(as_they_are <= good), kind="stable")]):
+        delay[new] = delay.setdefault(old, 0.0) + (pair_delay(uv[old], uv[new], good) or 0.0)
     found = np.array([delay[c] for c in range(len(uv))])
     found -= np.sort(found)[(len(found) - 1) // 2]
     found[np.abs(found) < LEAST] = 0.0
@@ -67,19 +70,22 @@ def delays_between(uv: Floats) -> Floats | None:
 
 def seem_late(uv: Floats) -> bool:
     """Whether a camera of (C, F, K, 2) px fits another much worse than others do, or better by its next image."""
-    chain = _chain(uv)
-    at, *beside = (np.array([_cost(uv[a], uv[b], d, QUICK) for a, b in chain]) for d in (0.0, -1.0, 1.0))
+    chain = _chain(_pairs(uv))
+    at, *beside = (_costs(uv, chain, d) for d in (0.0, -1.0, 1.0))
     if not np.isfinite(at).any():
         return False
     return bool(np.nanmax(at) > UNLIKE * max(np.nanmin(at), LEAST_SPREAD**2) or (np.fmin(*beside) < LATER * at).any())
 
 
-def _chain(uv: Floats) -> list[tuple[int, int]]:
-    """C − 1 pairs of cameras, of which the first is known from the pairs before, by the frames (C, F, K, 2) that most
-    share."""
+def _pairs(uv: Floats) -> list[tuple[int, int]]:
+    """All pairs of cameras, those that share most frames of (C, F, K, 2) first."""
     seen = np.isfinite(uv).all((2, 3))
     shared = np.einsum("if,jf->ij", seen, seen, dtype=np.int64)
-    pairs = sorted(combinations(range(len(uv)), 2), key=lambda pair: -shared[pair])
+    return sorted(combinations(range(len(uv)), 2), key=lambda pair: -shared[pair])
+
+
+def _chain(pairs: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """C − 1 of all pairs of cameras, of which the first is known from the pairs before, the first in order."""
     known, chain = {pairs[0][0]}, list[tuple[int, int]]()
     while new := next((pair for pair in pairs if (pair[0] in known) != (pair[1] in known)), None):
         chain.append(new if new[0] in known else new[::-1])
@@ -87,19 +93,34 @@ def _chain(uv: Floats) -> list[tuple[int, int]]:
     return chain
 
 
-def pair_delay(a: Floats, b: Floats) -> float | None:
-    """By how many images b (F, K, 2) was taken later than a, by (2) and (3); None where the wand does not tell."""
-    best = next((whole for most in WITHIN if (whole := _whole_delay(a, b, min(most, len(a) // 4))) is not None), None)
-    if best is None:
+def pair_delay(a: Floats, b: Floats, good: float = np.inf) -> float | None:
+    """By how many images b (F, K, 2) was taken later than a, by (2) and (3); None where the wand does not tell.
+
+    S must be `good`, px², there, or, if it is so nowhere, `UNLIKE` times less than as they are: a wand may look much
+    the same at another time, and another's images look a little like it at some.
+    """
+    found = [(np.inf, 0.0)]
+    for most in WITHIN:
+        found.append(_delay_within(a, b, min(most, len(a) // 4)) or found[0])
+        if found[-1][0] <= good:
+            break
+    least, delay = min(found)
+    return delay if least <= max(good, _cost(a, b, 0.0, QUICK) / UNLIKE) else None
+
+
+def _delay_within(a: Floats, b: Floats, most: int) -> tuple[float, float] | None:
+    """S, px², and the delay at which it is least, of so many images at most; None where the wand does not tell."""
+    if (whole := _whole_delay(a, b, most)) is None:
         return None
-    whole, at_whole = best, _cost(a, b, best)
+    best, at_whole = whole, _cost(a, b, whole)
     for step in STEPS:
         before, at, after = (_cost(a, b, best + s) for s in (-step, 0.0, step))
         bend = before - 2 * at + after
         if not bend > 0:  # nan where the recording ends there
             break
         best += float(np.clip(step * (before - after) / (2 * bend), -step, step))  # (3)
-    return best if _cost(a, b, best) * PARTS < at_whole else whole
+    least = _cost(a, b, best)
+    return (least, best) if least * PARTS < at_whole else (at_whole, whole)
 
 
 def _whole_delay(a: Floats, b: Floats, most: int) -> float | None:
@@ -111,6 +132,11 @@ def _whole_delay(a: Floats, b: Floats, most: int) -> float | None:
     best = int(np.nanargmin(costs))
     clear = 0 < best < 2 * most and costs[best] * CLEAR < np.nanmedian(costs)
     return float(shifts[best]) if clear else None
+
+
+def _costs(uv: Floats, chain: list[tuple[int, int]], delay: float) -> Floats:
+    """S of the pairs of a chain (C − 1), from few samples."""
+    return np.array([_cost(uv[a], uv[b], delay, QUICK) for a, b in chain])
 
 
 def _cost(a: Floats, b: Floats, delay: float, samples: int = SAMPLES) -> float:

@@ -60,7 +60,7 @@ def with_delays(detections: Detections, along: Floats, calibrated: Calibrated, *
 
 def _first_fit(detections: Detections, along: Floats, calibrated: Calibrated) -> tuple[WandFit, Floats]:
     """A fit, and the delays (C) with which it was made: those of pairs first, where cameras seem late by images."""
-    uv = at_rows(detections, read_wand(detections, wanted(detections), along)[0])[0]
+    uv = at_rows(detections, read_wand(detections, wanted(detections), along).rows)[0]
     late = seem_late(uv)
     if late and (found := _with_pair_delays(detections, uv, calibrated)):
         return found

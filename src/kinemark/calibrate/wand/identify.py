@@ -103,22 +103,29 @@ def wanted(detections: Detections) -> Wanted:
     return Wanted(use, crowded.sum(1), np.bincount(camera[still], minlength=len(counts)))
 
 
-def read_wand(detections: Detections, want: Wanted, along: Floats) -> tuple[Ints, Floats]:
-    """Step 3: the row of each marker (C, F, K), −1 where not seen, and the lead (C, F) of its direction; errors as in
-    `wand_points`."""
+class WandReading(NamedTuple):
+    """Step 3: the row of each marker (C, F, K), −1 where not seen; lead and ratio (C, F) as in `rows.Readings`."""
+
+    rows: Ints
+    lead: Floats
+    ratio: Floats
+
+
+def read_wand(detections: Detections, want: Wanted, along: Floats) -> WandReading:
+    """Step 3; errors as in `wand_points`."""
     rows = np.full((len(detections.cameras), detections.n_frames, len(along)), -1, np.int64)
     lead, ratio = np.zeros(rows.shape[:2]), np.full(rows.shape[:2], np.nan)
     for c in range(len(rows)):
         rows[c], lead[c], ratio[c] = _read_camera(detections, want.use, c, along)
-    _check_gaps(ratio, along)
-    _check_seen(detections, want, (rows[..., 0] >= 0).sum(1), len(along))
-    return rows, lead
+    reading = WandReading(rows, lead, ratio)
+    _check_seen(detections, want, reading, along)
+    return reading
 
 
 def identify_wand(detections: Detections, want: Wanted, along: Floats, cameras: Sequence[Camera] | None = None) -> Ints:
     """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen, with the cameras (C) where they are known;
     errors as in `wand_points`."""
-    rows, lead = read_wand(detections, want, along)
+    rows, lead, _ = read_wand(detections, want, along)
     if (lead[rows[..., 0] >= 0] < CERTAIN).any():
         turned, undecided = agreed_ends(at_rows(detections, rows)[0], lead, cameras)
         read = rows[..., 0]
@@ -163,40 +170,46 @@ def _read_camera(detections: Detections, use: Bools, c: int, along: Floats) -> t
     return rows, lead, ratio
 
 
-def _check_gaps(ratio: Floats, along: Floats) -> None:
-    """The gaps in the images are, on the median, in the proportion that they have on the wand.
+def wrong_gaps(ratio: Floats, along: Floats) -> str | None:
+    """That the gaps in the images are not, on the median, in the proportion that they have on the wand; None where
+    they are.
 
-    An image shows the proportion times the ends' depths, and not from which end. Where these outweigh how unequal the
-    gaps are, as of equal ones, nothing follows here: once there are cameras, `stick_gaps` tells.
+    An image shows the proportion times the ends' depths, and not from which end. A wand that is always held alike
+    shows another one in all images, so this explains why there are no cameras; it does not keep any from being looked
+    for. Once there are cameras, `stick_gaps` tells. Where depths outweigh how unequal the gaps are, as of equal ones,
+    nothing follows.
     """
     seen = np.abs(ratio[np.isfinite(ratio)])
     gaps = np.diff(along)
     if len(gaps) < 2 or len(seen) < FEWEST:
-        return
+        return None
     wanted_ratio = np.log(gaps[0] / gaps[-1])
     typical = float(np.median(seen))
     if abs(wanted_ratio) < CLEAR_ENDS * SD_PER_MEDIAN * np.median(np.abs(seen - typical)):
-        return
-    if abs(typical - abs(wanted_ratio)) > WRONG_GAPS:
-        found = np.exp(np.copysign(typical, wanted_ratio))
-        raise KinemarkError(
-            f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
-            f"median of {len(seen)} images, and the wand's lengths {', '.join(f'{mm:g}' for mm in gaps)} mm say "
-            f"{np.exp(wanted_ratio):.2f}. Measure the wand again, from centre to centre, and give its gaps in order. "
-            "If they are right, other points lie in a row: mask reflections, and wave longer where both its ends show."
-        )
+        return None
+    if abs(typical - abs(wanted_ratio)) <= WRONG_GAPS:
+        return None
+    found = np.exp(np.copysign(typical, wanted_ratio))
+    return (
+        f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
+        f"median of {len(seen)} images, and the wand's lengths {', '.join(f'{mm:g}' for mm in gaps)} mm say "
+        f"{np.exp(wanted_ratio):.2f}. Measure the wand again, from centre to centre, and give its gaps in order. "
+        "If they are right, other points lie in a row: mask reflections, and wave longer where both its ends show."
+    )
 
 
-def _check_seen(detections: Detections, want: Wanted, seen: Ints, K: int) -> None:
+def _check_seen(detections: Detections, want: Wanted, reading: WandReading, along: Floats) -> None:
     """Every camera sees the wand often enough."""
+    seen, K = (reading.rows[..., 0] >= 0).sum(1), len(along)
     if detections.n_frames < FEWEST:
         raise KinemarkError(
             f"The recording has {detections.n_frames} frames; {FEWEST} are needed. Wave the wand longer."
         )
     for c in np.flatnonzero(seen < FEWEST):
         raise KinemarkError(
-            f"Camera {detections.cameras[c]} sees the wand's {K} markers in {seen[c]} of {detections.n_frames} frames; "
-            f"{FEWEST} are needed. {_why_unseen(detections, want, int(c), K)}"
+            wrong_gaps(reading.ratio, along)
+            or f"Camera {detections.cameras[c]} sees the wand's {K} markers in {seen[c]} of {detections.n_frames} "
+            f"frames; {FEWEST} are needed. {_why_unseen(detections, want, int(c), K)}"
         )
 
 

@@ -19,10 +19,10 @@ PART = 0.45
 """Of the frames, at the beginning and at the end; chosen: a move is in one of them at most."""
 
 
-def step_of_part(detections: Detections, rows: Ints, first_rig: Callable[[Ints], Rig]) -> CameraStep | None:
-    """The move of a camera by the cameras of a part, from rows (C, F, K); None where no part shows one."""
+def step_of_part(detections: Detections, rows: Ints, few: Ints, first_rig: Callable[[Ints], Rig]) -> CameraStep | None:
+    """The move of one of a few cameras by their rig from a part of rows (C, F, K); None where no part shows one."""
     n = rows.shape[1]
-    uv = at_rows(detections, rows)[0]
+    uv = at_rows(detections, rows[few])[0]
     for part in (np.arange(n) < PART * n, np.arange(n) >= (1 - PART) * n):
         try:
             rig = first_rig(np.where(part[:, None], rows, -1))

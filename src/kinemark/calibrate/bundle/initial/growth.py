@@ -19,7 +19,7 @@ import numpy as np
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats, Ints
 from ....numerics.evenly import evenly
-from ..misfit import NoBeginning
+from ..misfit import Mirrored, NoBeginning
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
@@ -35,6 +35,7 @@ SEEDS = 8  # beginnings that are tried at most; chosen; seen by `benchmarks/bund
 AMPLE = 150  # points in common that are enough for a first guess; chosen for speed
 FEWEST_KNOWN = 12  # known points that a new camera must see; chosen: twice the six of a DLT (see benchmarks/bundle.py)
 GOOD = 2.0  # times the noise of two cameras alone, within which a start is taken at once; chosen
+BLAMED = 3  # pairs whose points one camera sees mirrored: it is the wrong one; chosen: a pair with it blames any other
 SAME = 0.01  # of the residuals by which those of one rig from the beginnings of two pairs differ; chosen
 BENT = 0.02
 """Of the image's diagonal; no right point is further off in the first guess; chosen (see benchmarks/bundle.py)."""
@@ -84,9 +85,11 @@ def best_start(views: TargetViews, pairs: list[Pair], *, focal_known: bool = Fal
     """Step 4, by the pairs of cameras whose lines are straightened, from so many beginnings at most.
 
     Raises:
+        Mirrored: by `BLAMED` pairs, and none fits.
         NoBeginning: nothing fits.
     """
     best: tuple[Start, Pair] | None = None
+    blamed: dict[str, set[tuple[int, int]]] = {}  # camera: by which pairs
     trouble = NoBeginning(
         "No focal lengths make sense of what any two cameras see. Check that points of one place have one index in all "
         "cameras and, for a stick, that its lengths are right and its ends are not mixed up. Cameras that face each "
@@ -97,6 +100,10 @@ def best_start(views: TargetViews, pairs: list[Pair], *, focal_known: bool = Fal
             found = grow(views, guess, pairs)
         except NoBeginning as error:
             trouble = error
+            if isinstance(error, Mirrored) and not best:
+                blamed.setdefault(error.camera, set()).add((guess.pair.a, guess.pair.b))
+                if len(blamed[error.camera]) == BLAMED:
+                    raise
             continue
         again = best and best[1] is not guess.pair and abs(found.scale / best[0].scale - 1) < SAME
         best = (found, guess.pair) if best is None or found.scale < best[0].scale else best

@@ -14,7 +14,7 @@ from ....data import Camera
 from ....data.array_types import Floats
 from ....geometry import decompose
 from ....numerics.robust import cauchy_weight
-from ..misfit import NoBeginning
+from ..misfit import Mirrored
 from ..parts import KnownPoints, complete
 from ..robust_adjustment import SOFT, solve_robust
 from ..solver import BundleState, Freedom, ImageObservations
@@ -47,7 +47,7 @@ def resected(optics: UnknownOptics, xyz: Floats, uv: Floats) -> Camera:
     P = _robust_projection(xyz, optics.ideal(uv) / f0)
     K, R, _ = decompose(P, front=np.median(xyz, axis=0))
     if K[1, 1] < 0:
-        raise NoBeginning(f"Camera {optics.camera.name} sees the others' points mirrored. Check their order.")
+        raise Mirrored(optics.camera.name)
     f = f0 * float(np.clip(np.sqrt(K[0, 0] * K[1, 1]), FOCUS[0], FOCUS[1]))
     t = _translation(R, xyz, optics.ideal(uv) / f)
     state = BundleState((optics.with_focus(f, R, t),), (KnownPoints(xyz),))

@@ -1,12 +1,19 @@
 """What is shown while a command works."""
 
 import time
+from contextlib import contextmanager, suppress
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinemark.apps.progress import ProgressLines, at_work
+from kinemark.apps.commands import analysis
+from kinemark.apps.commands import audit as audit_command
+from kinemark.apps.progress import ProgressLines, at_work, progress
+from kinemark.data import KinemarkError
 from kinemark.engine.progress import Watch
+from kinemark.io.trial import write_trial
+from support.trials import made_trial
 
 
 def lines(steps, every=10.0):
@@ -32,6 +39,39 @@ def test_short_commands_write_nothing():
 def test_each_stage_has_a_pace_of_its_own():
     steps = [(0, "detect", 0, 10), (60, "detect", 10, 10), (60, "track", 0, 10), (71, "track", 5, 10)]
     assert lines(steps) == ["detect: 10 of 10", "track: 5 of 10, about 11 s left"]
+
+
+def test_a_long_step_is_said_to_go_on():
+    """A pass of filling, or one camera's calibration, may take half a minute within a step."""
+    now, written = [0.0], []
+    tell = ProgressLines(written.append, clock=lambda: now[0], every=10.0)
+    tell("fill", 3, 9)
+    for now[0] in (4.0, 11.0, 12.0, 22.0):
+        tell.beat()
+    assert written == ["fill: 3 of 9, 11 s so far", "fill: 3 of 9, 22 s so far"]
+
+
+def test_where_no_step_comes_a_line_comes_by_itself(capsys):
+    with progress(every=0.02):
+        time.sleep(0.15)
+    assert set(capsys.readouterr().err.splitlines()) == {"at work: 0 s so far"}
+
+
+@pytest.mark.parametrize("command", ["audit", "gait", "angles"])
+def test_commands_that_take_long_on_one_file_tell_what_they_look_at(command, tmp_path, monkeypatch):
+    """On a terminal beside the spinner; else in the lines of `at_work`."""
+    said = []
+
+    @contextmanager
+    def heard(**_):
+        yield said.append
+
+    write_trial(made_trial(), tmp_path / "walk.c3d")
+    module = {"audit": audit_command}.get(command, analysis)
+    monkeypatch.setattr(module, "at_work", heard)
+    with suppress(KinemarkError, SystemExit):  # what becomes of it is no matter here
+        getattr(module, command)(tmp_path / "walk.c3d", **({"model": "um2as"} if command == "angles" else {}))
+    assert len(said) == 1 and str(tmp_path / "walk.c3d") in said[0]
 
 
 @given(st.lists(st.tuples(st.floats(0, 5), st.sampled_from("ab"), st.integers(0, 9), st.integers(0, 9)), max_size=40))

@@ -178,6 +178,21 @@ def test_cameras_and_trials_follow_from_names(naming, tmp_path):
     assert (str(session.settings.date) == "2026-05-03") == (naming == "date stamps")
 
 
+def test_folders_that_say_what_was_recorded_are_no_cameras(tmp_path):
+    """Cameras are bare numbers, and wand and walk are equally long: only the word says which of both is which."""
+    for name, c in ((name, c) for name in ("wand", "dyn1") for c in (1, 2, 3)):
+        clip(tmp_path / name / f"{c}.mkv", 20, seed=c)
+    found = propose_session(tmp_path)
+    assert (found.cameras, [one.path for one in found.trials]) == (("1", "2", "3"), ["dyn1/{camera}.mkv"])
+
+
+def test_images_that_cannot_be_opened_are_named(tmp_path):
+    for c in (1, 2):
+        clip(tmp_path / f"walk_cam{c}.mkv", 20, seed=c)
+    (tmp_path / "walk_cam3.mkv").write_bytes(b"")
+    assert "# walk_cam3.mkv cannot be opened: copy it again" in session_text(propose_session(tmp_path))
+
+
 @pytest.mark.parametrize("first", ["top", "bottom", ""])
 def test_fields_are_seen_in_what_moves(first, tmp_path):
     for c in (1, 2):

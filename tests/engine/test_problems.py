@@ -54,6 +54,31 @@ def test_what_is_seeded_is_listed_in_the_order_of_its_cost_and_nothing_else_is_l
     assert all(sum(way.probability for way in one.alternatives) == pytest.approx(1) for one in found)
 
 
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_an_exchange_there_and_back_is_settled_in_either_order(order, tmp_path):
+    """The later one first, the earlier claimed two joined markers as one, and some samples beside the joint stayed."""
+    trial, q = clean(), nearest(walk()[1], P, AT)
+    editing = editing_of(exchanged(exchanged(trial, P, q, AT), P, q, AT + 40), tmp_path)
+    for k in order:
+        one = next(one for one in asked(editing) if one.kind == "swap" and one.frame == AT + 1 + 40 * k)
+        editing.say(*one.alternatives[0].edits)
+    assert not asked(editing)
+    now = editing.edited().trajectories
+    assert all(np.array_equal(now[path.name].xyz, path.xyz) for path in trial)
+
+
+def test_what_was_mended_hides_no_other_fault_shortly_before_it(tmp_path):
+    """Two markers are exchanged for 0.18 s: once their way back was settled, the way there was not asked about."""
+    trial = replace(clean(), rate=200.0)
+    q = nearest(walk()[1], P, AT)
+    editing = editing_of(exchanged(exchanged(trial, P, q, AT), P, q, AT + 36), tmp_path)
+    for _ in range(2):
+        editing.say(*asked(editing)[0].alternatives[0].edits)
+    assert not asked(editing)
+    now = editing.edited().trajectories
+    assert all(np.array_equal(now[path.name].xyz, path.xyz) for path in trial)
+
+
 def test_what_is_not_worth_a_look_is_listed_once(tmp_path):
     """A step, a spike and a gap's edge of one stretch counted as three among the errors that are expected."""
     trial, rng = every(clean(), 4), np.random.default_rng(1)

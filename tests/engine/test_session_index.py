@@ -69,6 +69,18 @@ def test_a_trial_that_cannot_be_processed_keeps_the_index_from_nobody(tmp_path):
     assert html.count("not processed yet") == 1 and 'href="one/report.html"' in html
 
 
+def test_the_index_says_why_a_trial_could_not_be_processed(tmp_path):
+    """Also where its pages of an earlier run are there; it said "not processed yet", or the verdict of before."""
+    session = Session.open(session_of(tmp_path, more=SECOND.replace("one.h5", "two.h5")))
+    (tmp_path / "two.h5").write_bytes((tmp_path / "one.h5").read_bytes())
+    for _ in range(2):
+        session.run(keep_going=True)
+        html = (tmp_path / "results/index.html").read_text("utf-8")
+        (tmp_path / "two.h5").write_bytes(b"no detections")
+    assert "could not be processed: " in html and "two.h5" in html and "not processed yet" not in html
+    assert html.count('class="grade') == 1
+
+
 def test_subject_and_date_stand_on_every_page(tmp_path):
     done = Session.open(session_of(tmp_path, about=ABOUT, more="[fill]\n")).run()
     check_quality(done["one"].quality)

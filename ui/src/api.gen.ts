@@ -3812,6 +3812,8 @@ export interface components {
         /**
          * TrialCard
          * @description A trial on Home. `markers` counts trajectories, `named` those with a marker's name; `words` say why it failed.
+         *
+         *     `problems`: those that are worth a look, as Tracks lists them; None until they were looked for.
          */
         TrialCard: {
             /**

@@ -15,6 +15,8 @@ if TYPE_CHECKING:  # NumPy comes with it, which --help does without
 
 LINE_EVERY = 10.0
 """s between two lines of progress in a file; chosen: short against any wait that makes one look."""
+BEATS = 10
+"""Looks, between two lines, whether one is due though no step came; chosen: a line is late by a tenth at most."""
 
 
 class ProgressLines:
@@ -30,7 +32,8 @@ class ProgressLines:
         self, write: Callable[[str], None], *, clock: Callable[[], float] = time.monotonic, every: float = LINE_EVERY
     ) -> None:
         self._write, self._clock, self._every = write, clock, every
-        self._stage, self._before = "", 0
+        self._one_at_a_time = threading.Lock()
+        self._stage, self._before, self._total = "", 0, 0
         self._began = self._last_line = clock()
 
     def __call__(self, stage: str, done: int, total: int) -> None:
@@ -38,10 +41,22 @@ class ProgressLines:
         now = self._clock()
         if stage != self._stage or done < self._before:
             self._stage, self._began = stage, now
-        self._before = done
-        if now - self._last_line >= self._every:
+        self._before, self._total = done, total
+        self._line(f"{stage}: {done} of {total}{self._left(done, total, now)}", now)
+
+    def beat(self) -> None:
+        """Tell that it goes on, where no step came for long."""
+        now = self._clock()
+        where = f"{self._stage}: {self._before} of {self._total}," if self._stage else "at work:"
+        self._line(f"{where} {now - self._began:.0f} s so far", now)
+
+    def _line(self, line: str, now: float) -> None:
+        """Write it, unless the one before was a moment ago."""
+        with self._one_at_a_time:
+            if now - self._last_line < self._every:
+                return
             self._last_line = now
-            self._write(f"{stage}: {done} of {total}{self._left(done, total, now)}")
+        self._write(line)
 
     def _left(self, done: int, total: int, now: float) -> str:
         """How long the stage will go on at the pace it has had; nothing where it has none yet."""
@@ -51,10 +66,16 @@ class ProgressLines:
 
 
 @contextmanager
-def progress() -> Iterator[Progress]:
-    """Shows progress on the error stream."""
+def progress(*, every: float = LINE_EVERY) -> Iterator[Progress]:
+    """Shows progress on the error stream.
+
+    Args:
+        every: s between two lines where the stream is no terminal.
+    """
     if not errors().is_terminal:
-        yield ProgressLines(lambda line: errors().print(line, markup=False, highlight=False, soft_wrap=True))
+        lines = ProgressLines(_print_line, every=every)
+        with _beating(lines.beat, every / BEATS):
+            yield lines
         return
     from rich import progress as bars  # only commands that take long need it
 
@@ -89,18 +110,33 @@ def at_work(*, every: float = LINE_EVERY) -> Iterator[Callable[[str], None]]:
         with errors().status("") as shown:
             yield lambda what: shown.update(what)
         return
-    steps, done = [("at work", time.monotonic())], threading.Event()
+    steps = [("at work", time.monotonic())]
 
-    def tell() -> None:
+    def beat() -> None:
+        what, began = steps[-1]
+        _print_line(f"{what}: {time.monotonic() - began:.0f} s so far")
+
+    with _beating(beat, every):
+        yield lambda what: steps.append((what, time.monotonic()))
+
+
+@contextmanager
+def _beating(beat: Callable[[], None], every: float) -> Iterator[None]:
+    """Calls it every so many s in a thread of its own, until the block ends."""
+    done = threading.Event()
+
+    def go_on() -> None:
         while not done.wait(every):
-            what, began = steps[-1]
-            line = f"{what}: {time.monotonic() - began:.0f} s so far"
-            errors().print(line, markup=False, highlight=False, soft_wrap=True)
+            beat()
 
-    thread = threading.Thread(target=tell, daemon=True)
+    thread = threading.Thread(target=go_on, daemon=True)
     thread.start()
     try:
-        yield lambda what: steps.append((what, time.monotonic()))
+        yield
     finally:
         done.set()
         thread.join()
+
+
+def _print_line(line: str) -> None:
+    errors().print(line, markup=False, highlight=False, soft_wrap=True)

@@ -6,7 +6,7 @@ Nothing is changed in a file. What is mended stands in the journal beside it, ac
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -65,15 +65,25 @@ def audit_file(source: Path, *, template: Template | None = None, mend: bool = F
 
 
 def audit_files(
-    sources: Sequence[Path], *, template: Template | None = None, mend: bool = False, by: str = ""
+    sources: Sequence[Path],
+    *,
+    template: Template | None = None,
+    mend: bool = False,
+    by: str = "",
+    announce: Callable[[Path], None] = lambda source: None,
 ) -> dict[Path, Audit | KinemarkError]:
     """Each of many; an error stands in the place of one that cannot be audited.
+
+    Args:
+        sources: files, or SESSION/TRIAL. template, mend, by: as `audit_file` takes them.
+        announce: is called with each before it is looked at.
 
     Raises:
         KinemarkError: the only one cannot be.
     """
     done: dict[Path, Audit | KinemarkError] = {}
     for source in sources:
+        announce(source)
         try:
             check_folder(source)
             done[source] = audit_file(source, template=template, mend=mend, by=by)

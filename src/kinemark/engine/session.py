@@ -6,10 +6,11 @@ drives. Nothing that the user gave is changed; everything computed goes below `r
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ..data import KinemarkError, Rig
@@ -29,15 +30,21 @@ from .sources import Frames, OperatedImages
 INDEX = "index.html"
 LISTED = {"report.html": "report", "gaps.html": "gaps", "sensitivity.html": "sensitivity", "quality.json": "figures"}
 """In a trial's folder, with their titles for the reader."""
+NONE_FAILED: Mapping[str, KinemarkError] = MappingProxyType({})
+"""Every trial could be processed; by definition."""
 
 
-def update_index(results: Path, settings: Settings) -> Path:
+def update_index(results: Path, settings: Settings, failed: Mapping[str, KinemarkError] = NONE_FAILED) -> Path:
     """Write the index of a session by what is in its results now.
+
+    Args:
+        results: of the session. settings: of it.
+        failed: by name, why a trial could not be processed just now.
 
     Raises:
         KinemarkError: the folder cannot be written.
     """
-    rows = [_index_row(results, trial.name) for trial in settings.trials]
+    rows = [_index_row(results, trial.name, failed.get(trial.name)) for trial in settings.trials]
     calibration = _figures(results / "calibration.json")
     gait = read_gait(results) if settings.gait is not None else None
     write_index(
@@ -47,12 +54,13 @@ def update_index(results: Path, settings: Settings) -> Path:
     return results / INDEX
 
 
-def _index_row(results: Path, name: str) -> IndexRow:
+def _index_row(results: Path, name: str, failed: KinemarkError | None) -> IndexRow:
     folder = results / name
     there = [(f"{name}/{file}", title) for file, title in LISTED.items() if (folder / file).is_file()]
     c3d = [(f"{name}/{name}.c3d", "C3D")] if (folder / f"{name}.c3d").is_file() else []
     angles = [(page.relative_to(results).as_posix(), "angles") for page in sorted(folder.glob("*/angles.html"))]
-    return index_row(name, _figures(folder / "quality.json"), [*there, *angles, *c3d])
+    why = "" if failed is None else str(failed)
+    return index_row(name, _figures(folder / "quality.json"), [*there, *angles, *c3d], why=why)
 
 
 def _figures(path: Path) -> dict[str, Any] | None:
@@ -155,7 +163,8 @@ class Session(Workspace):
         finally:  # also where a trial cannot be processed: the others are there to be read
             with suppress(KinemarkError):  # the trials have reported a folder that cannot be written
                 self._update_gait()
-                update_index(self.results, self.settings)
+                failed = {name: trial.failed for name, trial in done.items() if trial.failed is not None}
+                update_index(self.results, self.settings, failed)
                 self._keep_template()
         return done
 

@@ -23,7 +23,8 @@ class Link(NamedTuple):
 
 
 class IndexRow(NamedTuple):
-    """A trial: its name, verdict (None where it was not processed yet), figures, files, and how many are named."""
+    """A trial: its name, verdict (None where it was not processed), figures, files, how many are named, and why it
+    could not be processed."""
 
     name: str
     verdict: Mapping[str, Any] | None
@@ -31,17 +32,23 @@ class IndexRow(NamedTuple):
     cells: Sequence[str]
     links: Sequence[Link]
     named: str = ""
+    why: str = ""
 
     def with_names(self) -> IndexRow:
         """With how many of its markers are named, where it was processed."""
         return self._replace(cells=[*self.cells[:2], self.named or "–", *self.cells[2:]] if self.cells else [])
 
 
-def index_row(name: str, quality: Mapping[str, Any] | None, files: Sequence[tuple[str, str]]) -> IndexRow:
-    """A trial by its figures, and its files, each as its path beside the page and its title."""
+def index_row(
+    name: str, quality: Mapping[str, Any] | None, files: Sequence[tuple[str, str]], *, why: str = ""
+) -> IndexRow:
+    """A trial by its figures, and its files, each as its path beside the page and its title.
+
+    Figures are of an earlier run, and left out, where `why` says that the last one came to nothing.
+    """
     links = [Link(quote(path), title) for path, title in files]
-    if quality is None:
-        return IndexRow(name, None, "", [], links)
+    if quality is None or why:
+        return IndexRow(name, None, "", [], links, why=why)
     trajectories, recording = quality["trajectories"], quality["recording"]
     cells = [
         f"{measure(recording['duration_s'], 2, 's')}, {number(recording['rate_hz'])} Hz",

@@ -18,7 +18,7 @@ from kinemark.apps.studio.shelf import Place
 from kinemark.apps.studio.turns import Rank
 from kinemark.data.edits import Erase
 from kinemark.data.progress import tell
-from support.studio import file_in
+from support.studio import Studio, file_in
 
 LONG_S = 10.0
 
@@ -140,3 +140,20 @@ def test_looking_stands_still_while_something_is_said(document, monkeypatch):
         document, ActBody(head=document.head, act=EraseAct(kind="erase", marker="LKNE", first=20, last=29), why="")
     )
     assert still == [True]
+
+
+def test_home_says_how_many_are_worth_a_look_as_tracks_does(tmp_path):
+    """The tracker's close decisions, which it said before, were 0 where two were to look at, and 19 where none was."""
+    studio = Studio(file_in(tmp_path, seed=3))
+
+    def said():
+        return studio.page.get("/api/home").json()["files"][0]["problems"]
+
+    assert said() is None  # nobody looked for them
+    studio.act(kind="exchange", a="LKNE", b="RKNE", first=80)
+    listed = studio.page.get(f"{studio.trial}/problems").json()
+    assert said() == listed["worth_looking"] >= 1
+    studio.act(kind="exchange", a="LKNE", b="RKNE", first=80)
+    assert said() is None  # those were of another version
+    studio.page.get(f"{studio.trial}/problems")
+    assert said() == 0

@@ -26,7 +26,7 @@ from ..output import (
     print_note,
     print_result,
 )
-from ..progress import progress
+from ..progress import at_work, progress
 
 
 def angles(
@@ -62,10 +62,12 @@ def angles(
             self_contained=self_contained, fail_on=fail_on, json=json,
         )  # fmt: skip
         return
-    result = angles_of_file(
-        trial, model=model, folder=output, static=static, functional=functional, settings=settings,
-        self_contained=self_contained,
-    )  # fmt: skip
+    with at_work() as tell:
+        tell(f"angles of {trial}")
+        result = angles_of_file(
+            trial, model=model, folder=output, static=static, functional=functional, settings=settings,
+            self_contained=self_contained,
+        )  # fmt: skip
     if json:
         print_result(result.figures)
     else:
@@ -188,12 +190,14 @@ def gait(
     others = (static, functional, mvc)
     every = trials_in(walks, besides=others, say=print_note)
     trials, left_out = one_of_each(every, (*walks, *others))
-    result = gait_of_files(
-        trials, left_out=left_out, static=static, functional=functional, measures=measures,
-        markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
-        exports=exports, settings=settings,
-        self_contained=self_contained,
-    )  # fmt: skip
+    with at_work() as tell:
+        tell(f"gait of {', '.join(map(str, trials))}")
+        result = gait_of_files(
+            trials, left_out=left_out, static=static, functional=functional, measures=measures,
+            markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
+            exports=exports, settings=settings,
+            self_contained=self_contained,
+        )  # fmt: skip
     if json:
         print_result(result.figures | {"notes": file_note_figures(result.notes)})
     else:

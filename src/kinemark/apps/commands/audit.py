@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ..output import BAD_VERDICT, Json, print_errors, print_note, print_result
+from ..progress import at_work
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
     from ...engine.audit import Audit
@@ -49,7 +50,8 @@ def audit(
 
     learnt = template_of(template).template if template else None
     trials = trials_in((source, *sources), say=print_note)
-    done = audit_files(trials, template=learnt, mend=mend, by=by)
+    with at_work() as tell:
+        done = audit_files(trials, template=learnt, mend=mend, by=by, announce=lambda file: tell(f"looking at {file}"))
     found = {str(path): one for path, one in done.items() if isinstance(one, Audit)}
     if json:
         print_result({path: _figures(one) for path, one in found.items()})

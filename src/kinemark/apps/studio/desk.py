@@ -138,10 +138,14 @@ class Desk:
             if other.path == place.path:
                 self.forget(other.id)
 
+    def documents(self) -> dict[str, OpenDocument]:
+        """The open trials by their ids."""
+        with self._lock:
+            return {key: document for key, (_, document) in self._open.items()}
+
     def heads(self) -> dict[str, str]:
         """The head of each open trial, read anew where it changed."""
-        with self._lock:
-            documents = {key: document for key, (_, document) in self._open.items()}
+        documents = self.documents()
         for document in documents.values():
             document.refresh()
         return {key: document.head for key, document in documents.items()}

@@ -27,10 +27,15 @@ QUALITY = "quality.json"
 STALE = "Settings, edits or the program changed since it was run. Run it again: what was said of it is kept."
 
 
-def home(shelf: Shelf, failed: dict[str, str]) -> Home:
-    """All that may be opened; `failed` says by id why a run of a trial came to nothing."""
-    sessions = [_session(folder, failed) for folder in shelf.sessions()]
-    files = [_file(place) for place in shelf.files()]
+def home(shelf: Shelf, failed: dict[str, str], looked: dict[str, int | None]) -> Home:
+    """All that may be opened.
+
+    Args:
+        shelf: what there is. failed: by id, why a run of a trial came to nothing.
+        looked: by id, problems that are worth a look of the trials in which they were looked for.
+    """
+    sessions = [_session(folder, failed, looked) for folder in shelf.sessions()]
+    files = [_file(place, looked) for place in shelf.files()]
     return Home(sessions=sessions, files=files, version=__version__, by=user())
 
 
@@ -46,19 +51,19 @@ def last_of(entries: tuple[Entry, ...]) -> Last | None:
     return Last(by=entries[-1].by, at=entries[-1].at) if entries else None
 
 
-def _session(folder: Path, failed: dict[str, str]) -> SessionCard:
+def _session(folder: Path, failed: dict[str, str], looked: dict[str, int | None]) -> SessionCard:
     key = Place(folder).id
     try:
         session = Session.open(folder)
     except KinemarkError as error:
         return SessionCard(id=key, title=folder.name, folder=folder.name, trials=[], words=str(error))
-    trials = [_trial(session.trial(name), Place(folder, name), failed) for name in session.names]
+    trials = [_trial(session.trial(name), Place(folder, name), failed, looked) for name in session.names]
     return SessionCard(
         id=key, title=session.settings.name, folder=folder.name, trials=trials, gait=session_gait.state(session)
     )
 
 
-def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:
+def _trial(trial: OpenTrial, place: Place, failed: dict[str, str], looked: dict[str, int | None]) -> TrialCard:
     """A trial by its last run and its journal."""
     journal = Journal.of(trial.workspace.root, trial.name)
     entries, quality = journal.entries, figures(trial.folder / QUALITY)
@@ -70,6 +75,7 @@ def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:
         name=trial.name,
         state=found,
         verdict=grade_shown(quality["verdict"]) if quality else "",
+        problems=looked.get(place.id),
         edits=len(live(entries)),
         last=last_of(entries),
         words=words or (STALE if found == "stale" else ""),
@@ -78,7 +84,7 @@ def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:
 
 
 def _counts(quality: dict[str, Any]) -> dict[str, Any]:
-    """Frames, rate, markers and problems of a trial's figures."""
+    """Frames, rate and markers of a trial's figures."""
     if not quality:
         return {}
     recording, names = quality["recording"], [one["name"] for one in quality["trajectories"]["markers"]]
@@ -87,7 +93,6 @@ def _counts(quality: dict[str, Any]) -> dict[str, Any]:
         "rate": recording["rate_hz"],
         "markers": len(names),
         "named": sum(map(is_named, names)),
-        "problems": len(quality["ambiguous_decisions"]),
     }
 
 
@@ -131,7 +136,7 @@ def written(path: Path) -> int:
         return 0
 
 
-def _file(place: Place) -> TrialCard:
+def _file(place: Place, looked: dict[str, int | None]) -> TrialCard:
     """A file by its journal; it is read when it is opened."""
     entries = Journal.of(place.path.parent, place.path.stem).entries
     said = live(entries)
@@ -139,8 +144,9 @@ def _file(place: Place) -> TrialCard:
     counted, words = _read(place.path, written(place.path))
     found: TrialState = "failed" if words else "signed" if signed else "tracked"
     return TrialCard(
-        id=place.id, name=place.name, state=found, edits=len(said), last=last_of(entries), words=words, **counted
-    )
+        id=place.id, name=place.name, state=found, problems=looked.get(place.id), edits=len(said),
+        last=last_of(entries), words=words, **counted,
+    )  # fmt: skip
 
 
 _KNOWN: dict[Path, tuple[int, dict[str, Any], str]] = {}

@@ -18,6 +18,7 @@ from .home import home
 from .messages import Dropped, Home
 from .new_session import folder_of, form, lacking, new_folders, said_of
 from .new_session_messages import MadeSession, NewFolders, ProposedSession, SaidOfRecordings
+from .problems import worth_a_look
 from .shelf import ENDINGS, Place, session_names
 
 LONGEST_NAME = 120
@@ -51,7 +52,8 @@ TheDesk = Annotated[Desk, Depends(desk_at_once)]
 @router.get("/home")
 def get_home(request: Request, desk: TheDesk) -> Home:
     """Sessions with their trials, and files."""
-    return home(desk.shelf, request.app.state.live.failed)
+    looked = {key: worth_a_look(document) for key, document in desk.documents().items()}
+    return home(desk.shelf, request.app.state.live.failed, looked)
 
 
 @router.post("/files", openapi_extra={"requestBody": {"content": {"application/octet-stream": {}}, "required": True}})

@@ -44,7 +44,10 @@ class Last(Message):
 
 
 class TrialCard(Message):
-    """A trial on Home. `markers` counts trajectories, `named` those with a marker's name; `words` say why it failed."""
+    """A trial on Home. `markers` counts trajectories, `named` those with a marker's name; `words` say why it failed.
+
+    `problems`: those that are worth a look, as Tracks lists them; None until they were looked for.
+    """
 
     id: str
     name: str

@@ -20,7 +20,8 @@ from ...engine.first_session import (
     with_role,
 )
 from ...engine.first_session.calibration_way import WAYS
-from ...engine.first_session.folder_files import is_picture, is_video, role_of
+from ...engine.first_session.folder_files import is_picture, is_video
+from ...engine.first_session.role_words import role_of
 from ...engine.keys import digest
 from ...engine.session_name import FILE
 from ...engine.settings import read_settings

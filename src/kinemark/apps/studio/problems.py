@@ -62,6 +62,12 @@ def _found(document: OpenDocument) -> core.Problems:
     return known.found
 
 
+def worth_a_look(document: OpenDocument) -> int | None:
+    """How many of them are, of the trial as it is now; None where they were not looked for yet."""
+    known: Looked | None = document.kept.get("problems")
+    return len(known.found.asked) if known is not None and known.key[:2] == (document.head, document.ran) else None
+
+
 def listed(document: OpenDocument) -> Problems | None:
     """For the page; None where the trial is edited meanwhile, as the page asks again then.
 

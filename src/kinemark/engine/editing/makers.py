@@ -63,25 +63,38 @@ def claim(
         KinemarkError: there is no such trajectory or no sample of it, or the name is none.
     """
     now = of.edited().trajectories
-
-    def stretch(trajectories: Trajectories, path: str, within: tuple[int, int] | None = None) -> Stretch:
-        near = at if at is not None and (within is None or within[0] <= at <= within[1]) else None
-        return stretch_of(
-            trajectories, path, first=first, last=last, at=near, within=within, detections=of.detections,
-            world=of.world, among=of.trajectories,
-        )  # fmt: skip
-
     try:
-        where = stretch(now, track)
-        pieces = _pieces(of.trajectories, now, track, (where.witnesses[0].frame, where.witnesses[-1].frame))
-        stretches = [stretch(of.trajectories, *piece) for piece in pieces] if len(pieces) > 1 else [where]
-        said = tuple(Claim(one, name) for one in stretches)
+        where = stretch_of(
+            now, track, first=first, last=last, at=at, detections=of.detections, world=of.world, among=of.trajectories
+        )
+        said = tuple(Claim(one, name) for one in by_pieces(of, now, track, where, at=at))
     except (KeyError, ValueError) as error:
         raise KinemarkError(f"{error.args[0]}.") from error
     if name is None or first is not None or last is not None:
         return said
     other = of.connection(track, name)
     return said if other is None or not other.connectable else (*claim(of, name, name), *said)
+
+
+def by_pieces(
+    of: Editing, now: Trajectories, track: str, where: Stretch, *, at: int | None = None
+) -> tuple[Stretch, ...]:
+    """A stretch of each of the pieces that a trajectory was joined of; the stretch itself where it was not.
+
+    Args:
+        of: the trial. now: as it is edited now. track: whose stretch it is, of `now`; where: it.
+        at: a frame that somebody pointed at.
+    """
+    pieces = _pieces(of.trajectories, now, track, (where.witnesses[0].frame, where.witnesses[-1].frame))
+    if len(pieces) <= 1:
+        return (where,)
+    return tuple(
+        stretch_of(
+            of.trajectories, piece, first=where.first, last=where.last, within=span,
+            at=at if at is not None and span[0] <= at <= span[1] else None, detections=of.detections, world=of.world,
+        )
+        for piece, span in pieces
+    )  # fmt: skip
 
 
 def _pieces(

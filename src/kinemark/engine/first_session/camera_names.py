@@ -13,6 +13,8 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from .role_words import says_role
+
 CAMERA = "{camera}"
 WORD = re.compile(
     r"(?:(?:cam(?:era)?|kamera|gopro)[ _-]?|(?<![a-z0-9])(?:c|ch|view)[ _-]?)"
@@ -161,9 +163,13 @@ def best_grouping(paths: Sequence[str], alike: Callable[[Sequence[str]], bool]) 
 
 
 def score(grouping: Grouping, n_paths: int, alike: Callable[[Sequence[str]], bool]) -> float:
-    """How much speaks for a hypothesis: covered files, one set of names, equal files, names as of cameras."""
+    """How much speaks for a hypothesis: covered files, one set of names, equal files, names as of cameras.
+
+    Names as `wand` and `floor` are those of recordings: that outweighs one of these.
+    """
     several = [found for found in grouping.patterns.values() if len(found) > 1]
     covered = sum(map(len, several)) / n_paths
     same_names = sum(set(found) == set(grouping.names) for found in several) / len(several)
     equal = sum(alike(list(found.values())) for found in several) / len(several)
-    return covered + same_names + equal + HYPOTHESES[grouping.how][1]
+    of_recordings = any(map(says_role, grouping.names))
+    return covered + same_names + equal + HYPOTHESES[grouping.how][1] - of_recordings

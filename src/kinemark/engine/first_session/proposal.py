@@ -59,6 +59,7 @@ class FoundRecording:
         rate: Hz as its files say it, None where they do not.
         size: width and height, px; None where unknown.
         unequal: whether cameras have different numbers of frames.
+        damaged: paths of cameras' images that cannot be opened.
     """
 
     path: str
@@ -71,6 +72,7 @@ class FoundRecording:
     rate: float | None = None
     size: tuple[int, int] | None = None
     unequal: bool = False
+    damaged: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

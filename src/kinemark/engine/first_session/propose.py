@@ -31,13 +31,13 @@ from .folder_files import (
     is_picture,
     is_video,
     other_file,
-    role_of,
     streams_of,
     tdf_with_rig,
     trial_name,
 )
 from .labelled_trials import judged_labelled
 from .proposal import TRIALS, FoundRecording, Reason, Role, SessionProposal
+from .role_words import role_of
 
 LOOKED_AT = 60
 """Frames of a camera in which fields are looked for; chosen: one or two seconds, in which something moves."""
@@ -94,8 +94,9 @@ def _nothing(folder: Path, n_files: int, recordings: Sequence[FoundRecording]) -
             "Name files or folders after the cameras, as cam1, cam2; two of them make a point in space."
         )
     return KinemarkError(
-        f"{folder} has no recordings: no videos, images, 2D points or calibration among {n_files} files. Put the "
-        "recordings of one day into it, a video or a folder of images for each camera and trial."
+        f"{folder} has no recordings: no videos, images, 2D points or calibration among {n_files} "
+        f"{'file' if n_files == 1 else 'files'}. Put the recordings of one day into it, a video or a folder of images "
+        "for each camera and trial."
         f"{_without_session(folder)}"
     )
 
@@ -158,11 +159,12 @@ def _recording(pattern: str, streams: Mapping[str, Stream], facts: Callable[[Str
     if role is Role.GRID:
         path = re.sub(r"%(0\d+)?d", "*", path)  # several views of a grid are no sequence in time
     frames = [one.frames for one in known if one.frames is not None]
+    damaged = tuple(stream.path for stream, one in zip(streams.values(), known, strict=True) if one.frames is None)
     rates = [one.rate for one in known if one.rate]
     return FoundRecording(
         path, "images", tuple(sorted(streams, key=lambda name: natural_path(Path(name)))), role, why,
         trial_name(pattern), min(frames, default=None), rates[0] if rates else None,
-        known[0].size, len(set(frames)) > 1 or len(frames) < len(known),
+        known[0].size, len(set(frames)) > 1, damaged,
     )  # fmt: skip
 
 
@@ -229,9 +231,12 @@ def _timed(proposal: SessionProposal) -> SessionProposal:
     field, field_why = _fields(proposal.folder, proposal.cameras, filmed)
     proposal = replace(proposal, inverted_why=_dark(proposal.folder, proposal.cameras, filmed))
     rated = [one for one in used if one.rate]
-    notes = list(proposal.notes)
+    notes = [
+        *proposal.notes,
+        *(Reason("damaged", {"path": path}) for one in proposal.recordings for path in one.damaged),
+    ]
     if not rated:
-        return replace(proposal, interlaced=field, interlaced_why=field_why)
+        return replace(proposal, interlaced=field, interlaced_why=field_why, notes=tuple(notes))
     first = rated[0]
     rate = (first.rate or 0.0) * (2 if field and first.content == "images" else 1)
     others = [one for one in rated[1:] if abs((one.rate or 0) - (first.rate or 0)) > 0.01 * (first.rate or 1)]

@@ -17,6 +17,7 @@ from ...fill import FilledGap, fill
 from ...label import Template
 from ..editing.editing import Editing
 from .context import Context
+from .found import ONCE
 from .of_gaps import of_edits, of_gaps
 from .of_names import of_names
 from .of_paths import of_paths
@@ -72,8 +73,12 @@ def _settled(context: Context) -> list[Reviewed]:
 
 
 def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
-    """Whether a verdict was on this problem."""
-    near = NEAR_S * context.now.rate
+    """Whether a verdict was on this problem.
+
+    What was wrong was mended, so that what is seen farther beside than one thing is seen twice is another one, as where
+    two markers are exchanged for some frames.
+    """
+    near = NEAR_S * context.now.rate if verdict.right else min(NEAR_S * context.now.rate, ONCE)
     kinds = [FAMILY.get(kind, kind) for kind in (verdict.decision, problem.kind)]
     first, last = problem.first - context.start, problem.last - context.start
     at_once = verdict.first - near <= last and verdict.last + near >= first

@@ -17,7 +17,7 @@ from ...edit.crossings import unbroken
 from ...numerics.finite import finite_median
 from ...report.words.problems import action_text
 from ..editing.editing import Editing
-from ..editing.makers import REVIEWED_BESIDE
+from ..editing.makers import REVIEWED_BESIDE, by_pieces
 
 VERSIONS = 3
 """Of a trial whose problems are kept, a number; chosen: now, before the last act, and what is judged besides."""
@@ -97,11 +97,15 @@ class Context:
     def claim(
         self, path: int, name: str | None, first: int | None = None, last: int | None = None, *, again: bool = False
     ) -> Iterator[Claim]:
-        """The claim of a stretch, none where there is no sample, or it has the name, unless it is said `again`."""
+        """The claim of a stretch, of each piece where it was joined (`makers.by_pieces`).
+
+        None where there is no sample, or it has the name, unless it is said `again`.
+        """
         whole = first is None and last is None
         if (whole and not again and name == self.name(path)) or not self._any(path, first, last):
             return
-        yield Claim(self.stretch(path, first, last), name)
+        where = self.stretch(path, first, last)
+        yield from (Claim(one, name) for one in by_pieces(self.editing, self.now, self.name(path), where))
 
     def erase(self, path: int, first: int, last: int) -> tuple[Edit, ...]:
         """Samples of a path are wrong."""

@@ -50,6 +50,7 @@ REASONS = {
     "unreadable": "{error}",
     "no_camera_in_name": "nothing in its name says which camera took it",
     "lacks_cameras": "{role} of {has} alone, without {cameras}",
+    "damaged": "{path} cannot be opened: copy it again",
     "another_rate": "{path} says {rate_hz:g} Hz, another rate than that above",
     "nothing_moved": "too little moved in {path}, or markers are too small, to see fields",
     "whole_frames": "what moves in {path} shows whole frames",

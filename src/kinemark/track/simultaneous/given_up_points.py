@@ -21,7 +21,7 @@ from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strange
 from .drifting_rivals import with_rivals
 from .exchanged_images import with_exchanged
 from .neighbouring_points import TrackPoints, smoothed
-from .points_between import between_markers
+from .points_between import MOST, between_markers
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, kept_points, precise_enough, solved, taken_out, with_columns
 from .standing_reflections import of_reflections
@@ -37,19 +37,35 @@ class WithMerging(NamedTuple):
     solver: Solver
 
 
-def with_merging(held: Held, ids: Ints, solver: Solver, method: Simultaneous) -> WithMerging:
+def with_merging(held: Held, ids: Ints, solver: Solver, method: Simultaneous, *, most: float = MOST) -> WithMerging:
     """The points and their tracks, without those between two markers, and those of merged images solved again.
 
     Args:
         solver: by images as the file marks them.
+        most: of `between_markers`.
     """
     return_memory()
     merging = _merging(held[0], ids, solver.working.images, method)
     return_memory()
     images = merging.marked(solver.working.images)
     solver = solver._replace(working=solver.working._replace(images=images))
-    held, ids = without_between(held, ids, merging, images)
+    held, ids = without_between(held, ids, merging, images, most)
     return WithMerging(*without_merged(held, ids, merging, solver, images, method), merging, solver)
+
+
+def with_merging_of_pairs(told: WithMerging, unmarked: Solver, method: Simultaneous) -> WithMerging:
+    """The same with points of two images of which one camera alone shows one to be of two markers.
+
+    Args:
+        unmarked: the solver by images as the file marks them.
+    """
+    held, ids, merging, solver = told
+    both = merging.of_pairs(ids, held[0].detection.T, solver.working.images)
+    if len(both.image) == len(merging.image):
+        return told
+    images = both.marked(unmarked.working.images)
+    solver = unmarked._replace(working=unmarked.working._replace(images=images))
+    return WithMerging(*without_merged(held, ids, both, solver, images, method), both, solver)
 
 
 def _merging(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> Merging:
@@ -57,11 +73,13 @@ def _merging(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> M
     return inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
 
 
-def without_between(held: Held, ids: Ints, merging: Merging, images: Images) -> tuple[Held, Ints]:
+def without_between(held: Held, ids: Ints, merging: Merging, images: Images, most: float) -> tuple[Held, Ints]:
     """The points and their tracks, without those that merged images make between two markers."""
     return_memory()
     cloud = held[0]
-    sound = ~between_markers(TrackPoints.of(cloud, ids), cloud.detection.T, images, merging.resolution)
+    points, r = TrackPoints.of(cloud, ids), merging.resolution
+    sound = ~between_markers(points, cloud.detection.T, images, r, most=most)
+    del points  # which has the cloud's columns
     del cloud
     return kept_points(held, sound), ids[sound]
 

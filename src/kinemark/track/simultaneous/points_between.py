@@ -23,7 +23,8 @@ while. So where (2) and (3) hold in some frame of a track, in others one image b
 too far off to be the point's (4).
 
 A point all of whose images lie by (1), or that has two images beside it by (2) and (3), or one by (4), is given up, if
-MOST of its track lies so. GATE standard deviations are allowed for.
+MOST of its track lies so, and MOST_AT_LAST when no other track can take its images any more. GATE standard deviations
+are allowed for.
 """
 
 from __future__ import annotations
@@ -50,24 +51,27 @@ REACH = 3.0
 """Of r: how far a and a′ are looked for from q; chosen: of 14 scenes whose images merge at 10 px (of seeds 300003 to
 350141 of benchmarks/tracking_scenes.py) 3 and 4 give up 44 ghosts more than 2, and 4 of 47 725 samples."""
 
-MOST = 0.5
-"""Of a track, a share; chosen: single points given up break tracks of markers, as one of `gait9` that then goes over to
-another marker for 90 frames."""
+MOST, MOST_AT_LAST = 0.5, 0.3
+"""Of a track, a share, while images that are given up go to other tracks, and afterwards; chosen: single points given up
+break tracks of markers, as one of `gait9` that then goes over to another marker for 90 frames."""
 
 
 ONE_RAY = 1e-3
 """Radians between rays of two cameras, or what follows from rounding alone, that count as one ray; chosen."""
 
 
-def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one."""
+def between_markers(
+    points: TrackPoints, detection: Ints, images: Images, r: float, *, most: float = MOST
+) -> Bools:
+    """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one, if such
+    points are `most` of their tracks, a share."""
     both, one = np.zeros((2, len(points.id)), bool)
     if not r:
         return both
     for part in parts_of_frames(points.frame, AT_ONCE):
         both[part], one[part] = _seen_beside(points.take(part), detection[:, part], images, r)
     out = both | (one & (np.bincount(points.id, both) > 0)[points.id]) | _between_tracks(points, detection, images, r)
-    return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
+    return out & (np.bincount(points.id, out) >= most * np.bincount(points.id))[points.id]
 
 
 def _between_tracks(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:

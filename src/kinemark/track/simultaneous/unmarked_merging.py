@@ -142,22 +142,6 @@ class Merging(NamedTuple):
         """r px; 0 where none are merged, or the file says which."""
         return 4 * float(np.sqrt(self.variance))
 
-    def of_pairs(self, ids: Ints, detection: Ints, images: Images) -> Merging:
-        """These, and what one camera alone shows (`merging_in_images`) of points of two images of tracks ids (P), with
-        detections (C, P), where images of that many cameras are not marked so before."""
-        if not self.variance or len(images.P) <= max(FEW_CAMERAS):
-            return self
-        merged = merged_in_images(images, self.resolution) & ~images.merged
-        camera, row = np.nonzero((detection >= 0) & merged[detection] & ((detection >= 0).sum(0) == 2))
-        image, none = detection[camera, row], np.zeros(len(row))
-        usual = images.variance[image]
-        more = (image, ids[row], none == 0, np.stack([none, none], 1), usual + self.variance, usual)
-        of = (self.image, self.track, self.clear, self.beside, self.own_variance, self.usual)
-        columns = [np.concatenate(pair) for pair in zip(of, more, strict=True)]
-        order = np.argsort(columns[0])
-        image, *rest = (column[order] for column in columns)
-        return Merging(image, self.variance, *rest)
-
     def marked(self, images: Images) -> Images:
         """The images with these marked."""
         if not len(self.image):

@@ -8,10 +8,9 @@ import pytest
 from kinemark.data import Camera, Detections, Rig
 from kinemark.track.simultaneous import track_simultaneously, unmarked_merging
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.given_up_points import merging_of_pairs
 from kinemark.track.simultaneous.merging_in_images import merged_in_images
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
-from kinemark.track.simultaneous.unmarked_merging import Merging, with_merging_in_images
+from kinemark.track.simultaneous.unmarked_merging import with_merging_in_images
 from support.scenes import make, scene, tally
 
 K = np.array([[1000.0, 0, 500], [0, 1000, 400], [0, 0, 1]])
@@ -71,27 +70,6 @@ def test_three_and_four_cameras_are_told_by_one_of_them(n, tells, monkeypatch):
     found = with_merging_in_images(images)
     np.testing.assert_array_equal(found.merged, np.tile(truth & tells, n))
     np.testing.assert_allclose(found.variance - images.variance, np.where(found.merged, (R / 4) ** 2, 0.0))
-
-
-@pytest.mark.parametrize(("n", "images_of_each", "tells"), [(5, 2, True), (5, 3, False), (4, 2, False), (2, 2, False)])
-def test_one_camera_tells_points_of_two_images_of_more_cameras(n, images_of_each, tells):
-    """The points are of the first image of each frame in some of the cameras."""
-    one, truth = passing(20, together=True)
-    names = tuple("abcde"[:n])
-    many = Detections.build(names, 100.0, np.tile(one.counts, (n, 1)), np.tile(one.uv, (n, 1)))
-    images = read_images(many, Rig(tuple(replace(RIG.cameras[0], name=name) for name in names)))
-    first = np.flatnonzero(np.diff(one.frame, prepend=-1))
-    detection = np.full((n, 20), -1)
-    detection[:images_of_each] = first + len(truth) * np.arange(images_of_each)[:, None]
-    none = np.zeros(0, np.int64)
-    told = Merging(none, (R / 4) ** 2, none, none > 0, np.zeros((0, 2)), np.zeros(0), np.zeros(0))
-    found = merging_of_pairs(told, np.arange(20), detection, images)
-    wanted = detection[:2, truth[first]] if tells else none
-    np.testing.assert_array_equal(found.image, np.sort(wanted, axis=None))
-    np.testing.assert_array_equal(found.track, np.searchsorted(first, found.image % len(truth)))
-    np.testing.assert_allclose(found.own_variance - found.usual, (R / 4) ** 2)
-    assert found.clear.all()
-    assert not found.beside.any()
 
 
 def test_merged_images_of_markers_without_a_track_make_fewer_ghosts():

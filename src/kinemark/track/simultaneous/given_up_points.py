@@ -20,13 +20,12 @@ from .drift_beyond import drifting_beyond
 from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
 from .drifting_rivals import with_rivals
 from .exchanged_images import with_exchanged
-from .merging_in_images import merged_in_images
 from .neighbouring_points import TrackPoints, smoothed
-from .points_between import MOST, MOST_AT_LAST, between_markers
+from .points_between import MOST, between_markers
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, kept_points, precise_enough, solved, taken_out, with_columns
 from .standing_reflections import of_reflections
-from .unmarked_merging import FEW_CAMERAS, Merging, inferred_merging
+from .unmarked_merging import Merging, inferred_merging
 
 
 class WithMerging(NamedTuple):
@@ -54,48 +53,6 @@ def with_merging(held: Held, ids: Ints, solver: Solver, method: Simultaneous, *,
     return WithMerging(*without_merged(held, ids, merging, solver, images, method), merging, solver)
 
 
-def given_up_at_last(
-    held: Held, ids: Ints, unmarked: Solver, usual: UsualResiduals, method: Simultaneous
-) -> WithMerging:
-    """The points and their tracks after the second pass, without those that are given up, merged images told anew.
-
-    Args:
-        unmarked: the solver by images as the file marks them.
-    """
-    told = with_merging(held, ids, unmarked, method, most=MOST_AT_LAST)
-    images = told.solver.working.images
-    held, ids = without_drifting(told.held, told.ids, told.merging, images, usual, told.solver, method)
-    both = merging_of_pairs(told.merging, ids, held[0].detection.T, images)
-    if len(both.image) > len(told.merging.image):
-        images = both.marked(unmarked.working.images)
-        solver = unmarked._replace(working=unmarked.working._replace(images=images))
-        held, ids = without_merged(held, ids, both, solver, images, method)
-        told = told._replace(merging=both, solver=solver)
-    held, ids = without_reflections(held, ids, images, method.gate)
-    return told._replace(held=held, ids=ids)
-
-
-def merging_of_pairs(told: Merging, ids: Ints, detection: Ints, images: Images) -> Merging:
-    """What tracks tell, and what one camera alone shows (`merging_in_images`) of points of two images, of detections
-    (C, P) and tracks ids (P): with more than FEW_CAMERAS, of which no images are marked by it before.
-
-    No third image says how far such a point is off. It is smoothed, and given up where that leaves it uncertain.
-    """
-    if not told.variance or len(images.P) <= max(FEW_CAMERAS):
-        return told
-    merged = merged_in_images(images, told.resolution) & ~images.merged
-    has = detection >= 0
-    camera, row = np.nonzero(has & merged[detection] & (has.sum(0) == 2))
-    image, none = detection[camera, row], np.zeros(len(row))
-    usual = images.variance[image]
-    more = (image, ids[row], none == 0, np.stack([none, none], 1), usual + told.variance, usual)
-    known = (told.image, told.track, told.clear, told.beside, told.own_variance, told.usual)
-    columns = [np.concatenate(pair) for pair in zip(known, more, strict=True)]
-    order = np.argsort(columns[0])
-    image, *others = (column[order] for column in columns)
-    return Merging(image, told.variance, *others)
-
-
 def _merging(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> Merging:
     """The images that the points of tracks ids (P) show to be of two markers."""
     return inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
@@ -107,7 +64,7 @@ def without_between(held: Held, ids: Ints, merging: Merging, images: Images, mos
     cloud = held[0]
     points, r = TrackPoints.of(cloud, ids), merging.resolution
     sound = ~between_markers(points, cloud.detection.T, images, r, most=most)
-    del points  # which has the cloud's columns
+    del points
     del cloud
     return kept_points(held, sound), ids[sound]
 

@@ -42,7 +42,7 @@ from .companions import joined_pieces
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import given_up_at_last, with_merging, without_drifting
+from .given_up_points import with_merging, without_drifting, without_reflections
 from .likelihood import SURE, disagreement, evidence, point_evidence
 from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
@@ -50,6 +50,7 @@ from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
 from .neighbouring_points import TrackPoints
 from .passes import Associations, run
+from .points_between import MOST_AT_LAST
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
 from .solved_points import (
@@ -228,8 +229,11 @@ def _passes_over(
     held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
     del solver, images  # before there are two in memory
-    held, ids, merging, solver = given_up_at_last(held, ids, unmarked, usual, method)
-    held, ids, became = with_rigid_pass(held, ids, solver.working.images, solver, method)
+    held, ids, merging, solver = with_merging(held, ids, unmarked, method, most=MOST_AT_LAST)
+    images = solver.working.images
+    held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
+    held, ids = without_reflections(held, ids, images, method.gate)
+    held, ids, became = with_rigid_pass(held, ids, images, solver, method)
     return held.pop(), ids, became, merging
 
 

@@ -8,7 +8,7 @@ from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.points_between import MOST, MOST_AT_LAST, between_markers
+from kinemark.track.simultaneous.points_between import between_markers
 from support.laboratory import camera, observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally
@@ -40,13 +40,6 @@ def three_markers(share, seen=None):
 def test_a_point_half_way_is_given_up():
     points, held, images, r = three_markers(0.5)
     assert (between_markers(points, held, images, r) == (points.id == 2)).all()
-
-
-@pytest.mark.parametrize(("most", "given_up"), [(MOST, False), (MOST_AT_LAST, True)])
-def test_a_third_of_a_track_is_given_up_at_last_alone(most, given_up):
-    points, held, images, r = three_markers(0.5)
-    found = between_markers(points._replace(id=np.zeros_like(points.id)), held, images, r, most=most)
-    assert (found == ((points.id == 2) & given_up)).all()
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0, 1.5])
@@ -129,12 +122,3 @@ def test_a_scene_in_which_markers_merge_in_cameras_side_by_side():
     count = tally(made, track_detections(made.detections, made.rig))
     assert count.ghosts <= 15
     assert count.two_found >= 813
-
-
-def test_points_between_markers_are_given_up_once_more_after_all_that_is_found():
-    """20 ghosts without this, 4 with it, and the same samples."""
-    whole = scene(700920)
-    made = make(whole._replace(seconds=120 / whole.rate))
-    count = tally(made, track_detections(made.detections, made.rig))
-    assert count.ghosts <= 10
-    assert count.two_found >= 2355

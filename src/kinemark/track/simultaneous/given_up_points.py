@@ -21,7 +21,7 @@ from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strange
 from .drifting_rivals import with_rivals
 from .exchanged_images import with_exchanged
 from .neighbouring_points import TrackPoints, smoothed
-from .points_between import MOST, between_markers
+from .points_between import between_markers
 from .simultaneous_method import Simultaneous
 from .solved_points import Held, Solver, kept_points, precise_enough, solved, taken_out, with_columns
 from .standing_reflections import of_reflections
@@ -37,19 +37,18 @@ class WithMerging(NamedTuple):
     solver: Solver
 
 
-def with_merging(held: Held, ids: Ints, solver: Solver, method: Simultaneous, *, most: float = MOST) -> WithMerging:
+def with_merging(held: Held, ids: Ints, solver: Solver, method: Simultaneous) -> WithMerging:
     """The points and their tracks, without those between two markers, and those of merged images solved again.
 
     Args:
         solver: by images as the file marks them.
-        most: of `between_markers`.
     """
     return_memory()
     merging = _merging(held[0], ids, solver.working.images, method)
     return_memory()
     images = merging.marked(solver.working.images)
     solver = solver._replace(working=solver.working._replace(images=images))
-    held, ids = without_between(held, ids, merging, images, most)
+    held, ids = without_between(held, ids, merging, images)
     return WithMerging(*without_merged(held, ids, merging, solver, images, method), merging, solver)
 
 
@@ -58,13 +57,11 @@ def _merging(cloud: Cloud, ids: Ints, images: Images, method: Simultaneous) -> M
     return inferred_merging(TrackPoints.of(cloud, ids), cloud.detection.T, images, 1 / cloud.rate, method)
 
 
-def without_between(held: Held, ids: Ints, merging: Merging, images: Images, most: float) -> tuple[Held, Ints]:
+def without_between(held: Held, ids: Ints, merging: Merging, images: Images) -> tuple[Held, Ints]:
     """The points and their tracks, without those that merged images make between two markers."""
     return_memory()
     cloud = held[0]
-    points, r = TrackPoints.of(cloud, ids), merging.resolution
-    sound = ~between_markers(points, cloud.detection.T, images, r, most=most)
-    del points
+    sound = ~between_markers(TrackPoints.of(cloud, ids), cloud.detection.T, images, merging.resolution)
     del cloud
     return kept_points(held, sound), ids[sound]
 

@@ -23,8 +23,7 @@ while. So where (2) and (3) hold in some frame of a track, in others one image b
 too far off to be the point's (4).
 
 A point all of whose images lie by (1), or that has two images beside it by (2) and (3), or one by (4), is given up, if
-MOST of its track lies so, and MOST_AT_LAST when no other track can take its images any more. GATE standard deviations
-are allowed for.
+MOST of its track lies so. GATE standard deviations are allowed for.
 """
 
 from __future__ import annotations
@@ -51,27 +50,24 @@ REACH = 3.0
 """Of r: how far a and a′ are looked for from q; chosen: of 14 scenes whose images merge at 10 px (of seeds 300003 to
 350141 of benchmarks/tracking_scenes.py) 3 and 4 give up 44 ghosts more than 2, and 4 of 47 725 samples."""
 
-MOST, MOST_AT_LAST = 0.5, 0.3
-"""Of a track, a share, while other tracks may take the images, and afterwards; chosen: single points given up break
-tracks of markers, as one of `gait9` that then goes over to another marker for 90 frames. At last, of 75 scenes of four
-and six cameras that merge at 10 px (of seeds 700000 to 702999 of benchmarks/tracking_scenes.py) 0.3 takes 120 of 2 073
-ghosts and one sample, 0.2 18 more and 31."""
+MOST = 0.5
+"""Of a track, a share; chosen: single points given up break tracks of markers, as one of `gait9` that then goes over to
+another marker for 90 frames."""
 
 
 ONE_RAY = 1e-3
 """Radians between rays of two cameras, or what follows from rounding alone, that count as one ray; chosen."""
 
 
-def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float, *, most: float = MOST) -> Bools:
-    """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one, if such
-    points are `most` of their tracks, a share."""
+def between_markers(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
+    """(P) the points with detections (C, P) that lie between two others, where images nearer than r px are one."""
     both, one = np.zeros((2, len(points.id)), bool)
     if not r:
         return both
     for part in parts_of_frames(points.frame, AT_ONCE):
         both[part], one[part] = _seen_beside(points.take(part), detection[:, part], images, r)
     out = both | (one & (np.bincount(points.id, both) > 0)[points.id]) | _between_tracks(points, detection, images, r)
-    return out & (np.bincount(points.id, out) >= most * np.bincount(points.id))[points.id]
+    return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
 
 
 def _between_tracks(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:

@@ -50,7 +50,6 @@ from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
 from .neighbouring_points import TrackPoints
 from .passes import Associations, run
-from .points_between import MOST_AT_LAST
 from .rival_pairs import without_rivalled
 from .simultaneous_method import Simultaneous
 from .solved_points import (
@@ -229,7 +228,7 @@ def _passes_over(
     held, ids = with_remaining(held, ids, first, images, usual, merging.resolution, solver, method)
     held, ids = with_second_pass(held, ids, images, solver, method)
     del solver, images  # before there are two in memory
-    held, ids, merging, solver = with_merging(held, ids, unmarked, method, most=MOST_AT_LAST)
+    held, ids, merging, solver = with_merging(held, ids, unmarked, method)
     images = solver.working.images
     held, ids = without_drifting(held, ids, merging, images, usual, solver, method)
     held, ids = without_reflections(held, ids, images, method.gate)

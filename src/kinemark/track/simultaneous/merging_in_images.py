@@ -100,9 +100,10 @@ def _nearest(images: Images, rows: Ints, step: int, place: Floats) -> Ints:
     """(n) of the images in the frame `step` later those nearest to places (n, 2) px, within FARTHEST; −1 for none."""
     cell, inside = _cells(images, rows, step)
     query, row = images.near(cell, place[:, 0], np.full(len(rows), FARTHEST))
-    apart = np.hypot(*(images.uv[row] - place[query]).T)
-    order = np.lexsort([apart, query])
-    order = order[(apart[order] < FARTHEST) & inside[query[order]]]
+    off = images.uv[row] - place[query]
+    squared = off[:, 0] ** 2 + off[:, 1] ** 2
+    near = np.flatnonzero((squared < FARTHEST**2) & inside[query])
+    order = near[np.lexsort([squared[near], query[near]])]
     first = order[np.diff(query[order], prepend=-1) > 0]
     out = np.full(len(rows), -1)
     out[query[first]] = row[first]

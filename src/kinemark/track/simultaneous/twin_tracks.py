@@ -27,7 +27,7 @@ SHARE, FEWEST = 0.5, 8
 BESIDE = 10.0
 """px of (1); chosen, as `measurement_noise.MAX_DISTANCE`."""
 
-MANY = 0.1
+MANY = 0.03
 """Share of all points; chosen."""
 
 

@@ -60,9 +60,10 @@ def _nearest_of_each_other(cloud: Cloud) -> tuple[Ints, Ints]:
     """Rows of two points of one frame of which each is the nearest of the other."""
     xyz = cloud.xyz - cloud.xyz.mean(0)
     apart = 4 * np.ptp(xyz, axis=0).max() + 1  # mm from frame to frame: nothing is as far within one
-    near = cKDTree(np.column_stack([xyz, cloud.frame * apart])).query(np.column_stack([xyz, cloud.frame * apart]), 2)
+    place = np.column_stack([xyz, cloud.frame * apart])
+    near = np.asarray(cKDTree(place).query(place, 2)[1], np.int64)
     own = np.arange(len(xyz))
-    nearest = np.where(near[1][:, 0] == own, near[1][:, 1], near[1][:, 0])
+    nearest = np.where(near[:, 0] == own, near[:, 1], near[:, 0])
     found = (nearest[nearest] == own) & (own < nearest) & (cloud.frame[nearest] == cloud.frame)
     return own[found], nearest[found]
 

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from kinemark.data import KinemarkError, Validity, make_finding
+from kinemark.data import KinemarkError, Rig, Validity, make_finding
 from kinemark.detect import KissScanning, detect_frames, propose
 from kinemark.engine.detection.proposals import propose_detection
 from kinemark.engine.settings import method_of
 from kinemark.io.images import open_images, write_png
+from kinemark.io.rig_toml import write_rig_toml
 from kinemark.report.terminal_summary import proposal_text
 from kinemark.report.words import text_of
+from support.laboratory import camera
 from support.shared import shared_data
 from support.studies import STUDIES
 
@@ -322,9 +324,12 @@ def test_a_sessions_cameras_are_asked_one_by_one_and_together(tmp_path):
     assert all(proposal.inverted for proposal in propose_detection(tmp_path / "dark").values())
     alone = propose_detection(tmp_path / "a_*.png")
     assert [asdict(p.centroids) for p in alone.values()] == [asdict(found["a"].centroids)]
-    (tmp_path / "session.toml").write_text(
-        settings.replace('["a", "b"]', "[]") + '[[trials]]\nname = "t"\nimages = "{camera}_*.png"\n'
-    )
+    unnamed = settings.replace('["a", "b"]', "[]") + '[[trials]]\nname = "t"\nimages = "{camera}_*.png"\n'
+    (tmp_path / "session.toml").write_text(unnamed)
+    write_rig_toml(tmp_path / "rig.toml", Rig(tuple(camera(name, (4000.0, k, 900.0)) for k, name in enumerate("ab"))))
+    assert list(propose_detection(tmp_path)) == ["all", "a", "b"]  # as the calibration names them
+    wand = unnamed.replace('file = "rig.toml"', 'wand = { lengths_mm = [500.0], images = "{camera}_*.png" }')
+    (tmp_path / "session.toml").write_text(wand)
     with pytest.raises(KinemarkError, match="Name the cameras"):
         propose_detection(tmp_path)
 

@@ -107,6 +107,15 @@ class Session(Workspace):
         """Of the trials."""
         return tuple(entry.name for entry in self.settings.trials)
 
+    @property
+    def camera_names(self) -> tuple[str, ...]:
+        """As the settings say; else as the calibration does.
+
+        Raises:
+            KinemarkError: there it takes the names to calibrate, or the calibration cannot be read.
+        """
+        return self.settings.cameras.names or self.calibrate().rig.names
+
     def trial(self, name: str) -> OpenTrial:
         """One trial, with nothing run yet.
 

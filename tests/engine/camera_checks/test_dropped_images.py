@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import make_finding
-from kinemark.engine.camera_checks.dropped_images import dropped_images, least_shifts
+from kinemark.engine.camera_checks.dropped_images import dropped_images, fewer_images, least_shifts
 from kinemark.engine.camera_checks.start_times import images_late, in_time
 from kinemark.engine.tracking_stage import from_detections
 from kinemark.reconstruct import LeastSquares
@@ -58,6 +58,22 @@ def test_images_behind_those_that_a_camera_dropped_are_put_into_their_frames(see
     assert "dropped" in text_of(found.diagnostics[0])
 
 
+@pytest.mark.parametrize("late", [4, -6])
+def test_a_camera_that_is_late_and_drops_images_is_put_in_place_by_both(late):
+    points = dance(n=12, frames=FRAMES + 20)
+    in_time, own = (observe(RIG, points[:, 10 + by : 10 + by + FRAMES], noise=0.1)[0] for by in (0, late))
+    counts = np.where(np.arange(len(RIG))[:, None] == 1, own.counts, in_time.counts)
+    uv = np.concatenate([one.uv[one.camera == c] for c, one in ((c, own if c == 1 else in_time) for c in range(5))])
+    both = without(type(own).build(RIG.names, 100.0, counts, uv), [80])
+    found = tracked(both)
+    told = {one.kind: one for one in found.diagnostics}
+    assert told.keys() == {"camera_started_apart", "camera_dropped_images"}
+    dropped = told["camera_dropped_images"]
+    assert (told["camera_started_apart"].values["images"], dropped.values["images"]) == (late, late + 1)
+    assert abs(dropped.frames[0][0] - 80 - late) <= 3
+    assert (found.tracks.cloud.detection >= 0).sum() > 0.99 * (len(both) - 12 * abs(late))
+
+
 def test_a_camera_that_stopped_early_dropped_none(seen):
     early = seen.keep(~((seen.camera == 1) & (seen.frame >= FRAMES - 2)))
     assert not tracked(early).diagnostics
@@ -75,12 +91,15 @@ def test_a_camera_that_is_late_all_the_time_and_stopped_early_dropped_none(seen,
     """Its images fit the next frame better, or as well, from the first on."""
     there = moved_in_time(seen, np.where(seen.camera == 1, -late / seen.rate, 0.0))
     early = there.keep(~((there.camera == 1) & (there.frame >= FRAMES - 2)))
-    assert not [*dropped_images(early, early, RIG, of_others(early), among={*RIG.names})]
+    assert fewer_images(early) == {"c1": 2}
+    assert not [*dropped_images(early, early, RIG, of_others(early), among={"c1": 2}, told=())]
 
 
 def test_only_of_cameras_that_are_asked_for_dropped_images_are_told(seen):
     lost = without(seen, [60])
-    told = [[*dropped_images(lost, lost, RIG, of_others(lost), among=among)] for among in ({"c1"}, {"c0", "c2"})]
+    assert fewer_images(lost) == {"c1": 1} and not fewer_images(seen)
+    each = [{"c1": 1}, {"c0": 1, "c2": 1}]
+    told = [[*dropped_images(lost, lost, RIG, of_others(lost), among=among, told=())] for among in each]
     assert [len(one) for one in told] == [1, 0]
 
 

@@ -16,7 +16,7 @@ that steps in its first frames takes all its images later, and none is told of i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -25,6 +25,7 @@ from ...data import Cloud, Detections, Finding, Rig, make_finding
 from ...data.array_types import Floats, Ints
 from ...geometry import project, triangulate
 from ...geometry.camera import undistort_all
+from .start_times import images_late
 
 MOST = 10
 """Images that are looked for; chosen: a camera that drops more is of no use, and by more markers meet others."""
@@ -38,26 +39,38 @@ FEW = 100
 
 
 def dropped_images(
-    detections: Detections, timed: Detections, rig: Rig, cloud: Cloud, *, among: Set[str]
+    detections: Detections,
+    timed: Detections,
+    rig: Rig,
+    cloud: Cloud,
+    *,
+    among: Mapping[str, int],
+    told: Sequence[Finding],
 ) -> Iterator[Finding]:
     """About cameras that dropped images, one for each place, frames from 0.
 
     Args:
-        detections: images in their frames. timed: the same rows, where they would be at the times of the frames.
-        rig: the cameras. cloud: the points of the tracks. among: names of cameras that are asked for.
+        detections: images in the frames that they show, by what is told of cameras that were started apart.
+        timed: the same rows, where they would be at the times of the frames.
+        rig: the cameras. cloud: the points of the tracks. among: as `fewer_images` has it.
+        told: what is told; images of a finding are counted with these.
     """
-    counts = detections.keep(detections.valid).counts
-    seen = np.flatnonzero(counts.any(0))
-    last = [int(np.flatnonzero(own)[-1]) if own.any() else -1 for own in counts]
-    for c, end in enumerate(last):
-        fewer = int(seen[-1]) - end if end >= 0 else 0
-        if rig.names[c] not in among or not 0 < fewer <= MOST:
-            continue
+    for name, fewer in among.items():
+        c = rig.names.index(name)
         frame, xyz = _by_others(cloud, timed, rig, c)
         if len(frame) >= FEW:
             cost = shift_costs(detections, rig, c, frame, xyz, fewer)
+            end = int(detections.frame[detections.valid & (detections.camera == c)].max(initial=-1))
             cost[:, end + 1 :] = 0.0  # else a camera that stopped early would be thought to show the end
-            yield from _findings(rig.names[c], least_shifts(cost), cost)
+            yield from _findings(name, least_shifts(cost), cost, images_late(told, name, 0))
+
+
+def fewer_images(recorded: Detections) -> dict[str, int]:
+    """How many images each camera has fewer at the end than the others, 1 to MOST, by name."""
+    counts = recorded.keep(recorded.valid).counts
+    last = [int(np.flatnonzero(own)[-1]) if own.any() else -1 for own in counts]
+    fewer = {name: max(last) - end for name, end in zip(recorded.cameras, last, strict=True) if end >= 0}
+    return {name: n for name, n in fewer.items() if 0 < n <= MOST}
 
 
 def shift_costs(detections: Detections, rig: Rig, c: int, frame: Ints, xyz: Floats, most: int) -> Floats:
@@ -101,13 +114,13 @@ def _by_others(cloud: Cloud, timed: Detections, rig: Rig, c: int) -> tuple[Ints,
     return cloud.frame[rows], triangulate(undistort_all(rig, uv), rig.P)
 
 
-def _findings(name: str, shift: Ints, cost: Floats) -> Iterator[Finding]:
-    """About each step of the shifts (F), where they lower the cost (S, F) enough."""
+def _findings(name: str, shift: Ints, cost: Floats, before: int) -> Iterator[Finding]:
+    """About each step of the shifts (F), where they lower the cost (S, F) enough; as many images are late before."""
     gain = cost[0] - cost[shift, np.arange(len(shift))]
     step = np.diff(shift, prepend=0)
     if step[: round(SURE**2)].any() or not gain.sum() > SURE * np.linalg.norm(gain):  # (3)
         return
     for f in np.flatnonzero(step).tolist():
-        n, late = int(step[f]), int(shift[f])
+        n, late = int(step[f]), before + int(shift[f])
         frames = [(max(f - n, 0), len(shift) - 1)]
         yield make_finding("camera_dropped_images", cameras=[name], frames=frames, dropped=n, images=late)

@@ -60,7 +60,7 @@ def starts_by_flash(session: Path, trial: str | None = None, *, rate_hz: float |
     entry = next((one for one in opened.settings.trials if one.images and trial in (None, one.name)), None)
     if entry is None or entry.images is None:
         raise KinemarkError(f"{session} has no trial {trial or ''} with images, in which a flash could be looked for.")
-    names = opened.settings.cameras.names or opened.calibrate().rig.names
+    names = opened.camera_names
     sources = open_cameras(opened.root, opened.settings, entry.images, names)
     rates = {
         name: opened.settings.cameras.rates_hz.get(name) or opened.settings.rate_hz or source.rate or rate_hz

@@ -150,8 +150,7 @@ class OpenDetection:
         entry = self.session.trial(trial).entry
         if entry.images is None:
             raise KinemarkError(f"{trial} has no images: its detections were made elsewhere.")
-        names = self.session.settings.cameras.names or self.session.calibrate().rig.names
-        self.every = entry.every
+        self.every, names = entry.every, self.session.camera_names
         self.sources = open_cameras(root, self.session.settings, entry.images, names, every=entry.every)
         shortest = min(source.n_frames for source in self.sources.values())
         self.first, last = entry.frames or (1, shortest)

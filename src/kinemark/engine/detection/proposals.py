@@ -34,10 +34,7 @@ def propose_detection(source: Path) -> dict[str, DetectionProposal]:
     pattern = next((trial.images for trial in session.settings.trials if trial.images), None)
     if pattern is None:
         raise KinemarkError(f"{source} has no trial with images. Name images or a video.")
-    names = session.settings.cameras.names
-    if not names:
-        raise KinemarkError("[cameras] names is empty. Name the cameras, so that their images can be found.")
-    sources = open_cameras(session.root, session.settings, pattern, names)
+    sources = open_cameras(session.root, session.settings, pattern, session.camera_names)
     said = getattr(session.settings.detect, "inverted", False) or None  # what the session does not say, images do
     found = {name: propose(images, inverted=said) for name, images in sources.items()}
     return _together(sources, said) | found
@@ -67,7 +64,7 @@ def learn_session_masks(source: Path, target: Path) -> int:
     """
     check_new(target)
     session = Session.open(source)
-    masks = masks_of(session.root, session.settings, session.settings.cameras.names)
+    masks = masks_of(session.root, session.settings, session.camera_names)
     if masks is None:
         raise KinemarkError(
             'The session has no [masks]. Name a recording of the empty volume: empty = "empty/{camera}.mkv".'

@@ -71,7 +71,7 @@ def choices(root: Path, trial: str) -> DigitisingChoices:
         KinemarkError: it has no images, or they cannot be read.
     """
     session = Session.open(root)
-    entry, cameras = _entry(session, trial), _cameras(session)
+    entry, cameras = _entry(session, trial), session.camera_names
     sources = open_cameras(root, session.settings, str(entry.images), cameras)
     method = session.settings.digitise
     last = entry.frames[1] if entry.frames else None
@@ -102,7 +102,7 @@ def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
     _method(table_in(document, "digitise"), setup)
     if setup.reference_files is not None:
         marks = table_in(document["calibration"], "reference_marker")
-        for name, place in _reference_places(root, setup.reference_files, _cameras(session)).items():
+        for name, place in _reference_places(root, setup.reference_files, session.camera_names).items():
             marks[name] = [place]
     own = _table_of(document, trial)
     if "answers" not in own:
@@ -160,13 +160,9 @@ def _entry(session: Session, trial: str) -> TrialEntry:
     return entry
 
 
-def _cameras(session: Session) -> tuple[str, ...]:
-    return tuple(session.settings.cameras.names or session.calibrate().rig.names)
-
-
 def _check_unanswered(session: Session, trial: str, pattern: str) -> None:
     """Answers are to the questions that the present markers lead to."""
-    for path in answer_files(session.root, pattern, _cameras(session)).values():
+    for path in answer_files(session.root, pattern, session.camera_names).values():
         if n := len(read_answers(path)):
             raise KinemarkError(
                 f"{path.name} has {n} answers, which are of the present markers. Take them back, or remove the file, "

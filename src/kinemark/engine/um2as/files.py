@@ -108,7 +108,7 @@ class Um2asFiles:
     def cameras(self) -> tuple[str, ...]:
         """In the order of the files' numbers; raises a KinemarkError where they are known by a calibration alone that
         cannot be read."""
-        return tuple(self.session.settings.cameras.names or self.session.calibrate().rig.names)
+        return self.session.camera_names
 
     @property
     def measured(self) -> Path | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...data import Cloud, Detections
+from ...data import Detections, Tracks
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .measurement_noise import Noise, learn_noise
@@ -12,6 +12,7 @@ from .noise_of_tracks import excess
 from .rig_of_tracks import rig_of_tracks
 from .simultaneous_method import Simultaneous
 from .solved_points import Working
+from .twin_tracks import joined_twins
 
 OF_TRACKS_RATIO = 0.97
 """Of the variance of the images with the rig before, the most that is left where the rig adjusted to tracks is used;
@@ -28,29 +29,31 @@ def with_noise(images: Images, method: Simultaneous) -> tuple[Images, Noise]:
 
 
 def less_noisy(
-    detections: Detections, images: Images, held: list[Working], cloud: Cloud, method: Simultaneous
+    detections: Detections, images: Images, held: list[Working], tracks: Tracks, method: Simultaneous
 ) -> tuple[Working, bool]:
     """With the noise of the images as the points of the first pass have it, where that is less, which is also told."""
     working = held.pop()
-    more = excess(cloud.detection.T, working.images)
+    more = excess(tracks.cloud.detection.T, working.images)
     return (working._replace(images=working.images.noisier(-more)), True) if more.any() else (working, False)
 
 
 def of_tracks(
-    detections: Detections, images: Images, held: list[Working], cloud: Cloud, method: Simultaneous
+    detections: Detections, images: Images, held: list[Working], tracks: Tracks, method: Simultaneous
 ) -> tuple[Working, bool]:
     """With the rig adjusted to the points of the first pass, where the images agree better with it, which is also told.
 
     Noise that is stated, and that no pair of cameras contradicts, is no less by another rig. There the rig is adjusted
     where three images disagree by more than that: lines of two cameras do not tell how far one stands from the other,
-    and where all stand in a row no pair of them does.
+    and where all stand in a row no pair of them does. So it is where a marker has two tracks for that (`twin_tracks`).
 
     The list of the one before is empty afterwards, so that its places and the other ones are not in memory at once.
     """
     working = held.pop()
     usable, believed = working.images.usable, images.stated and not working.noise.added.any()
-    before = float(np.median(working.images.variance[usable])) if len(cloud) else 0.0
-    rig = rig_of_tracks(cloud.detection.T, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
+    before = float(np.median(working.images.variance[usable])) if len(tracks.cloud) else 0.0
+    detection = joined_twins(tracks, working.images.uv, working.images.P)
+    lines_tell = not believed and detection.shape[1] == len(tracks.cloud)
+    rig = rig_of_tracks(detection, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
     if rig is working.rig:
         return working, False
     index, aside = working.images.by_cell, working.images.uv is not images.uv  # those of the rig as given are kept
@@ -58,8 +61,8 @@ def of_tracks(
     del index
     working = working._replace(images=working.images.unplaced()) if aside else working
     moved, noise = with_noise(read_images(detections, rig, images.timing, other=images), method)
-    moved = moved.noisier(-excess(cloud.detection.T, moved))
-    if not believed and np.median(moved.variance[usable]) > OF_TRACKS_RATIO * before:
+    moved = moved.noisier(-excess(detection, moved))
+    if lines_tell and np.median(moved.variance[usable]) > OF_TRACKS_RATIO * before:
         del moved
         images = working.images.placed(detections, working.rig, order, first) if aside else working.images
         return working._replace(images=images), False

@@ -203,7 +203,7 @@ def _learned(
     for learned in () if broken else (less_noisy, of_tracks):  # tracks that break need the room they have
         held = [working]
         del working  # its places are given up while another rig's are looked at
-        working, better = learned(detections, images, held, first.cloud, method)
+        working, better = learned(detections, images, held, Tracks(first.cloud, first.id), method)
         if better:
             del first  # before there are two in memory
             return_memory()

@@ -1,0 +1,80 @@
+"""A marker of which cameras disagree, as they stand otherwise than their file says, has one track and not two."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from kinemark.data import Cloud, Rig, Tracks
+from kinemark.track.simultaneous import track_detections
+from kinemark.track.simultaneous.twin_tracks import joined_twins
+from support.laboratory import camera, observe
+from support.motions import dance
+
+FRAMES = 60
+
+
+def row(n):
+    """n cameras in a row, all as high."""
+    return Rig(tuple(camera(f"c{i}", (x, -4200.0, 1100.0)) for i, x in enumerate(np.linspace(-2500, 2500, n))))
+
+
+def turned(rig, angles):
+    """The cameras turned about the vertical by angles in rad: no line of two of them tells."""
+    return replace(
+        rig,
+        cameras=tuple(
+            replace(one, R=(R := one.R @ Rotation.from_euler("z", by).as_matrix()), t=-R @ one.centre)
+            for one, by in zip(rig, angles, strict=True)
+        ),
+    )
+
+
+@pytest.mark.parametrize(("n", "stated"), [(4, True), (4, False), (6, False)])
+def test_cameras_in_a_row_whose_file_is_off_make_one_track_a_marker(n, stated):
+    seen = observe(row(n), dance(n=12, frames=FRAMES), noise=0.1, cov=stated or False)[0]
+    tracks = track_detections(seen, turned(row(n), 1e-3 * np.linspace(-1, 1, n) ** 2))
+    assert len(tracks.cloud) <= 12 * FRAMES
+    assert (tracks.cloud.detection >= 0).sum() > 0.98 * len(seen)
+
+
+def two_tracks(apart, images, frames=20):
+    """Two tracks, apart by (3) mm, with images of these cameras (2, C) of a row of four; and all images (D, 2) px."""
+    rig, at = row(4), np.array([[0.0, 0.0, 900.0], np.add([0.0, 0.0, 900.0], apart)])
+    uv, own = np.zeros((0, 2)), np.full((2, 4), -1)
+    for k, c in np.argwhere(images):
+        q = rig.P[c] @ [*at[k], 1.0]
+        own[k, c], uv = len(uv), np.vstack([uv, q[:2] / q[2]])
+    rows = 2 * frames
+    cloud = Cloud(
+        100.0,
+        np.arange(0, rows + 1, 2),
+        np.tile(at, (frames, 1)),
+        np.tile(np.eye(3), (rows, 1, 1)),
+        np.zeros(rows),
+        np.tile(own, (frames, 1)),
+    )
+    return Tracks(cloud, np.tile([0, 1], frames)), uv, rig.P
+
+
+SIDES = [[1, 1, 0, 0], [0, 0, 1, 1]]
+
+
+def test_twins_are_joined():
+    tracks, uv, P = two_tracks((10.0, 5.0, 5.0), SIDES)
+    joined = joined_twins(tracks, uv, P)
+    np.testing.assert_array_equal(joined, np.tile([[0], [1], [2], [3]], 20))
+
+
+@pytest.mark.parametrize(
+    ("apart", "images", "frames"),
+    [
+        ((10.0, 5.0, 5.0), [[1, 1, 1, 0], [0, 0, 1, 1]], 20),  # a camera sees both
+        ((90.0, 5.0, 5.0), SIDES, 20),  # images too far beside
+        ((10.0, 5.0, 5.0), SIDES, 5),  # for a moment
+    ],
+)
+def test_two_markers_are_left_apart(apart, images, frames):
+    tracks, uv, P = two_tracks(apart, images, frames)
+    np.testing.assert_array_equal(joined_twins(tracks, uv, P), tracks.cloud.detection.T)

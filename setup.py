@@ -76,8 +76,9 @@ setup(
             "kinemark.native._native",
             sources=[f"{FOLDER}/{name}.c" for name in ("clusters", "library", "motion", "pixels", "shapes", "views")],
             depends=[f"{FOLDER}/{name}.h" for name in ("native", "pixels_by_depth", "shape_light", "symmetric3")],
-            # nobody asks for errno or for exceptions of floating point; a compiler without these flags goes on
-            extra_compile_args=["-O3", "-fno-math-errno", "-fno-trapping-math"],
+            # nobody asks for errno or for exceptions of floating point, and without fused products all processors
+            # give the same; a compiler without these flags goes on
+            extra_compile_args=["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"],
             optional=True,  # without a compiler NumPy does the work
         )
     ],

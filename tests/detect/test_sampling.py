@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.detect import Centroids, detect_frames
+from kinemark.detect.moments import _undersampled
 from kinemark.geometry import project, sphere_offset
 from kinemark.synth import Optics, look_at, render
 
@@ -49,3 +50,12 @@ def test_errors_of_spheres_are_as_large_as_stated(fields):
     of_all = np.array(list(ratio.values()))
     assert (of_all.max() < 2.8) and (of_all.min() > 0.25), ratio
     assert (of_all.mean(0) > 0.75).all() and (of_all.mean(0) < 1.3).all(), of_all.mean(0)
+
+
+def test_whole_frames_are_the_limit_of_lines_that_lie_close():
+    """What is left out of (7) and (8) for square pixels is nothing."""
+    diameter = np.linspace(2, 14, 7)
+    around = diameter**2 / 16 + 0.1 + 1 / 12
+    spread, area = np.stack([around, np.zeros(7), around]), np.pi / 4 * diameter**2
+    whole, close = (_undersampled(spread, area, aspect) for aspect in (1.0, 1 - 1e-9))
+    np.testing.assert_allclose(whole, close, rtol=1e-6, atol=1e-15)

@@ -146,9 +146,12 @@ def _undersampled(spread: Floats, area: Floats, aspect: float) -> Floats:
     blur = wide - square / 16  # σ²
     fade_u, fade_v = np.exp(-4 * np.pi**2 * blur), np.exp(-4 * np.pi**2 * aspect**2 * blur)
     a = np.sqrt(square) * NODES[:, None]
-    along, between = _disc(np.pi * a), _disc(np.pi * a * np.hypot(1, aspect))
+    along = _disc(np.pi * a)
+    if aspect == 1:  # both axes are alike, and nothing is between lines
+        return (fade_u * (WEIGHTS @ along**2) / (2 * np.pi**2))[:, None, None] * np.eye(2)
+    between = _disc(np.pi * a * np.hypot(1, aspect))
     x, sinc = np.pi * a * aspect, np.sinc(h)
-    disc = along if aspect == 1 else _disc(x)
+    disc = _disc(x)
     across = (np.cos(np.pi * h) - (1 + 4 * np.pi**2 * aspect**2 * blur) * sinc) * disc
     across -= 2 * sinc * (disc - scipy.special.j0(x))  # J₂ = 2 J₁ / x − J₀
     u = fade_u * (WEIGHTS @ along**2 + 2 * fade_v * sinc**2 * (WEIGHTS @ between**2))

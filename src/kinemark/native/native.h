@@ -18,11 +18,15 @@
 #define API __attribute__((visibility("default")))
 #endif
 
-/* Before a function that goes over many numbers: compiled twice, and of the two that is taken which the processor at
-   hand can run. Both give the same to the last bit, as AVX2 by itself has no fused products. -DCLONES= makes one. */
+/* Before a function that goes over many numbers: compiled for several processors, and that is taken which the one at hand
+   can run. All give the same to the last bit, as setup.py asks for no fused products. -DCLONES= makes one. */
 #ifdef CLONES
 #elif defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
+#if __GNUC__ >= 12
+#define CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#else
 #define CLONES __attribute__((target_clones("avx2", "default")))
+#endif
 #else
 #define CLONES
 #endif

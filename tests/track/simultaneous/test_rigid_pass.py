@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from kinemark.track.simultaneous import found_points, track_detections
+from kinemark.track.simultaneous import found_points, rigid_bodies, track_detections
 from kinemark.track.simultaneous.body_poses import body_poses, in_place
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints, rows_of
-from kinemark.track.simultaneous.rigid_bodies import learned_bodies
+from kinemark.track.simultaneous.rigid_bodies import fitted, learned_bodies
 from kinemark.track.simultaneous.rigid_pass import RigidPass
 from kinemark.track.simultaneous.same_body import joined_bodies
 from support.laboratory import observe, ring
@@ -45,6 +45,25 @@ def test_pieces_that_go_over_are_told_by_their_places():
     member = in_place(body, poses, points).member
     which = [np.unique(member[marker == m]) for m in range(len(PLACES))]
     assert sorted(int(one[0]) for one in which) == list(range(len(PLACES))) and all(len(one) == 1 for one in which)
+
+
+def test_only_poses_that_lose_a_member_are_fitted_again(monkeypatch):
+    xyz = plate(40).swapaxes(0, 1).copy()
+    shape, reach, aligned, frames = xyz[0].copy(), np.full(len(PLACES), 10.0), rigid_bodies._aligned, []
+    xyz[[3, 17], 5] += 400
+    xyz[17, 2] -= 250
+    alone = [fitted(shape, one[None], reach) for one in xyz]
+
+    def noted(A, at, used):
+        frames.append(len(at))
+        return aligned(A, at, used)
+
+    monkeypatch.setattr(rigid_bodies, "_aligned", noted)
+    poses = fitted(shape, xyz, reach)
+    assert frames == [40, 2, 1]
+    assert poses.fit[[3, 17]].tolist() == [9, 8] and (np.delete(poses.fit, [3, 17]) == 10).all()
+    for column, *each in zip(poses, *alone, strict=True):
+        np.testing.assert_allclose(column, np.concatenate(each), rtol=1e-9, atol=1e-9)
 
 
 def test_a_body_that_is_seen_again_is_the_same_and_one_beside_it_is_not():

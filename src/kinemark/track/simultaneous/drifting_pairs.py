@@ -320,12 +320,12 @@ def _unlikelihood(a: Floats, W: Floats) -> Floats:
 
 def residual(images: Images, F: Floats, one: Ints, other: Ints) -> tuple[Floats, Floats]:
     """e (n) px by (1) of `epipolar_noise` of images of two cameras, and s² (n) px² by (2) of it."""
-    x, y = (np.column_stack([images.uv[each], np.ones(len(each))]) for each in (one, other))
-    line, back = x @ F.T, y @ F
+    x, y = images.uv[one], images.uv[other]
+    line, back = x @ F[:, :2].T + F[:, 2], y @ F[:2] + F[2]
     size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)
     both = np.maximum((size + back_size) / 2, np.finfo(float).tiny)
     squared = (back_size * images.variance[one] + size * images.variance[other]) / both
-    return (line * y).sum(1) / np.sqrt(both), squared
+    return ((line[:, :2] * y).sum(1) + line[:, 2]) / np.sqrt(both), squared
 
 
 def blocks(frame: Ints, id: Ints) -> list[Ints]:

@@ -224,7 +224,10 @@ class Run:
         """The tracks one frame on; those from number `new` on that are not shown any more are set aside (1). All that
         these have stands in `seen` from place `since` on."""
         after = self.step(active)
-        gone = np.setdiff1d(active.id[active.id >= new], after.id[after.alone < UNSEEN])
+        on_trial = active.id[active.id >= new]
+        if not len(on_trial):
+            return after
+        gone = np.setdiff1d(on_trial, after.id[after.alone < UNSEEN])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
             self.free[_own(seen.take(theirs))] = True

@@ -187,13 +187,17 @@ def fitted(shape: Floats, xyz: Floats, reach: Floats) -> Poses:
     """The poses by which members at xyz (F, K, 3) mm, NaN where unseen, lie by a shape (K, 3), but for some off it."""
     used, A = np.isfinite(xyz[..., 0]) & np.isfinite(shape[:, 0]), np.nan_to_num(shape)
     at = np.where(used[..., None], xyz, 0.0)
+    R, t, off = np.empty((len(at), 3, 3)), np.empty((len(at), 3)), np.empty(used.shape)
+    some = np.arange(len(at))
     for _ in range(LEFT_OUT + 1):
-        R, t = _aligned(A, at, used)
-        off = np.where(used, np.linalg.norm(at - A @ R.mT - t[:, None], axis=-1), 0.0)
-        worst = (off > reach) & (off == off.max(1, keepdims=True))
-        if not worst.any():
+        R[some], t[some] = _aligned(A, at[some], used[some])
+        apart = np.linalg.norm(at[some] - A @ R[some].mT - t[some, None], axis=-1)
+        off[some] = np.where(used[some], apart, 0.0)
+        worst = (off[some] > reach) & (off[some] == off[some].max(1, keepdims=True))
+        used[some] &= ~worst
+        some = some[worst.any(1)]  # all others stay as they are
+        if not len(some):
             break
-        used &= ~worst
     fit = np.where(_spread_out(A, used) & np.isfinite(t).all(1), used.sum(1), 0)
     return Poses(R, t, fit, np.sqrt((off**2).sum(1) / np.maximum(used.sum(1), 1)))
 

@@ -11,7 +11,7 @@ samples of markers. So p is of a point. Printed are the coefficients, and what t
 from __future__ import annotations
 
 import argparse
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -37,7 +37,8 @@ class Counted(NamedTuple):
 class Recorder:
     """Stands for the rule: gives nothing up, and keeps what it was last asked."""
 
-    def __call__(self, *asked) -> Bools:  # type: ignore[no-untyped-def]
+    def __call__(self, *asked: Any) -> Bools:
+        """No point of those that are asked about."""
         self.asked = asked
         return np.zeros(len(asked[0]), bool)
 
@@ -61,7 +62,7 @@ def keys(frame: Ints, detection: Ints) -> list[tuple[int, ...]]:
 
 
 def fitted(of: Counted) -> Floats:
-    """(4) the likeliest coefficients of (1), the first of them BIAS."""
+    """The likeliest coefficients of (1), the first of them BIAS."""
     x = np.column_stack([np.ones(len(of.evidence)), of.evidence])
 
     def unlikelihood(b: Floats) -> tuple[float, Floats]:

@@ -96,7 +96,7 @@ def test_one_rival_that_fits_better_tells(alone):
 
 
 def test_of_a_short_track_less_is_enough():
-    """One rival that fits as well does not tell a track of twenty points, but one of four, which chance makes oftener."""
+    """One rival that fits as well does not tell a track of twenty points, but one of four: chance makes more."""
     assert not Meeting().without(ONE, 2).alone().given_up()
     assert Meeting().without(ONE, 2).alone(PART[:4]).given_up() == PART[:4].tolist()
     assert not Meeting().without(ONE, 2).without(OTHER, 3).alone(PART[:4]).given_up()

@@ -1,16 +1,17 @@
 """Chance meetings of two images, told by all that is known of them at once.
 
-Where two cameras alone see a track, no single property tells a marker from two markers whose images meet by chance for
-a while. Together three do. A stretch is a run of frames in which the same two cameras see a track, and no other. With
-the score D (2) of `drifting_pairs` of its images, the number N of points of its track, and the squared distances q_k, in
-standard deviations, of the free images that fit either of its images elsewhere, in the mean of its frames,
+Where two cameras alone see a track, no single property tells a marker from images of two markers that meet by chance
+for a while. Three together do. A stretch is a run of frames in which the same two cameras see a track, and no other.
+With D its score (2) of `drifting_pairs`, N the number of points of its track, and q_k the squared distances, in
+standard deviations, of free images from the points at which they meet either image of the stretch elsewhere,
 
-    logit p = BIAS + DRIFT max(D, LEAST) + LENGTH ln N + PARTNERS ln(1 + mean Σ_k exp(−q_k / 2))      (1)
+    logit p = BIAS + DRIFT max(D, LEAST) + LENGTH ln N + PARTNERS ln(1 + Σ_k exp(−q_k / 2))      (1)
 
-is the probability p that it is a chance meeting (logistic regression, Cox 1958). Images of two markers mostly have
-their true partners on their lines, which no track has, as the meeting has taken one image of either. Few markers' images
-have: who is seen by a third camera has that image too. Stretches of more than LIKELY are given up. Those of merged
-images, and of cameras of which it is not known what is usual, are not judged.
+with the mean of the sum over the frames of the stretch, p is the probability that it is a chance meeting (logistic
+regression, Cox 1958). Images of two markers mostly have their true partners on their lines, which no track has, as the
+meeting has taken one image of either. Few images of markers have partners: a third camera that sees the marker is in
+its track. Stretches of more than LIKELY are given up. Those with merged images, and those of cameras of which it is
+not known what is usual, are not judged.
 """
 
 from __future__ import annotations
@@ -31,10 +32,15 @@ BIAS, DRIFT, LENGTH, PARTNERS = -2.23, 0.38, -0.96, 6.8
 LEAST = -5.0
 """Of D in (1), a natural logarithm; chosen: what drifts less than usual for longer is no likelier a marker's."""
 
-LIKELY = float(-np.log(4.0))
-"""logit p from which a stretch is given up, a natural logarithm: p is then 0.2; chosen on scenes of four cameras by
+LIKELY = float(-np.log(9.0))
+"""logit p from which a stretch is given up, a natural logarithm: p is then 0.1; chosen on scenes of four cameras by
 which nothing was fitted (see docs/theory/tracking-ghosts.md)."""
 
+
+FEW = 4
+"""Cameras, a number, up to which anything is judged; chosen: of more, most markers have a third image, and two cameras
+alone see few chance meetings. Of 13 scenes (5200 to 5222 of benchmarks/tracking_scenes.py) it would take none of 16
+ghosts and 12 samples."""
 
 APART = 3.0
 """Standard deviations within which a free image is taken for one of the same marker; chosen: with 2 a whole track of a
@@ -45,6 +51,8 @@ def chance_meetings(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float
 ) -> Bools:
     """(P) the points of tracks id (P), of detections (C, P), that are given up as chance meetings."""
+    if len(detection) > FEW:
+        return np.zeros(len(frame), bool)
     stretch, what = evidence(frame, id, detection, images, usual, gate)
     logit = BIAS + what @ (DRIFT, LENGTH, PARTNERS)  # (1)
     return (stretch >= 0) & np.append(logit > LIKELY, False)[stretch]

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from chance_meetings import Counted, fitted
 
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.chance_meetings import chance_meetings
+from kinemark.track.simultaneous.chance_meetings import FEW, chance_meetings
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drift_beyond import drifting_beyond
 from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
@@ -118,3 +119,20 @@ def test_ghosts_of_images_that_have_rivals_are_not_given():
     assert found.ghosts <= 11
     assert found.two_found >= 4580
     assert found.more_found == found.more
+
+
+def test_the_coefficients_are_fitted_again():
+    """By stretches of which (1) itself says how many points are ghosts."""
+    rng = np.random.default_rng(4)
+    evidence = rng.normal(size=(200, 3))
+    points, b = rng.integers(1, 40, 200), np.array([-1.0, 0.4, -0.9, 2.0])
+    p = 1 / (1 + np.exp(-b[0] - evidence @ b[1:]))
+    np.testing.assert_allclose(fitted(Counted(evidence, points * p, points * (1 - p))), b, atol=1e-3)
+
+
+@pytest.mark.parametrize("cameras", [FEW, FEW + 1])
+def test_before_many_cameras_nothing_is_judged(cameras):
+    """Where the other cameras see none of these frames, as well."""
+    frame, id, detection, images, usual = Meeting().alone(PART[:4]).known()
+    detection = np.concatenate([detection, np.full((cameras - 4, len(frame)), -1)])
+    assert chance_meetings(frame, id, detection, images, usual, METHOD.gate).any() == (cameras == FEW)

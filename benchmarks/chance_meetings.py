@@ -52,7 +52,9 @@ def counted(one: Scene, rule: Recorder) -> Counted:
     owner = dict(zip(keys(tracks.cloud.frame, tracks.cloud.detection.T), owners(made, tracks)[0].tolist(), strict=True))
     mine = np.array([owner.get(key, -2) for key in keys(frame, detection)])
     some = stretch >= 0
-    ghosts, markers = (np.bincount(stretch[some], which[some], len(evidence)) for which in (mine == -1, mine >= 0))
+    ghosts, markers = (
+        np.bincount(stretch[some], which[some].astype(float), len(evidence)) for which in (mine == -1, mine >= 0)
+    )
     return Counted(evidence, ghosts, markers)
 
 
@@ -78,7 +80,7 @@ def main() -> None:
     parser.add_argument("seeds", nargs="*", help="such as 3 or 40-49")
     seeds = numbers(parser.parse_args().seeds or FITTED)
     scenes = [one for one in map(scene, seeds) if one.cameras == 4 and (one.optics.merge < 10 or one.optics.marked)]
-    given_up_points.chance_meetings = rule = Recorder()  # type: ignore[assignment]
+    vars(given_up_points)["chance_meetings"] = rule = Recorder()
     each = [counted(one, rule) for one in scenes]
     whole = Counted(*(np.concatenate(column) for column in zip(*each, strict=True)))
     b = fitted(whole)

@@ -112,12 +112,12 @@ def test_merged_images_are_not_judged():
 
 
 def test_ghosts_of_images_that_have_rivals_are_not_given():
-    """Of sixty markers on three cameras: where rivals are not asked there are 14 ghosts, with the same samples. Those
-    that are left are points of markers' tracks. With 18 of what is left of one chance track there are 29."""
+    """Of sixty markers on three cameras: where nothing is asked of free partners there are 14 ghosts, and ten samples
+    more. With partners that had to be linked over half of a stretch there were 11."""
     made = make(scene(130122))
     found = tally(made, track_detections(made.detections, made.rig))
-    assert found.ghosts <= 11
-    assert found.two_found >= 4580
+    assert found.ghosts <= 8
+    assert found.two_found >= 4570
     assert found.more_found == found.more
 
 

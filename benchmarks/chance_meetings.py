@@ -52,10 +52,8 @@ def counted(one: Scene, rule: Recorder) -> Counted:
     owner = dict(zip(keys(tracks.cloud.frame, tracks.cloud.detection.T), owners(made, tracks)[0].tolist(), strict=True))
     mine = np.array([owner.get(key, -2) for key in keys(frame, detection)])
     some = stretch >= 0
-    ghosts, markers = (
-        np.bincount(stretch[some], which[some].astype(float), len(evidence)) for which in (mine == -1, mine >= 0)
-    )
-    return Counted(evidence, ghosts, markers)
+    number = [np.bincount(stretch[some], which[some], len(evidence)) for which in (mine == -1, mine >= 0)]
+    return Counted(evidence, *(np.asarray(each, np.float64) for each in number))
 
 
 def keys(frame: Ints, detection: Ints) -> list[tuple[int, ...]]:

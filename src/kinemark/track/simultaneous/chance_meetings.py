@@ -39,7 +39,7 @@ which nothing was fitted (see docs/theory/tracking-ghosts.md)."""
 
 FEW = 4
 """Cameras, a number, up to which anything is judged; chosen: of more, most markers have a third image, and two cameras
-alone see few chance meetings. Of 13 scenes (5200 to 5222 of benchmarks/tracking_scenes.py) it would take none of 16
+alone see few chance meetings. Of 14 scenes (5200 to 5222 of benchmarks/tracking_scenes.py) it would take none of 16
 ghosts and 12 samples."""
 
 APART = 3.0

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous.chance_meetings import chance_meetings
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drift_beyond import drifting_beyond
 from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
-from kinemark.track.simultaneous.drifting_rivals import with_rivals
 from kinemark.track.simultaneous.exchanged_images import with_exchanged
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -53,7 +53,7 @@ def test_images_that_two_tracks_have_exchanged_are_changed_back():
     one = Exchange()
     assert not drifting(*one.known, one.usual, METHOD.gate).any()
     assert not drifting_beyond(*one.known, one.usual, 0.0, METHOD.gate, 1 / 100).any()
-    assert not with_rivals(*one.known, one.usual, 1 / 100.0, METHOD).any()
+    assert not chance_meetings(*one.known, one.usual, METHOD.gate).any()
     np.testing.assert_array_equal(one.changed(), Exchange(wrong=False).held)
 
 

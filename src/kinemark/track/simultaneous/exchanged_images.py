@@ -2,7 +2,7 @@
 
 Where two markers lie near each other's lines, and two cameras alone see the track of either, both tracks can have the
 wrong images: a and b of one, c and d of the other, where a and c are one marker's, and b and d. No image is left over
-that would tell it (`drifting_rivals`), but with the score (2) of `drifting_pairs`, the log-likelihood ratio of two
+that would tell it (`chance_meetings`), but with the score (2) of `drifting_pairs`, the log-likelihood ratio of two
 markers to one, over the frames that stretches of both have in common,
 
     S = score(a, b) + score(c, d) − score(a, c) − score(b, d)                             (1)
@@ -21,11 +21,15 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.runs import begins
 from .candidate_points import intersect
+from .chance_meetings import usual_of_two
 from .detection_index import Images
 from .drift_of_runs import scores_of_runs
 from .drifting_pairs import UsualResiduals, residual
-from .drifting_rivals import LEAST, usual_of_two
 from .rival_pairs import stretches
+
+LEAST = 6
+"""Frames that both stretches have in common, a number at least; chosen: of four or five, all fit (137010, 141068 of
+benchmarks/tracking_scenes.py: scores of markers up to 5.1)."""
 
 CERTAIN = float(np.log(100.0))
 """The other pairs are then a hundred times likelier; chosen, as in `drift_beyond`."""

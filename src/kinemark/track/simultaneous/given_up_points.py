@@ -15,10 +15,10 @@ from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import usable_points
 from ...numerics.returned_memory import return_memory
 from .candidate_points import intersect
+from .chance_meetings import chance_meetings
 from .detection_index import Images
 from .drift_beyond import drifting_beyond
 from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
-from .drifting_rivals import with_rivals
 from .exchanged_images import with_exchanged
 from .neighbouring_points import TrackPoints, smoothed
 from .points_between import between_markers
@@ -144,7 +144,7 @@ def _without_drifting(
     return_memory()
     rest = np.flatnonzero(sound)
     detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
-    sound[rest] = ~with_rivals(frame[rest], ids[rest], detection[:, rest], images, usual, T, method)
+    sound[rest] = ~chance_meetings(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
     del frame, rest
     return_memory()
     sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.walked import clean, exchanged, nearest, spiked, walk, with_xyz
 
 from kinemark.data import MarkerTrajectory
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.editing.journal import Journal
 from kinemark.engine.problems import problems
+from support.walked import clean, exchanged, nearest, spiked, walk, with_xyz
 
 P, AT = 9, 200
 

@@ -84,7 +84,8 @@ def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
     first, last = problem.first - context.start, problem.last - context.start
     at_once = verdict.first - near <= last and verdict.last + near >= first
     names, tracks = {context.now.names[path] for path in verdict.paths}, set(problem.tracks)
-    all_of_it = not verdict.right or verdict.decision == problem.kind == "join"  # a piece may be between two others
+    pieces = verdict.decision == problem.kind == "join"  # of a piece between two others both may be asked
+    all_of_it = pieces or (problem.kind == "swap" and not verdict.right)
     return kinds[0] == kinds[1] and at_once and (tracks <= names if all_of_it else bool(names & tracks))
 
 

@@ -6,13 +6,13 @@ import numpy as np
 
 from kinemark.data import same
 from kinemark.data.edits import Claim, Erase, GapChoice, ImagePoint, Put, Smooth, Undo
-from kinemark.edit import claims, folds, replay, stretch_of, votes
+from kinemark.edit import folds, joined, replay, stretch_of, votes
 from support.edited import FRAMES, entries, scene
 
 
 def forget():
     """As in a process that has just begun."""
-    claims._KNOWN.clear()
+    joined._KNOWN.clear()
     folds._KNOWN.clear()
     votes.known_votes.cache_clear()
     votes.owners.cache_clear()

@@ -19,20 +19,24 @@ other paths around it (6): where tracks were made again otherwise, it would stan
 
 Where a witness of one marker follows one of another on a path, in frames that both claims speak of, nothing tells which
 of the samples between are whose: a claim of which many lie so is not sure (8).
+
+Frames whose samples were said to be no marker stay so under a later claim that has no witness there (9): whoever names
+the rest of the path sees them no more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
-from weakref import WeakValueDictionary
 
 import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..data.edits import UNNAMED, Claim, is_named
+from .joined import joined
 from .votes import KnownVotes, Votes, denies, known_votes, votes
 
 ENOUGH = 0.8
@@ -193,13 +197,20 @@ def _refuted(said: Votes, claims: Sequence[Claim], known: KnownVotes) -> Bools:
         for p in set(piece[all_own].tolist()) if len(own) else ():
             at = said.frame[all_own[piece[all_own] == p]]
             for k in of_piece[p]:
-                if k < later and claims[k].name != name:
+                if k < later and claims[k].name != name and not _stays(claims[k], at, known.trajectories):
                     out[rows[k][(piece[rows[k]] == p) & _within(said.frame[rows[k]], at)]] = True
         for k in of_name[name] if name is not None and len(own) else ():
             if k < later:
                 away = ~np.isin(said.path[rows[k]], list(paths))
                 elsewhere[rows[k][away & _within(said.frame[rows[k]], said.frame[own])]] = True
     return out | elsewhere
+
+
+def _stays(claim: Claim, frame: Ints, trajectories: Trajectories) -> bool:
+    """Whether a claim takes samples of some frames away from all markers, and a later one has no witness there (9)."""
+    bounded = claim.name is None and claim.where.first is not None and claim.where.last is not None
+    at = _covered(claim, trajectories)
+    return bounded and not ((frame >= at.start) & (frame < at.stop)).any()
 
 
 def _within(frame: Ints, ends: Ints) -> Bools:
@@ -213,6 +224,9 @@ def _owner(known: KnownVotes, p: int, claims: dict[int, Claim], said: Votes) -> 
     of, apart = np.full(trajectories.n_frames, -1, np.int64), np.full(trajectories.n_frames, np.inf)
     on = {k: said.of(said.stretch == k) for k in claims}
     reached = {k: np.isin(piece, piece[own.frame[own.path == p]]) for k, own in on.items()}  # (7)
+    for j, k in combinations(sorted(claims), 2):
+        if _stays(claims[j], on[k].frame[on[k].path == p], trajectories):
+            reached[k][_covered(claims[j], trajectories)] = False  # (9)
     on = {k: own.of(_at(reached[k], own.frame)) for k, own in on.items()}
     for k, own in on.items():
         denied = own.frame[denies(own, p, trajectories, known.detections)]
@@ -318,7 +332,7 @@ def _renamed(trajectories: Trajectories, claims: Sequence[Claim], owned: Owned, 
             parts.setdefault(called, []).append((p, mask))
     alone = {masks[0][0] for masks in parts.values() if len(masks) == 1} & as_it_was
     paths = tuple(
-        trajectories.paths[masks[0][0]] if masks[0][0] in alone else _joined(trajectories, name, masks)
+        trajectories.paths[masks[0][0]] if masks[0][0] in alone else joined(trajectories, name, masks)
         for name, masks in parts.items()
     )
     same = len(paths) == len(trajectories) and all(a is b for a, b in zip(paths, trajectories, strict=True))
@@ -348,50 +362,6 @@ def _uncut(mask: Bools, cuts: Bools) -> Iterator[Bools]:
     piece = np.cumsum(cuts)
     for value in np.unique(piece[mask]).tolist():
         yield mask & (piece == value)
-
-
-_KNOWN: WeakValueDictionary[object, MarkerTrajectory] = WeakValueDictionary()
-"""Paths of pieces, as long as somebody has them: the next version has the same record where the pieces are the same."""
-
-
-def _joined(trajectories: Trajectories, name: str, masks: Sequence[tuple[int, Bools]]) -> MarkerTrajectory:
-    """One path of samples of several, no frame of them twice."""
-    masks = [one for one in masks if one[1].any()] or masks[:1]
-    p, mask = masks[0]
-    first = trajectories.paths[p]
-    if len(masks) == 1 and first.name == name and np.array_equal(mask, first.origin != Origin.MISSING):
-        return first
-    pieces = [(trajectories.paths[p], mask) for p, mask in masks]
-    key = name, *((path, mask.tobytes()) for path, mask in pieces)
-    found = _KNOWN.get(key)
-    if found is None:
-        _KNOWN[key] = found = _of_pieces(name, pieces)
-    return found
-
-
-def _of_pieces(name: str, pieces: Sequence[tuple[MarkerTrajectory, Bools]]) -> MarkerTrajectory:
-    first, mask = pieces[0]
-    if len(pieces) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
-        return replace(first, name=name)
-    blank = _blank(len(first), max(path.detection.shape[1] for path, _ in pieces))
-    for path, mask in pieces:
-        for column, values in blank.items():
-            source = getattr(path, column)
-            if column != "detection" or source.shape[1]:
-                values[mask] = source[mask]
-    return MarkerTrajectory(name=name, **blank)
-
-
-def _blank(n: int, cameras: int) -> dict[str, np.ndarray]:
-    """Columns of a path without samples."""
-    return {
-        "xyz": np.full((n, 3), np.nan),
-        "cov": np.full((n, 3, 3), np.nan),
-        "origin": np.zeros(n, np.uint8),
-        "residual": np.full(n, np.nan),
-        "cameras": np.zeros(n, np.uint32),
-        "detection": np.full((n, cameras), -1, np.int64),
-    }
 
 
 def _first_free(trajectories: Trajectories) -> int:

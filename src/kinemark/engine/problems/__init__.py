@@ -17,6 +17,7 @@ from ...fill import FilledGap, fill
 from ...label import Template
 from ..editing.editing import Editing
 from .context import Context
+from .exchanged_back import exchanged_back
 from .found import ONCE
 from .of_gaps import of_edits, of_gaps
 from .of_names import of_names
@@ -55,7 +56,7 @@ def problems(
     seen += [one for one in of_names(context, template) if not _seen_by_motion(one, seen, context)]
     found += [one for one in seen if not any(_is_about(verdict, one, context) for verdict in settled)]
     if not one_by_one:
-        found = list(together(context, found))
+        found = list(together(context, list(exchanged_back(context, found))))
     order = sorted(found, key=lambda one: (BEFORE.get(one.kind, 1), not one.asked, -one.cost, one.first, one.id))
     return Problems(tuple(_with_own_ids(order)), editing.journal.head)
 
@@ -76,7 +77,7 @@ def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
     """Whether a verdict was on this problem.
 
     What was wrong was mended, so that what is seen farther beside than one thing is seen twice is another one, as where
-    two markers are exchanged for some frames.
+    two markers are exchanged for some frames; and what has another marker to it is, as where three are exchanged.
     """
     near = NEAR_S * context.now.rate if verdict.right else min(NEAR_S * context.now.rate, ONCE)
     kinds = [FAMILY.get(kind, kind) for kind in (verdict.decision, problem.kind)]
@@ -84,7 +85,8 @@ def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
     at_once = verdict.first - near <= last and verdict.last + near >= first
     names, tracks = {context.now.names[path] for path in verdict.paths}, set(problem.tracks)
     pieces = verdict.decision == problem.kind == "join"  # of a piece between two others both may be asked
-    return kinds[0] == kinds[1] and at_once and (tracks <= names if pieces else bool(names & tracks))
+    all_of_it = pieces or (problem.kind == "swap" and not verdict.right)
+    return kinds[0] == kinds[1] and at_once and (tracks <= names if all_of_it else bool(names & tracks))
 
 
 def _seen_by_motion(one: Problem, seen: Sequence[Problem], context: Context) -> bool:

@@ -97,6 +97,16 @@ def _samples(n: int) -> str:
     return f"{n} sample{'s' if n != 1 else ''}"
 
 
+def exchanged_text(tracks: Sequence[str], first: int, last: int) -> str:
+    """Two markers that seem to jump away and back at once."""
+    return f"{tracks[0]} and {tracks[1]} may be exchanged in {span_of_frames(first, last)}"
+
+
+def exchange_text(tracks: Sequence[str], first: int, last: int) -> str:
+    """What mends it."""
+    return f"exchange {tracks[0]} and {tracks[1]} in {span_of_frames(first, last)}"
+
+
 def together_text(track: str, first: int, last: int, places: int) -> str:
     """A path that jumps at several places."""
     return f"{track} jumps at {places} places, {span_of_frames(first, last)}"

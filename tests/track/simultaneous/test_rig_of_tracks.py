@@ -49,17 +49,6 @@ def test_a_file_that_is_off_is_adjusted_to_what_the_images_allow(cameras, error)
     assert moved.max() < 0.01 * np.linalg.norm(wrong.centres, axis=1).min()  # the rig as a whole stays
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_points_of_two_images_tell_where_those_of_three_are_few(seed):
-    detections, all_of_them = seen(4)
-    detection, place = all_of_them.copy(), np.arange(all_of_them.shape[1])
-    for c in (0, 1):
-        detection[(place + c * (1 + place // 4 % 3)) % 4, place] = -1
-    wrong = off(ring(4), 1.0, np.random.default_rng(seed))
-    adjusted = rig_of_tracks(detection, read_images(detections, wrong), wrong)
-    assert residual(detections, all_of_them, adjusted) < 0.6 * residual(detections, all_of_them, wrong)
-
-
 def test_images_of_a_right_file_lose_nothing_by_it():
     detections, detection = seen(6)
     adjusted = rig_of_tracks(detection, read_images(detections, ring(6)), ring(6))

@@ -1,8 +1,7 @@
 """The rig adjusted to the images of its own tracks: a bundle adjustment, held to what calibrations are usually off.
 
 Epipolar residuals (`adjusted_rig`) tell how cameras are turned, before anything is tracked. Points X of three images
-and more tell where each camera stands as well; where they are few, points of two tell at least what lines do, with
-fewer images of others among them. With q = R X + t in a camera's frame and the image u = F q_xy / q_z + c,
+and more tell where each camera stands as well. With q = R X + t in a camera's frame and the image u = F q_xy / q_z + c,
 F being K without its last row and column, a camera turned by ω, moved by z ε, z the median depth of its points, and
 refocused by the factor 1 + s has
 
@@ -36,11 +35,7 @@ USUAL_ERROR = 1.5e-3
 """θ₀ of (2), in rad, of the depth, and of the focal length: about two pixels; chosen, as in `adjusted_rig`."""
 
 FEWEST_IMAGES, FEWEST_POINTS = 3, 100
-"""Images of a point that tells where others do not, by definition: two always nearly meet; and such points of a recording, chosen."""
-
-FEW, FEWEST_CAMERAS = 0.25, 4
-"""Share of points of three images below which those of two tell as well, and cameras from which on; chosen: four in a
-ring have 0 to 0.15, and lines alone leave some of their rigs half a pixel off. Fewer cameras were not measured."""
+"""Images of a point that tells, by definition: two always nearly meet; and such points of a recording, chosen."""
 
 MOST_POINTS = 1500
 """Points that are looked at; chosen: more say the same."""
@@ -79,7 +74,7 @@ def rig_of_tracks(detection: Ints, images: Images, rig: Rig, *, least: float = 0
         least: px, σ of (2) up to which images agree as well as they say, and the rig stays as it was.
     """
     own = (detection >= 0) & ~images.merged[detection]
-    rows = _telling(own)
+    rows = np.flatnonzero(own.sum(0) >= FEWEST_IMAGES)
     if len(rows) < FEWEST_POINTS:
         return rig
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
@@ -102,13 +97,6 @@ def rig_of_tracks(detection: Ints, images: Images, rig: Rig, *, least: float = 0
     squared = (image_derivatives(adjusted, xyz, uv, depth).r[seen] ** 2).sum(-1)
     tail = np.quantile(squared, 0.9) / (-2 * np.log(0.1) * after**2)
     return adjusted if after < LEAST_GAIN * before and tail < MOST_TAIL else rig
-
-
-def _telling(own: Bools) -> Ints:
-    """Rows of the points with these images (C, S) that tell: of three and more, and of two where those are few."""
-    n = own.sum(0)
-    more, any_ = np.flatnonzero(n >= FEWEST_IMAGES), np.flatnonzero(n >= 2)
-    return any_ if len(own) >= FEWEST_CAMERAS and len(more) < FEW * len(any_) else more
 
 
 def depths_of_points(rig: Rig, xyz: Floats, seen: Bools) -> Floats:

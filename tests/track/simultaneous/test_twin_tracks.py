@@ -58,23 +58,29 @@ def two_tracks(apart, images, frames=20):
     return Tracks(cloud, np.tile([0, 1], frames)), uv, rig.P
 
 
+def noise(uv):
+    """Variances (D) px² of images with a noise of 0.2 px."""
+    return np.full(len(uv), 0.04)
+
+
 SIDES = [[1, 1, 0, 0], [0, 0, 1, 1]]
 
 
 def test_twins_are_joined():
-    tracks, uv, P = two_tracks((10.0, 5.0, 5.0), SIDES)
-    joined = joined_twins(tracks, uv, P)
+    tracks, uv, P = two_tracks((10.0, 5.0, 0.0), SIDES)
+    joined = joined_twins(tracks, uv, noise(uv), P)
     np.testing.assert_array_equal(joined, np.tile([[0], [1], [2], [3]], 20))
 
 
 @pytest.mark.parametrize(
     ("apart", "images", "frames"),
     [
-        ((10.0, 5.0, 5.0), [[1, 1, 1, 0], [0, 0, 1, 1]], 20),  # a camera sees both
-        ((90.0, 5.0, 5.0), SIDES, 20),  # images too far beside
-        ((10.0, 5.0, 5.0), SIDES, 5),  # for a moment
+        ((10.0, 5.0, 0.0), [[1, 1, 1, 0], [0, 0, 1, 1]], 20),  # a camera sees both
+        ((90.0, 5.0, 0.0), SIDES, 20),  # images too far beside
+        ((10.0, 5.0, 0.0), SIDES, 5),  # for a moment
+        ((10.0, 5.0, 12.0), SIDES, 20),  # lines do not meet: two sides of a thin plate
     ],
 )
 def test_two_markers_are_left_apart(apart, images, frames):
     tracks, uv, P = two_tracks(apart, images, frames)
-    np.testing.assert_array_equal(joined_twins(tracks, uv, P), tracks.cloud.detection.T)
+    np.testing.assert_array_equal(joined_twins(tracks, uv, noise(uv), P), tracks.cloud.detection.T)

@@ -51,7 +51,7 @@ def of_tracks(
     working = held.pop()
     usable, believed = working.images.usable, images.stated and not working.noise.added.any()
     before = float(np.median(working.images.variance[usable])) if len(tracks.cloud) else 0.0
-    detection = joined_twins(tracks, working.images.uv, working.images.P)
+    detection = joined_twins(tracks, working.images.uv, working.images.variance, working.images.P)
     lines_tell = not believed and detection.shape[1] == len(tracks.cloud)
     rig = rig_of_tracks(detection, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
     if rig is working.rig:

@@ -7,10 +7,12 @@ points of three images are few: the tracks do not tell that cameras stand otherw
 
 Two tracks are twins where in half of the frames of the shorter one
 
-    their points are the nearest of each other, no camera has an image of both, and the images of one lie less than
-    BESIDE px from where their cameras would see the point of the other                   (1)
+    their points are the nearest of each other, no camera has an image of both, the images of one lie less than
+    BESIDE px from where their cameras would see the point of the other, and each image of one lies on the line of each
+    of the other's, within GATE standard deviations                                       (1)
 
-Where twins have less than MANY of the points, they are rather two markers of which each camera sees one.
+Lines tell two markers of which each camera sees one, as on both sides of a thin plate. Where twins have less than MANY
+of the points, they are rather such.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...data import Cloud, Tracks
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
+from .candidate_points import fundamentals
 
 SHARE, FEWEST = 0.5, 8
 """Of the frames of the shorter track in which (1) holds, and these at least; chosen: two markers meet for fewer."""
@@ -27,15 +30,20 @@ SHARE, FEWEST = 0.5, 8
 BESIDE = 10.0
 """px of (1); chosen, as `measurement_noise.MAX_DISTANCE`."""
 
+GATE = 4.0
+"""Standard deviations of (1); chosen: lines of a row whose file is off agree, those of markers on two sides of a plate
+do not."""
+
 MANY = 0.05
 """Share of all points; chosen: rows whose file is off had 0.05 to 0.8, `gait9` 0.015, and a quarter of it 0.03."""
 
 
-def joined_twins(tracks: Tracks, uv: Floats, P: Floats) -> Ints:
+def joined_twins(tracks: Tracks, uv: Floats, variance: Floats, P: Floats) -> Ints:
     """(C, S) images of the points of tracks, −1 for none, those of twins in one; as they are where twins are few.
 
     Args:
-        tracks: of a first pass. uv: (D, 2) px of all images. P: (C, 3, 4) the cameras that solved their points.
+        tracks: of a first pass. uv, variance: (D, 2) px and (D) px² of all images. P: (C, 3, 4) the cameras that solved
+            their points.
     """
     cloud = tracks.cloud
     detection = cloud.detection.T
@@ -44,6 +52,8 @@ def joined_twins(tracks: Tracks, uv: Floats, P: Floats) -> Ints:
     one, other = _nearest_of_each_other(cloud)
     alike = ~((detection[:, one] >= 0) & (detection[:, other] >= 0)).any(0)
     alike &= _beside(P, cloud.xyz[one], detection[:, other], uv) < BESIDE
+    one, other = one[alike], other[alike]
+    alike = _lines_meet(P, detection[:, one], detection[:, other], uv, variance)
     one, other = one[alike], other[alike]
     ids = np.sort(tracks.id[np.stack([one, other])], axis=0)
     _, pair, n = np.unique(ids, axis=1, return_inverse=True, return_counts=True)
@@ -73,3 +83,16 @@ def _beside(P: Floats, xyz: Floats, detection: Ints, uv: Floats) -> Floats:
     x = xyz @ P[:, :, :3].transpose(0, 2, 1) + P[:, None, :, 3]
     off = np.linalg.norm(x[..., :2] / x[..., 2:] - uv[detection], axis=-1)
     return np.asarray(np.where(detection >= 0, off, 0.0).max(0))
+
+
+def _lines_meet(P: Floats, one: Ints, other: Ints, uv: Floats, variance: Floats) -> Bools:
+    """(n) whether images (C, n) of one point and of another meet each other's lines within GATE."""
+    meet, F = np.ones(one.shape[1], bool), fundamentals(P)
+    for r, s in np.argwhere(~np.eye(len(P), dtype=bool)):
+        rows = np.flatnonzero((one[r] >= 0) & (other[s] >= 0))
+        i, j = one[r, rows], other[s, rows]
+        x, y = (np.column_stack([uv[own], np.ones(len(own))]) for own in (i, j))
+        line, back = x @ F[r, s].T, y @ F[r, s]
+        of_noise = (back[:, :2] ** 2).sum(1) * variance[i] + (line[:, :2] ** 2).sum(1) * variance[j]
+        meet[rows] &= (line * y).sum(1) ** 2 < GATE**2 * of_noise
+    return meet

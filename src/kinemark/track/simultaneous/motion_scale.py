@@ -57,6 +57,7 @@ benchmarks/tracking_scenes.py)."""
 USUAL_REACH = 2.5
 """Of (3): new tracks are looked for within three standard deviations; chosen (see benchmarks/tracking_scenes.py)."""
 
+
 class Movement(NamedTuple):
     """Process noise in mm/s² per √s by (2), standard deviations of velocities in mm/s by (3) and of accelerations in
     mm/s² by (4)."""
@@ -103,7 +104,7 @@ class Learned(NamedTuple):
 
 
 def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen: Associations | None = None) -> Learned:
-    """The method with more process noise, velocity and acceleration, where the recording has them, or less where its tracks break.
+    """The method with more process noise, velocity and acceleration, or less where tracks break.
 
     Args:
         seen: `in_windows` of these, where it is known.

@@ -68,12 +68,13 @@ class Movement(NamedTuple):
 
 
 NO_MOVEMENT = Movement(0.0, 0.0, 0.0)
+"""What too few points tell, mm/s² per √s, mm/s and mm/s²; by definition."""
 
 MOST_MOVEMENT = Movement(400_000.0, 6000.0, 120_000.0)
-"""More than the feet of a sprinter; chosen (see benchmarks/tracking_scenes.py)."""
+"""mm/s² per √s, mm/s and mm/s²: about what the feet of a sprinter have; chosen (see benchmarks/tracking_scenes.py)."""
 
 RUNNING, GAIN = Movement(150_000.0, 4000.0, 30_000.0), 1.05
-"""Of runners, and the number of (5); chosen (see benchmarks/tracking_scenes.py)."""
+"""mm/s² per √s, mm/s and mm/s² of runners, and the number of (5); chosen (see benchmarks/tracking_scenes.py)."""
 
 MOST = 0.75
 """Share of the images in tracks from which on nobody runs unseen; chosen: the others are false or one camera's."""
@@ -90,7 +91,8 @@ FOLLOWED, LONGER = 0.7, 1.2
 benchmarks/tracking_scenes.py none has less than 0.77 of a window, and the infrared footage 0.55."""
 
 EVENLY = Movement(4000.0, 400.0, 3000.0)
-"""Of what moves evenly: a tenth and less of walking; chosen (see studies/infrared_footage.py)."""
+"""mm/s² per √s, mm/s and mm/s² of what moves evenly: a tenth and less of walking; chosen (see
+studies/infrared_footage.py)."""
 
 NOISIER = 1.0
 """px by which images may be noisier than learned; chosen (see studies/infrared_footage.py)."""

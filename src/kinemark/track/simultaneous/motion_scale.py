@@ -7,19 +7,23 @@ difference of a marker whose acceleration changes by white noise q has in each a
 
 as 11/20 is the integral of the squared quadratic B-spline. The process noise is the q that explains the share INNER of
 all d, |d|² being χ² with three degrees of freedom in units of (1) (2). The standard deviation of velocities is that of
-which the 99th percentile of speeds is USUAL_REACH (3). Both are only ever raised: a part may be quieter than the whole.
-What was not followed the first time may be followed then, so this is done up to ROUNDS times; and as runners whom no
-new track keeps up with leave no track at all, windows are also tracked as if all were runners, which counts where
-tracks then have GAIN times as many images (4).
+which the 99th percentile of speeds is USUAL_REACH (3). That of accelerations, a, by which new tracks begin, explains
+the same share of second differences as (2) does of third ones,
+
+    b = x₂ − 2 x₁ + x₀,   var b = a² h⁴ + (V₂ + 4 V₁ + V₀)                               (4)
+
+All are only ever raised: a part may be quieter than the whole. What was not followed the first time may be followed
+then, so this is done up to ROUNDS times; and as runners whom no new track keeps up with leave no track at all, windows
+are also tracked as if all were runners, which counts where tracks then have GAIN times as many images (5).
 
 Where few frames are taken a second of something that moves evenly, as a plate that is carried about at 10 Hz, the
 usual process noise reaches beyond the neighbours, and tracks break. Of tracks of L frames the length
 
-    Σ L² / Σ L                                                                           (5)
+    Σ L² / Σ L                                                                           (6)
 
 is that of the track on which a point is on average. Where it is less than FOLLOWED of a window, windows are also
-tracked as if all moved evenly, which counts where (5) grows by LONGER; and then as if images were noisier by NOISIER,
-which counts where tracks have GAIN times as many images (6): a calibration that fits in the middle and not at the
+tracked as if all moved evenly, which counts where (6) grows by LONGER; and then as if images were noisier by NOISIER,
+which counts where tracks have GAIN times as many images (7): a calibration that fits in the middle and not at the
 sides, or cameras out of step, make images noisy in a part of the recording, of which the noise of the whole says
 nothing.
 """
@@ -47,16 +51,30 @@ SPACING = 0.04
 (see benchmarks/tracking_scenes.py)."""
 
 INNER, INNER_CHI2 = 0.97, 8.947
-"""Share of (2) and the quantile of χ² with three degrees of freedom; chosen (see benchmarks/tracking_scenes.py)."""
+"""Share of (2) and (4), and the quantile of χ² with three degrees of freedom; chosen (see
+benchmarks/tracking_scenes.py)."""
 
 USUAL_REACH = 2.5
 """Of (3): new tracks are looked for within three standard deviations; chosen (see benchmarks/tracking_scenes.py)."""
 
-MAX_PROCESS_NOISE, MAX_VELOCITY_SD = 400_000.0, 6000.0
-"""mm/s² per √s and mm/s: more than the feet of a sprinter; chosen (see benchmarks/tracking_scenes.py)."""
 
-RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD, GAIN = 150_000.0, 4000.0, 1.05
-"""mm/s² per √s and mm/s of runners, and the number of (4); chosen (see benchmarks/tracking_scenes.py)."""
+class Movement(NamedTuple):
+    """Process noise in mm/s² per √s by (2), standard deviations of velocities in mm/s by (3) and of accelerations in
+    mm/s² by (4)."""
+
+    process_noise: float
+    velocity_sd: float
+    acceleration_sd: float
+
+
+NO_MOVEMENT = Movement(0.0, 0.0, 0.0)
+"""What too few points tell, mm/s² per √s, mm/s and mm/s²; by definition."""
+
+MOST_MOVEMENT = Movement(400_000.0, 6000.0, 120_000.0)
+"""mm/s² per √s, mm/s and mm/s²: about what the feet of a sprinter have; chosen (see benchmarks/tracking_scenes.py)."""
+
+RUNNING, GAIN = Movement(150_000.0, 4000.0, 30_000.0), 1.05
+"""mm/s² per √s, mm/s and mm/s² of runners, and the number of (5); chosen (see benchmarks/tracking_scenes.py)."""
 
 MOST = 0.75
 """Share of the images in tracks from which on nobody runs unseen; chosen: the others are false or one camera's."""
@@ -69,22 +87,15 @@ ROUNDS = 3
 
 
 FOLLOWED, LONGER = 0.7, 1.2
-"""Of the length of a window, and of (5); chosen (see studies/infrared_footage.py): of seeds 0 to 19 of
+"""Of the length of a window, and of (6); chosen (see studies/infrared_footage.py): of seeds 0 to 19 of
 benchmarks/tracking_scenes.py none has less than 0.77 of a window, and the infrared footage 0.55."""
 
-EVEN_PROCESS_NOISE, EVEN_VELOCITY_SD, EVEN_ACCELERATION_SD = 4000.0, 400.0, 3000.0
+EVENLY = Movement(4000.0, 400.0, 3000.0)
 """mm/s² per √s, mm/s and mm/s² of what moves evenly: a tenth and less of walking; chosen (see
 studies/infrared_footage.py)."""
 
 NOISIER = 1.0
 """px by which images may be noisier than learned; chosen (see studies/infrared_footage.py)."""
-
-
-class Movement(NamedTuple):
-    """Process noise in mm/s² per √s by (2) and standard deviation of velocities in mm/s by (3)."""
-
-    process_noise: float
-    velocity_sd: float
 
 
 class Learned(NamedTuple):
@@ -95,7 +106,7 @@ class Learned(NamedTuple):
 
 
 def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen: Associations | None = None) -> Learned:
-    """The method with more process noise and velocity, where the recording has them, or less where its tracks break.
+    """The method with more process noise, velocity and acceleration, or less where tracks break.
 
     Args:
         seen: `in_windows` of these, where it is known.
@@ -104,10 +115,10 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen:
         return Learned(images, method)
     seen = in_windows(images, rate, method) if seen is None else seen
     if _share(images, seen) < MOST:
-        running = in_windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
-        seen = running if count_images(running) > GAIN * count_images(seen) else seen  # (4)
+        running = in_windows(images, rate, _raised(method, RUNNING))
+        seen = running if count_images(running) > GAIN * count_images(seen) else seen  # (5)
     for _ in range(ROUNDS):
-        faster = _raised(method, *movement(images, seen, rate))
+        faster = _raised(method, movement(images, seen, rate))
         if faster == method:
             break
         method = faster
@@ -118,13 +129,8 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen:
 
 
 def _mended(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Learned:
-    """What keeps tracks whole that break in windows `seen`, by (6)."""
-    even = replace(
-        method,
-        process_noise=min(EVEN_PROCESS_NOISE, method.process_noise),
-        velocity_sd=min(EVEN_VELOCITY_SD, method.velocity_sd),
-        acceleration_sd=min(EVEN_ACCELERATION_SD, method.acceleration_sd),
-    )
+    """What keeps tracks whole that break in windows `seen`, by (7)."""
+    even = replace(method, **{name: min(least, getattr(method, name)) for name, least in EVENLY._asdict().items()})
     tried = in_windows(images, rate, even)
     if _track_length(tried) > LONGER * _track_length(seen):
         method, seen = even, tried
@@ -139,7 +145,7 @@ def count_images(seen: Associations) -> int:
 
 
 def _track_length(seen: Associations) -> float:
-    """(5), frames."""
+    """(6), frames."""
     length = np.bincount(seen.id).astype(float)
     return float((length**2).sum() / max(length.sum(), 1.0))
 
@@ -150,12 +156,11 @@ def _share(images: Images, seen: Associations) -> float:
     return len(np.unique(seen.detection[seen.detection >= 0])) / max(int(looked_at.sum()), 1)
 
 
-def _raised(method: Simultaneous, process_noise: float, velocity_sd: float) -> Simultaneous:
-    """The method with so much process noise and velocity, where it has less."""
+def _raised(method: Simultaneous, to: Movement) -> Simultaneous:
+    """The method with so much movement, where it has less."""
+    most = MOST_MOVEMENT._asdict()
     return replace(
-        method,
-        process_noise=max(method.process_noise, min(process_noise, MAX_PROCESS_NOISE)),
-        velocity_sd=max(method.velocity_sd, min(velocity_sd, MAX_VELOCITY_SD)),
+        method, **{name: max(getattr(method, name), min(much, most[name])) for name, much in to._asdict().items()}
     )
 
 
@@ -177,22 +182,28 @@ def movement(images: Images, seen: Associations, rate: float) -> Movement:
     """How the tracks move, 0 where there are too few points."""
     points = _points(images, seen)
     if not len(points.id):
-        return Movement(0.0, 0.0)
+        return NO_MOVEMENT
     rows, k = rows_of(points), max(round(SPACING * rate), 1)
     if rows.shape[1] <= 3 * k:  # a recording of so few frames
-        return Movement(0.0, 0.0)
+        return NO_MOVEMENT
     four = np.array([rows[:, i * k : rows.shape[1] - (3 - i) * k] for i in range(4)])
     four = four[:, (four >= 0).all(0)]
     if four.shape[1] < MIN_POINTS:
-        return Movement(0.0, 0.0)
+        return NO_MOVEMENT
     h = k / rate
     x, V = points.xyz[four], np.trace(points.cov[four], axis1=-2, axis2=-1)
-    d = ((x[3] - 3 * x[2] + 3 * x[1] - x[0]) ** 2).sum(-1)
-    noise = V[3] + 9 * V[2] + 9 * V[1] + V[0]
-    squared = (d / INNER_CHI2 - noise / 3) / (11 / 20 * h**5)  # (1)
+    jerk, bend = x[3] - 3 * x[2] + 3 * x[1] - x[0], x[2] - 2 * x[1] + x[0]
+    q = _deviation(jerk, V[3] + 9 * V[2] + 9 * V[1] + V[0], 11 / 20 * h**5)  # (1), (2)
+    a = _deviation(bend, V[2] + 4 * V[1] + V[0], h**4)  # (4)
     speed = np.linalg.norm(np.diff(x, axis=0), axis=-1) / h
-    q = float(np.sqrt(max(np.quantile(squared, INNER), 0.0)))  # (2)
-    return Movement(q, float(np.percentile(speed, 99)) / USUAL_REACH)  # (3)
+    return Movement(q, float(np.percentile(speed, 99)) / USUAL_REACH, a)  # (3)
+
+
+def _deviation(difference: Floats, noise: Floats, scale: float) -> float:
+    """What explains the share INNER of differences (N, 3) mm: its square times `scale` is their variance in each axis,
+    beside noise of the variance (N) mm² in all three axes together."""
+    squared = ((difference**2).sum(-1) / INNER_CHI2 - noise / 3) / scale
+    return float(np.sqrt(max(np.quantile(squared, INNER), 0.0)))
 
 
 def _points(images: Images, seen: Associations) -> TrackPoints:

@@ -67,8 +67,8 @@ class Simultaneous(Method):
     )
     learn_motion: bool = parameter(
         True,
-        meaning="raise process_noise and velocity_sd to what the recording has, where that is more, and "
-        "lower them, with acceleration_sd, where tracks break that then do not",
+        meaning="raise process_noise, velocity_sd and acceleration_sd to what the recording has, where that is more, "
+        "and lower them where tracks break that then do not",
     )
     learn_delays: bool = parameter(
         True, meaning="track again with the delays of cameras that the tracks show not to be synchronous"

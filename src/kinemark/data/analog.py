@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Floats
 from .arrays import column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Analog:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Analog(ShortRepr):
     """A channels of N samples at one rate.
 
     Attributes:
@@ -49,8 +50,8 @@ class Analog:
         return self.values[self.names.index(name)]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ForcePlate:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ForcePlate(ShortRepr):
     """One force plate.
 
     Attributes:

@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Floats, Ints
 from .arrays import check_positive, column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AngleModel:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class AngleModel(ShortRepr):
     """S segments, each from one marker to another, at B equal steps of one cycle.
 
     Attributes:

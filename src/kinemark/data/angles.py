@@ -14,11 +14,12 @@ import numpy as np
 from .array_types import Bools, Floats
 from .arrays import column, set_columns
 from .models import JointMotion, Model
+from .short_repr import ShortRepr
 from .signals import Signal, Signals
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Angles:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Angles(ShortRepr):
     """J joints over F frames.
 
     Attributes:

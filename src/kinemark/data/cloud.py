@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Bools, Floats, Ints
 from .arrays import check_offsets, column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Cloud:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Cloud(ShortRepr):
     """P reconstructed points over F frames, sorted by frame.
 
     Attributes:
@@ -78,8 +79,8 @@ class Cloud:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Tracks:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Tracks(ShortRepr):
     """A cloud whose points have an identity.
 
     Attributes:

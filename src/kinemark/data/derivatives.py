@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .array_types import Floats
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MarkerDerivatives:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class MarkerDerivatives(ShortRepr):
     """Of M markers in F frames; NaN where a marker has no position, or too few.
 
     Attributes:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .array_types import Bools, Floats, Ints
 from .arrays import check_offsets, column, set_columns
+from .short_repr import ShortRepr
 
 
 class Validity(IntEnum):
@@ -48,8 +49,8 @@ def _equal(values: Floats, other: Floats) -> bool:
     return bool(((values == other) | (np.isnan(values) & np.isnan(other))).all())
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Detections:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Detections(ShortRepr):
     """Marker images of C cameras over F frames, D in all, sorted by camera, then frame.
 
     Of `cov`, `area`, `width`, `height` and `peak` what is alike in all rows is in memory once.

@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Floats
 from .arrays import column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Events:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Events(ShortRepr):
     """E events, in the order of their source.
 
     Attributes:

@@ -8,11 +8,12 @@ import numpy as np
 
 from .array_types import Floats, Ints
 from .arrays import column, set_columns
+from .short_repr import ShortRepr
 from .trajectories import MarkerTrajectory, Origin, Trajectories
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Fills:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Fills(ShortRepr):
     """N filled samples of a trial's markers.
 
     Attributes:

@@ -12,6 +12,7 @@ import numpy as np
 from .array_types import Floats, Ints
 from .arrays import column, set_columns
 from .nearest_word import guess
+from .short_repr import ShortRepr
 
 Place = tuple[float, float, float]
 """Forward, to the subject's left and up from the floor of one who stands, as shares of the body's height."""
@@ -21,8 +22,8 @@ FACES: tuple[Face, ...] = ("front", "back", "both")
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MarkerSet:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class MarkerSet(ShortRepr):
     """M markers, their segments and links.
 
     Attributes:

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .array_types import Bools, Floats, Ints
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Masks:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Masks(ShortRepr):
     """Masks of C cameras.
 
     Attributes:

@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Floats, Ints
 from .arrays import column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Matches:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Matches(ShortRepr):
     """G groups of detections, each the images of one marker in one frame, sorted by frame.
 
     Attributes:

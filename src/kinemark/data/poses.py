@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Floats
 from .arrays import check_positive, column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Poses:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Poses(ShortRepr):
     """S segments at N times.
 
     Attributes:

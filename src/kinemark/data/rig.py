@@ -19,14 +19,15 @@ import numpy as np
 
 from .array_types import Floats, Ints
 from .arrays import column, set_columns
+from .short_repr import ShortRepr
 
 PARAMETERS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "rx", "ry", "rz", "tx", "ty", "tz")
 """Order of the camera parameters in `Rig.cov`; (rx, ry, rz) is a small turn about the camera's own
 axes, R ← exp([r]×) R, in rad; t in mm; the others as in K (px) and the lens terms."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Camera:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Camera(ShortRepr):
     """One camera.
 
     Attributes:
@@ -81,8 +82,8 @@ class Camera:
         return -self.R.T @ self.t
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Rig:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Rig(ShortRepr):
     """Calibrated cameras in one world.
 
     Attributes:

@@ -8,10 +8,11 @@ import numpy as np
 
 from .array_types import Bools, Floats
 from .arrays import column, set_columns
+from .short_repr import ShortRepr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Rods:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Rods(ShortRepr):
     """R rods of up to K markers each, as surveyed.
 
     Attributes:

@@ -13,14 +13,15 @@ from numpy.typing import ArrayLike
 
 from .array_types import Floats
 from .arrays import check_positive, column, set_columns
+from .short_repr import ShortRepr
 
 KINDS = ("angle", "moment", "power", "force", "emg", "scalar")
 """What a quantity is; "scalar" is any other number."""
 XYZ = ("x", "y", "z")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Signal:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Signal(ShortRepr):
     """One quantity of A components at N times.
 
     Attributes:
@@ -86,8 +87,8 @@ class Signal:
         return self.values[:, self.axes.index(axis)]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Signals:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Signals(ShortRepr):
     """The quantities of a trial.
 
     Attributes:

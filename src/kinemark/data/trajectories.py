@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .array_types import Bools, Floats, Ints
 from .arrays import column, set_columns
 from .nearest_word import some_names
+from .short_repr import ShortRepr
 
 
 class Origin(IntEnum):
@@ -23,8 +24,8 @@ class Origin(IntEnum):
     EDITED = 3
 
 
-@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
-class MarkerTrajectory:
+@dataclass(frozen=True, slots=True, eq=False, repr=False, weakref_slot=True)
+class MarkerTrajectory(ShortRepr):
     """One marker over F frames.
 
     Attributes:
@@ -113,8 +114,8 @@ def camera_bits(detection: Ints) -> NDArray[np.uint32]:
     return np.asarray(((detection[:, :32] >= 0) * bits).sum(1), np.uint32)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Trajectories:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Trajectories(ShortRepr):
     """All markers of a trial, of one length and rate.
 
     Attributes:

@@ -10,6 +10,7 @@ from .analog import Analog, ForcePlate
 from .arrays import set_columns
 from .events import Events
 from .poses import Poses
+from .short_repr import ShortRepr
 from .signals import Signals
 from .trajectories import Trajectories
 
@@ -52,8 +53,8 @@ class Step:
     seconds: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Trial:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Trial(ShortRepr):
     """One capture.
 
     Attributes:

@@ -7,7 +7,7 @@ arrays itself: its records are read from the folder of results when they are ask
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +40,7 @@ class Workspace:
     """
 
     root: Path
-    settings: Settings
+    settings: Settings = field(repr=False)
     results: Path
 
     @property
@@ -80,7 +80,7 @@ class OpenTrial:
     workspace: Workspace
     entry: TrialEntry
     frames: Frames = None
-    steps: tuple[Step, ...] = ()
+    steps: tuple[Step, ...] = field(default=(), repr=False)
     computed: tuple[str, ...] = ()
     failed: KinemarkError | None = None
 

@@ -23,6 +23,7 @@ class Anything(ShortRepr):
         (np.zeros((100, 3)), "<float64 (100, 3)>"),
         (np.zeros((7, 0)), "<float64 (7, 0)>"),
         (np.array([1, 2]), "[1, 2]"),
+        (np.zeros(0), "[]"),
         (b"0" * 200, "<200 bytes>"),
         ("a" * 200, "'" + "a" * 79 + "…"),
         (list("abcdef"), "<6 str: 'a', 'b', 'c', 'd', …>"),

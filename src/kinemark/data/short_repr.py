@@ -28,7 +28,8 @@ class ShortRepr:
 
 def _short(value: Any) -> str:
     if isinstance(value, np.ndarray):
-        return repr(value.tolist()) if 1 <= value.size <= NUMBERS else f"<{value.dtype} {value.shape}>"
+        few = value.size <= NUMBERS and (value.size > 0 or value.ndim == 1)
+        return repr(value.tolist()) if few else f"<{value.dtype} {value.shape}>"
     if isinstance(value, bytes) and len(value) > CHARACTERS:
         return f"<{len(value)} bytes>"
     if isinstance(value, tuple | list | dict) and len(value) > SHOWN:

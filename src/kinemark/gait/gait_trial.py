@@ -11,6 +11,7 @@ import numpy as np
 from ..data import Signal, Signals, Trial
 from ..data.array_types import Bools, Floats
 from ..data.method import Stage
+from ..data.short_repr import ShortRepr
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
@@ -43,8 +44,8 @@ REACTION_AXES = ("anterior", "medial", "vertical")
 """Where the floor pushes the foot, as the subject walks."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class GaitTrial:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class GaitTrial(ShortRepr):
     """One trial.
 
     Attributes:

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.arrays import column, set_columns
 from ..data.finding import Finding
+from ..data.short_repr import ShortRepr
 
 State = Literal["sure", "unsure", "unknown"]
 """sure: the name can be used; unsure: it is the best, but another may be right; unknown: there is none."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Labels:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Labels(ShortRepr):
     """Of T tracks.
 
     Attributes:

@@ -10,6 +10,7 @@ import numpy as np
 from ..data import Trajectories
 from ..data.arrays import set_columns
 from ..data.finding import Finding
+from ..data.short_repr import ShortRepr
 from .labels import Labels, named
 from .pooled import contradiction, pooled
 from .template import Template, learn_template
@@ -33,8 +34,8 @@ class TemplateSource:
     kind: str = "labelled"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SubjectTemplate:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class SubjectTemplate(ShortRepr):
     """What is known of one subject's markers, and from where.
 
     Attributes:

@@ -30,6 +30,7 @@ from ..data import KinemarkError, Trajectories
 from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
 from ..data.computed_points import computed_points
+from ..data.short_repr import ShortRepr
 from ..numerics.vectors import lengths
 from .own_fit import own_fit
 
@@ -55,8 +56,8 @@ of eight subjects against their walks: 4 and 6 % of the samples of these turn, a
 trial that moves quadruples were those whose distances the static trial held best, a hand with the spine and a foot."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Template:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Template(ShortRepr):
     """L labels of one subject.
 
     Attributes:

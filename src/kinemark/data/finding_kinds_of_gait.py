@@ -5,8 +5,8 @@ from __future__ import annotations
 from .finding import FindingKind as Kind
 
 GAIT_KINDS = (
-    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, so that there is no stride; amber "
-         "where other trials have some.", {"trial": "text", "file": "text"}),
+    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, or the subject stands in all strides, so many; "
+         "amber where other trials have some.", {"trial": "text", "file": "text", "stood": "count"}),
     Kind("gait_walk_left_out", "gait", "amber", "A walk that cannot be used beside others that can; why.",
          {"trial": "text", "why": "text"}),
     Kind("gait_walk_repeated", "gait", "amber", "A walk that is the recording of another one given, as a copy of it or "
@@ -96,6 +96,9 @@ GAIT_KINDS = (
          "from its mean direction, or from that of progression.", {"trial": "text", "turned_deg": "deg"}),
     Kind("gait_turns_left_out", "gait", "info", "Strides in which the subject turns, of all; they are left out of "
          "means and curves.", {"trial": "text", "left_out": "count", "strides": "count"}),
+    Kind("gait_stands_left_out", "gait", "info", "Strides in which the subject stands or steps on the spot, or that "
+         "end so, of all; they are left out of means and curves.",
+         {"trial": "text", "left_out": "count", "strides": "count"}),
     Kind("gait_ways", "gait", "info", "The subject walks more ways than one: where the pelvis faces in each, from the "
          "x of the laboratory to the left, and how many strides.", {"trial": "text", "ways_list": "text"}),
     Kind("emg_smoothed", "gait", "info", "EMG channels were recorded as envelopes; they are not filtered again.",

@@ -224,6 +224,7 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
                 "sd": dict(s.sd),
                 "facing_deg": s.facing_deg,
                 "turned_deg": s.turned_deg,
+                "stands": s.stands,
                 "counts": s.counts,
             }
             for s in one.strides
@@ -332,10 +333,12 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
 
 
 def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
-    """Whether the subject turns, what of that is left out, and which ways it walks."""
-    left_out = [one for one in trial.strides if not one.counts]
-    if left_out:
-        yield make_finding("gait_turns_left_out", trial=trial.name, left_out=len(left_out), strides=len(trial.strides))
+    """Whether the subject stands or turns, what of that is left out, and which ways it walks."""
+    stood = sum(one.stands for one in trial.strides)
+    turned = sum(not one.counts and not one.stands for one in trial.strides)
+    for kind, left_out in (("gait_stands_left_out", stood), ("gait_turns_left_out", turned)):
+        if left_out:
+            yield make_finding(kind, trial=trial.name, left_out=left_out, strides=len(trial.strides))
     if len(each := ways(trial.counted)) > 1:
         told = [f"{own[0].facing_deg:z.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)

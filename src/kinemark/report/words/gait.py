@@ -196,6 +196,12 @@ def _no_moments(found: Finding) -> str:
     return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
 
 
+def _no_strides(found: Finding) -> str:
+    if found.values["stood"]:
+        return fill("{trial}: the subject stands or steps on the spot in every stride, or at its end.", found)
+    return fill("{trial}: no foot strikes the floor twice, so that there is no stride.", found)
+
+
 def _for_strides(found: Finding) -> str:
     walk = "ecord a longer walk, or check the names of heel and toe markers."
     if found.severity == "red":
@@ -218,7 +224,7 @@ def _for_moments(found: Finding) -> str:
 
 GAIT_WORDS = {
     "gait_without_strides": Words(
-        "{trial}: no foot strikes the floor twice, so that there is no stride.",
+        _no_strides,
         _for_strides,
     ),
     "gait_walk_left_out": Words(
@@ -356,6 +362,11 @@ GAIT_WORDS = {
     ),
     "gait_turns_left_out": Words(
         "{trial}: the subject turns in {left_out} of {strides} strides: they are left out of means and curves.",
+        "They stand in time_distance.csv.",
+    ),
+    "gait_stands_left_out": Words(
+        "{trial}: the subject stands or steps on the spot in {left_out} of {strides} strides, or at their end: they "
+        "are left out of means and curves.",
         "They stand in time_distance.csv.",
     ),
     "gait_ways": Words(

@@ -78,6 +78,8 @@ GAIT_KINDS = (
          "greatest component, which was taken off.", {"trial": "text", "plate": "count", "baseline": "N"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, aid, beside, cut, two_plates or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
+    Kind("gait_plates_added", "gait", "info", "Steps of a foot on several plates, whose forces were added up.",
+         {"trial": "text", "side": "text", "plates_list": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",
          {"why": "text"}),
     Kind("events_without_plates", "gait", "info", "Foot events of a trial come from markers alone; median of their "

@@ -27,7 +27,7 @@ from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..numerics.finite import finite_mean
 from ..version import __version__
-from .gait_doubts import of_doubts, of_plates, of_spikes
+from .gait_doubts import left_out_for, of_contacts, of_doubts, of_plates, of_spikes
 from .gait_events import of_events, of_way
 from .gait_muscles import of_muscles
 from .gait_numbers import (
@@ -212,7 +212,13 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
             for e in one.events
         ],
         "contacts": [
-            {"plate": c.plate + 1, "first": c.first + 1, "last": c.stop, "side": c.side, "left_out": c.reason or None}
+            {
+                "plate": c.plate + 1,
+                "first": c.first + 1,
+                "last": c.stop,
+                "side": c.side,
+                "left_out": left_out_for(c),
+            }
             for c in one.gait.contacts
         ],
         "strides": [
@@ -322,12 +328,7 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     if trial.unseen:
         yield make_finding("gait_markers_never_seen", trial=trial.name, markers=trial.unseen)
     yield from of_way(trial.name, trial.way, trial.floor)
-    for contact in trial.gait.contacts:
-        if contact.reason and (trial.bare is None or contact.reason != "no_foot"):  # there is the leg without markers
-            yield make_finding(
-                "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
-                frames=[(contact.first + trial.first_frame, contact.stop - 1 + trial.first_frame)],
-            )  # fmt: skip
+    yield from of_contacts(trial.name, trial.gait.contacts, trial.bare, trial.first_frame)
     yield from of_muscles(trial.name, trial.emg, trial.no_emg)
     yield from _of_ways(trial)
 
@@ -366,7 +367,7 @@ def _no_moments(trials: Sequence[GaitOfTrial], measures: SubjectMeasures) -> str
         return "plates"
     if measures.mass_kg is None:
         return "mass"
-    whole = any(c.side and c.reason in ("", "cut") for trial in trials for c in trial.gait.contacts)
+    whole = any(c.side and c.reason in ("", "cut", "shared") for trial in trials for c in trial.gait.contacts)
     return "" if whole else "contacts"
 
 

@@ -336,6 +336,10 @@ GAIT_WORDS = {
         "Set the plates to zero before a session, while nobody stands on them.",
     ),
     "contact_left_out": Words(_left_out, _for_left_out),
+    "gait_plates_added": Words(
+        "{trial}: the {side} foot stepped on plates {plates_list} together. Their forces were added up.",
+        "If one of them carried something else, such as a stick, leave this walk out.",
+    ),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(
         "{trial}: foot strikes and offs come from the markers, ±{sd_ms:0} each.",

@@ -149,7 +149,8 @@ DOUBTFUL = {
     "origin": "its sensors would be {away_mm} off its surface or its middle, as the file has its origin",
 }
 FOR_DOUBTFUL = {
-    "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
+    "beside": "Where a stick, a walker or a helper loaded the plate too, leave this step out. Else check the order and "
+    "places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
     "askew": "Check the order of the plate's corners, and the signs of its channels.",
     "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",

@@ -13,6 +13,7 @@ from kinemark.gait.standard_trial import standard_trial
 from kinemark.gait.standing import stands, with_standing
 from kinemark.gait.time_distance import strides
 from kinemark.gait.treadmill import floor_velocity
+from kinemark.report.gait_page import time_distance_table
 from kinemark.synth import WalkingBody
 
 RATE = 100.0
@@ -58,6 +59,10 @@ def test_strides_in_which_the_subject_stands_are_left_out_and_told(for_s):
         mean = figures["time_distance"][side]
         assert mean["stride_time"]["mean"] == pytest.approx(BODY.period, rel=0.02)
         assert mean["speed"]["mean"] == pytest.approx(BODY.speed_mm_s, rel=0.03)
+    n = [figures["time_distance"][side]["speed"]["strides"] for side in ("left", "right")]
+    assert [f"{side}: mean ± SD of {k} strides" for side, k in zip(("left", "right"), n, strict=True)] == (
+        time_distance_table(figures).head[1:4:2]
+    )
     kinds = {one["kind"]: one["values"] for one in figures["findings"]}
     assert kinds["gait_stands_left_out"]["left_out"] == len(left_out)
 

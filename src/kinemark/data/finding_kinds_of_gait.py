@@ -107,6 +107,8 @@ GAIT_KINDS = (
          {"trial": "text", "channels_list": "text"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
+    Kind("emg_scale_doubtful", "gait", "amber", "EMG channels whose envelopes are far from their greatest contraction; "
+         "how far the first one's greatest value is.", {"channels_list": "text", "peak_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",
          {"trial": "text", "channels_list": "text", "mains": "Hz"}),
     Kind("emg_left_out", "gait", "info", "Channels of EMG that cannot be read as such, and why the first cannot.",

@@ -29,7 +29,7 @@ from ..numerics.finite import finite_mean
 from ..version import __version__
 from .gait_doubts import left_out_for, of_contacts, of_doubts, of_plates, of_spikes
 from .gait_events import of_events, of_way
-from .gait_muscles import of_muscles
+from .gait_muscles import of_contractions, of_muscles
 from .gait_numbers import (
     averages_of,
     curve,
@@ -179,6 +179,7 @@ def gait_figures(
         *([] if clusters is None else _of_clusters(clusters)),
         *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
         *_findings(trials, measures, static),
+        *of_contractions(curves),
         *_of_gaps(curves, [key for trial in trials for key in trial.keys]),
     ]
     uncertainty = uncertainty_by_cause(causes)

@@ -386,6 +386,11 @@ GAIT_WORDS = {
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
         "Lower the gain. Where most samples are cut off, an electrode is loose.",
     ),
+    "emg_scale_doubtful": Words(
+        "The EMG of {channels_list} is at most {peak_share} of its greatest contraction: one of both recordings has "
+        "another unit or gain.",
+        "Check the unit in the files, V or mV, and the amplifier's gain; or leave --mvc out.",
+    ),
     "emg_hums": Words(
         "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}, and taken out.",
         "Check electrodes and cables.",

@@ -29,7 +29,7 @@ FOR_MOMENTS = {
 
 
 NOT_LEVEL = {
-    "running": "runs: the feet leave the floor before the other one meets it",
+    "running": "runs: the feet leave the floor before the other one meets it, or the pelvis is highest between steps",
     "stairs": "climbs: the heels strike at other heights from step to step",
     "backward": "walks backwards",
     "to and fro": "walks forwards and backwards: means and curves are of both",

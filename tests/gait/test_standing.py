@@ -85,13 +85,8 @@ def moved(points, share, lift):
     return out | {name: still[name] + pelvis for name in ("LASI", "RASI", "SACR")}
 
 
-@pytest.mark.parametrize("on_belt", [False, True])
-def test_steps_of_five_centimetres_are_steps(on_belt):
-    points = moved(walk(np.arange(800) / RATE), 100 / BODY.path.length, 0.1)
-    speed = BODY.speed_mm_s * 100 / BODY.path.length
-    if on_belt:
-        points = {name: xyz - speed * np.arange(800)[:, None] / RATE * (1, 0, 0) for name, xyz in points.items()}
-    found, _ = told(points)
+def test_steps_of_five_centimetres_are_steps():
+    found, _ = told(moved(walk(np.arange(800) / RATE), 100 / BODY.path.length, 0.1))
     assert len(found) >= 10 and not any(one.stands for one in found)
     assert np.median([one.values["stride_length"] for one in found]) == pytest.approx(100.0, abs=5.0)
 

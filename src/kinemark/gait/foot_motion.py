@@ -34,7 +34,7 @@ TIP = 0.4
 STANDING = 35.0
 """Percentile of the speed of the middle before the pelvis below which the foot stands; chosen: it stands for 40 to 80 %
 of the time."""
-BELT_MM_S = 75.0
+BELT_MM_S = 150.0
 """Speed of the floor below which it is no treadmill, mm/s; chosen: feet that stand seem to move by up to 50."""
 LEAST_S = 0.3
 """Length of time in which a foot must be seen, s; chosen: shorter, and there is no step."""

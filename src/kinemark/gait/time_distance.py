@@ -11,7 +11,8 @@ the other, on the floor, d the direction from h(t₀) to h(t₁), and s the stri
     single support = from the other's foot off to its strike                                                 (5)
 
 where, of a runner, whose other foot has left before t₀ or strikes after this one left, such a double support is 0 and
-single support begins with t₀ or ends with this foot off; with b horizontal, square to d, and from the right side of the body to its left for a left step, else the other way: a
+single support begins with t₀ or ends with this foot off. And b is horizontal, square to d, and from the right side of
+the body to its left for a left step, else the other way: a
 step in which the feet cross has a width below zero, as in scissoring, so a mean of steps is true. Who walks backwards,
 by the feet, has the left where d has the right. Each foot is where it struck (2), as in Plug-in Gait: at t₁ the other
 heel has left the floor and gone on by some centimetres. So steps of both sides make a stride.

@@ -40,7 +40,7 @@ from .gait_numbers import (
     uncertainty_by_cause,
     ways_walked,
 )
-from .gait_strides import of_strides
+from .gait_strides import of_left_out, of_strides
 from .gait_subjects import BodyOfTrial, of_bodies, of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
@@ -336,11 +336,7 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
 
 def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
     """Whether the subject stands or turns, what of that is left out, and which ways it walks."""
-    stood = sum(one.stands for one in trial.strides)
-    turned = sum(not one.counts and not one.stands for one in trial.strides)
-    for kind, left_out in (("gait_stands_left_out", stood), ("gait_turns_left_out", turned)):
-        if left_out:
-            yield make_finding(kind, trial=trial.name, left_out=left_out, strides=len(trial.strides))
+    yield from of_left_out(trial.name, trial.strides)
     if len(each := ways(trial.counted)) > 1:
         told = [f"{own[0].facing_deg:z.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)

@@ -378,37 +378,6 @@ GAIT_WORDS = {
         "{trial}: the subject walks in more than one direction, from the laboratory's x to the left: {ways_list}.",
         "Time and distance of each direction stand in their section.",
     ),
-    "emg_smoothed": Words(
-        "{trial}: EMG channels are envelopes already, and are drawn as they are: {channels_list}.",
-        "Hum and noise cannot be told of them; give the raw EMG where it is there.",
-    ),
-    "emg_saturated": Words(
-        "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
-        "Lower the gain. Where most samples are cut off, an electrode is loose.",
-    ),
-    "emg_scale_doubtful": Words(
-        "The EMG of {channels_list} is at most {peak_share} of its greatest contraction: one of both recordings has "
-        "another unit or gain.",
-        "Check the unit in the files, V or mV, and the amplifier's gain; or leave --mvc out.",
-    ),
-    "emg_hums": Words(
-        "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}, and taken out.",
-        "Check electrodes and cables.",
-    ),
-    "emg_left_out": Words(
-        "{trial}: channels of EMG cannot be drawn. {why} This is so of {channels_list}.",
-        "Export the EMG at the rate at which it was recorded.",
-    ),
-    "emg_without_bursts": Words(
-        "{trial}: the EMG of {channels_list} shows no bursts. It is noise alone, or the muscle never rests: nothing "
-        "says when it is on.",
-        "Check electrodes and cables. Where nobody wore the channel, nothing is lost.",
-    ),
-    "emg_without_side": Words(
-        "{trial}: EMG channels do not say of which side their muscle is: {channels_list}. They are drawn over the "
-        "strides of the left foot, in red.",
-        "Name them L … or R …, as L Tib Ant. Of right muscles the curves are wrong.",
-    ),
     "gait_good": Words("Gait was measured and nothing stands out."),
     "gait_usable": Words("Gait was measured. Look at the points below first."),
     "gait_unusable": Words("Gait was computed from markers that are exchanged: do not use it before that is mended."),

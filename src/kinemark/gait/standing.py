@@ -16,7 +16,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..data.strides import FootEvent, Stride
-from ..data.subject_measures import LETTER, SIDES
+from ..data.subject_measures import LETTER, SIDES, Side
 from .treadmill import STILL, Floor
 
 LEAST_S = 0.5
@@ -79,7 +79,7 @@ def _median_stride(events: Sequence[FootEvent]) -> float:
     return float(np.median(times)) if len(times) else 0.0
 
 
-def _stays(one: Stand, toes: Mapping[str, Floats], rate: float) -> bool:
+def _stays(one: Stand, toes: Mapping[Side, Floats], rate: float) -> bool:
     """Whether no toe (F, 3) mm goes on; what is not seen does not."""
     ends = [[xyz[min(round(t * rate), len(xyz) - 1)] for t in one] for xyz in toes.values()]
     return not any(np.linalg.norm(b - a) > STAYS_MM for a, b in ends)

@@ -219,6 +219,20 @@ def test_pressure_goes_forward_below_the_foot(rolls_mm, aside_mm, told):
         assert [doubt.what for doubt in found] == told
 
 
+@pytest.mark.parametrize(("newton", "told"), [(30.0, []), (200.0, ["beside"])])
+def test_a_stick_on_the_plate_of_the_foot_is_told(newton, told):
+    """It stands 200 mm beside the foot from 40 to 90 % of the contact."""
+    (plate,), contacts, points = stance(150, 5)
+    n = len(plate.centre)
+    on = (np.arange(n) > 0.4 * n) & (np.arange(n) < 0.9 * n)
+    z = plate.force[:, 2] + newton * on
+    centre = (plate.centre * plate.force[:, 2:] + (newton * on)[:, None] * [100.0, 200.0, 0.0]) / z[:, None]
+    found = plate_doubts(
+        [replace(plate, force=plate.force + (newton * on)[:, None] * [0, 0, 1.0], centre=centre)], contacts, points
+    )
+    assert [doubt.what for doubt in found] == told
+
+
 def test_a_foot_that_strikes_with_the_toes_is_no_doubt_of_the_plate():
     (plate,), contacts, points = stance(150, 5)
     n = len(plate.centre)

@@ -10,19 +10,19 @@ RATE = 100.0
 SPEED, PERIOD, WIDTH = 1200.0, 1.1, 90.0
 
 
-def walk(direction=0.0, sd=0.0, rng=None, heel_sd=0.0, width=WIDTH):
-    """Events and heels of a walk: each foot stands for 62 % of its stride."""
+def walk(direction=0.0, sd=0.0, rng=None, heel_sd=0.0, width=WIDTH, stands=0.62):
+    """Events and heels of a walk: each foot stands for a share of its stride."""
     t = np.arange(600) / RATE
     points, events = {}, []
     for side, letter, phase, y in (("left", "L", 0.0, width / 2), ("right", "R", 0.5, -width / 2)):
         strikes = (np.arange(6) + phase) * PERIOD
         place = SPEED * strikes  # where the heel stands from each strike on
-        x = np.interp(t, np.sort(np.r_[strikes, strikes + 0.62 * PERIOD]), np.repeat(place, 2))
+        x = np.interp(t, np.sort(np.r_[strikes, strikes + stands * PERIOD]), np.repeat(place, 2))
         xyz = np.column_stack([x, np.full(len(t), y), np.full(len(t), 30.0)])
         c, s = np.cos(direction), np.sin(direction)
         points[letter + "HEE"] = xyz @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
         events += [FootEvent(side, True, float(k), sd, "plate") for k in strikes]
-        events += [FootEvent(side, False, float(k + 0.62 * PERIOD), sd, "plate") for k in strikes]
+        events += [FootEvent(side, False, float(k + stands * PERIOD), sd, "plate") for k in strikes]
     if rng is not None:
         events = [e._replace(time=e.time + rng.normal(0, sd)) for e in events]
         points = {name: xyz + rng.normal(0, heel_sd, xyz.shape) for name, xyz in points.items()}
@@ -45,6 +45,14 @@ def test_a_known_walk(side, direction):
     for name, true in TRUE.items():
         assert found[name][0] == pytest.approx(true, rel=2e-3), name
         assert found[name][2] >= 3
+
+
+@pytest.mark.parametrize("stands", [0.25, 0.36, 0.48])
+def test_a_runner_stands_on_one_foot_or_none(stands):
+    events, points = walk(stands=stands)
+    for one in strides(events, points, rate=RATE)[1:-1]:
+        assert one.values["double_support"] == pytest.approx(0.0, abs=1e-9)
+        assert one.values["single_support"] == pytest.approx(stands * PERIOD)
 
 
 @pytest.mark.parametrize("direction", [0.0, 2.1, -1.0])

@@ -82,5 +82,20 @@ def test_a_run_says_so_and_its_feet_stand_between_the_events():
                 stood += 1
                 on = np.flatnonzero(speed < 1000) / rate
                 on = on[(on > a.time - 0.1) & (on < b.time + 0.1)]
-                assert abs(on[0] - a.time) < 0.03 and abs(on[-1] - b.time) < 2 * UNLIKE_MS / 1000
+                assert max(abs(on[0] - a.time), abs(on[-1] - b.time)) < UNLIKE_MS / 1000
     assert stood == 2
+
+
+def test_a_pelvis_that_is_highest_between_the_steps_is_a_runners():
+    """Markers show offs of runners late, so that short flights are lost; the height of the pelvis tells them."""
+    walk = walking(duration_s=8.0, rate=100.0, speed_mm_s=1900.0).trajectories
+    at = {p.name: p.xyz for p in walk}
+    events = foot_events(Trial("walk", walk), at)
+    z = np.mean([at[name][:, 2] for name in ("LASI", "RASI", "SACR")], axis=0)
+    for by, way in ((0.0, "level"), (-2.5, "running")):
+        bouncing = {
+            n: x + by * (z - z.mean())[:, None] * (0, 0, 1) if n[1:] in ("ASI", "ACR") else x for n, x in at.items()
+        }
+        assert way_of_walking(events, bouncing, rate=100.0) == way
+        hardly = {n: at[n] + 0.2 * (x - at[n]) for n, x in bouncing.items()}
+        assert way_of_walking(events, hardly, rate=100.0) == "level"

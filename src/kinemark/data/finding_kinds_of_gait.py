@@ -5,8 +5,8 @@ from __future__ import annotations
 from .finding import FindingKind as Kind
 
 GAIT_KINDS = (
-    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, so that there is no stride; amber "
-         "where other trials have some.", {"trial": "text", "file": "text"}),
+    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, or the subject stands in all strides, so many; "
+         "amber where other trials have some.", {"trial": "text", "file": "text", "stood": "count"}),
     Kind("gait_walk_left_out", "gait", "amber", "A walk that cannot be used beside others that can; why.",
          {"trial": "text", "why": "text"}),
     Kind("gait_walk_repeated", "gait", "amber", "A walk that is the recording of another one given, as a copy of it or "
@@ -78,6 +78,8 @@ GAIT_KINDS = (
          "greatest component, which was taken off.", {"trial": "text", "plate": "count", "baseline": "N"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, aid, beside, cut, two_plates or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
+    Kind("gait_plates_added", "gait", "info", "Steps of a foot on several plates, whose forces were added up.",
+         {"trial": "text", "side": "text", "plates_list": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",
          {"why": "text"}),
     Kind("events_without_plates", "gait", "info", "Foot events of a trial come from markers alone; median of their "
@@ -96,12 +98,17 @@ GAIT_KINDS = (
          "from its mean direction, or from that of progression.", {"trial": "text", "turned_deg": "deg"}),
     Kind("gait_turns_left_out", "gait", "info", "Strides in which the subject turns, of all; they are left out of "
          "means and curves.", {"trial": "text", "left_out": "count", "strides": "count"}),
+    Kind("gait_stands_left_out", "gait", "info", "Strides in which the subject stands or steps on the spot, or that "
+         "end so, of all; they are left out of means and curves.",
+         {"trial": "text", "left_out": "count", "strides": "count"}),
     Kind("gait_ways", "gait", "info", "The subject walks more ways than one: where the pelvis faces in each, from the "
          "x of the laboratory to the left, and how many strides.", {"trial": "text", "ways_list": "text"}),
     Kind("emg_smoothed", "gait", "info", "EMG channels were recorded as envelopes; they are not filtered again.",
          {"trial": "text", "channels_list": "text"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
+    Kind("emg_scale_doubtful", "gait", "amber", "EMG channels whose envelopes are far from their greatest contraction; "
+         "how far the first one's greatest value is.", {"channels_list": "text", "peak_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",
          {"trial": "text", "channels_list": "text", "mains": "Hz"}),
     Kind("emg_left_out", "gait", "info", "Channels of EMG that cannot be read as such, and why the first cannot.",

@@ -41,7 +41,7 @@ class Stride(NamedTuple):
         systematic: what of sd is the same in all strides of a session, by the names of `UNITS`; 0 where none is given.
         turned_deg: by which the pelvis turns to the left in it, or the way does. facing_deg: where it faces in the
             mean, from the x of the laboratory to the left, within half a turn; NaN where this is not known.
-        counts: in means and curves.
+        stands: whether the subject stands in it or at its end, or steps on the spot. counts: in means and curves.
     """
 
     side: Side
@@ -52,4 +52,5 @@ class Stride(NamedTuple):
     systematic: Mapping[str, float] = {}
     turned_deg: float = 0.0
     facing_deg: float = math.nan
+    stands: bool = False
     counts: bool = True

@@ -27,9 +27,9 @@ from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..numerics.finite import finite_mean
 from ..version import __version__
-from .gait_doubts import of_doubts, of_plates, of_spikes
+from .gait_doubts import left_out_for, of_contacts, of_doubts, of_plates, of_spikes
 from .gait_events import of_events, of_way
-from .gait_muscles import of_muscles
+from .gait_muscles import of_contractions, of_muscles
 from .gait_numbers import (
     averages_of,
     curve,
@@ -40,7 +40,7 @@ from .gait_numbers import (
     uncertainty_by_cause,
     ways_walked,
 )
-from .gait_strides import of_strides
+from .gait_strides import of_left_out, of_strides
 from .gait_subjects import BodyOfTrial, of_bodies, of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
@@ -179,6 +179,7 @@ def gait_figures(
         *([] if clusters is None else _of_clusters(clusters)),
         *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
         *_findings(trials, measures, static),
+        *of_contractions(curves),
         *_of_gaps(curves, [key for trial in trials for key in trial.keys]),
     ]
     uncertainty = uncertainty_by_cause(causes)
@@ -212,7 +213,13 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
             for e in one.events
         ],
         "contacts": [
-            {"plate": c.plate + 1, "first": c.first + 1, "last": c.stop, "side": c.side, "left_out": c.reason or None}
+            {
+                "plate": c.plate + 1,
+                "first": c.first + 1,
+                "last": c.stop,
+                "side": c.side,
+                "left_out": left_out_for(c),
+            }
             for c in one.gait.contacts
         ],
         "strides": [
@@ -224,6 +231,7 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
                 "sd": dict(s.sd),
                 "facing_deg": s.facing_deg,
                 "turned_deg": s.turned_deg,
+                "stands": s.stands,
                 "counts": s.counts,
             }
             for s in one.strides
@@ -321,21 +329,14 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     if trial.unseen:
         yield make_finding("gait_markers_never_seen", trial=trial.name, markers=trial.unseen)
     yield from of_way(trial.name, trial.way, trial.floor)
-    for contact in trial.gait.contacts:
-        if contact.reason and (trial.bare is None or contact.reason != "no_foot"):  # there is the leg without markers
-            yield make_finding(
-                "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
-                frames=[(contact.first + trial.first_frame, contact.stop - 1 + trial.first_frame)],
-            )  # fmt: skip
+    yield from of_contacts(trial.name, trial.gait.contacts, trial.bare, trial.first_frame)
     yield from of_muscles(trial.name, trial.emg, trial.no_emg)
     yield from _of_ways(trial)
 
 
 def _of_ways(trial: GaitOfTrial) -> Iterator[Finding]:
-    """Whether the subject turns, what of that is left out, and which ways it walks."""
-    left_out = [one for one in trial.strides if not one.counts]
-    if left_out:
-        yield make_finding("gait_turns_left_out", trial=trial.name, left_out=len(left_out), strides=len(trial.strides))
+    """Whether the subject stands or turns, what of that is left out, and which ways it walks."""
+    yield from of_left_out(trial.name, trial.strides)
     if len(each := ways(trial.counted)) > 1:
         told = [f"{own[0].facing_deg:z.0f}° in {len(own)} stride{'s' * (len(own) > 1)}" for own in each]
         yield make_finding("gait_ways", trial=trial.name, ways_list=told)
@@ -363,7 +364,7 @@ def _no_moments(trials: Sequence[GaitOfTrial], measures: SubjectMeasures) -> str
         return "plates"
     if measures.mass_kg is None:
         return "mass"
-    whole = any(c.side and c.reason in ("", "cut") for trial in trials for c in trial.gait.contacts)
+    whole = any(c.side and c.reason in ("", "cut", "shared") for trial in trials for c in trial.gait.contacts)
     return "" if whole else "contacts"
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..data import Finding, make_finding
+from ..data.subject_measures import SIDES, Side
 from ..gait.marker_doubts import MarkerDoubts
 from ..gait.marker_leaps import MarkerLeaps
 from ..gait.marker_spikes import MarkerSpikes
+from ..gait.plate_contacts import Contact
 from ..gait.plate_doubts import PlateDoubt
 from ..gait.reaction import Reaction
 
@@ -51,3 +53,26 @@ def of_spikes(trial: str, spikes: MarkerSpikes, first_frame: int) -> Iterator[Fi
             "gait_spikes_left_out", trial=trial, markers=spikes.markers, samples=spikes.samples, most_mm=spikes.most_mm,
             frames=[(first + first_frame, last + first_frame) for first, last in spikes.frames],
         )  # fmt: skip
+
+
+def left_out_for(contact: Contact) -> str | None:
+    """Why a contact does not count; None where it does, alone or with others."""
+    return None if contact.reason in ("", "shared") else contact.reason
+
+
+def of_contacts(trial: str, contacts: Sequence[Contact], bare: Side | None, first_frame: int) -> Iterator[Finding]:
+    """Of the loads on the plates of a trial of this name: those left out, and those that were added up.
+
+    Args:
+        trial: its name. contacts: on its plates. bare: the leg without markers. first_frame: its number.
+    """
+    for one in contacts:
+        if left_out_for(one) and (bare is None or one.reason != "no_foot"):
+            yield make_finding(
+                "contact_left_out", trial=trial, plate=one.plate + 1, reason=one.reason,
+                frames=[(one.first + first_frame, one.stop - 1 + first_frame)],
+            )  # fmt: skip
+    for side in SIDES:
+        plates = sorted({str(one.plate + 1) for one in contacts if one.side == side and one.reason == "shared"})
+        if plates:
+            yield make_finding("gait_plates_added", trial=trial, side=side, plates_list=plates)

@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
 
 from ..data import Finding, make_finding
+from ..data.gait_curves import GaitCurves
 from ..gait.emg import MAINS_HZ, Emg
 from ..gait.gait_cycles import muscle_sides
+from .plain import quantile
+
+SCALE = 1.0, 1000.0
+"""Greatest value of an envelope, % of the greatest contraction, beyond which one of both has another unit or gain;
+chosen: muscles of patients reach up to 300, one that hardly works 5."""
+
+
+def of_contractions(curves: Sequence[GaitCurves]) -> Iterator[Finding]:
+    """Of channels whose envelopes cannot be on the scale of their greatest contractions."""
+    peaks = {one.name: quantile(one.values[..., 0], 1.0) for one in curves if one.unit == "%"}
+    if far := [name for name, peak in peaks.items() if not SCALE[0] <= peak <= SCALE[1] and np.isfinite(peak)]:
+        yield make_finding("emg_scale_doubtful", channels_list=far, peak_share=peaks[far[0]] / 100.0)
 
 
 def of_muscles(trial: str, channels: Mapping[str, Emg], left_out: Mapping[str, str]) -> Iterator[Finding]:

@@ -35,8 +35,10 @@ from ..data.subject_measures import LETTER, SIDES
 from .foot_motion import FINE_HZ, Foot, foot_motion
 from .segments import Z_UP
 
-LEAST_SWING_MM = 100.0
-"""By which a foot moves to and fro under the pelvis in a step, mm; chosen: less is no step."""
+LEAST_SWING_MM = 60.0
+"""By which a foot moves to and fro under the pelvis in a step, mm; chosen: in steps of 50 mm it is 75."""
+LEAST_WAY_MM = 30.0
+"""By which a foot moves in a swing, mm; chosen: where the pelvis sways, feet stay to a few."""
 
 
 class Near(NamedTuple):
@@ -105,7 +107,7 @@ def voted(points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP) -> li
     """
     feet = {side: foot for side in SIDES if (foot := foot_motion(points, side, rate, up)) is not None}
     rough = {
-        (side, strike): _swings(foot.heel_ahead if strike else -foot.toe_ahead, foot.time)
+        (side, strike): foot.time[_swings(foot.heel_ahead if strike else -foot.toe_ahead, foot.middle)]
         for side, foot in feet.items()
         for strike in (True, False)
     }
@@ -188,8 +190,9 @@ def _top(speed: Floats, near: Near) -> float:
     return float(speed[near.speed].max(initial=1.0))
 
 
-def _swings(y: Floats, time: Floats) -> Floats:
-    """Times of the greatest values (1) between which y falls by a step."""
+def _swings(y: Floats, middle: Floats) -> list[int]:
+    """Samples of the greatest values (1) between which y (N) falls by a step, before or after which the foot, whose
+    middle is at (N, 3) mm, swings: where it stays, the pelvis sways above it."""
     found: list[int] = []
     for k in _peak_indices(y):
         if found and y[k] - np.nanmin(y[found[-1] : k + 1]) < LEAST_SWING_MM:
@@ -198,7 +201,15 @@ def _swings(y: Floats, time: Floats) -> Floats:
         else:
             found.append(k)
     falls = [k for k in found if y[k] - min(np.nanmin(y[: k + 1]), np.nanmin(y[k:])) >= LEAST_SWING_MM]
-    return time[falls]
+    bounds = [0, *falls, len(y)]
+    return [k for a, k, b in zip(bounds, falls, bounds[2:], strict=False) if _goes(y, middle, k, (a, b))]
+
+
+def _goes(y: Floats, middle: Floats, k: int, between: tuple[int, int]) -> bool:
+    """Whether the foot moves from the peak k to the least value of y before or after it, between its neighbours."""
+    a, b = between
+    least = [a + int(np.argmin(y[a : k + 1])), k + int(np.argmin(y[k:b]))]
+    return bool((np.linalg.norm(middle[least] - middle[k], axis=1) > LEAST_WAY_MM).any())
 
 
 def _peak_indices(y: Floats) -> list[int]:

@@ -12,7 +12,9 @@ is more (4).
 
 Who walks backwards (`backwards`), in a part or throughout, has the events of a walk with time turned: a strike is an
 off there. Events that contradict each other are not kept together (`event_order`), and where the subject does not walk
-forwards on a level floor (`way_of_walking`) those from markers are known worse.
+forwards on a level floor (`way_of_walking`) those from markers are known worse. Of a runner, whose swing is the
+fastest, shares of it come late: an off is there when the tip of the foot goes faster than 0.6 m/s, whatever the others
+say (5).
 """
 
 from __future__ import annotations
@@ -39,6 +41,8 @@ WITHIN_MS = {True: 4.6, False: 6.6}
 UNLIKE_MS = 30.0
 """Deviation where the subject runs or climbs, ms; chosen: on stairs strikes were off by 18 and offs by 25 (RMS,
 studies/gait_events.py), and of runs no plates are at hand."""
+TIP = 0
+"""Which of `OFF` is the detector of (5); by definition."""
 ALIKE_S = 0.1
 """Within which an event from markers and one from a plate are one, s; chosen: a fifth of a step."""
 
@@ -50,43 +54,54 @@ def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP
         trial: with its plates and channels. points: (F, 3) mm of its markers by name.
         up: of the laboratory.
     """
-    measured = plate_events(trial, points, up=up)
-    seen = marker_events(points, trial.trajectories.rate, up=up)
+    measured, rate = plate_events(trial, points, up=up), trial.trajectories.rate
+    kept = _together(marker_events(points, rate, up=up), measured)
+    way = way_of_walking(kept, points, rate=rate, up=up)
+    if way == "level":
+        return kept
+    if way == "running":
+        kept = _together(marker_events(points, rate, up=up, runs=True), measured)
+    return tuple(e if e.source == "plate" else e._replace(sd=max(e.sd, UNLIKE_MS / 1000)) for e in kept)
+
+
+def _together(seen: Sequence[FootEvent], measured: Sequence[FootEvent]) -> tuple[FootEvent, ...]:
+    """Events from markers and from plates, of both kinds, that can have been."""
     found: list[FootEvent] = []
     for strike in (True, False):
         own, plates = ([e for e in each if e.strike == strike] for each in (seen, measured))
         found += _calibrated(own, plates, strike)
-    kept = ordered(found)
-    if way_of_walking(kept, points, rate=trial.trajectories.rate, up=up) == "level":
-        return kept
-    return tuple(e if e.source == "plate" else e._replace(sd=max(e.sd, UNLIKE_MS / 1000)) for e in kept)
+    return ordered(found)
 
 
-def marker_events(points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP) -> list[FootEvent]:
+def marker_events(
+    points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP, runs: bool = False
+) -> list[FootEvent]:
     """Events by (2), of all plates unaware; their `sd` is half of how far the detectors are apart.
 
     Where the subject walks backwards they are found with time turned.
 
     Args:
-        points: (F, 3) mm by the model's names. rate: frames a second. up: of the laboratory.
+        points: (F, 3) mm by the model's names. rate: frames a second. up: of the laboratory. runs: offs by (5).
     """
     found: list[FootEvent] = []
     for first, stop, backwards in walked_parts(points, up=up):
         part = {name: xyz[first:stop] for name, xyz in points.items()}
         if backwards:
-            turned = _forward_events({name: xyz[::-1] for name, xyz in part.items()}, rate, up)
+            turned = _forward_events({name: xyz[::-1] for name, xyz in part.items()}, rate, up, runs)
             found += [e._replace(time=(stop - 1) / rate - e.time, strike=not e.strike) for e in turned]
         else:
-            found += [e._replace(time=first / rate + e.time) for e in _forward_events(part, rate, up)]
+            found += [e._replace(time=first / rate + e.time) for e in _forward_events(part, rate, up, runs)]
     return found
 
 
-def _forward_events(points: Mapping[str, Floats], rate: float, up: Floats) -> list[FootEvent]:
-    """Events by (2) of who walks forwards, points (F, 3) mm by the model's names."""
+def _forward_events(points: Mapping[str, Floats], rate: float, up: Floats, runs: bool) -> list[FootEvent]:
+    """Events by (2) of who walks forwards, or by (5), points (F, 3) mm by the model's names."""
     found = []
     for one in voted(points, rate, up=up):
         biases = np.array([d.bias_ms + d.slow_ms * one.slow for d in (STRIKE if one.event.strike else OFF)])
         votes = one.times - biases / 1000
+        if runs and not one.event.strike and np.isfinite(one.times[TIP]):
+            votes = one.times[TIP : TIP + 1]  # (5)
         time = middle_half(votes)
         if np.isfinite(time):
             apart = float(np.nanmean(np.abs(votes - time))) / 2

@@ -45,6 +45,7 @@ class Foot(NamedTuple):
 
     Attributes:
         time: (N) s after the first frame. seen: whether both markers and the pelvis were, and not bridged.
+        middle: (N, 3) of (1), from the pelvis' first place.
         heel_ahead, toe_ahead: before the pelvis as it faces. toe_forward: speed of the toe from the pelvis.
         heel_z, toe_down: height of the heel, speed of the toe downwards.
         heel_jerk, heel_jerk_up, middle_jerk_up: forwards and upwards. turning_jerk: third derivative of the pitch.
@@ -53,6 +54,7 @@ class Foot(NamedTuple):
 
     time: Floats
     seen: Bools
+    middle: Floats
     heel_ahead: Floats
     toe_ahead: Floats
     toe_forward: Floats
@@ -96,7 +98,7 @@ def _moving(time: Floats, seen: Bools, heel: Floats, toe: Floats, pelvis: Floats
     tip_speed = np.linalg.norm(tip - (tip @ up)[:, None] * up, axis=1)
     forward = ((toe - pelvis) * d).sum(1)
     return Foot(
-        time, seen,
+        time, seen, centre,
         heel_ahead=((heel - pelvis) * d).sum(1),
         toe_ahead=forward,
         toe_forward=_rate(forward),

@@ -56,7 +56,7 @@ class Physical(Method):
     @property
     def mechanics(self) -> Mechanics:
         """As chosen; contacts that the recording cuts still count."""
-        return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
+        return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut", "shared"))
 
     def inputs(
         self, trial: Trial, points: Points, measures: SubjectMeasures, *, body: CalibratedBody | None = None

@@ -24,7 +24,7 @@ from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads,
 from .lower_limb import LowerLimbs, lower_limbs
 from .plate_contacts import Contact, contacts
 from .progression import progression, way_walked
-from .reaction import Reaction, reaction
+from .reaction import Reaction, plate_axes, reaction
 from .segment_inertia import SegmentInertia
 from .segments import Z_UP
 from .upper_body import UPPER_BODY_AXES, upper_body_angles
@@ -147,7 +147,8 @@ def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
     angles = clinical_angles(limbs, up=given.up, lab=lab)
     angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, lab)
     signals = signals_of(angles, loads, on, given.measures.mass_kg, rate=given.rate)
-    return GaitTrial(limbs, given.reactions, given.contacts, loads, signals, lab)
+    taken = given.contacts if "shared" in how.counts else tuple(one.apart for one in given.contacts)
+    return GaitTrial(limbs, given.reactions, taken, loads, signals, lab)
 
 
 def limbs_of(given: Inputs, hip_centre: HipCentre) -> LowerLimbs:
@@ -185,16 +186,32 @@ def ground_contact(
 ) -> GroundContact:
     """What the plates do to one foot: 0 in the air, NaN while it may stand on a plate in a way that does not count."""
     n = len(reactions[0].loaded) if reactions else 0
-    force, centre, free = np.zeros((n, 3)), np.full((n, 3), np.nan), np.zeros((n, 3))
+    sum_of = GroundContact(np.zeros((n, 3)), np.full((n, 3), np.nan), np.zeros((n, 3)))
     for one in contacts:
-        frames = slice(one.first, one.stop)
-        plate = reactions[one.plate]
+        plate, own = reactions[one.plate], np.zeros(n, np.bool_)
+        own[one.first : one.stop] = True
         if one.side == side and one.reason in counts:
-            force[frames], free[frames] = plate.force[frames], plate.free_moment[frames]
-            centre[frames] = plate.centre[frames]
-            force[_beside(one, plate.unknown)] = np.nan
+            sum_of = _added(sum_of, plate, own)
+            sum_of.force[_beside(one, plate.unknown)] = np.nan
         elif one.side in (side, None):
-            force[frames] = np.nan
+            sum_of.force[own] = np.nan
+    return sum_of
+
+
+def _added(foot: GroundContact, plate: Reaction, own: Bools) -> GroundContact:
+    """What the floor does to a foot, and a plate in the frames `own` (F) besides: the force of both acts where their
+    vertical parts weigh the centres of pressure, and the levers from there add to the free moments."""
+    vertical = plate_axes(plate.corners)[0][:, 2]
+    new = own & np.isfinite(plate.centre).all(1)
+    both = new & np.isfinite(foot.centre).all(1)
+    force = foot.force + np.where(own[:, None], plate.force, 0.0)
+    free = foot.free_moment + np.where(own[:, None], plate.free_moment, 0.0)
+    centre = np.where(new[:, None], plate.centre, foot.centre)
+    p, q = foot.centre[both], plate.centre[both]
+    share = (plate.force[both] @ vertical) / (force[both] @ vertical)
+    centre[both] = p + share[:, None] * (q - p)
+    levers = np.cross(p - centre[both], foot.force[both]) + np.cross(q - centre[both], plate.force[both])
+    free[both] += levers / 1000.0
     return GroundContact(force, centre, free)
 
 

@@ -11,6 +11,10 @@ the plate is loaded while the toe swings: then something else stands there, as a
 where the foot rolls from one plate to another: another plate is loaded meanwhile or at once after, by a share of the
 impulse, and the pressure there is nearer to the standing foot than to the other (3). Where the other is not seen, it
 may be what stands there, and the pressure must be as near as that of a foot's own plate.
+
+What plates below one foot do to it adds up. So a step on several counts where the foot alone is on each, whole on all
+of them together, each carries a share of the impulse, and the pressure on each is below the foot: with a along the foot
+from heel to toe and b beside it, in its lengths, −0.3 < a < 1.5 and |b| < 0.4 in the mean over the force (4).
 """
 
 from __future__ import annotations
@@ -53,6 +57,10 @@ SHARED_IMPULSE = 0.05
 REACHING_FEET = 1.5
 """Distance (1) as a share of the foot's length at which a second plate is still below it; chosen: a toe's tip is about
 one such length from the middle between heel and toe."""
+ALONG_FEET = (-0.3, 1.5)
+"""a of (4); chosen: the heel's marker is a third before the end of a shoe, the toes reach 0.4 beyond theirs."""
+BESIDE_FEET = 0.4
+"""|b| of (4); chosen: a foot is 0.3 wide to either side, and sticks stand farther off."""
 
 
 class Contact(NamedTuple):
@@ -62,7 +70,7 @@ class Contact(NamedTuple):
         plate: its index. first, stop: frames, counted from 0, stop excluded.
         side: of the foot; None where it is not known or the contact does not count.
         reason: why it does not count: "", "unclear", "two_feet", "aid", "beside", "cut", "two_plates",
-            "no_foot".
+            "no_foot"; "shared" where it counts together with those of other plates (4).
         distance: (1) of the near foot, mm.
     """
 
@@ -72,6 +80,11 @@ class Contact(NamedTuple):
     side: Side | None
     reason: str
     distance: float
+
+    @property
+    def apart(self) -> Contact:
+        """It where plates do not add up."""
+        return self._replace(side=None, reason="two_plates") if self.reason == "shared" else self
 
 
 def contacts(
@@ -90,13 +103,38 @@ def contacts(
         for plate, reaction in enumerate(reactions)
         for first, stop in _loads(reaction.loaded, rate)
     ]
-    found = [
-        one._replace(side=None, reason="two_plates")
-        if one.side and any(_shares(one, other, reactions, feet, rate, up) for other in judged)
-        else one
-        for one in judged
-    ]
+    found = list(judged)
+    for k, one in enumerate(judged):
+        parts = [j for j, other in enumerate(judged) if _shares(one, other, reactions, feet, rate, up)]
+        if not parts or found[k].reason == "shared":
+            continue
+        step = [judged[j] for j in (k, *parts)]
+        if _adds_up(step, reactions, feet, up):
+            for j in (k, *parts):
+                found[j] = judged[j]._replace(side=one.side, reason="shared")
+        else:
+            found[k] = one._replace(side=None, reason="two_plates")
     return tuple(sorted(found, key=lambda one: (one.first, one.plate)))
+
+
+def steps_of(found: Sequence[Contact], rate: float) -> list[list[Contact]]:
+    """Contacts that count, those of one step (4) together, in the order of time.
+
+    Args:
+        found: on all plates. rate: frames a second.
+    """
+    steps: list[list[Contact]] = []
+    for one in sorted(found, key=lambda one: one.first):
+        if one.side is None or one.reason not in ("", "shared"):
+            continue
+        for step in steps if one.reason else ():
+            together = one.first - max(c.stop for c in step) <= BRIDGED_S * rate
+            if together and (step[0].side, step[0].reason) == (one.side, "shared"):
+                step.append(one)
+                break
+        else:
+            steps.append([one])
+    return steps
 
 
 def _loads(loaded: Bools, rate: float) -> list[tuple[int, int]]:
@@ -146,7 +184,7 @@ def _judged(
         reason = "two_feet"
     elif _swinging(feet[near].toe_v[first:stop]) > SWINGING_S * rate:
         reason = "aid"  # (2)
-    elif not _whole(reaction, feet[near], first, stop):
+    elif not _whole([reaction], feet[near], first, stop):
         reason = "beside"
     elif first == 0 or stop == len(reaction.loaded) or reaction.unknown[first - 1] or reaction.unknown[stop]:
         reason = "cut"
@@ -169,6 +207,35 @@ def _shares(
     reach = REACHING_FEET if np.isfinite(far) else NEAR_FEET
     below = near <= reach * feet[one.side].length and not far < CLEARER * near
     return bool(below and part > SHARED_IMPULSE * whole)
+
+
+def _adds_up(step: Sequence[Contact], reactions: Sequence[Reaction], feet: Mapping[Side, _Foot], up: Floats) -> bool:
+    """Whether the loads of several plates are all of the foot of the first one (4)."""
+    if step[0].reason not in ("", "beside") or any(one.reason not in ("", "beside", "no_foot") for one in step):
+        return False
+    foot = feet[step[0].side or "left"]
+    impulse = [np.abs(reactions[one.plate].force[one.first : one.stop] @ up).sum() for one in step]
+    first, stop = min(one.first for one in step), max(one.stop for one in step)
+    return bool(
+        min(impulse) > SHARED_IMPULSE * max(impulse)
+        and all(_below(reactions[one.plate], foot, one.first, one.stop, up) for one in step)
+        and _whole([reactions[one.plate] for one in step], foot, first, stop)
+    )
+
+
+def _below(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> bool:
+    """Whether the pressure is below the foot (4)."""
+    sole = (foot.toe - foot.heel)[first:stop]
+    sole = sole - (sole @ up)[:, None] * up
+    ahead = sole / np.linalg.norm(sole, axis=1)[:, None]
+    off = reaction.centre[first:stop] - foot.heel[first:stop]
+    a, b = ((off * axis).sum(1) / foot.length for axis in (ahead, np.cross(up, ahead)))
+    weight = np.abs(reaction.force[first:stop] @ up)
+    seen = np.isfinite(a + b + weight) & (weight > 0)
+    if not seen.any():
+        return False
+    along, aside = (float(weight[seen] @ x[seen] / weight[seen].sum()) for x in (a, b))
+    return ALONG_FEET[0] < along < ALONG_FEET[1] and abs(aside) < BESIDE_FEET
 
 
 def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> float:
@@ -204,11 +271,11 @@ def _swinging(toe_v: Floats) -> int:
     return int((np.linalg.norm(known - np.median(known, axis=0), axis=1) > SWINGING_MM_S).sum())
 
 
-def _whole(reaction: Reaction, foot: _Foot, first: int, stop: int) -> bool:
-    """Whether heel and toe are above the plate while the foot stands, most of the time."""
+def _whole(plates: Sequence[Reaction], foot: _Foot, first: int, stop: int) -> bool:
+    """Whether heel and toe are each above one of the plates while the foot stands, most of the time."""
     stands = foot.stands[first:stop]
     if not stands.any():
         return True
-    ends = [_inside(reaction, end[first:stop][stands], BESIDE_MM) | np.isnan(end[first:stop][stands]).any(1)
-            for end in (foot.heel, foot.toe)]  # fmt: skip
+    ends = [np.any([_inside(plate, end[first:stop][stands], BESIDE_MM) for plate in plates], axis=0)
+            | np.isnan(end[first:stop][stands]).any(1) for end in (foot.heel, foot.toe)]  # fmt: skip
     return bool((ends[0] & ends[1]).mean() > 0.5)

@@ -22,7 +22,7 @@ import numpy as np
 from ..data import Trial
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
-from .plate_contacts import Contact, contacts
+from .plate_contacts import Contact, contacts, steps_of
 from .reaction import reaction
 from .segments import Z_UP
 
@@ -56,9 +56,10 @@ def plate_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_U
         reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=PLATE_N, zeroed=True, up=up) for p in trial.plates
     ]
     found: list[FootEvent] = []
-    for one in contacts(at_frames, points, rate=rate, up=up):
-        if one.side is not None and not one.reason:
-            found += contact_events(trial, one, up)
+    for step in steps_of(contacts(at_frames, points, rate=rate, up=up), rate):
+        each = [contact_events(trial, one, up) for one in step]
+        strikes, offs = ([e for own in each for e in own if e.strike == strike] for strike in (True, False))
+        found += [min(strikes, key=lambda e: e.time), max(offs, key=lambda e: e.time)] if strikes else []
     return tuple(sorted(found, key=lambda e: e.time))
 
 

@@ -10,7 +10,9 @@ the other, on the floor, d the direction from h(t₀) to h(t₁), and s the stri
     double support = from t₀ to the other's foot off and from the other's strike to this foot off,
     single support = from the other's foot off to its strike                                                 (5)
 
-with b horizontal, square to d, and from the right side of the body to its left for a left step, else the other way: a
+where, of a runner, whose other foot has left before t₀ or strikes after this one left, such a double support is 0 and
+single support begins with t₀ or ends with this foot off. And b is horizontal, square to d, and from the right side of
+the body to its left for a left step, else the other way: a
 step in which the feet cross has a width below zero, as in scissoring, so a mean of steps is true. Who walks backwards,
 by the feet, has the left where d has the right. Each foot is where it struck (2), as in Plug-in Gait: at t₁ the other
 heel has left the floor and gone on by some centimetres. So steps of both sides make a stride.
@@ -120,7 +122,9 @@ def _stride(
     off = _only(offs, begin, end)
     other_off = _only([e for e in theirs if not e.strike], begin, end)
     other_strike = _only([e for e in theirs if e.strike], begin, end)
-    first_double, second_double = _between(begin, other_off), _between(other_strike, off)
+    alone = other_off if not _after(other_off, other_strike) else begin  # from which on this foot stands alone
+    till = off if _after(other_strike, off) else other_strike
+    first_double, second_double = _between(begin, alone), _between(till, off)
     T, sd_T = _between(begin, end)
     shares = [_share(begin, event, end) for event in (off, other_off, other_strike)]
     values = {
@@ -130,7 +134,7 @@ def _stride(
         "foot_off": shares[0],
         "opposite_foot_off": shares[1],
         "opposite_foot_strike": shares[2],
-        "single_support": _between(other_off, other_strike),
+        "single_support": _between(alone, till),
         "double_support": (
             first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
         ),
@@ -173,6 +177,11 @@ def _only(events: Sequence[FootEvent], begin: FootEvent, end: FootEvent) -> Foot
     """The one event between two; None where there is none or more than one."""
     inside = [e for e in events if begin.time < e.time < end.time]
     return inside[0] if len(inside) == 1 else None
+
+
+def _after(a: FootEvent | None, b: FootEvent | None) -> bool:
+    """Whether an event comes after another one; not where one is missing."""
+    return a is not None and b is not None and a.time > b.time
 
 
 def _between(a: FootEvent | None, b: FootEvent | None) -> tuple[float, float]:

@@ -7,12 +7,13 @@ way in them, are not those of straight walking: they are left out of means and c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from ..data.array_types import Floats, Ints
 from ..data.strides import Stride
+from ..data.subject_measures import Side
 
 TURNS_DEG = 15.0
 """Of (1) from which on a stride turns, deg; chosen: 26 strides of straight walks of nine subjects turned by up to 7,
@@ -45,12 +46,16 @@ def with_facing(strides: Sequence[Stride], x: Floats, *, rate: float, back: Ints
 
 
 def with_counts(trials: Sequence[Sequence[Stride]]) -> list[tuple[Stride, ...]]:
-    """The strides of all trials, told by (2) whether they count: of a side without straight ones all do."""
-    straight = {one.side for strides in trials for one in strides if abs(one.turned_deg) <= TURNS_DEG}
-    return [
-        tuple(one._replace(counts=one.side not in straight or abs(one.turned_deg) <= TURNS_DEG) for one in strides)
-        for strides in trials
-    ]
+    """The strides of all trials, told by (2) whether they count: of a side without straight ones all do in which the
+    subject does not stand."""
+    walked = [one for strides in trials for one in strides if not one.stands]
+    straight = {one.side for one in walked if abs(one.turned_deg) <= TURNS_DEG}
+    return [tuple(one._replace(counts=_counts(one, straight)) for one in strides) for strides in trials]
+
+
+def _counts(one: Stride, straight: Collection[Side]) -> bool:
+    """By (2), with the sides that have straight strides."""
+    return not one.stands and (one.side not in straight or abs(one.turned_deg) <= TURNS_DEG)
 
 
 def ways(strides: Sequence[Stride]) -> list[list[Stride]]:

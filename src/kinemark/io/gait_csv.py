@@ -48,11 +48,11 @@ def write_time_distance_csv(path: Path | str, each: Mapping[str, Sequence[Stride
     heading = ["trial", "side", "first_s", "last_s"]
     for name, unit in UNITS.items():
         heading += [f"{name} ({unit})", f"{name} sd"]
-    heading += ["facing (deg)", "turned (deg)", "counts"]
+    heading += ["facing (deg)", "turned (deg)", "stands", "counts"]
     rows = (
         [trial, s.side, cell(s.first), cell(s.last),
          *(cell(v) for name in UNITS for v in (s.values[name], s.sd[name])),
-         cell(s.facing_deg), cell(s.turned_deg), str(int(s.counts))]
+         cell(s.facing_deg), cell(s.turned_deg), str(int(s.stands)), str(int(s.counts))]
         for trial, strides in each.items() for s in strides
     )  # fmt: skip
     write_table(path, heading, rows)

@@ -95,8 +95,6 @@ def gait_page(
     )
 
 
-SIDES_HEAD = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
-"""Of the columns of numbers of both sides."""
 Norm = Mapping[str, tuple[float, float]]
 """Mean and SD of numbers of the reference, by name."""
 
@@ -105,6 +103,7 @@ def time_distance_table(figures: dict[str, Any], norm: Norm | None = None) -> Ta
     """A row a parameter: left and right, mean ± spread between strides, the measurement's own deviation; the
     reference's mean ± SD."""
     rows = []
+    numbers = [list(figures["time_distance"][side].values()) for side in ("left", "right")]
     for name, title in NAMES.items():
         unit, by, digits = SHOWN[figures["units"][name]]
         row = [f"{title} ({unit})"]
@@ -113,7 +112,7 @@ def time_distance_table(figures: dict[str, Any], norm: Norm | None = None) -> Ta
             row += [_mean_and_spread(one, by, digits), "–" if not one["sd"] else _small(one["sd"] / by, digits)]
         row += ["–" if name == "step_width" else number(_symmetry(figures, name), 1)]
         rows.append(row + ([_normal(norm, name, by, digits)] if norm else []))
-    head = [*SIDES_HEAD, "left − right (% of mean)", *(["reference"] if norm else [])]
+    head = [*_sides_head(*numbers), "left − right (% of mean)", *(["reference"] if norm else [])]
     return Table(head, rows, kept_in="gait.json").known()
 
 
@@ -132,7 +131,8 @@ def key_values_table(figures: dict[str, Any], norm: Norm | None = None, *, angle
     """A row a key value, of angles or of loads: left and right, mean ± spread between strides, the measurement's
     deviation, the difference; the reference's mean ± SD."""
     rows = []
-    for key in (one for one in figures["key_values"] if (one["unit"] == "deg") == angles):
+    keys = [one for one in figures["key_values"] if (one["unit"] == "deg") == angles]
+    for key in keys:
         digits = KEY_DIGITS.get(key["unit"], 2)
         row = [f"{key['name']} ({UNITS.get(key['unit'], key['unit'])})"]
         for one in (left := key["left"], right := key["right"]):
@@ -141,8 +141,22 @@ def key_values_table(figures: dict[str, Any], norm: Norm | None = None, *, angle
             row += [number(one["sd"], digits) if known else "–"]
         row += ["–" if left is None or right is None else number(left["mean"] - right["mean"], digits)]
         rows.append(row + ([_normal(norm, key["name"], 1.0, digits)] if norm else []))
-    head = [*SIDES_HEAD, "left − right", *(["reference"] if norm else [])]
+    head = [
+        *_sides_head(*([one[side] for one in keys if one[side]] for side in ("left", "right"))),
+        "left − right",
+        *(["reference"] if norm else []),
+    ]
     return Table(head, rows, absent="There are no whole strides.", kept_in="key_values.csv").known()
+
+
+def _sides_head(left: Sequence[dict[str, Any]], right: Sequence[dict[str, Any]]) -> list[str]:
+    """Of the columns of numbers of both sides, with how many strides these are of."""
+    head = [""]
+    for side, numbers in (("left", left), ("right", right)):
+        least, most = (f({one["strides"] for one in numbers if one["strides"]}, default=0) for f in (min, max))
+        of = f"{least} to {most} strides" if least < most else "1 stride" if most == 1 else f"{most} strides"
+        head += [f"{side}: mean ± SD of {of}", "measured to ±"]
+    return head
 
 
 def _mean_and_spread(one: dict[str, Any], by: float, digits: int) -> str:

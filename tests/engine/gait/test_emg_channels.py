@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from kinemark.data import Analog, Trajectories, Trial
-from kinemark.engine.gait.emg import emg_of, left_out_of
+from kinemark.data.strides import Stride
+from kinemark.engine.gait.emg import emg_of, greatest_contractions, left_out_of
+from kinemark.findings.gait_muscles import of_contractions
+from kinemark.gait.gait_cycles import emg_curves
 
 MUSCLES = ("Voltage.L Rect", "R_soleus", "Electric Potential.1", "EMG7", "L Pectoralis", "Voltage.MX left")
 OTHERS = (
@@ -51,3 +54,27 @@ def test_letters_of_a_muscle_tell_a_channel_without_a_unit():
     values = np.random.default_rng(0).normal(size=(len(muscles + others), 3000))
     trial = Trial("walk", Trajectories((), 100.0), (Analog(muscles + others, ("",) * len(values), 1000.0, values),))
     assert tuple(emg_of(trial)) == muscles
+
+
+def bursting(unit, gain):
+    """A muscle that is on for half of each second, in a unit."""
+    time = np.arange(4000) / 1000.0
+    values = (0.02 + 0.5 * (time % 1.0 < 0.5)) * np.random.default_rng(1).normal(size=4000) * gain
+    return Trial("walk", Trajectories((), 100.0), (Analog(("EMG LTA",), (unit,), 1000.0, values[None]),))
+
+
+@pytest.mark.parametrize(("unit", "gain"), [("V", 1e-3), ("mV", 1.0), ("µV", 1e3), ("uV", 1e3)])
+def test_a_contraction_in_another_unit_is_the_same_contraction(unit, gain):
+    own = emg_of(bursting("mV", 1.0))["EMG LTA"]
+    most = greatest_contractions(bursting(unit, gain), ("EMG LTA",))["EMG LTA"]
+    assert most == pytest.approx(np.max(own.envelope))
+    assert emg_of(bursting(unit, gain))["EMG LTA"].on.tolist() == own.on.tolist()
+
+
+@pytest.mark.parametrize(("gain", "told"), [(1000.0, True), (1.0, False), (0.3, False), (1e-3, True)])
+def test_a_contraction_with_another_gain_is_told(gain, told):
+    most = greatest_contractions(bursting("mV", gain), ("EMG LTA",))
+    steps = [Stride("left", k, k + 1.0, {"foot_off": 60.0}, {}) for k in range(3)]
+    curves = emg_curves(emg_of(bursting("mV", 1.0)), steps, whole=most)
+    found = [one.kind for one in of_contractions(curves)]
+    assert found == ["emg_scale_doubtful"] * told

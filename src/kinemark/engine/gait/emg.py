@@ -24,6 +24,8 @@ SHORT = re.compile(
 NO_MUSCLE = re.compile(r"(?i)(^|[^a-z])([fmc][xyz]\d*( ?\[\d+\])?$|pin ?\d+)|foot.?switch|sync|trigger|gonio")
 """Names of channels in volts that are no EMG: a plate's before it is scaled, bare pins of a converter, switches."""
 
+MILLIVOLT = {"V": 1000.0, "MV": 1.0, "UV": 0.001, "ΜV": 0.001}
+"""mV of the units of EMG, in capitals; by definition."""
 UNUSED = re.compile(r"(?i)(^|[^a-z])(spare|unused|not[ _-]?(used|connected))([^a-z]|$)")
 """Names of sockets of EMG into which nothing is plugged; conventional."""
 
@@ -48,11 +50,13 @@ def emg_of(trial: Trial) -> dict[str, Emg]:
     name or the letters of a muscle, and no plate's; none whose name says that nothing is plugged in (`UNUSED`).
 
     One that is no EMG by its samples, too few or too slow, is left out: the rest of the trial is as good without it.
+    In mV where the file says a unit, so that recordings of different units can be held against each other.
     """
     found: dict[str, Emg] = {}
     for name, record in _candidates(trial):
+        millivolt = MILLIVOLT.get(_letters(record.units[record.names.index(name)]), 1.0)
         with suppress(KinemarkError):
-            found[name] = emg(record[name], rate=record.rate, start=record.start)
+            found[name] = emg(record[name] * millivolt, rate=record.rate, start=record.start)
     return found
 
 
@@ -73,9 +77,13 @@ def _candidates(trial: Trial) -> Iterator[tuple[str, Analog]]:
     plates = {name for plate in trial.plates for name in plate.channels}
     for record in trial.analog:
         for name, unit in zip(record.names, record.units, strict=True):
-            letters = "".join(c for c in unit.upper() if c.isalpha())
-            in_volts = letters in ("V", "MV", "UV", "ΜV")
-            named = in_volts or (not letters and bool(MUSCLE.search(name) or SHORT.fullmatch(name)))
+            in_volts = _letters(unit) in MILLIVOLT
+            named = in_volts or (not _letters(unit) and bool(MUSCLE.search(name) or SHORT.fullmatch(name)))
             is_emg = "EMG" in name.upper() or (named and not NO_MUSCLE.search(name))
             if name not in plates and is_emg and not UNUSED.search(name) and np.ptp(record[name]) > 0:
                 yield name, record
+
+
+def _letters(unit: str) -> str:
+    """Of a unit, in capitals."""
+    return "".join(c for c in unit.upper() if c.isalpha())

@@ -35,6 +35,7 @@ from ...gait.standard_trial import (
     with_heels,
     with_landmarks,
 )
+from ...gait.standing import stands, with_standing
 from ...gait.static_axes import with_knees
 from ...gait.static_checks import static_doubts
 from ...gait.time_distance import strides
@@ -328,10 +329,9 @@ def gait_of_trial(
     placement = settings.placement_mm if settings.uncertainty else 0.0
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial), placement_mm=placement, floor=floor)
     steps = with_facing(steps, gait.limbs.pelvis.R[..., 0], rate=rate, back=reversals(points))
-    first = trial.trajectories.first_frame
-    way = way_of_walking(events, points, rate=rate)
-    names, leaps = doubted_markers(trial, points)
-    muscles = emg_of(trial)
+    steps = with_standing(steps, stands(events, points, rate=rate, floor=floor))
+    first, way = trial.trajectories.first_frame, way_of_walking(events, points, rate=rate)
+    (names, leaps), muscles = doubted_markers(trial, points), emg_of(trial)
     return GaitOfTrial(
         trial.name, found, events, steps, trial.events, (first - 1) / rate, muscles, way, first, floor,
         leaps=leaps, names=names, plates=doubted_plates(trial, points, gait, events, way, measures.mass_kg),

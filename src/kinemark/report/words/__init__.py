@@ -15,6 +15,7 @@ from .cameras import CAMERA_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .edits import EDIT_WORDS, edit_text, entry_text
 from .gait import GAIT_WORDS
+from .muscles import MUSCLE_WORDS
 from .plans import PLAN_WORDS
 from .reasons import SOURCE_ADVICE, evidence_text, frames_text, open_gap_text, reason_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
@@ -53,6 +54,7 @@ WORDS: dict[str, Words] = {
     **ANGLE_WORDS,
     **PROPOSAL_WORDS,
     **GAIT_WORDS,
+    **MUSCLE_WORDS,
     **PLAN_WORDS,
     **VERDICT_WORDS,
 }

@@ -29,7 +29,7 @@ FOR_MOMENTS = {
 
 
 NOT_LEVEL = {
-    "running": "runs: the feet leave the floor before the other one meets it",
+    "running": "runs: the feet leave the floor before the other one meets it, or the pelvis is highest between steps",
     "stairs": "climbs: the heels strike at other heights from step to step",
     "backward": "walks backwards",
     "to and fro": "walks forwards and backwards: means and curves are of both",
@@ -149,7 +149,8 @@ DOUBTFUL = {
     "origin": "its sensors would be {away_mm} off its surface or its middle, as the file has its origin",
 }
 FOR_DOUBTFUL = {
-    "beside": "Check the order and places of the plate's corners, and the unit of its moments.",
+    "beside": "Where a stick, a walker or a helper loaded the plate too, leave this step out. Else check the order and "
+    "places of the plate's corners, and the unit of its moments.",
     "backward": "Check the order of the plate's corners, and the unit of its moments, N·mm or N·m.",
     "askew": "Check the order of the plate's corners, and the signs of its channels.",
     "weight": "Check the mass in the measures, and the plates' scale; sticks, rails and helpers carry weight too.",
@@ -196,6 +197,12 @@ def _no_moments(found: Finding) -> str:
     return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
 
 
+def _no_strides(found: Finding) -> str:
+    if found.values["stood"]:
+        return fill("{trial}: the subject stands or steps on the spot in every stride, or at its end.", found)
+    return fill("{trial}: no foot strikes the floor twice, so that there is no stride.", found)
+
+
 def _for_strides(found: Finding) -> str:
     walk = "ecord a longer walk, or check the names of heel and toe markers."
     if found.severity == "red":
@@ -218,7 +225,7 @@ def _for_moments(found: Finding) -> str:
 
 GAIT_WORDS = {
     "gait_without_strides": Words(
-        "{trial}: no foot strikes the floor twice, so that there is no stride.",
+        _no_strides,
         _for_strides,
     ),
     "gait_walk_left_out": Words(
@@ -330,6 +337,10 @@ GAIT_WORDS = {
         "Set the plates to zero before a session, while nobody stands on them.",
     ),
     "contact_left_out": Words(_left_out, _for_left_out),
+    "gait_plates_added": Words(
+        "{trial}: the {side} foot stepped on plates {plates_list} together. Their forces were added up.",
+        "If one of them carried something else, such as a stick, leave this walk out.",
+    ),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(
         "{trial}: foot strikes and offs come from the markers, ±{sd_ms:0} each.",
@@ -358,35 +369,14 @@ GAIT_WORDS = {
         "{trial}: the subject turns in {left_out} of {strides} strides: they are left out of means and curves.",
         "They stand in time_distance.csv.",
     ),
+    "gait_stands_left_out": Words(
+        "{trial}: the subject stands or steps on the spot in {left_out} of {strides} strides, or at their end: they "
+        "are left out of means and curves.",
+        "They stand in time_distance.csv.",
+    ),
     "gait_ways": Words(
         "{trial}: the subject walks in more than one direction, from the laboratory's x to the left: {ways_list}.",
         "Time and distance of each direction stand in their section.",
-    ),
-    "emg_smoothed": Words(
-        "{trial}: EMG channels are envelopes already, and are drawn as they are: {channels_list}.",
-        "Hum and noise cannot be told of them; give the raw EMG where it is there.",
-    ),
-    "emg_saturated": Words(
-        "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
-        "Lower the gain. Where most samples are cut off, an electrode is loose.",
-    ),
-    "emg_hums": Words(
-        "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}, and taken out.",
-        "Check electrodes and cables.",
-    ),
-    "emg_left_out": Words(
-        "{trial}: channels of EMG cannot be drawn. {why} This is so of {channels_list}.",
-        "Export the EMG at the rate at which it was recorded.",
-    ),
-    "emg_without_bursts": Words(
-        "{trial}: the EMG of {channels_list} shows no bursts. It is noise alone, or the muscle never rests: nothing "
-        "says when it is on.",
-        "Check electrodes and cables. Where nobody wore the channel, nothing is lost.",
-    ),
-    "emg_without_side": Words(
-        "{trial}: EMG channels do not say of which side their muscle is: {channels_list}. They are drawn over the "
-        "strides of the left foot, in red.",
-        "Name them L … or R …, as L Tib Ant. Of right muscles the curves are wrong.",
     ),
     "gait_good": Words("Gait was measured and nothing stands out."),
     "gait_usable": Words("Gait was measured. Look at the points below first."),

@@ -162,6 +162,12 @@ def test_an_exchange_is_as_likely_as_what_comes_of_it():
     assert right == pytest.approx(-wrong) and right > 0
 
 
+def test_of_many_tracks_that_were_lost_together_the_likeliest_exchanges_of_each_are_listed():
+    tracks = tracks_of(straight(4, apart=10.0), missing=[(k, slice(8, 12)) for k in range(4)])
+    own = np.ones((len(tracks.id), 4), bool)
+    assert {d.tracks for d in _possible_exchanges(tracks, own, METHOD)} == {(0, 1), (1, 2), (2, 3)}
+
+
 @pytest.fixture(scope="module")
 def result():
     """Of six markers in six cameras."""

@@ -38,6 +38,8 @@ class PossibleExchanges(NamedTuple):
 def possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> PossibleExchanges:
     """Pairs of loose links, each no longer than `max_gap`, that are not a hundred times likelier than exchanged (1).
 
+    Of each link the likeliest exchange is given, and others where they are the likeliest of the other link.
+
     Args:
         tracks: P points. own: (P, C) where a camera has an image of the point alone.
     """
@@ -50,9 +52,10 @@ def possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> Poss
     before = pair[[0, 1, 0, 1]]
     score = scores_by_motion(points, ends, before.ravel(), (pair[[0, 1, 1, 0]] + 1).ravel(), T, method)[0]
     margin = np.array([1.0, 1.0, -1.0, -1.0]) @ score.reshape(before.shape)  # (1)
-    close = margin < CLEAR_MARGIN
-    pair = pair[:, close]
-    return PossibleExchanges(track[pair].T, ends.last[pair].max(0), ends.first[pair + 1].min(0), margin[close])
+    order = np.argsort(margin, kind="stable")[: np.count_nonzero(margin < CLEAR_MARGIN)]
+    likeliest = np.unique(np.unique(pair.T[order], return_index=True)[1] // 2)
+    pair, margin = pair[:, order[likeliest]], margin[order[likeliest]]
+    return PossibleExchanges(track[pair].T, ends.last[pair].max(0), ends.first[pair + 1].min(0), margin)
 
 
 def _pieces(tracks: Tracks, own: Bools, longest: float) -> tuple[TrackPoints, Ints, Ints]:

@@ -136,10 +136,7 @@ def with_companions(points: TrackPoints, whole: Stitched, T: float, method: Simu
         for _ in range(ROUNDS):
             length = np.bincount(ids[points.id], minlength=len(ids))[ids]
             long = pairs.take((length[pairs.a] >= least) & (length[pairs.b] >= least) & (ids[pairs.a] != ids[pairs.b]))
-            if not len(long.a):
-                break
-            told = scored(points, piece, ids, long, T)
-            if not (joined := _joined(piece >= 0, ids, told.take(told.score > 0), sure)):
+            if not len(long.a) or not (joined := _joined(piece >= 0, ids, _scored(points, piece, ids, long, T), sure)):
                 break
             found += joined
     found = [one._replace(before=int(name[one.before]), after=int(name[one.after])) for one in found]
@@ -186,12 +183,8 @@ def _possible(points: TrackPoints, piece: NDArray[np.int32], T: float, method: S
     return Pairs(some[a[soon]], some[b[soon]], *np.zeros((2, len(soon))))
 
 
-def scored(points: TrackPoints, piece: NDArray[np.int32], ids: Ints, pairs: Pairs, T: float) -> Pairs:
-    """Pairs of pieces of P points, T s between frames, with their scores (2), −∞ of fewer than FEWEST companions.
-
-    Args:
-        piece: (N, F) rows of each piece. ids: (N) the tracks that they are of, which are the companions.
-    """
+def _scored(points: TrackPoints, piece: NDArray[np.int32], ids: Ints, pairs: Pairs, T: float) -> Pairs:
+    """The pairs that have a score above 0."""
     rows = rows_of(points._replace(id=ids[points.id]))
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     (a, end), (b, begin) = (np.unique(one, return_inverse=True) for one in pairs[:2])
@@ -201,7 +194,7 @@ def scored(points: TrackPoints, piece: NDArray[np.int32], ids: Ints, pairs: Pair
     for first in range(0, len(score), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         score[part], sd[part] = _scores(ends.of(end[part], far[part]), begins.of(begin[part], far[part]), spread)
-    return Pairs(pairs.a, pairs.b, score, sd)
+    return Pairs(pairs.a, pairs.b, score, sd).take(score > 0)
 
 
 def _gaps(piece: NDArray[np.int32], pairs: Pairs) -> Ints:

@@ -106,11 +106,11 @@ def stitched(points: TrackPoints, T: float, method: Simultaneous, *, apart: Bool
     for distances in (False, True):
         best = _best_pairs(points._replace(id=ids[points.id]), T, method, distances, _merged(apart, ids))
         found += [stitch for stitch in best if distances or stitch.margin > CLEAR_MARGIN]
-        ids = identities_after(ids, best)
+        ids = _identities_after(ids, best)
     return Stitched(ids, found)
 
 
-def identities_after(ids: Ints, found: list[Stitch]) -> Ints:
+def _identities_after(ids: Ints, found: list[Stitch]) -> Ints:
     """Identities after the clear stitches."""
     before = {stitch.after: stitch.before for stitch in found if stitch.margin > CLEAR_MARGIN}
     ids = ids.copy()

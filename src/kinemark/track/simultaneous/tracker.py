@@ -68,7 +68,6 @@ from .stitch import Stitch, stitched
 from .told_by_tracks import less_noisy, of_tracks, with_noise
 from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, with_merging_in_images
-from .wide_stitches import without_contradicted
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is
@@ -153,7 +152,6 @@ def track_once(
     del first  # its arrays end with the names that they have now
     return_memory()
     whole = stitched(TrackPoints.of(cloud, ids), T, method)
-    whole = without_contradicted(TrackPoints.of(cloud, ids), whole, T, method)
     whole = whole.of(int(every.id.max(initial=-1)) + 1)
     ids = whole.id[ids]
     return_memory()

@@ -20,11 +20,13 @@ from kinemark.track.simultaneous.ambiguous import (
     _jumps,
     _little_evidence,
     _merged,
+    _possible_exchanges,
 )
 from kinemark.track.simultaneous.candidate_points import CandidatePoints
 from kinemark.track.simultaneous.initiate import _triples
 from kinemark.track.simultaneous.likelihood import WEAK, evidence
 from kinemark.track.simultaneous.passes import Associations
+from kinemark.track.simultaneous.possible_exchanges import possible_exchanges
 from kinemark.track.simultaneous.stitch import CLEAR_MARGIN, Stitch, stitched
 from support.clouds import points
 from support.laboratory import observe, ring
@@ -33,12 +35,12 @@ from support.motions import dance, in_pieces
 METHOD = Simultaneous()
 
 
-def sightings(xyz, *, rows=None, before=1.0, shared=None):
+def sightings(xyz, *, rows=None, before=1.0):
     """Tracks (N, F, 3) seen by two cameras in every frame, by frame; rows (N, F, 2) where not all are, −1 for none."""
     n, frames, _ = xyz.shape
     id, frame = (k.ravel() for k in np.mgrid[:n, :frames])
     own = np.arange(2 * n * frames).reshape(n, frames, 2) if rows is None else np.asarray(rows)
-    shared = np.zeros(own.shape, bool) if shared is None else shared
+    shared = np.zeros(own.shape, bool)
     wide = np.broadcast_to(np.asarray(before, float), (n, frames)).ravel()
     cov = np.broadcast_to(np.eye(3)[..., None], (3, 3, n * frames))
     every = Associations(
@@ -112,14 +114,58 @@ def test_a_track_that_bends_more_than_markers_do_jumped(rate, share, found):
     assert [(d.kind, d.tracks) for d in decisions[:1]] == [("swap", (0,))] * found
 
 
-def test_a_track_that_lives_on_images_of_others_is_merged():
-    merged = np.zeros(80, bool)
-    shared = np.zeros((2, 20, 2), bool)
-    shared[0, 5:9, 0] = True
-    assert [(d.kind, d.first, d.last, d.tracks) for d in _merged(sightings(straight(), shared=shared), merged)] == [
-        ("merge", 5, 8, (0,))
-    ]
-    assert _merged(sightings(straight()), merged) == []
+def tracks_of(xyz, *, missing=(), rate=100.0):
+    """Tracks (N, F, 3), to 1 mm, of four images a point but where (track, frames) are missing."""
+    there = np.ones(xyz.shape[:2], bool)
+    for one, frames in missing:
+        there[one, frames] = False
+    frame, id = np.nonzero(there.T)
+    start, n = np.searchsorted(frame, np.arange(xyz.shape[1] + 1)), len(frame)
+    cov = np.broadcast_to(np.eye(3), (n, 3, 3))
+    return Tracks(Cloud(rate, start, xyz[id, frame], cov, np.zeros(n), np.arange(4 * n).reshape(n, 4)), id)
+
+
+def test_a_track_that_lives_on_merged_images_may_be_the_other_marker():
+    """Also where no other track shares them: the marker that comes out of them may not be the one that went in."""
+    tracks = tracks_of(straight())
+    own = np.ones((len(tracks.id), 4), bool)
+    own[(tracks.id == 0) & (tracks.cloud.frame >= 5) & (tracks.cloud.frame < 9), 1:] = False
+    assert [(d.kind, d.first, d.last, d.tracks) for d in _merged(tracks, own)] == [("merge", 5, 8, (0,))]
+    own[:, :2] = True
+    assert _merged(tracks, own) == []
+
+
+@pytest.mark.parametrize(("apart", "found"), [(10.0, 1), (400.0, 0)])
+def test_tracks_that_were_lost_together_may_be_exchanged_where_they_are_near(apart, found):
+    tracks = tracks_of(straight(apart=apart), missing=[(0, slice(8, 12)), (1, slice(9, 13))])
+    decisions = _possible_exchanges(tracks, np.ones((len(tracks.id), 4), bool), METHOD)
+    assert [(d.kind, d.first, d.last, d.tracks) for d in decisions] == [("swap", 8, 12, (0, 1))] * found
+
+
+@pytest.mark.parametrize("seen_on", [0, 1])
+def test_tracks_that_other_cameras_see_from_one_frame_to_the_next_may_be_exchanged(seen_on):
+    """An image of each in the same camera before and after tells that it is the same marker."""
+    tracks = tracks_of(straight(apart=1.0))
+    own = np.tile([True, True, False, False], (len(tracks.id), 1))
+    own[tracks.cloud.frame >= 10] = [False, seen_on, True, True]
+    decisions = _possible_exchanges(tracks, own, METHOD)
+    assert [(d.first, d.last, d.tracks) for d in decisions] == [(9, 10, (0, 1))] * (not seen_on)
+
+
+def test_an_exchange_is_as_likely_as_what_comes_of_it():
+    """Of two tracks that were exchanged in a gap the margin is that of those that were not, the other way round."""
+    paths = straight(apart=10.0)
+    exchanged = np.concatenate([paths[:, :10], paths[::-1, 10:]], 1)
+    missing = [(0, slice(8, 12)), (1, slice(8, 12))]
+    every = [tracks_of(xyz, missing=missing) for xyz in (paths, exchanged)]
+    right, wrong = (possible_exchanges(one, np.ones((len(one.id), 4), bool), METHOD).margin for one in every)
+    assert right == pytest.approx(-wrong) and right > 0
+
+
+def test_of_many_tracks_that_were_lost_together_the_likeliest_exchanges_of_each_are_listed():
+    tracks = tracks_of(straight(4, apart=10.0), missing=[(k, slice(8, 12)) for k in range(4)])
+    own = np.ones((len(tracks.id), 4), bool)
+    assert {d.tracks for d in _possible_exchanges(tracks, own, METHOD)} == {(0, 1), (1, 2), (2, 3)}
 
 
 @pytest.fixture(scope="module")

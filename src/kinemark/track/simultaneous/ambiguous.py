@@ -4,7 +4,8 @@
 | swap   | two tracks came so near that either could have had the other's images | nearer than gates (1), (4) |
 | swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.uncertain_sd` |
 | swap   | a track jumped | farther than usual accelerations lead (3) |
-| merge  | a track used images that it shared with another | fewer than two images of its own |
+| swap   | no image tells that two tracks go on as themselves | about as likely exchanged (`possible_exchanges`) |
+| merge  | a track used images of two markers | fewer than two images of its own |
 | ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
 | stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
@@ -33,6 +34,7 @@ from ...data.finding import plain_value
 from ...numerics.runs import equal_runs
 from .learned_delays import track_simultaneously
 from .passes import Associations
+from .possible_exchanges import possible_exchanges
 from .simultaneous_method import DEFAULT, Simultaneous
 from .stitch import CLEAR_MARGIN
 from .tracker import TrackingResult
@@ -54,6 +56,7 @@ DecisionReason = Literal[
     "came_near",
     "found_again",
     "jumped",
+    "exchange_as_likely",
     "shared_images",
     "little_evidence",
     "stitched_with_rival",
@@ -75,7 +78,7 @@ class AmbiguousDecision:
         reason: why it was close.
         values: the numbers of the reason: distance_mm, sd_mm or jump_mm, the median over the frames; likelihood_ratio
             of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best
-            stitch.
+            stitch, or than exchanged.
     """
 
     kind: DecisionKind
@@ -119,11 +122,13 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
     seen = result.seen.take(np.flatnonzero(result.id[result.seen.id] >= 0))
     seen = seen.take(np.argsort(seen.frame, kind="stable"))
     seen = seen._replace(id=result.id[seen.id])
+    own = (result.tracks.cloud.detection >= 0) & ~result.images.merged[result.tracks.cloud.detection]
     found = [
         *_came_near(seen, method),
         *_found_again(seen, method),
         *_jumps(result.tracks, method),
-        *_merged(seen, result.images.merged),
+        *_possible_exchanges(result.tracks, own, method),
+        *_merged(result.tracks, own),
         *_little_evidence(result),
         *_close_stitches(result, method),
     ]
@@ -201,14 +206,21 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
     ]
 
 
-def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
-    """Tracks that used images of others."""
-    has = seen.detection >= 0
-    own = (has & ~seen.shared & ~merged[seen.detection]).sum(0)
-    rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
+def _possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> list[AmbiguousDecision]:
+    """Pairs of tracks that may have been exchanged where no image tells that each goes on as itself."""
+    found = possible_exchanges(tracks, own, method)
+    return [
+        AmbiguousDecision("swap", first, last, tuple(sorted(pair)), "exchange_as_likely", {"margin": margin})
+        for pair, first, last, margin in zip(*(column.tolist() for column in found), strict=True)
+    ]
+
+
+def _merged(tracks: Tracks, own: Bools) -> list[AmbiguousDecision]:
+    """Tracks that used images of several markers, and had fewer than two of their own, where own (P, C)."""
+    rows = np.flatnonzero((own.sum(1) < 2) & ((tracks.cloud.detection >= 0).sum(1) >= 2))
     return [
         AmbiguousDecision("merge", a, b, who, "shared_images")
-        for who, a, b, _ in _runs(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
+        for who, a, b, _ in _runs(tracks.id[rows][:, None], tracks.cloud.frame[rows], np.zeros(len(rows)))
     ]
 
 

@@ -139,7 +139,7 @@ def _best_pairs(
     a, b = possible(ends, T, method)
     if apart is not None:
         a, b = a[~apart[a, b]], b[~apart[a, b]]
-    score, sd = _by_motion(points, ends, a, b, T, method)
+    score, sd = scores_by_motion(points, ends, a, b, T, method)
     gain = scores_by_distance(points, a, b, score) if distances else np.zeros(len(a))
     certain = (sd < method.uncertain_sd) | (ends.first[b] - ends.last[a] == 1)  # (4)
     return best_stitches(ends, a, b, np.where(certain | (gain > 0), score + gain, 0.0), sd)
@@ -183,11 +183,16 @@ def possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     a, b = np.repeat(np.arange(len(order)), high - low), order[ranges(low, high - low)]
     in_order = np.lexsort([b, a])
     a, b = a[in_order], b[in_order]
-    gap = ends.first[b] - ends.last[a]
-    a, b, gap = (column[gap * T <= method.max_gap] for column in (a, b, gap))
-    apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
-    near = apart < 3 * method.velocity_sd * T * gap + method.uncertain_sd
+    soon = (ends.first[b] - ends.last[a]) * T <= method.max_gap
+    a, b = a[soon], b[soon]
+    near = reachable(ends, a, b, T, method)
     return a[near], b[near]
+
+
+def reachable(ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous) -> Bools:
+    """Whether a marker can be from the end of each track a at the beginning of b by then, of tracks of any shape."""
+    apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
+    return np.asarray(apart < 3 * method.velocity_sd * T * (ends.first[b] - ends.last[a]) + method.uncertain_sd)
 
 
 def ends_of(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
@@ -205,7 +210,7 @@ def ends_of(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
     return Ends(first, last, *motion)
 
 
-def _by_motion(
+def scores_by_motion(
     points: TrackPoints, ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous
 ) -> tuple[Floats, Floats]:
     """(1) of pairs, and the standard deviation of the difference of positions, mm."""

@@ -18,7 +18,8 @@ nearest to the other one is hidden in the same frames (4).
 
 Windows are drawn where the part of the body moves as it does in the gap (`motion`), as a marker that is lost in fast
 motion is seen at rest everywhere else (5): those whose motion is within LIKE of the gap's, in logarithms, or the LEAST
-nearest share. Where it moves clearly less in all of them, half of the tests are made as (3).
+nearest share. Where it moves clearly less in all of them, half of the tests are made as (3). So they are where these
+windows are all at FEW places: overlapping ones show one pose, be they twelve, and say little of a gap in another (7).
 
 What a method could learn from is the gap's as well: another marker that is tested in its stead is
 missing wherever the gap's marker is (6). Else a marker that is lost in every stride would be judged by one that is seen
@@ -65,6 +66,8 @@ LEAST = 0.15
 """Share of the windows from which tests are drawn, at least, be they easier or harder; chosen."""
 EASY = 0.4
 """Of ln motion: where all windows of the marker fall short of the gap by more, other markers' are asked too; chosen."""
+FEW = 2
+"""Windows that share no frame: where at most so many move as the gap does, other markers are asked too; chosen."""
 
 
 class HoldOutGap(NamedTuple):
@@ -246,13 +249,23 @@ def _windows(
 
 
 def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple[Ints, bool]:
-    """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether it moves
-    clearly less in all of them."""
+    """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether they tell
+    too little of it: it moves clearly less in all of them, or they are at few places (7)."""
     references = moving.references(gap)
     difference = np.log(moving.of(gap.marker, starts, length, references) / moving.of_gap(gap, references))
     alike = max(LIKE, float(np.quantile(np.abs(difference), LEAST)))
     chosen = np.abs(difference) <= alike
-    return starts[chosen], bool(difference[chosen].max() < -EASY)
+    return starts[chosen], bool(difference[chosen].max() < -EASY) or _at_few_places(starts[chosen], length)
+
+
+def _at_few_places(starts: Ints, length: int) -> bool:
+    """(7): whether no more than FEW windows of so many frames, from starts that rise, share no frame."""
+    at = 0
+    for _ in range(FEW):
+        at = int(np.searchsorted(starts, starts[at] + length))
+        if at == len(starts):
+            return True
+    return False
 
 
 def _windows_of_neighbours(source: _Source, gap: Gap, length: int, n: int) -> list[Gap]:

@@ -20,6 +20,7 @@ Windows are drawn where the part of the body moves as it does in the gap (`motio
 motion is seen at rest everywhere else (5): those whose motion is within LIKE of the gap's, in logarithms, or the LEAST
 nearest share. Where it moves clearly less in all of them, half of the tests are made as (3). So they are where these
 windows are all at FEW places: overlapping ones show one pose, be they twelve, and say little of a gap in another (7).
+But not in trials of more than MANY gaps, where all tests are hidden at once to learn from, and more tests cost.
 
 What a method could learn from is the gap's as well: another marker that is tested in its stead is
 missing wherever the gap's marker is (6). Else a marker that is lost in every stride would be judged by one that is seen
@@ -236,6 +237,7 @@ def _windows(
         own, easy = _starts(seen[gap.marker], length), False
         if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
             own, easy = _as_moving(own, source.moving, gap, length)
+            easy = easy or (occupancy is None and _at_few_places(own, length))
             own = occupancy.with_room(gap.marker, length, own) if occupancy else own
             chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, -(-n // 2) if easy else n, rng)]
         else:
@@ -249,13 +251,13 @@ def _windows(
 
 
 def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple[Ints, bool]:
-    """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether they tell
-    too little of it: it moves clearly less in all of them, or they are at few places (7)."""
+    """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether it moves
+    clearly less in all of them."""
     references = moving.references(gap)
     difference = np.log(moving.of(gap.marker, starts, length, references) / moving.of_gap(gap, references))
     alike = max(LIKE, float(np.quantile(np.abs(difference), LEAST)))
     chosen = np.abs(difference) <= alike
-    return starts[chosen], bool(difference[chosen].max() < -EASY) or _at_few_places(starts[chosen], length)
+    return starts[chosen], bool(difference[chosen].max() < -EASY)
 
 
 def _at_few_places(starts: Ints, length: int) -> bool:

@@ -1,16 +1,21 @@
 """Pages as a browser shows them: no complaint, no sideways scrolling, drawings on demand, markers that play."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from kinemark.data import Trial
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.fill import Linear, fill
+from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import write_c3d
 from kinemark.report import write_report
 from kinemark.report.drawing_library import ASSETS, drawing_library, relink
+from kinemark.report.filling_page import filling_page
 from kinemark.synth import walking
 from support.browser import opened
 from support.captures import capture, judge, ring, walk
@@ -44,6 +49,26 @@ def test_pages_are_drawn_without_complaint_and_do_not_scroll_sideways(folder, na
         drawn = "[...document.querySelectorAll('.plot')].filter(place => !place.querySelector('.main-svg')).length"
         assert page.ask(drawn) == 0
         assert page.ask("document.getElementById('undrawn')?.hidden ?? true")
+
+
+def test_a_table_of_gaps_with_words_in_three_columns_fits_its_page(tmp_path):
+    """The reason that a gap is open, in the last column, was cut off."""
+    xyz = walk(frames=120)
+    xyz[0, 40:60] = xyz[1, 50:55] = np.nan
+    before = capture(ring(), xyz, names=[f"Daphnee:MARK_{m}" for m in range(3)])["trajectories"]
+    filled = fill(before, method=Linear(), limit_mm=np.inf)
+    words = {"candidates": {"cubic + rigid_body + local_regression": 0.17}, "suspicious": (41,), "sd_mm": 35.0}
+    first, other = (replace(gap, method="cubic + local_regression + body", **words) for gap in filled.gaps)
+    filled = filled._replace(gaps=(replace(first, method="", state="sd_contradicts"), other))
+    figures = filling_figures(filled, before, source="walk.c3d", method="auto", limit_mm=20.0)
+    page = tmp_path / "gaps.html"
+    page.write_text(filling_page(figures=figures, trajectories=filled.trajectories, before=before), encoding="utf-8")
+    with opened(page, width=1366, height=768) as shown:
+        assert shown.ask("document.querySelector('td:last-child').textContent").startswith("the largest standard")
+        assert (
+            shown.ask("Math.max(...[...document.querySelectorAll('.scroll')].map(e => e.scrollWidth - e.clientWidth))")
+            == 0
+        )
 
 
 TITLES = """[...document.querySelectorAll('#kinematics-drawing .annotation-text')]

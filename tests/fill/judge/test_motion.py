@@ -74,6 +74,18 @@ def test_a_gap_in_motion_is_tested_in_motion_and_one_at_rest_at_rest():
         assert len(own) and np.median(np.abs(np.log(own / moving))) < 0.5
 
 
+@pytest.mark.parametrize("still", [True, False])
+def test_where_all_windows_that_move_alike_overlap_other_markers_are_tested_too(still):
+    """They are one pose, be they eight: what is seen of others in the gap's own frames tells of its pose."""
+    motion, gap = turning(120, 500, frames=400), Gap(0, 160, 200)
+    if still:  # but from frame 150 to 260
+        motion = motion._replace(xyz=motion.xyz[:, np.clip(np.arange(400), 150, 260)])
+    tests = draw_hold_out_gaps(motion.hidden([gap]), [gap], per_gap=8, seed=0).tests
+    others = [test.window[1:] for test in tests if not test.own]
+    assert sum(test.own for test in tests) == (4 if still else 8)
+    assert others == [gap[1:]] * (5 if still else 0)
+
+
 def test_a_marker_that_is_lost_whenever_it_moves_is_tested_on_others_that_are_missing_wherever_it_is():
     motion = rested()
     lost = [Gap(4, a, a + 18) for a in range(205, 440, 20)]  # it is never seen in motion

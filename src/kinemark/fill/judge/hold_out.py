@@ -18,7 +18,9 @@ nearest to the other one is hidden in the same frames (4).
 
 Windows are drawn where the part of the body moves as it does in the gap (`motion`), as a marker that is lost in fast
 motion is seen at rest everywhere else (5): those whose motion is within LIKE of the gap's, in logarithms, or the LEAST
-nearest share. Where it moves clearly less in all of them, half of the tests are made as (3).
+nearest share. Where it moves clearly less in all of them, half of the tests are made as (3). So they are where these
+windows are all at FEW places: overlapping ones show one pose, be they twelve, and say little of a gap in another (7).
+But not in trials of more than MANY gaps, where all tests are hidden at once to learn from, and more tests cost.
 
 What a method could learn from is the gap's as well: another marker that is tested in its stead is
 missing wherever the gap's marker is (6). Else a marker that is lost in every stride would be judged by one that is seen
@@ -65,6 +67,8 @@ LEAST = 0.15
 """Share of the windows from which tests are drawn, at least, be they easier or harder; chosen."""
 EASY = 0.4
 """Of ln motion: where all windows of the marker fall short of the gap by more, other markers' are asked too; chosen."""
+FEW = 2
+"""Windows that share no frame: where at most so many move as the gap does, other markers are asked too; chosen."""
 
 
 class HoldOutGap(NamedTuple):
@@ -233,6 +237,7 @@ def _windows(
         own, easy = _starts(seen[gap.marker], length), False
         if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
             own, easy = _as_moving(own, source.moving, gap, length)
+            easy = easy or (occupancy is None and _at_few_places(own, length))
             own = occupancy.with_room(gap.marker, length, own) if occupancy else own
             chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, -(-n // 2) if easy else n, rng)]
         else:
@@ -253,6 +258,16 @@ def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple
     alike = max(LIKE, float(np.quantile(np.abs(difference), LEAST)))
     chosen = np.abs(difference) <= alike
     return starts[chosen], bool(difference[chosen].max() < -EASY)
+
+
+def _at_few_places(starts: Ints, length: int) -> bool:
+    """(7): whether no more than FEW windows of so many frames, from starts that rise, share no frame."""
+    at = 0
+    for _ in range(FEW):
+        at = int(np.searchsorted(starts, starts[at] + length))
+        if at == len(starts):
+            return True
+    return False
 
 
 def _windows_of_neighbours(source: _Source, gap: Gap, length: int, n: int) -> list[Gap]:

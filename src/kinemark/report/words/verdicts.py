@@ -238,8 +238,8 @@ VERDICT_WORDS = {
     "expected_gap_error": Words(_gap_error),
     "markers_from_static": Words(_from_static),
     "samples_beyond": Words(
-        "{samples} {samples:sample|samples} before a marker's first or after its last {samples:was|were} not to be "
-        "filled (see --ends)."
+        "{samples} {samples:sample|samples} before a marker's first or after its last {samples:is|are} still missing "
+        "(--ends fills these too)."
     ),
     "angles_good": Words("The angles hold together"),
     "angles_usable": Words("The angles need attention"),

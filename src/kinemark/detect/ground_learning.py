@@ -36,7 +36,7 @@ from .grouping import PixelGroups
 from .sizes import FILL
 from .stability import groups_above, peaks_of, real_groups
 
-OFTEN = 0.8  # of the frames; chosen: people hide a place in less than four of five
+OFTEN = 0.85  # of the frames; chosen: people hide a place in three of four, and do not shine
 AMONG = 400  # pixels whose light is compared; chosen for speed
 WIDER = 1.6  # times √A; chosen: the diagonal of a marker's rectangle, and its blurred rim
 ROUND = 3  # px about a spot; chosen: blurred rims of what is large

@@ -158,8 +158,6 @@ def _along_lines(best: Any, image: GreyLevels, side: int, outside: int) -> GreyL
 
 def _as_before_dark(image: GreyLevels, level: int, times: NDArray[np.uint8]) -> GreyLevels:
     """An image (H, W) in which what is above this level counts so many times, in `PARTS`; (2)."""
-    more = above(image, level).astype(np.uint16 if image.itemsize == 1 else np.uint32)
-    more *= times
-    more //= PARTS
-    more += np.minimum(image, level)
-    return np.minimum(more, np.iinfo(image.dtype).max).astype(image.dtype)
+    wide = np.uint16 if image.itemsize == 1 else np.uint32
+    more: NDArray[Any] = above(image, level).astype(wide) * times.astype(wide)
+    return np.minimum(more // PARTS + np.minimum(image, level), np.iinfo(image.dtype).max).astype(image.dtype)

@@ -9,7 +9,8 @@ areas begin at the lesser, and end at the greater, of the usual and the proposed
 shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
 times the greatest marker (2).
 
-Where the ground is uneven it is learned first, and all else from the frames without it (`ground`).
+Where the ground is uneven it is learned first, and all else from the frames without it (`ground`). Of lamps parts are
+left that are dim; there the threshold is `FAINT` of the way to the usual peak at least.
 
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.

@@ -14,7 +14,7 @@ from kinemark.detect.stability import bright_pixels, groups_above, marker_gap
 from kinemark.engine.trial_graph import subtracted
 from kinemark.geometry import project, sphere_offset
 from kinemark.io.records import load, save
-from kinemark.report.words import text_of
+from kinemark.report.words import advice_of, text_of
 from kinemark.synth import Optics, render, ring
 from support.films import Film
 
@@ -197,4 +197,5 @@ def test_a_finding_says_whose_ground_was_subtracted():
     (finding,) = subtracted(found)
     assert finding.kind == "ground_subtracted" and finding.cameras == tuple(AMONG)
     assert "static ground was subtracted" in text_of(finding)
+    assert all(word in advice_of(finding) for word in ("mask", "aperture"))
     assert not list(subtracted(replace(found, ground_subtracted=())))

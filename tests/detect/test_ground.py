@@ -9,12 +9,12 @@ import scipy
 
 from kinemark.data import same
 from kinemark.detect import Centroids, detect, stability
-from kinemark.detect.ground import Spots, static_ground, without_spots
+from kinemark.detect.ground_learning import Spots, static_ground, without_spots
 from kinemark.detect.stability import bright_pixels, groups_above, marker_gap
 from kinemark.engine.trial_graph import subtracted
 from kinemark.geometry import project, sphere_offset
 from kinemark.io.records import load, save
-from kinemark.report.words import text_of
+from kinemark.report.words import advice_of, text_of
 from kinemark.synth import Optics, render, ring
 from support.films import Film
 
@@ -160,7 +160,7 @@ def test_a_large_thing_belongs_to_the_ground_and_a_spot_does_not():
     light[120:126, 100:106] += 90
     images = np.clip(light + rng.normal(0, 2, (12, H, W)), 0, 255).astype(np.uint8)
     ground = static_ground(images, np.zeros(12, np.int64))
-    kept = without_spots(ground, Spots(40.0, 120.0, 2.5)).taken_from(images, 0).astype(int)
+    kept = without_spots(ground, Spots(40.0, 120.0, 2.5, 90.0)).taken_from(images, 0).astype(int)
     assert kept[:, 121:125, 101:105].min() > 70  # the spot is still there
     kept[:, 115:131, 95:111] = 0
     assert kept.max() < ground.level + 40  # window, lamp and rod are not
@@ -197,4 +197,5 @@ def test_a_finding_says_whose_ground_was_subtracted():
     (finding,) = subtracted(found)
     assert finding.kind == "ground_subtracted" and finding.cameras == tuple(AMONG)
     assert "static ground was subtracted" in text_of(finding)
+    assert all(word in advice_of(finding) for word in ("mask", "aperture"))
     assert not list(subtracted(replace(found, ground_subtracted=())))

@@ -190,8 +190,7 @@ class _Camera:
         frames = self.frames + np.arange(len(blobs.counts))
         self.frames += len(frames)
         if (ground := self.ground) is not None:
-            light = ground.at(blobs.uv, np.repeat(frames, blobs.counts))
-            blobs = blobs._replace(peak=blobs.peak - light if ground.white else blobs.peak + light)
+            blobs = blobs._replace(peak=ground.recorded(blobs.peak, blobs.uv, np.repeat(frames, blobs.counts)))
         blobs = blobs if self.mask is None else masked(blobs, self.mask)
         offset = np.repeat([self.source.v_offset(f) for f in frames.tolist()], blobs.counts)
         self.parts.append(blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(offset)), offset], -1)))

@@ -9,7 +9,8 @@ areas begin at the lesser, and end at the greater, of the usual and the proposed
 shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
 times the greatest marker (2).
 
-Where the ground is uneven it is learned first, and all else from the frames without it (`ground`).
+Where the ground is uneven it is learned first, and all else from the frames without it (`ground`). Of lamps parts are
+left that are dim; there the threshold is `FAINT` of the way to the usual peak at least.
 
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.
@@ -27,7 +28,8 @@ from ..data.array_types import GreyLevels
 from .background_noise import background
 from .centroids_method import USUAL, Centroids, Limits, grey_scale
 from .frame_source import FrameSource, spread, spread_at
-from .ground import Ground, Spots, is_uneven, static_ground, that_flickers, without_spots
+from .ground import Ground, is_uneven
+from .ground_learning import Spots, before_dark, hides_ground, static_ground, that_flickers, uncovered
 from .proposal import measured, white_level
 from .sizes import Sizes
 
@@ -37,6 +39,7 @@ NEARER = 4.0  # times the area of the greatest marker seen: at half its distance
 NEAR = 0.75  # of the usual threshold, down to which a proposed one is no better; chosen
 ABOVE = 1.1  # times the contrast of the gap's end, where the dimmest marker has twice that; chosen
 OFTEN = 0.5  # share of frames with larger things that are lamps, and no markers on each other or nearer; chosen
+FAINT = 0.25  # of the usual marker's contrast, where a ground is taken away; chosen: less is what lamps leave of it
 STILL = 2.0  # times the area of the greatest marker that moves: still ones may be nearer, lamps are larger; chosen
 LONG = 48  # frames of a recording whose ground is subtracted unasked; chosen: four times `FRAMES`, so that markers move
 
@@ -83,11 +86,15 @@ def _without_ground(
     white = white_level(images) if method.inverted else None
     whole = static_ground(images, field, white=white)
     spots = _spots(whole.under(images, numbers), method)
-    ground = that_flickers(without_spots(whole, spots), spots.contrast)
-    found = _measured_limits(ground.under(images, numbers), inverted=method.inverted)
+    ground = that_flickers(uncovered(whole, images, field, spots), spots.contrast)
+    seen = ground.under(images, numbers)
+    if hides_ground(ground, seen, field, spots):
+        ground = before_dark(ground, images, field, spots)
+        seen = ground.under(images, numbers)
+    found = _measured_limits(seen, inverted=method.inverted, least=FAINT)
     if found is None and not sure:
         return None
-    return ground, found or learned_limits(ground.under(images, numbers), inverted=method.inverted)
+    return ground, found or learned_limits(seen, inverted=method.inverted)
 
 
 def _spots(images: GreyLevels, method: Centroids) -> Spots:
@@ -95,10 +102,12 @@ def _spots(images: GreyLevels, method: Centroids) -> Spots:
     ground, variance = background(images)
     proposed = measured(images, inverted=method.inverted)
     if proposed is None:
-        return Spots(STANDS_OUT * float(np.sqrt(np.median(variance))), USUAL.max_area, USUAL.max_aspect)
-    said, sizes, _ = proposed
+        far = STANDS_OUT * float(np.sqrt(np.median(variance)))
+        return Spots(far, USUAL.max_area, USUAL.max_aspect, float(np.median(ground)) + 2 * far)
+    said, sizes, gap = proposed
     contrast = abs(said.threshold * grey_scale(images.dtype) - float(np.median(ground)))
-    return Spots(contrast, STILL * sizes.greatest, max(said.max_aspect, USUAL.max_aspect))
+    contrast = max(contrast, FAINT * (gap.peak - gap.background))
+    return Spots(contrast, STILL * sizes.greatest, max(said.max_aspect, USUAL.max_aspect), gap.peak)
 
 
 def _from_ground(threshold: float | None, ground: Ground | None, images: GreyLevels) -> float | None:
@@ -125,7 +134,7 @@ def learned_limits(images: GreyLevels, *, inverted: bool = False) -> Limits:
     return found or USUAL._replace(threshold=_usual_threshold(images, *background(images), inverted))
 
 
-def _measured_limits(images: GreyLevels, *, inverted: bool) -> Limits | None:
+def _measured_limits(images: GreyLevels, *, inverted: bool, least: float = 0.0) -> Limits | None:
     """The same; None where no marker is seen."""
     ground, variance = background(images)
     brightest = images.min((1, 2)) if inverted else images.max((1, 2))
@@ -134,11 +143,19 @@ def _measured_limits(images: GreyLevels, *, inverted: bool) -> Limits | None:
     if proposed is None:
         return None
     said, sizes, gap = proposed
+    faint = gap.background + least * (gap.peak - gap.background)
+    said = said._replace(threshold=_beyond(said.threshold, faint, images, inverted))
     usual = USUAL.threshold * white_level(images) / 255
     end = gap.background + ABOVE * (gap.high - gap.background)
-    if not inverted and max(gap.low, gap.clear) <= usual < min(end, gap.threshold / NEAR):
+    if not inverted and max(gap.low, gap.clear, faint) <= usual < min(end, gap.threshold / NEAR):
         said = said._replace(threshold=usual / grey_scale(images.dtype))
     return _wide(said, sizes)
+
+
+def _beyond(threshold: float, least: float, images: GreyLevels, inverted: bool) -> float:
+    """A threshold of 8 bits no nearer the ground than a level of the images, of their negative where inverted."""
+    scale = grey_scale(images.dtype)
+    return min(threshold, (white_level(images) - least) / scale) if inverted else max(threshold, float(least) / scale)
 
 
 def _wide(said: Limits, sizes: Sizes) -> Limits:

@@ -109,7 +109,9 @@ TRIAL_WORDS = {
     ),
     "ground_subtracted": Words(
         "The static ground was subtracted from the images of {cameras}: it is uneven.",
-        'If a marker that stands still is missing there, set background = "none" in [detect].',
+        "Markers before lamps as bright as they are cannot be seen: close the aperture or shorten the exposure until "
+        "lamps are darker than markers, and mask lamps of a marker's size. If a marker that stands still is missing "
+        'there, set background = "none" in [detect].',
     ),
     "angle_model_unused": Words(_model_unused, _model_unused_advice),
     "calibration_residual_high": Words(

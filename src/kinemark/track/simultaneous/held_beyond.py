@@ -7,7 +7,9 @@ point is at its own marker, and the other image is beside it, anywhere along the
 the other image is more than ELSEWHERE standard deviations from where a point expects it, and n₊ frames in which it is
 not, or the point holds both,
 
-    score = ln(1 + n₋) − ln(1 + n₊)                                                         (1)
+    score = max(0, ln(1 + n₋) − ln(1 + n₊))                                                 (1)
+
+Below 0 it would say that points agree with the stretch. But pieces of one chance meeting do so too.
 """
 
 from __future__ import annotations
@@ -21,9 +23,9 @@ from .detection_index import Images
 from .image_chains import images_beyond
 from .kalman_states import KalmanStates
 
-MOST = 60
-"""Frames before a stretch, and after it, in which its images are followed, a number; chosen: a quarter of a second at
-250 Hz. At lower rates images are lost before."""
+MOST = 40
+"""Frames before a stretch, and after it, in which its images are followed, a number; chosen: 60 tell as much, and take
+half as long again."""
 
 REACH = 3.0
 """Standard deviations of (1) of `image_chains`, as the noise of the images makes it, within which an image goes on;
@@ -50,12 +52,13 @@ def held_elsewhere(frame: Ints, detection: Ints, stretch: Ints, N: int, images: 
         three = rows[end[long][:, None] - step * np.arange(2, -1, -1)]
         has = detection[:, three[:, 2]] >= 0
         cameras = has.argmax(0), len(has) - 1 - has[::-1].argmax(0)
-        both = [_beyond(images, detection[camera[:, None], three], step, r) for camera in cameras]
+        last = np.concatenate([detection[camera[:, None], three] for camera in cameras])
+        both = np.split(_beyond(images, last, step, r), 2)
         for held, other in (both, both[::-1]):
             which, elsewhere = _elsewhere(held, other, detection, images)
             for k in (0, 1):
                 number[k] += np.bincount(long[which], elsewhere == k, N)
-    return np.asarray(np.log1p(number[1]) - np.log1p(number[0]))
+    return np.maximum(np.log1p(number[1]) - np.log1p(number[0]), 0.0)
 
 
 def _beyond(images: Images, last: Ints, step: int, r: float) -> Ints:

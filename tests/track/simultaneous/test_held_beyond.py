@@ -13,7 +13,7 @@ from support.laboratory import observe, ring
 from support.motions import dance
 
 NOISE, MARKERS, FRAMES, METHOD = 0.1, 8, 200, Simultaneous()
-PART = np.arange(98, 102)
+PART = np.arange(98, 101)
 ONE, OTHER, MEETING = 0, MARKERS, MARKERS + 1
 
 
@@ -25,7 +25,7 @@ def meeting(aside=60.0):
     along = rig[0].centre - rig[1].centre
     xyz = np.concatenate([xyz, xyz[:1] + aside * along / np.linalg.norm(along)])
     detections, marker = observe(rig, xyz, noise=NOISE, seed=3)
-    images = read_images(detections, rig).noisier(np.full(4, (5 * NOISE) ** 2))
+    images = read_images(detections, rig).noisier(np.full(4, NOISE**2))
     whole = np.full((4, MARKERS + 2, FRAMES), -1)
     whole[images.camera, marker, images.frame] = np.arange(len(marker))
     other = whole[1, OTHER if aside else ONE].copy()

@@ -27,7 +27,7 @@ PROBABILITIES = (0.5, 0.2, 0.1, 0.05, 0.02)
 
 
 class Counted(NamedTuple):
-    """Of N stretches: what (1) is made of (N, 3), ghosts (N) and points of markers (N)."""
+    """Of N stretches: what (1) is made of (N, 4), ghosts (N) and points of markers (N)."""
 
     evidence: Floats
     ghosts: Floats
@@ -83,7 +83,7 @@ def main() -> None:
     whole = Counted(*(np.concatenate(column) for column in zip(*each, strict=True)))
     b = fitted(whole)
     print(f"{len(scenes)} scenes, {whole.ghosts.sum():.0f} ghosts and {whole.markers.sum():.0f} points of markers")
-    print("BIAS {:.2f}, DRIFT {:.2f}, LENGTH {:.2f}, PARTNERS {:.2f}".format(*b))
+    print("BIAS {:.2f}, DRIFT {:.2f}, LENGTH {:.2f}, PARTNERS {:.2f}, HELD {:.2f}".format(*b))
     p = scipy.special.expit(b[0] + whole.evidence @ b[1:])
     for least in PROBABILITIES:
         out = p > least

@@ -63,7 +63,7 @@ class Meeting:
         return self.frame, self.id, self.detection, self.images, usual
 
     def given_up(self):
-        out = chance_meetings(*self.known(), METHOD.gate)
+        out = chance_meetings(*self.known(), 0.0, METHOD.gate)
         assert not out[self.id != ONE].any()
         return self.frame[out].tolist()
 
@@ -124,8 +124,8 @@ def test_ghosts_of_images_that_have_rivals_are_not_given():
 def test_the_coefficients_are_fitted_again():
     """By stretches of which (1) itself says how many points are ghosts."""
     rng = np.random.default_rng(4)
-    evidence = rng.normal(size=(200, 3))
-    points, b = rng.integers(1, 40, 200), np.array([-1.0, 0.4, -0.9, 2.0])
+    evidence = rng.normal(size=(200, 4))
+    points, b = rng.integers(1, 40, 200), np.array([-1.0, 0.4, -0.9, 2.0, 0.7])
     p = 1 / (1 + np.exp(-b[0] - evidence @ b[1:]))
     np.testing.assert_allclose(fitted(Counted(evidence, points * p, points * (1 - p))), b, atol=1e-3)
 
@@ -135,4 +135,4 @@ def test_before_many_cameras_nothing_is_judged(cameras):
     """Where the other cameras see none of these frames, as well."""
     frame, id, detection, images, usual = Meeting().alone(PART[:4]).known()
     detection = np.concatenate([detection, np.full((cameras - 4, len(frame)), -1)])
-    assert chance_meetings(frame, id, detection, images, usual, METHOD.gate).any() == (cameras == FEW)
+    assert chance_meetings(frame, id, detection, images, usual, 0.0, METHOD.gate).any() == (cameras == FEW)

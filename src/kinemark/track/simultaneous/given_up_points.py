@@ -144,7 +144,7 @@ def _without_drifting(
     return_memory()
     rest = np.flatnonzero(sound)
     detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
-    sound[rest] = ~chance_meetings(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
+    sound[rest] = ~chance_meetings(frame[rest], ids[rest], detection[:, rest], images, usual, r, gate)
     del frame, rest
     return_memory()
     sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))

@@ -26,7 +26,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...data import PARAMETERS, Camera, Detections, Rig
+from ...data import PARAMETERS, Camera, Detections, Rig, Validity
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
@@ -36,6 +36,7 @@ from ..bundle.camera_step import CameraStep, camera_step
 from ..bundle.from_sizes import odd_one
 from ..bundle.initial.view_pairs import ENOUGH, weakest_link
 from ..bundle.misfit import Mirrored, Misfit, NoBeginning
+from ..bundle.one_side import from_one_side, uncertain
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
@@ -131,10 +132,34 @@ def calibrate_wand(
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
+
+    def fitted(images: Bools) -> BundleFit:
+        return with_delays(_among(images, detections), along, calibrated)
+
     try:
-        return with_delays(detections, along, calibrated)
+        fit = with_delays(detections, along, calibrated)
     except Misfit as error:
-        raise _explained(error, detections, along, sizes, method, lenses) from error
+        step, why = _explained(error, detections, along, sizes, method, lenses)
+        moved = step and from_one_side(step, detections.cameras, detections.n_frames, fitted)
+        if not moved:
+            raise why from error
+        return _with_step_words(moved)
+    if (step := fit.step) is None:
+        return fit
+    moved = from_one_side(step, detections.cameras, detections.n_frames, fitted)
+    return _with_step_words(moved or uncertain(fit, step))
+
+
+def _among(images: Bools, detections: Detections) -> Detections:
+    """The detections, of which those of other images than these (C, F) do not count."""
+    masked = ~images[detections.camera, detections.frame]
+    return replace(detections, validity=np.where(masked, np.uint8(Validity.MASKED), detections.validity))
+
+
+def _with_step_words(fit: BundleFit) -> BundleFit:
+    """The fit of a rig that says which camera was moved."""
+    words = f"{fit.rig.method}; {step_words(fit.step)}" if fit.step else fit.rig.method
+    return fit._replace(rig=replace(fit.rig, method=words))
 
 
 def _synchronous(
@@ -312,10 +337,10 @@ def _explained(
     sizes: Ints,
     method: Wand,
     lenses: Sequence[Camera] | None,
-) -> Misfit:
-    """The error with what these detections tell of its cause."""
+) -> tuple[CameraStep | None, Misfit]:
+    """That a camera was moved, where that is the cause, and the error with what these detections tell of its cause."""
     if isinstance(error, Mirrored):
-        return error
+        return None, error
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
     uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
@@ -327,8 +352,8 @@ def _explained(
             detections, rows, few, lambda part: _first_rig(detections, part, sizes, along, method, lenses, few)[0]
         )
     if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
-        return Misfit(gaps)
-    return Misfit(_misfit_words(str(error), step, odd))
+        return None, Misfit(gaps)
+    return step, Misfit(_misfit_words(str(error), step, odd))
 
 
 def _beside(rows: Ints, c: int) -> Ints:
@@ -368,4 +393,4 @@ def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit, sta
     if np.abs(gaps - stated).max() > SAME_MM:
         found, given = (" + ".join(f"{mm:.6g}" for mm in each) for each in (gaps, stated))
         words += f"; gaps seen as {found} mm, stated as {given} mm"
-    return words + (f"; {step_words(fit.step)}" if fit.step else "")
+    return words

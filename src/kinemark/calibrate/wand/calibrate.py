@@ -134,19 +134,21 @@ def calibrate_wand(
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
 
     def fitted(images: Bools) -> BundleFit:
-        return with_delays(_among(images, detections), along, calibrated)
+        return with_delays(_among(images, detections), along, calibrated, pairs=False).fit
 
     try:
-        fit = with_delays(detections, along, calibrated)
+        fit, first_step = with_delays(detections, along, calibrated)
     except Misfit as error:
         step, why = _explained(error, detections, along, sizes, method, lenses)
         moved = step and from_one_side(step, detections.cameras, detections.n_frames, fitted)
         if not moved:
             raise why from error
         return _with_step_words(moved)
-    if (step := fit.step) is None:
+    if (step := fit.step or first_step) is None:
         return fit
     moved = from_one_side(step, detections.cameras, detections.n_frames, fitted)
+    if not fit.step:  # a delay of the moved camera hid the move, or a late camera looked like a moved one
+        return _with_step_words(moved) if moved and moved.step.kept == "after" and not moved.delay.any() else fit
     return _with_step_words(moved or uncertain(fit, step))
 
 

@@ -8,7 +8,7 @@ import pytest
 from kinemark.calibrate.bundle import calibrate_points
 from kinemark.calibrate.bundle.camera_step import BLOCKS, camera_step
 from kinemark.calibrate.bundle.one_side import from_one_side
-from kinemark.calibrate.wand import calibrate, calibrate_wand
+from kinemark.calibrate.wand import calibrate_wand, moved_camera
 from kinemark.calibrate.wand.identify import marker_places
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.geometry import project_all
@@ -135,7 +135,7 @@ def test_a_single_marker_is_calibrated_by_what_was_seen_after_the_move():
 
 
 def test_where_neither_side_of_a_move_is_a_calibration_the_cause_is_said(monkeypatch):
-    monkeypatch.setattr(calibrate, "from_one_side", lambda *_: None)
+    monkeypatch.setattr(moved_camera, "from_one_side", lambda *_: None)
     moved, sizes = pushed(2, (15.0, 6.0))
     with pytest.raises(KinemarkError, match=rf"Camera {moved.cameras[3]} was probably moved: from about frame 2\d\d"):
         calibrate_wand(moved, lengths=GAPS, sizes=sizes)

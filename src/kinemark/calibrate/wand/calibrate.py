@@ -26,7 +26,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...data import PARAMETERS, Camera, Detections, Rig, Validity
+from ...data import PARAMETERS, Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
@@ -36,7 +36,6 @@ from ..bundle.camera_step import CameraStep, camera_step
 from ..bundle.from_sizes import odd_one
 from ..bundle.initial.view_pairs import ENOUGH, weakest_link
 from ..bundle.misfit import Mirrored, Misfit, NoBeginning
-from ..bundle.one_side import from_one_side, uncertain
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from ..bundle.stick_gaps import places_of
@@ -45,7 +44,7 @@ from .completion import completed
 from .direction import from_other_end, looks_alike
 from .film_delays import WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
-from .moved_camera import step_of_part, step_words
+from .moved_camera import since_step, step_of_part, step_words, without_move
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
@@ -132,36 +131,15 @@ def calibrate_wand(
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
-
-    def fitted(images: Bools) -> BundleFit:
-        return with_delays(_among(images, detections), along, calibrated, pairs=False).fit
-
+    one_side = partial(with_delays, along=along, calibrated=calibrated, pairs=False)
     try:
-        fit, first_step = with_delays(detections, along, calibrated)
+        found = with_delays(detections, along, calibrated)
     except Misfit as error:
         step, why = _explained(error, detections, along, sizes, method, lenses)
-        moved = step and from_one_side(step, detections.cameras, detections.n_frames, fitted)
-        if not moved:
-            raise why from error
-        return _with_step_words(moved)
-    if (step := fit.step or first_step) is None:
-        return fit
-    moved = from_one_side(step, detections.cameras, detections.n_frames, fitted)
-    if not fit.step:  # a delay of the moved camera hid the move, or a late camera looked like a moved one
-        return _with_step_words(moved) if moved and moved.step.kept == "after" and not moved.delay.any() else fit
-    return _with_step_words(moved or uncertain(fit, step))
-
-
-def _among(images: Bools, detections: Detections) -> Detections:
-    """The detections, of which those of other images than these (C, F) do not count."""
-    masked = ~images[detections.camera, detections.frame]
-    return replace(detections, validity=np.where(masked, np.uint8(Validity.MASKED), detections.validity))
-
-
-def _with_step_words(fit: BundleFit) -> BundleFit:
-    """The fit of a rig that says which camera was moved."""
-    words = f"{fit.rig.method}; {step_words(fit.step)}" if fit.step else fit.rig.method
-    return fit._replace(rig=replace(fit.rig, method=words))
+        if step and (moved := since_step(step, detections, one_side)):
+            return moved
+        raise why from error
+    return without_move(found, detections, one_side)
 
 
 def _synchronous(

@@ -275,7 +275,7 @@ def test_a_calibration_that_is_off_in_all_cameras_touched_none(seen):
     assert 0.5 < found.values["offset_px"] < 2
     touched = replace(off, uv=off.uv + (detections.camera == 3)[:, None] * [-8.0, 0.0])
     kinds = {one.kind: one.cameras for one in diagnose(touched, rig, track_simultaneously(touched, rig, METHOD))}
-    assert kinds["camera_shifted"] == ("c3",)
+    assert kinds["camera_put_right"] == ("c3",)
 
 
 def test_only_our_own_method_says_that_a_camera_was_left_out(seen):

@@ -145,8 +145,13 @@ def _without_shifted(
         return result
     left = tuple(sorted((*result.unfitting, *found)))
     again = _with_delays(without_stretches(detections, left), rig, method, errors, volume_margin)
-    kept = {"lenses": result.lenses, "doubtful": result.doubtful, "put_right": result.put_right}
-    again = again._replace(unfitting=left, shifted=tuple(found.values()), **kept)
+    again = again._replace(
+        unfitting=left,
+        shifted=tuple(found.values()),
+        lenses=result.lenses,
+        doubtful=result.doubtful,
+        put_right=result.put_right,
+    )
     right = _with_put_right(again, detections, rig, method, errors, volume_margin)
     own = [one.camera for one in found if one in right.unfitting]
     seen, before = ((np.delete(one.tracks.cloud.detection, own, 1) >= 0).sum() for one in (right, result))

@@ -40,5 +40,5 @@ def shifted_stretches(detections: Detections, rig: Rig, result: TrackingResult) 
 def _is_clear(one: Finding, rig: Rig, result: TrackingResult) -> bool:
     """Whether a camera lies beside by far more than any other (1)."""
     others = [parts_of_recording(result, c).usual for c, name in enumerate(rig.names) if name not in one.cameras]
-    d = float(np.linalg.norm([one.values[f"offset_{axis}_px"] for axis in "uv"]))
+    d = float(np.linalg.norm(np.array([one.values[f"offset_{axis}_px"] for axis in "uv"], np.float64)))
     return d > CLEAR * float(np.nanmax(others, initial=0.0))

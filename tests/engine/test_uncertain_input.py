@@ -63,7 +63,7 @@ WANTED = {
     "out of order": ("cameras_swapped", lambda one: one.cameras[:2] == ("c1", "c4")),
     "put in order": ("cameras_put_in_order", lambda one: one.values["images_of_list"] == ("c4", "c1")),
     "shifted": (
-        "camera_shifted",
+        "camera_shifted camera_put_right",
         lambda one: one.cameras == ("c3",) and abs(one.values["offset_u_px"] - 2) < 0.05 and not one.frames,
     ),
     "rate": ("speeds_impossible nothing_goes_on", lambda one: one.values["rate_hz"] == 5000),

@@ -80,7 +80,9 @@ CALIBRATION_KINDS = (
          {"stated_mm_list": "mm", "seen_mm_list": "mm"}),
     Kind("camera_moved_while_calibrating", "calibrate", "amber", "From a frame on the cameras do not fit each other as "
          "before, while a wand or marker was waved: a camera's image lies beside by offset_px, from from_s on; no "
-         "camera where several would explain it. Red above 1 px.", {"offset_px": "px", "from_s": "s"}),
+         "camera where several would explain it. It was calibrated by the images that were kept: those after the move, "
+         "or before it or all, with a larger uncertainty of the camera; then red above 1 px.",
+         {"offset_px": "px", "from_s": "s", "kept": "text"}),
     Kind("camera_late_while_calibrating", "calibrate", "amber", "A camera took the images of a waved wand later than "
          "the others, by this many of them; they were moved in time.", {"late_images": "ratio", "delay_ms": "ms"}),
     Kind("l_frame_moved", "calibrate", "amber", "The L-frame, or something taken for it, stood elsewhere in some "

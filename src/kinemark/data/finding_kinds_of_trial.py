@@ -98,7 +98,7 @@ TRIAL_KINDS = (
     Kind("camera_moved", "track", "amber", "A camera's images fit no track any more in these frames, as they "
          "do else."),
     Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
-         "where that began within the recording; left_out where it lies so far beside that none of them was used.",
+         "where that began within the recording; left_out where none of them was used.",
          {"offset_u_px": "px", "offset_v_px": "px", "left_out": "flag"}),
     Kind("camera_put_right", "track", "amber", "A camera's images lay beside where the others expect them in the "
          "whole recording; it was turned, and moved a little, until they did not, and used. The trial's rig.toml "

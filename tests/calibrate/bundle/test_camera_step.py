@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinemark.calibrate.bundle import calibrate_points
 from kinemark.calibrate.bundle.camera_step import BLOCKS, camera_step
-from kinemark.calibrate.wand import calibrate_wand
+from kinemark.calibrate.bundle.one_side import from_one_side
+from kinemark.calibrate.wand import calibrate_wand, moved_camera
 from kinemark.calibrate.wand.identify import marker_places
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.geometry import project_all
@@ -87,11 +89,53 @@ def test_strays_are_no_move():
 def test_a_calibration_says_that_a_camera_was_moved():
     moved, sizes = pushed(1, (2.0, 1.0))
     fit = calibrate_wand(moved, lengths=GAPS, sizes=sizes)
-    assert (fit.step.camera, fit.step.alone) == (moved.cameras[3], True)
+    assert (fit.step.camera, fit.step.alone, fit.step.kept) == (moved.cameras[3], True, "after")
     assert f"Camera {moved.cameras[3]} was probably moved: from about frame" in fit.rig.method
+    assert not fit.kept[3, : 2 * fit.step.frame].any()  # two gaps are three markers
+    assert fit.kept[:3, : 2 * fit.step.frame].any()
 
 
-def test_cameras_that_fit_nothing_as_one_was_moved_are_refused_with_its_name_and_the_frame():
+@pytest.mark.parametrize("px", [(2.0, 1.0), (15.0, 6.0)])  # the second fits nothing where all images are asked
+def test_cameras_are_as_they_stood_after_one_was_moved(px):
+    moved, sizes = pushed(2, px)
+    fit = calibrate_wand(moved, lengths=GAPS, sizes=sizes)
+    late = moved.frames(FRAMES // 2, FRAMES)
+    found = calibrate_wand(late, lengths=GAPS, sizes=sizes)
+    beside = np.abs(fit.rig[3].centre - found.rig[3].centre).max()
+    assert beside < 4 * np.sqrt(np.trace(found.rig[3].cov[-3:, -3:]))
+    assert np.sqrt((fit.residual[fit.kept] ** 2).mean()) < 0.35  # of 0.3 px
+
+
+def test_where_too_few_images_follow_the_camera_is_as_uncertain_as_it_was_moved():
+    moved, sizes = pushed(1, (3.0, 1.0), at=400)
+    step = calibrate_wand(moved, lengths=GAPS, sizes=sizes).step
+    still = calibrate_wand(moved.frames(0, 300), lengths=GAPS, sizes=sizes)
+
+    def again(images):
+        if images[3, -1]:
+            raise KinemarkError("too few")
+        assert images[3, :350].all()
+        return still
+
+    fit = from_one_side(step, moved.cameras, FRAMES, again)
+    more = [fit.rig[c].cov - still.rig[c].cov for c in range(4)]
+    assert fit.step.kept == "before"
+    assert not np.any(more[:3])
+    assert np.sqrt(np.diag(more[3])[9:11] * 2) * fit.rig[3].K[0, 0] == pytest.approx([step.px] * 2, rel=1e-3)
+    assert np.array_equal(fit.joint[-15:, -15:], fit.rig[3].cov)
+
+
+def test_a_single_marker_is_calibrated_by_what_was_seen_after_the_move():
+    rig, uv = images(4, 3)
+    marker = beside(uv, 2, 200, (2.0, 1.0))[:, :, 0]
+    fit = calibrate_points(rig.names, [camera.size for camera in rig], marker)
+    assert (fit.step.camera, fit.step.kept) == (rig.names[2], "after")
+    assert not fit.kept[2, :200].any()
+    assert fit.kept[2, 300:].any()
+
+
+def test_where_neither_side_of_a_move_is_a_calibration_the_cause_is_said(monkeypatch):
+    monkeypatch.setattr(moved_camera, "from_one_side", lambda *_: None)
     moved, sizes = pushed(2, (15.0, 6.0))
     with pytest.raises(KinemarkError, match=rf"Camera {moved.cameras[3]} was probably moved: from about frame 2\d\d"):
         calibrate_wand(moved, lengths=GAPS, sizes=sizes)

@@ -386,7 +386,8 @@ def test_a_camera_that_is_moved_while_the_wand_is_waved_is_told_with_when(tmp_pa
     made = session(folder, BY_WAND.replace("500.0", "200.0, 300.0") + "\n" + L_FRAME).calibrate()
     check_findings(made.figures)
     (said,) = found(made.figures, "camera_moved_while_calibrating")
-    assert (said.severity, said.cameras) == ("red", (waved.cameras[1],))
+    assert (said.severity, said.cameras) == ("amber", (waved.cameras[1],))
+    assert said.values["kept"] == "after" and "before that were left out" in text_of(said)
     assert said.values["offset_px"] == pytest.approx(1.5 * np.sqrt(2), rel=0.2)
     assert said.frames[0] == (121, waved.n_frames)  # counted from 1
     assert "was probably moved while calibrating: from about frame" in text_of(said)

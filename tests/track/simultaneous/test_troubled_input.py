@@ -106,7 +106,7 @@ def test_a_camera_two_pixels_off_is_named(ball):
     rig, xyz, detections = ball
     uv = detections.uv + (detections.camera == 3)[:, None] * [2.0, 0.0]
     (found,) = said(replace(detections, uv=uv), rig, xyz)
-    assert (found.kind, found.cameras) == ("camera_shifted", (rig.names[3],))
+    assert (found.kind, found.cameras) == ("camera_put_right", (rig.names[3],))
     assert found.values["offset_u_px"] == pytest.approx(2.0, abs=0.1)
 
 

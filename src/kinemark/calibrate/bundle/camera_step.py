@@ -22,6 +22,7 @@ that lacks makes neighbouring images wrong alike (White 1980); m is the lesser n
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -62,12 +63,24 @@ class CameraStep(NamedTuple):
         alone: whether no other camera's move explains it nearly as well.
         frame: of F frames, from 0, the first of the block in which it happened.
         px: by how much its image lies beside afterwards.
+        before, after: frames, a block to either side: up to `before` nothing was moved yet, from `after` on all was.
+        kept: the images by which the camera was calibrated then: those "after" the move, "before" it, or "all".
     """
 
     camera: str
     alone: bool
     frame: int
     px: float
+    before: int
+    after: int
+    kept: str = "all"
+
+    def parted(self, names: Sequence[str], n_frames: int) -> Iterator[tuple[str, Bools]]:
+        """`kept`, and the images (C, F) without those of the other side, of the camera that was moved, or of all where
+        nobody knows which."""
+        others, frame = [self.alone and name != self.camera for name in names], np.arange(n_frames)
+        yield "after", np.array(others)[:, None] | (frame >= self.after)
+        yield "before", np.array(others)[:, None] | (frame < self.before)
 
 
 class _Sums(NamedTuple):
@@ -107,7 +120,8 @@ def camera_step(rig: Rig, uv: Floats) -> CameraStep | None:
     if px < LEAST_PX or best.z < SURE or best.gain < 2 * SURE**2 * noise:  # (3)
         return None
     alone = len(rig) > 2 and best.gain > CLEAR * second.gain
-    return CameraStep(rig.names[best.c], alone, int(frames[best.t * len(frames) // BLOCKS]), px)
+    before, frame, after = (int(frames[t * len(frames) // BLOCKS]) for t in (best.t - 1, best.t, best.t + 1))
+    return CameraStep(rig.names[best.c], alone, frame, px, before, after)
 
 
 def _sums(rig: Rig, uv: Floats) -> _Sums:

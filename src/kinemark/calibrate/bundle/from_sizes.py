@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...data import Camera, KinemarkError, Rig
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ..stage import CALIBRATE
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .camera_step import camera_step
@@ -23,6 +23,7 @@ from .initial.growth import BENT
 from .initial.odd_camera import odd_camera
 from .initial.unknown_optics import UnknownOptics, unknown_optics
 from .misfit import Misfit, NoBeginning
+from .one_side import from_one_side, uncertain
 from .parts import Sticks, all_points, complete
 from .solver import BundleState, Freedom, placed, residuals
 from .stick_gaps import seen_places
@@ -110,8 +111,16 @@ def calibrate_points(
     """
     if uv.ndim != 3 or uv.shape[2] != 2:
         raise ValueError(f"uv has shape {uv.shape}, wanted (cameras, places, 2)")
-    fit = _calibrated(names, sizes, uv, None, cov, method or Bundle(), lenses)
-    return fit._replace(step=camera_step(fit.rig, uv[:, :, None]))
+
+    def fitted(images: Bools) -> BundleFit:
+        seen = np.where(images[..., None], uv, np.nan)
+        fit = _calibrated(names, sizes, seen, None, cov, method or Bundle(), lenses)
+        return fit._replace(step=camera_step(fit.rig, seen[:, :, None]))
+
+    fit = fitted(np.ones(uv.shape[:2], np.bool_))
+    if (step := fit.step) is None:
+        return fit
+    return from_one_side(step, names, uv.shape[1], fitted) or uncertain(fit, step)
 
 
 def _calibrated(

@@ -44,7 +44,7 @@ from .completion import completed
 from .direction import from_other_end, looks_alike
 from .film_delays import WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
-from .moved_camera import step_of_part, step_words
+from .moved_camera import since_step, step_of_part, step_words, without_move
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
@@ -131,10 +131,15 @@ def calibrate_wand(
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
+    one_side = partial(with_delays, along=along, calibrated=calibrated, pairs=False)
     try:
-        return with_delays(detections, along, calibrated)
+        found = with_delays(detections, along, calibrated)
     except Misfit as error:
-        raise _explained(error, detections, along, sizes, method, lenses) from error
+        step, why = _explained(error, detections, along, sizes, method, lenses)
+        if step and (moved := since_step(step, detections, one_side)):
+            return moved
+        raise why from error
+    return without_move(found, detections, one_side)
 
 
 def _synchronous(
@@ -312,10 +317,10 @@ def _explained(
     sizes: Ints,
     method: Wand,
     lenses: Sequence[Camera] | None,
-) -> Misfit:
-    """The error with what these detections tell of its cause."""
+) -> tuple[CameraStep | None, Misfit]:
+    """That a camera was moved, where that is the cause, and the error with what these detections tell of its cause."""
     if isinstance(error, Mirrored):
-        return error
+        return None, error
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
     uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
@@ -327,8 +332,8 @@ def _explained(
             detections, rows, few, lambda part: _first_rig(detections, part, sizes, along, method, lenses, few)[0]
         )
     if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
-        return Misfit(gaps)
-    return Misfit(_misfit_words(str(error), step, odd))
+        return None, Misfit(gaps)
+    return step, Misfit(_misfit_words(str(error), step, odd))
 
 
 def _beside(rows: Ints, c: int) -> Ints:
@@ -368,4 +373,4 @@ def _words(detections: Detections, want: Wanted, rows: Ints, fit: BundleFit, sta
     if np.abs(gaps - stated).max() > SAME_MM:
         found, given = (" + ".join(f"{mm:.6g}" for mm in each) for each in (gaps, stated))
         words += f"; gaps seen as {found} mm, stated as {given} mm"
-    return words + (f"; {step_words(fit.step)}" if fit.step else "")
+    return words

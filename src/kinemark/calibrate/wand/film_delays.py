@@ -16,6 +16,7 @@ from ...data import Detections, KinemarkError
 from ...data.array_types import Floats, Ints
 from ...signal.common_time import at_common_time, image_flow
 from ..bundle import BundleFit
+from ..bundle.camera_step import CameraStep
 from .delays import delays_between, seem_late
 from .identify import at_rows, read_wand, wanted
 from .left_delays import left_delays
@@ -31,21 +32,32 @@ class WandFit(NamedTuple):
     rows: Ints
 
 
+class InTime(NamedTuple):
+    """A fit with the delays of its cameras, and the move of a camera that showed before small delays were fitted."""
+
+    fit: BundleFit
+    step: CameraStep | None
+
+
 Calibrated: TypeAlias = Callable[[Detections, BundleFit | None], WandFit]
 """The fit of synchronous cameras, from a fit that is nearly right where there is one."""
 
 
-def with_delays(detections: Detections, along: Floats, calibrated: Calibrated, *, rounds: int = ROUNDS) -> BundleFit:
+def with_delays(
+    detections: Detections, along: Floats, calibrated: Calibrated, *, pairs: bool = True, rounds: int = ROUNDS
+) -> InTime:
     """The fit of cameras that may be late, with their delays.
 
     Args:
         detections: as recorded. along: (K) places of the markers, mm.
         calibrated: the fit of synchronous cameras.
+        pairs: whether pairs of cameras are asked first, or only where there is no fit without.
 
     Raises:
         KinemarkError: as `calibrated` of the detections as recorded, where no delays make a calibration of them.
     """
-    found, delay = _first_fit(detections, along, calibrated)
+    found, delay = _first_fit(detections, along, calibrated, pairs)
+    step = found.fit.step
     for _ in range(rounds):
         left = left_delays(found.fit, _flow(_in_time(detections, delay), found.rows))
         if not left.any():
@@ -55,13 +67,13 @@ def with_delays(detections: Detections, along: Floats, calibrated: Calibrated, *
             delay = delay + left
         except KinemarkError:
             break
-    return found.fit._replace(delay=delay)
+    return InTime(found.fit._replace(delay=delay), step)
 
 
-def _first_fit(detections: Detections, along: Floats, calibrated: Calibrated) -> tuple[WandFit, Floats]:
+def _first_fit(detections: Detections, along: Floats, calibrated: Calibrated, pairs: bool) -> tuple[WandFit, Floats]:
     """A fit, and the delays (C) with which it was made: those of pairs first, where cameras seem late by images."""
     uv = at_rows(detections, read_wand(detections, wanted(detections), along).rows)[0]
-    late = seem_late(uv)
+    late = pairs and seem_late(uv)
     if late and (found := _with_pair_delays(detections, uv, calibrated)):
         return found
     try:

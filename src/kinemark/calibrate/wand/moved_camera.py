@@ -1,5 +1,7 @@
 """Why a wand's cameras fit nothing: one was moved meanwhile, as cameras of the first part, or of the last, tell.
 
+What the cameras saw on one side of the move is a calibration (`bundle.one_side`).
+
 Cameras of all frames that had to please both positions of one may be none at all. Of two parts of the frames that do
 not touch, one is without the moment of the move, and gives cameras to look at all frames with (`camera_step`).
 """
@@ -7,12 +9,17 @@ not touch, one is without the moment of the move, and gives cameras to look at a
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from ...data import Detections, KinemarkError, Rig
-from ...data.array_types import Ints
+from ...data.array_types import Bools, Ints
+from ...data.detections import Validity
+from ..bundle import BundleFit
 from ..bundle.camera_step import CameraStep, camera_step
+from ..bundle.one_side import from_one_side, uncertain
+from .film_delays import InTime
 from .identify import at_rows
 
 PART = 0.45
@@ -31,6 +38,39 @@ def step_of_part(detections: Detections, rows: Ints, few: Ints, first_rig: Calla
         if (step := camera_step(rig, uv)) is not None:
             return step
     return None
+
+
+def since_step(step: CameraStep, detections: Detections, one_side: Callable[[Detections], InTime]) -> BundleFit | None:
+    """The fit of `one_side` of a move, which the rig's words name; None where neither side is a calibration."""
+
+    def fitted(images: Bools) -> BundleFit:
+        masked = ~images[detections.camera, detections.frame]
+        validity = np.where(masked, np.uint8(Validity.MASKED), detections.validity)
+        return one_side(replace(detections, validity=validity)).fit
+
+    fit = from_one_side(step, detections.cameras, detections.n_frames, fitted)
+    return fit and _said(fit, step)
+
+
+def without_move(found: InTime, detections: Detections, one_side: Callable[[Detections], InTime]) -> BundleFit:
+    """What was found where no camera was moved, else the fit of one side, or with the uncertainty of the move.
+
+    A small delay of the camera may hide a move, and a late camera look like a moved one: then the images after the move
+    tell, by whether they need a delay.
+    """
+    fit, step = found.fit, found.fit.step or found.step
+    if step is None:
+        return fit
+    moved = since_step(step, detections, one_side)
+    if fit.step:
+        return moved or _said(uncertain(fit, step), step)
+    sure = moved is not None and moved.step is not None and moved.step.kept == "after" and not moved.delay.any()
+    return moved if moved and sure else fit
+
+
+def _said(fit: BundleFit, step: CameraStep) -> BundleFit:
+    """The fit of a rig whose words name the move."""
+    return fit._replace(rig=replace(fit.rig, method=f"{fit.rig.method}; {step_words(step)}"))
 
 
 def step_words(step: CameraStep) -> str:

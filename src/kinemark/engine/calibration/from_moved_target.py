@@ -26,8 +26,8 @@ FEWEST_FRAMES = 20
 """In which two cameras each see one marker; chosen."""
 SAME_MM = 1e-6  # mm; gaps that differ by less are the same but for rounding; chosen
 MOVED_RED_PX = 1.0
-"""By which the image of a camera that was moved lies beside; chosen: from there on, errors are several times the stated
-ones in most simulated rigs."""
+"""By which the image of a camera lies beside that was calibrated as it stood before it was moved; chosen: what is
+recorded afterwards is off by as much."""
 WRONG_GAP = 0.002
 """Of a wand's length; gaps measured with care, from centre to centre, are not off by more; chosen."""
 
@@ -86,10 +86,11 @@ def _moved_meanwhile(fit: BundleFit, detections: Detections) -> Iterator[Finding
     if (step := fit.step) is not None:
         yield make_finding(
             "camera_moved_while_calibrating",
-            severity=red_if(step.px > MOVED_RED_PX),
+            severity=red_if(step.kept != "after" and step.px > MOVED_RED_PX),
             cameras=[step.camera] if step.alone else [],
             frames=[(step.frame + 1, detections.n_frames)],
             offset_px=step.px,
+            kept=step.kept,
             from_s=step.frame / detections.rate,
         )
 

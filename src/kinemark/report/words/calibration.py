@@ -46,17 +46,26 @@ def _wrong_here(found: Finding) -> str:
     return fill("About ({place_mm_list:0}) the wand is ", found) + f"{shown(size, 'mm')} too {length}."
 
 
+KEPT = {
+    "after": "{whose} before that were left out: the cameras are as they stood at the end.",
+    "before": "{whose} from there on were left out, as they are too few, and the errors of the camera are stated as "
+    "larger by the move.",
+    "all": "All images were used, and the errors of the camera are stated as larger by the move.",
+}
+"""What `camera_moved_while_calibrating` says of the images that were kept."""
+
+
 def _moved_meanwhile(found: Finding) -> str:
     since = "from about frame {first_frame} on ({from_s:1} from the beginning)"
+    kept, whose = KEPT[str(found.values["kept"])], "Its images" if found.cameras else "All images"
     if found.cameras:
-        return fill(
-            f"{{Cameras}} was probably moved while calibrating: {since} its images lie {{offset_px:1}} beside.", found
+        said = f"{{Cameras}} was probably moved while calibrating: {since} its images lie {{offset_px:1}} beside."
+    else:
+        said = (
+            f"The cameras do not fit each other the whole time while calibrating: {since} one of them was probably "
+            "moved, by {offset_px:1} in its image."
         )
-    return fill(
-        f"The cameras do not fit each other the whole time while calibrating: {since} one of them was probably moved, "
-        "by {offset_px:1} in its image.",
-        found,
-    )
+    return fill(f"{said} {kept.format(whose=whose)}", found)
 
 
 def _world_elsewhere(found: Finding) -> str:
@@ -161,8 +170,8 @@ CALIBRATION_WORDS = {
     ),
     "camera_moved_while_calibrating": Words(
         _moved_meanwhile,
-        "Errors are larger than stated. Wave again and touch no camera; or calibrate from the longer part of the "
-        "recording, before or after, if the cameras stand now as they did then; or leave that camera out.",
+        "Trials that were recorded on the other side of the move do not fit: wave again for these, and touch no "
+        "camera; or leave that camera out.",
     ),
     "camera_late_while_calibrating": Words(
         "{Cameras} took its images of the wand {late_images:.3g} images ({delay_ms:3}) later than the others. They "

@@ -73,9 +73,10 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     """What is odd about the input, cameras by the rig as given; nothing where nothing is."""
     rig = result.rig
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
-    parts = [_parts_of_recording(result, c) for c in range(len(rig))]
+    parts = [parts_of_recording(result, c) for c in range(len(rig))]
     usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
+    lost |= {rig.names.index(name): [one] for one in result.shifted for name in one.cameras}
     turned = {one.camera: [_put_right(one, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
         most = max(LEAST_SHIFT, STANDS_OUT * finite_median(np.delete(usual, c), 0.0))  # (9)
@@ -319,7 +320,7 @@ def _doubtful(result: TrackingResult, c: int, name: str) -> list[Finding]:
     return [make_finding("camera_in_doubt", cameras=[name])]
 
 
-def _parts_of_recording(result: TrackingResult, c: int) -> Parts:
+def parts_of_recording(result: TrackingResult, c: int) -> Parts:
     """What a camera has where the points of the tracks are, by parts of the recording."""
     cloud, images = result.tracks.cloud, result.images
     first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]

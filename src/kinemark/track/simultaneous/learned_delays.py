@@ -24,6 +24,7 @@ from .camera_strobes import without_strobes
 from .detection_index import Images, read_images
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
+from .shifted_cameras import shifted_stretches
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once
@@ -42,6 +43,10 @@ UNEVEN_ROUNDS = 2
 BETTER, SAME = 0.9, 0.99
 """Of the residual of fast points, the most that is left, and of the images in tracks, the least, by (1); chosen (see
 benchmarks/tracking_scenes.py): where calibrations 1 px off looked like delays, 1.0 was left, or 0.93 of the images."""
+
+NEARLY = 0.95
+"""Of the images of the others in tracks, the least that is left without a camera that lies beside them; chosen (scenes
+481000 to 482009 of the second generator, a camera knocked): ghosts that it made with them are up to a twentieth."""
 
 MAX_DELAY = 1.0
 """Frames: beyond the next image nothing is known of where a marker was; by definition of `common_time`."""
@@ -87,7 +92,8 @@ def track_simultaneously(
                 continue
             doubtful = {one.camera for one in tried if one.whole(detections.n_frames) and not sure}
             result = result._replace(unfitting=suspected, lenses=lenses, doubtful=tuple(sorted(doubtful)))
-            return _with_put_right(result, detections, rig, method, errors, volume_margin)
+            right = _with_put_right(result, detections, rig, method, errors, volume_margin)
+            return _without_shifted(right, detections, right.rig, method, errors, volume_margin)
         else:
             suspected = sure if sure != suspected else _with(sure, untried[0])
 
@@ -121,6 +127,37 @@ def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]
     return tuple(sorted((whole, *(one for one in stretches if one.camera != whole.camera))))
 
 
+def _without_shifted(
+    result: TrackingResult,
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    errors: ImageErrors,
+    volume_margin: float | None,
+) -> TrackingResult:
+    """Tracks again with cameras put right that lie beside the others; without them, where few of these need them.
+
+    Beside two or three others a camera shares most of its points with one of them alone. There it stays, and its noise
+    as the images have it says how far off points may be.
+    """
+    found = shifted_stretches(detections, rig, result)
+    if not found:
+        return result
+    left = tuple(sorted((*result.unfitting, *found)))
+    again = _with_delays(without_stretches(detections, left), rig, method, errors, volume_margin)
+    again = again._replace(
+        unfitting=left,
+        shifted=tuple(found.values()),
+        lenses=result.lenses,
+        doubtful=result.doubtful,
+        put_right=result.put_right,
+    )
+    right = _with_put_right(again, detections, rig, method, errors, volume_margin)
+    own = [one.camera for one in found if one in right.unfitting]
+    seen, before = ((np.delete(one.tracks.cloud.detection, own, 1) >= 0).sum() for one in (right, result))
+    return right if seen >= NEARLY * before else result
+
+
 def _with_put_right(
     result: TrackingResult,
     detections: Detections,
@@ -135,8 +172,11 @@ def _with_put_right(
     """
     turned = list[ImageOffset]()
     whole = {one.camera for one in result.unfitting if one.whole(detections.n_frames)}
+    known = {one.cameras[0]: np.array([one.values[f"offset_{axis}_px"] for axis in "uv"]) for one in result.shifted}
     for c in sorted(whole | {*result.noise.inconsistent.tolist()}):
-        offset = image_offset(c, result.tracks, read_images(detections, rig))
+        offset = known.get(rig.names[c])
+        if offset is None:
+            offset = image_offset(c, result.tracks, read_images(detections, rig))
         if offset is None or np.isnan(offset).any():
             continue
         if (camera := put_right(c, offset, result.tracks, detections, rig)) is not None:
@@ -150,7 +190,9 @@ def _with_put_right(
     seen, before = ((one.tracks.cloud.detection[:, others] >= 0).sum() for one in (again, result))
     if seen < SAME * before or {*beside_tracks(again.tracks, again.images)} & {*own}:
         return result
-    return again._replace(unfitting=left, lenses=result.lenses, put_right=tuple(turned))
+    shifted = tuple(one for one in result.shifted if rig.names.index(one.cameras[0]) not in own)
+    turned = [*result.put_right, *turned]
+    return again._replace(unfitting=left, lenses=result.lenses, put_right=tuple(turned), shifted=shifted)
 
 
 def _with_delays(

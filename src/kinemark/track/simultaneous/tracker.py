@@ -31,7 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Cloud, Detections, Rig, Tracks
+from ...data import Cloud, Detections, Finding, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import ImageErrors, usable_points
 from ...numerics.returned_memory import return_memory
@@ -119,6 +119,7 @@ class TrackingResult(NamedTuple):
         rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
             were put right. put_right: these cameras, and how far their images lay beside.
         doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
+        shifted: of stretches of `unfitting` in which a camera lay beside by little, what was found.
     """
 
     tracks: Tracks
@@ -135,6 +136,7 @@ class TrackingResult(NamedTuple):
     lenses: MissingLenses | None = None
     put_right: tuple[ImageOffset, ...] = ()
     doubtful: tuple[int, ...] = ()
+    shifted: tuple[Finding, ...] = ()
 
 
 def track_once(

@@ -58,8 +58,9 @@ def sides_of_a_plate(gap):
 
 @pytest.mark.parametrize("cameras", [6, 12])
 def test_the_sides_of_a_plate_that_no_camera_shares_are_not_moved_onto_each_other(cameras):
-    """One point in 20 has an image of the marker on the other side, less than 1 px beside it. Held to 1.5 mrad, the sides
-    came to 12 and 15 mm of 36."""
+    """One point in 20 has an image of the marker on the other side, less than 1 px beside it.
+
+    With 1.5 mrad in place of what the images disagree by, the sides came to 12 and 15 mm of 36."""
     true, xyz = ring(cameras), sides_of_a_plate(36.0)
     detections, marker = observe(true, xyz, noise=0.15, cov=False)
     file = off(true, 0.2, np.random.default_rng(0))

@@ -78,7 +78,7 @@ def test_the_sides_of_a_plate_that_no_camera_shares_are_not_moved_onto_each_othe
     assert 0.01 < ((met >= 0) & (own < 0)).any(0).mean() < 0.1
     adjusted = rig_of_tracks(met, images, file)
     sides = intersect(read_images(detections, adjusted), own).xyz.reshape(3, 24, FRAMES)
-    assert np.median(np.linalg.norm(sides[:, :12] - sides[:, 12:], axis=0)) > 32
+    assert np.median(np.linalg.norm(sides[:, :12] - sides[:, 12:], axis=0)) > 28
 
 
 def test_images_of_a_right_file_lose_nothing_by_it():

@@ -7,7 +7,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kinemark.data import Cloud, Rig, Tracks
-from kinemark.track.simultaneous import track_detections
+from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous.candidate_points import intersect
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.solved_points import Working
+from kinemark.track.simultaneous.told_by_tracks import of_tracks, with_noise
 from kinemark.track.simultaneous.twin_tracks import joined_twins
 from support.laboratory import camera, observe
 from support.motions import dance
@@ -39,6 +43,24 @@ def test_cameras_in_a_row_whose_file_is_off_make_one_track_a_marker(n, stated):
     assert (tracks.cloud.detection >= 0).sum() > 0.98 * len(seen)
 
 
+@pytest.mark.parametrize("n", [4, 6])
+def test_points_put_right_a_row_of_which_no_two_lines_tell(n):
+    """Lines agree as well by the file as by the right rig, images of three cameras twice as well by the right one."""
+    M, N = 12, 12 * FRAMES
+    seen, marker = observe(row(n), dance(n=M, frames=FRAMES), noise=0.2, cov=False)
+    file = turned(row(n), 5e-4 * np.linspace(-1, 1, n) ** 2)
+    images, noise = with_noise(read_images(seen, file), Simultaneous())
+    detection = np.full((N, n), -1)
+    detection[images.frame * M + marker, images.camera] = np.arange(len(marker))
+    xyz, cov = intersect(images, detection.T).xyz.T, np.tile(np.eye(3), (N, 1, 1))
+    cloud = Cloud(100.0, np.arange(0, N + 1, M), xyz, cov, np.zeros(N), detection)
+    tracks = Tracks(cloud, np.tile(np.arange(M), FRAMES))
+    working, better = of_tracks(seen, images, [Working(file, images, noise)], tracks, Simultaneous())
+    assert better
+    before, after = (intersect(by, detection.T).squared for by in (images, read_images(seen, working.rig)))
+    assert np.median(after) < 0.5 * np.median(before)
+
+
 def two_tracks(apart, images, frames=20):
     """Two tracks, apart by (3) mm, with images of these cameras (2, C) of a row of four; and all images (D, 2) px."""
     rig, at = row(4), np.array([[0.0, 0.0, 900.0], np.add([0.0, 0.0, 900.0], apart)])
@@ -58,7 +80,7 @@ def two_tracks(apart, images, frames=20):
     return Tracks(cloud, np.tile([0, 1], frames)), uv, rig.P
 
 
-def noise(uv):
+def variances(uv):
     """Variances (D) px² of images with a noise of 0.2 px."""
     return np.full(len(uv), 0.04)
 
@@ -68,7 +90,7 @@ SIDES = [[1, 1, 0, 0], [0, 0, 1, 1]]
 
 def test_twins_are_joined():
     tracks, uv, P = two_tracks((10.0, 5.0, 0.0), SIDES)
-    joined = joined_twins(tracks, uv, noise(uv), P)
+    joined = joined_twins(tracks, uv, variances(uv), P)
     np.testing.assert_array_equal(joined, np.tile([[0], [1], [2], [3]], 20))
 
 
@@ -83,4 +105,4 @@ def test_twins_are_joined():
 )
 def test_two_markers_are_left_apart(apart, images, frames):
     tracks, uv, P = two_tracks(apart, images, frames)
-    np.testing.assert_array_equal(joined_twins(tracks, uv, noise(uv), P), tracks.cloud.detection.T)
+    np.testing.assert_array_equal(joined_twins(tracks, uv, variances(uv), P), tracks.cloud.detection.T)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import make_finding
-from kinemark.engine.camera_checks.dropped_images import dropped_images, least_shifts, shifts_to_ask
+from kinemark.engine.camera_checks.dropped_images import dropped_images, least_shifts, shifts_to_ask, sure_steps
 from kinemark.engine.camera_checks.start_times import images_late, in_time
 from kinemark.engine.tracking_stage import from_detections
 from kinemark.reconstruct import LeastSquares
@@ -188,3 +188,13 @@ def test_the_shifts_are_those_of_least_cost_that_never_become_less():
         every = [np.array(path) for path in combinations_with_replacement(range(3), 6)]
         best = min(every, key=lambda path: cost[path, np.arange(6)].sum())
         np.testing.assert_array_equal(least_shifts(cost), best)
+
+
+def test_a_step_that_lowers_the_cost_by_chance_alone_is_left_out():
+    cost = np.random.default_rng(1).uniform(8.0, 9.0, (3, 80))
+    cost[1:, :40] += 1.0
+    cost[1, 40:] -= 5.0  # an image late from frame 40 on
+    cost[2, 75:] = cost[1, 75:] - 1.0  # and a few frames at the end seem two
+    shift = least_shifts(cost)
+    assert shift[-1] == 2
+    np.testing.assert_array_equal(sure_steps(shift, cost), np.arange(80) >= 40)

@@ -9,10 +9,11 @@ show, and image f − s of the camera the one that shows them,
 where d is the distance from the projection of a point to the nearest detection in that image; points that are near one
 in none of these images are hidden from the camera, and left out. The shifts s_f that make
 Σ cost(f, s_f) least, from none on and never back, follow by dynamic programming (2). A step from frame to frame is
-where images were dropped, if the cost becomes less by more than chance, the root of the sum of the squares of what it
-becomes less in each frame (3). A camera that stopped early has none. One that steps in its first frames, in which a few
-images tell nothing, takes all its images later, as far as they tell: it was started apart (4). That is only told of
-one with fewer images, or of which tracking has told something: what a calibration leaves looks like a delay too.
+where images were dropped, if the cost of what follows is less with it by more than chance, the root of the sum of the
+squares of what it is less in each frame (3). A camera that stopped early has none. One that steps in its first frames,
+in which a few images tell nothing, takes all its images later, as far as they tell: it was started apart (4). That is
+only told of one with fewer images, or of which tracking has told something: what a calibration leaves looks like a
+delay too.
 
 Asked are cameras with fewer images at the end than the others, up to as many. Where tracking found some camera to be
 beside, any may have dropped images and gone on for as many, so all are asked, both ways (5).
@@ -40,17 +41,16 @@ SURE = 3.0
 """Standard deviations by which the cost is less with steps (3); chosen: whether it is kept is decided by tracking
 again."""
 EARLY = round(SURE**2)
-"""Frames in which a step is not told, at either end: n frames reach the root of n standard deviations of (3) at most,
-by definition."""
+"""First frames in which a step is not told: so many reach SURE of (3) at most, by definition."""
 FEW = 100
 """Points from which something can be said; chosen."""
 
 
 class Shifts(NamedTuple):
-    """Of a camera: s (F) of (2), and what the cost is less by than without (F), px²."""
+    """Of a camera: s (F) of (2), and by how many px² the cost is less than without."""
 
     of: Ints
-    gain: Floats
+    gain: float
 
 
 def dropped_images(
@@ -74,10 +74,8 @@ def dropped_images(
         c = rig.names.index(name)
         frame, xyz = _by_others(cloud, timed, rig, c)
         if len(frame) >= FEW:
-            found = [_shifts(detections, rig, c, frame, xyz, shifts) for shifts in each]
-            likeliest = max(found, key=lambda one: float(one.gain.sum()))
-            if likeliest.gain.sum() > SURE * np.linalg.norm(likeliest.gain):  # (3)
-                yield from _findings(name, likeliest.of, detections.rate, told, apart=len(each) == 1)
+            likeliest = max((_shifts(detections, rig, c, frame, xyz, one) for one in each), key=lambda one: one.gain)
+            yield from _findings(name, likeliest.of, detections.rate, told, apart=len(each) == 1)
 
 
 def shifts_to_ask(recorded: Detections, told: Sequence[Finding], rig: Rig) -> dict[str, tuple[range, ...]]:
@@ -99,10 +97,10 @@ def shifts_to_ask(recorded: Detections, told: Sequence[Finding], rig: Rig) -> di
 def _shifts(detections: Detections, rig: Rig, c: int, frame: Ints, xyz: Floats, shifts: range) -> Shifts:
     """The likeliest of some shifts of camera c, by points xyz (P, 3) mm of frames (P)."""
     cost = shift_costs(detections, rig, c, frame, xyz, shifts)
-    last = int(detections.frame[detections.valid & (detections.camera == c)].max(initial=-1)) + min(shifts[-1], 0)
-    cost[:, max(last - EARLY, 0) :] = 0.0  # no image, or a few, tell of these frames
-    least = least_shifts(cost)
-    return Shifts(np.array(shifts)[least], cost[0] - cost[least, np.arange(len(least))])
+    end = int(detections.frame[detections.valid & (detections.camera == c)].max(initial=-1))
+    cost[:, end + 1 + min(shifts[-1], 0) :] = 0.0  # no image tells of these frames
+    least = sure_steps(least_shifts(cost), cost)
+    return Shifts(np.array(shifts)[least], float((cost[0] - cost[least, np.arange(len(least))]).sum()))
 
 
 def shift_costs(detections: Detections, rig: Rig, c: int, frame: Ints, xyz: Floats, shifts: range) -> Floats:
@@ -134,6 +132,16 @@ def least_shifts(cost: Floats) -> Ints:
     for f in range(cost.shape[1] - 1, -1, -1):
         shift[f] = at
         at = came[at, f]
+    return shift
+
+
+def sure_steps(shift: Ints, cost: Floats) -> Ints:
+    """(F) the shifts without the steps that lower cost (S, F) by no more than chance (3)."""
+    every = np.arange(len(shift))
+    for f in np.flatnonzero(np.diff(shift, prepend=0))[::-1].tolist():
+        without = shift - np.where(every >= f, shift[f] - (shift[f - 1] if f else 0), 0)
+        less = cost[without, every] - cost[shift, every]
+        shift = shift if less.sum() > SURE * np.linalg.norm(less) else without
     return shift
 
 

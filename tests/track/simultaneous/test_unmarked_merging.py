@@ -13,7 +13,6 @@ from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.kalman_states import KalmanStates
 from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.near_held import near_held
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints
 from kinemark.track.simultaneous.second_pass import expected_between
 from kinemark.track.simultaneous.solved_points import Solver, Working

@@ -30,6 +30,19 @@ def recorded():
     return images, solver, solved(frame, detection, xyz[which, frame].T, solver), which
 
 
+def test_points_that_exchange_images_exchange_places():
+    """They are far from where they were, which is no guess then."""
+    images, solver, before, which = recorded()
+    other, changed = before.detection.copy(), (which < 2) & np.isin(before.frame, LESS)
+    one, two = np.flatnonzero(changed & (which == 0)), np.flatnonzero(changed & (which == 1))
+    other[one], other[two] = before.detection[two], before.detection[one]
+    held, _ = _of_fewer_images([before], other, np.ones(len(which), bool), images, solver, Simultaneous())
+    assert np.linalg.norm(before.xyz[one] - before.xyz[two], axis=1).min() > 100
+    np.testing.assert_allclose(held[0].xyz[one], before.xyz[two], atol=0.01)
+    np.testing.assert_allclose(held[0].xyz[two], before.xyz[one], atol=0.01)
+    np.testing.assert_array_equal(held[0].xyz[~changed], before.xyz[~changed])
+
+
 def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
     """Of marker 1 in frames LESS camera 3 is left out, and in GONE of them the whole point."""
     images, solver, before, which = recorded()

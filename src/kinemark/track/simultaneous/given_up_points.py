@@ -14,10 +14,12 @@ from ...data import Cloud
 from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import usable_points
 from ...numerics.returned_memory import return_memory
+from .candidate_points import intersect
 from .chance_meetings import chance_meetings
 from .detection_index import Images
 from .drift_beyond import drifting_beyond
 from .drifting_pairs import UsualResiduals, drifting, with_rest, without_strangers
+from .exchanged_images import with_exchanged
 from .neighbouring_points import TrackPoints, smoothed
 from .points_between import between_markers
 from .simultaneous_method import Simultaneous
@@ -141,6 +143,7 @@ def _without_drifting(
     sound[rest] = ~drifting_beyond(frame[rest], ids[rest], detection[:, rest], images, usual, r, gate, T)
     return_memory()
     rest = np.flatnonzero(sound)
+    detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
     sound[rest] = ~chance_meetings(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
     del frame, rest
     return_memory()
@@ -151,10 +154,13 @@ def _without_drifting(
 def _of_fewer_images(
     held: Held, detection: Ints, sound: Bools, images: Images, solver: Solver, method: Simultaneous
 ) -> tuple[Held, Bools]:
-    """The sound points (P), solved again where detections (P, C) leave them fewer images, and which of P they are."""
+    """The sound points (P), solved again where detections (P, C) leave them fewer images, or others, and which of P
+    they are."""
     frame, less = held[0].frame, sound & (held[0].detection != detection).any(1)
     rows, own = np.flatnonzero(less), detection[less]
-    again = solved(frame[rows], own.T, held[0].xyz[rows].T, solver)
+    guess, others = held[0].xyz[rows].T, ((own >= 0) & (own != held[0].detection[rows])).any(1)
+    guess[:, others] = intersect(images, own[others].T).xyz
+    again = solved(frame[rows], own.T, guess, solver)
     own = ((own >= 0) & ~images.merged[own]).sum(1)
     good = usable_points(again, solver.rig, margin=None) & precise_enough(again.cov, own, method)
     sound[rows[~good]] = False

@@ -87,11 +87,16 @@ def shifts_to_ask(recorded: Detections, told: Sequence[Finding], rig: Rig) -> di
     counts = recorded.keep(recorded.valid).counts
     last = [int(np.flatnonzero(own)[-1]) if own.any() else -1 for own in counts]
     fewer = {name: max(last) - end for name, end in zip(recorded.cameras, last, strict=True) if end >= 0}
-    asked = {name: (range(n + 1),) for name, n in fewer.items() if 0 < n <= MOST}
+    asked: dict[str, tuple[range, ...]] = {name: (_up_to(n),) for name, n in fewer.items() if 0 < n <= MOST}
     if any(one.kind in SUSPICIOUS for one in told):
-        asked |= {name: (range(MOST + 1), range(0, -MOST - 1, -1)) for name, n in fewer.items() if n == 0}
-    since = {name: n for name, n in dropped_since(told, recorded, rig).items() if abs(n) > MOST}
-    return asked | {name: (range(0, n + (1 if n > 0 else -1), 1 if n > 0 else -1),) for name, n in since.items()}
+        asked |= {name: (_up_to(MOST), _up_to(-MOST)) for name, n in fewer.items() if n == 0}
+    since = dropped_since(told, recorded, rig)
+    return asked | {name: (_up_to(n),) for name, n in since.items() if abs(n) > MOST}
+
+
+def _up_to(n: int) -> range:
+    """The shifts 0 … n, which may be below 0."""
+    return range(n + 1) if n >= 0 else range(0, n - 1, -1)
 
 
 def _shifts(detections: Detections, rig: Rig, c: int, frame: Ints, xyz: Floats, shifts: range) -> Shifts:

@@ -77,11 +77,9 @@ TRIAL_KINDS = (
     Kind("camera_late_as_calibrated", "track", "amber", "A camera was taken to be as late (or early, below 0) as "
          "the calibration's film told, where it then fits better: delay_ms, of it whole images; state_ms as above.",
          {"images": "count", "delay_ms": "ms", "state_ms": "ms"}),
-    Kind("camera_dropped_images", "track", "amber", "A camera dropped images about a frame. Its later ones, too early "
-         "by images in all, were put into the frames that they show, where they fit better.",
-         {"dropped": "count", "images": "count"}),
-    Kind("camera_lost_images", "track", "amber", "From a frame on, a camera's images are those of later (or earlier, "
-         "below 0) frames: it lost images, or has some twice.", {"images": "count", "delay_ms": "ms"}),
+    Kind("camera_dropped_images", "track", "amber", "A camera dropped images about a frame, or has some twice (below "
+         "0): its later ones are those of frames later by images in all. Kinemark's own tracker puts them into the "
+         "frames that they show, if they then fit better.", {"dropped": "count", "images": "count"}),
     Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others by delay_ms, of standard error delay_se_ms; all was tracked with this delay; state_ms as above.",
          {"delay_ms": "ms", "delay_se_ms": "ms", "state_ms": "ms"}),

@@ -28,7 +28,7 @@ from ..track.simultaneous import (
 )
 from ..track.simultaneous.camera_strobes import diagnose_strobes
 from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_others, put_in_order, told_in_order
-from .camera_checks.dropped_images import dropped_images, fewer_images
+from .camera_checks.dropped_images import dropped_images, shifts_to_ask
 from .camera_checks.pixel_axes import pixel_axes
 from .camera_checks.start_times import APART, in_time, with_start_times
 from .camera_checks.told_delays import delays_learned, found_as_told, parts_of_images
@@ -134,9 +134,10 @@ def _without_dropped(
     detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares, tracked: Tracked
 ) -> Tracked:
     """What was tracked; once again with images behind those that a camera dropped in place, if they then fit better."""
-    apart, among = tuple(one for one in tracked.diagnostics if one.kind in APART), fewer_images(detections)
-    cameras, there = tracked.cameras or TrialRig.given(rig), in_time(apart, detections)
-    found = tuple(dropped_images(there, cameras.timed(there), rig, tracked.tracks.cloud, among=among, told=apart))
+    told, cameras = tracked.diagnostics, tracked.cameras or TrialRig.given(rig)
+    apart = tuple(one for one in told if one.kind in APART)
+    there, among = in_time(apart, detections), shifts_to_ask(detections, told, rig)
+    found = tuple(dropped_images(there, cameras.timed(there), rig, tracked.tracks.cloud, among=among, told=told))
     if not found:
         return tracked
     again = _again((*apart, *found), detections, rig, method, place)

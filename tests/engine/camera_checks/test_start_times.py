@@ -48,9 +48,9 @@ def test_a_camera_that_was_started_apart_is_told_by_how_many_images(seen, n):
     assert f"delays_ms.c1 = {10 * n} below [cameras]" in advice_of(found)
 
 
-def test_a_camera_that_lost_images_was_not_touched(seen):
+def test_a_camera_that_dropped_images_was_not_touched(seen):
     (found,) = told(later(seen, 4, since=40))
-    assert (found.kind, found.cameras, found.values["images"]) == ("camera_lost_images", ("c1",), 4)
+    assert (found.kind, found.cameras, found.values["images"]) == ("camera_dropped_images", ("c1",), 4)
     assert abs(found.frames[0][0] - 40) <= 10 and "4\xa0images later" in text_of(found)
 
 

@@ -13,7 +13,6 @@ from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.kalman_states import KalmanStates
 from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.near_held import near_held
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints
 from kinemark.track.simultaneous.second_pass import expected_between
 from kinemark.track.simultaneous.solved_points import Solver, Working
@@ -126,26 +125,6 @@ def test_the_longer_a_run_the_less_its_begin_says_of_its_end(merged):
     first = claims.row < 300
     assert len(own) == 260 and (said[0][first] > LEAST).all() == merged
     np.testing.assert_allclose(said[0], said[1], rtol=1e-6)
-
-
-def test_two_tracks_that_no_camera_shows_apart_have_no_image_in_common():
-    """One marker, whose images in two cameras are 2 px off: two tracks, one of which has an image in each camera."""
-    rig, marker = ring(4), dance(n=1, frames=FRAMES, seed=2)
-    detections, _ = observe(rig, marker, noise=0.05, seed=3)
-    images = read_images(detections, rig)
-    uv = images.uv + np.where(images.camera[:, None] >= 2, [2.0, 0.0], 0.0)
-    images = images._replace(uv=uv)
-    one = np.full((4, FRAMES), -1)
-    one[images.camera, images.frame] = np.arange(len(images.frame))
-    held = np.stack([one, one], axis=1)
-    held[2:, 0], held[:2, 1] = -1, -1
-    held = held.reshape(4, -1)
-    point = intersect(images, held)
-    points = TrackPoints(
-        np.tile(np.arange(FRAMES), 2), np.repeat([0, 1], FRAMES), point.xyz.T, point.cov.transpose(2, 0, 1)
-    )
-    assert sum(len(near.image) for near in near_held(points, held, images, 6.0))
-    assert not len(possible_claims(points, held, images, 6.0).row)
 
 
 def test_the_image_of_both_says_where_that_of_one_alone_would_be(monkeypatch):

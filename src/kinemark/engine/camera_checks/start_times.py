@@ -1,9 +1,9 @@
-"""Whether cameras of a trial that fit badly were started at another time, or lost images, by whole images.
+"""Whether cameras of a trial that fit badly were started at another time, or dropped images, by whole images.
 
 Delays below one frame the tracker learns. By more, a camera's images belong to other frames: few of them fit, and those
 that fit by chance tell a wrong delay. `match.start_offsets` asks at which offset they fit best. A camera that fits
-from one frame on no more, and does at another offset, has lost images there. Who is apart in the whole trial
-is moved in time by whole images, and all is tracked again (`in_time`).
+from one frame on no more, and does at another offset, has dropped images there. Who is apart, or dropped some, is moved
+in time by whole images, and all is tracked again (`in_time`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,14 @@ from ...data.detections import Validity
 from ...geometry.ideal_pixels import ideal_pixels
 from ...match.start_offsets import agreement, start_offsets
 
-SUSPICIOUS = ("camera_out_of_sync", "camera_fits_nothing", "camera_shifted", "camera_moved", "camera_put_right")
+SUSPICIOUS = (
+    "camera_out_of_sync",
+    "camera_fits_nothing",
+    "camera_shifted",
+    "camera_moved",
+    "camera_put_right",
+    "camera_in_doubt",
+)
 """Findings of cameras whose images may belong to other frames, and that say so less well."""
 APART = ("camera_started_apart", "camera_late_as_calibrated")
 """Findings of cameras whose images were put into the frames that they show."""
@@ -61,22 +68,30 @@ def with_start_times(
     return (*rest, *found)
 
 
+def dropped_since(findings: Sequence[Finding], detections: Detections, rig: Rig) -> dict[str, int]:
+    """How many images late (or early, below 0) cameras are, by name, of which a finding says that they fit from a frame
+    on no more."""
+    since = [one for one in findings if one.kind in SUSPICIOUS and one.frames and one.frames[0][0] > 0]
+    return {one.cameras[0]: round(_number(one, "images")) for one in _apart(since, detections, rig) if one.frames}
+
+
 def in_time(findings: Sequence[Finding], detections: Detections) -> Detections:
     """The detections with images in the frames that they show, of cameras that were started apart or dropped some.
 
-    Their rows stay. Images of frames that were not recorded are not valid, in the first or last frame.
+    Their rows stay. Images of frames that were not recorded, in the first or last frame, and those that a camera has
+    twice are not valid.
 
     Args:
         findings: with those about these cameras. detections: as recorded.
     """
     start, validity, n = detections.start.copy(), detections.validity.copy(), detections.n_frames
+    image = detections.frame
     for name in sorted({name for one in findings if one.kind in MOVED for name in one.cameras}):
         c = detections.cameras.index(name)
         shown = np.array([f - images_late(findings, name, f) for f in range(n + 1)])
-        shown = np.maximum.accumulate(np.clip(shown, 0, n))
-        begin, end = detections.start[c, shown[[0, n]]]
-        start[c, 1:-1] = detections.start[c, shown[1:-1]]
-        validity[detections.start[c, 0] : begin] = validity[end : detections.start[c, n]] = Validity.MASKED
+        rows = slice(*detections.start[c, [0, n]])
+        validity[rows][~np.isin(image[rows], shown[:-1])] = Validity.MASKED
+        start[c, 1:-1] = detections.start[c, np.maximum.accumulate(np.clip(shown, 0, n))[1:-1]]
     return replace(detections, start=start, validity=validity)
 
 
@@ -121,13 +136,18 @@ def _apart(suspects: Sequence[Finding], detections: Detections, rig: Rig) -> Ite
                 known.add(rig.names[c])
 
 
+def started_apart(name: str, late: int, rate: float) -> Finding:
+    """About a camera that is late by so many images in the whole trial."""
+    delay_ms = 1000.0 * late / rate
+    return make_finding("camera_started_apart", cameras=[name], images=late, delay_ms=delay_ms, state_ms=delay_ms)
+
+
 def _finding(name: str, late: int, since: int, detections: Detections) -> Finding:
     """About a camera that is late by so many images, in the whole trial or from a frame on."""
-    delay_ms = 1000.0 * late / detections.rate
     if not since:
-        return make_finding("camera_started_apart", cameras=[name], images=late, delay_ms=delay_ms, state_ms=delay_ms)
+        return started_apart(name, late, detections.rate)
     frames = [(since, detections.n_frames - 1)]
-    return make_finding("camera_lost_images", cameras=[name], frames=frames, images=late, delay_ms=delay_ms)
+    return make_finding("camera_dropped_images", cameras=[name], frames=frames, dropped=late, images=late)
 
 
 def _late(detections: Detections, rig: Rig, frames: int) -> Ints:

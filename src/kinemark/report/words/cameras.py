@@ -120,18 +120,13 @@ def _learned_advice(found: Finding) -> str:
     return f"Check that all cameras are triggered together; where that cannot be, write {_to_state(found)}."
 
 
-def _lost_images(found: Finding) -> str:
-    said = f"About from frame {{first_frame}} on, {{cameras}} shows what the others show {_by_images(found)}"
-    lost = "lost" if _number(found, "images") > 0 else "repeated"
-    return fill(f"{said}: it {lost} images before. The others were used.", found)
-
-
 def _dropped_images(found: Finding) -> str:
     n = _number(found, "dropped")
-    many = "an image" if n == 1 else f"{round(n)}\u00a0images" if math.isfinite(n) else "images"
+    many = "an image" if abs(n) == 1 else f"{abs(round(n))}\u00a0images" if math.isfinite(n) else "images"
+    does = f"has {many} twice" if n < 0 else f"dropped {many}"
     return fill(
-        f"{{Cameras}} dropped {many} about frame {{first_frame}}: its later ones were put into the frames that they "
-        "show, where they fit better.",
+        f"{{Cameras}} {does} about frame {{first_frame}}: it then shows what the others show {_by_images(found)}. "
+        "Kinemark's own tracker puts its images into the frames that they show, if they then fit better.",
         found,
     )
 
@@ -223,13 +218,10 @@ CAMERA_WORDS = {
     "camera_started_apart": Words(_started_apart, _apart_advice),
     "camera_dropped_images": Words(
         _dropped_images,
-        "Look at the times of its images. Put a black one where one was dropped, and run again, to be exact.",
+        "Look at the times of its images. Put a black one where one was dropped, or take out what is there twice, and "
+        "run again, to be exact.",
     ),
     "camera_late_as_calibrated": Words(_late_as_calibrated, _apart_advice),
-    "camera_lost_images": Words(
-        _lost_images,
-        "Look at the times of its images, and put an empty one where one was lost; or leave these frames of it out.",
-    ),
     "camera_delay_learned": Words(_delay_learned, _learned_advice),
     "camera_rolling_shutter": Words(
         "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "

@@ -1,15 +1,8 @@
 """What a run shows of its input: cameras that were moved, swapped, shifted or stopped, and a rate that cannot be.
 
-Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
-projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
-What is so in less than half of the parts from then on is of a place in the volume, as a lens fits less well at the edge
-of the image, where subjects come and go (7); so is what comes little by little, as a subject walks along (8). A camera
-that was touched stands out among the others, whose images lie beside theirs by what the calibration leaves (9); where
-most of them lie as far off, it is the calibration that fits no better (10).
-The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2),
-where its images are in no tracks: a subject who leaves turns away from a camera that still sees some of the markers.
-Where such images lie beside the points by the same in all parts, the camera was shifted by so much, however little
-noise it was taken to have (11).
+Each camera is compared with what all the others together say: `shifted_cameras` (1), (2), (7), (8) and (11).
+A camera that was touched stands out among the others, whose images lie beside theirs by what the calibration leaves
+(9); where most of them lie as far off, it is the calibration that fits no better (10).
 A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
 still lies about may never have been in its sight (5). Nor has one that was as long without images before: few markers
 turn away from it now and then (6).
@@ -24,26 +17,29 @@ as large as it is counts as unstated (13). A wet floor shows markers once more, 
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import red_if
 from ...numerics.finite import finite_median
-from .associate import predict_images
-from .detection_index import Images, read_images
+from .detection_index import read_images
 from .initiate import LEAST_FRAMES
-from .kalman_states import KalmanStates
-from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE, OVERSTATED
+from .measurement_noise import MIN_FOUND_SHARE, OVERSTATED
 from .mirror_images import mirror_images
 from .misfitting_cameras import image_offset, is_confirmed
+from .shifted_cameras import (
+    FEW,
+    PARTS,
+    expected_places,
+    images_fit_nothing,
+    in_view,
+    nearest_images,
+    parts_of_recording,
+    shifted,
+)
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult
-
-PARTS = 10
-"""Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
 
 MAX_SPEED = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
@@ -53,20 +49,9 @@ STANDS_OUT, LEAST_SHIFT = 3.0, 0.75
 on 32 simulated recordings of 4 to 10 good cameras .3 to 1 px off: one has such a camera, 13 have one that is 2 times
 and 0.5 px off. Of 19 that were touched by 2 px 12 are told, by 2 times 13."""
 
-STEP = 0.4
-"""Of what changed since before, the least that did so from one part of the recording to the next (8); chosen: a subject
-who walks through the volume changes it by up to a third."""
-
-ALONE = 2.0
-"""px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a
-few markers in a short part move its median by up to one."""
-
 MISFIT_SD = 1.0
 """px of standard deviation, from which on images that need lens terms make a trial useless (12); chosen, as markers at
 the edge of a view are then lost or several px off."""
-
-FEW = 30
-"""Points from which a median is taken; chosen (see benchmarks/tracking.py)."""
 
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
@@ -85,7 +70,7 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
             or turned.get(c)
             or _without_images(detections, result, c)
             or late.get(c)
-            or _shifted(result, c, name, parts[c], most)
+            or shifted(result, c, name, parts[c], most)
             or _in_no_track(result, c, name)
             or _doubtful(result, c, name)
         )
@@ -201,7 +186,7 @@ def _without_images(detections: Detections, result: TrackingResult, c: int) -> l
     n, some, name = detections.n_frames, np.flatnonzero(_valid_counts(detections)[c]), [detections.cameras[c]]
     if not n or not len(some):
         return [make_finding("camera_without_images", cameras=name)] if n else []
-    inside = _in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))
+    inside = in_view(result, c, expected_places(result, c), min(2, len(detections.cameras) - 1))
     should = result.tracks.cloud.frame[inside & _of_tracks_seen(result, c)]
     found, long = [], max(n / PARTS, 2 * np.diff(some, prepend=some[0]).max())  # (6)
     if n - some[-1] > long and (should > some[-1]).sum() >= FEW:
@@ -222,20 +207,6 @@ def _of_tracks_seen(result: TrackingResult, c: int) -> Bools:
     return np.isin(ids, ids[cloud.detection[:, c] >= 0])
 
 
-class Parts(NamedTuple):
-    """Of one camera and each part of the recording: off (n, 2) px where its images lie beside the others' points, NaN
-    where hardly any lies near; share (n) of the points that have one in their track; first (n) frame of the part."""
-
-    off: Floats
-    share: Floats
-    first: Ints
-
-    @property
-    def usual(self) -> float:
-        """px, how far off in the median part; NaN where that is not known."""
-        return finite_median(np.linalg.norm(self.off, axis=1))
-
-
 def _calibration_off(rig: Rig, usual: Floats, late: dict[int, list[Finding]]) -> list[Finding]:
     """About a calibration by which the images of most cameras lie beside the others', usual (C) px (10)."""
     if (middle := finite_median(usual, 0.0)) <= MIN_SHIFT or late:
@@ -244,71 +215,12 @@ def _calibration_off(rig: Rig, usual: Floats, late: dict[int, list[Finding]]) ->
     return [make_finding("calibration_off", cameras=names, offset_px=middle)]
 
 
-def _shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:
-    """About a camera whose images lie beside the others', by more than `most` px, or fit no longer."""
-    if c in result.noise.inconsistent:
-        return []
-    end = result.tracks.cloud.n_frames - 1
-    usual = np.nanmax(parts.share, initial=0.0)
-    lost = parts.share < 0.1 * usual
-    if usual > MIN_FOUND_SHARE and lost[-1]:  # (2)
-        k = len(lost) - int(np.argmin(lost[::-1]))
-        if _images_fit_nothing(result, c, since := parts.first[k]):  # without images, nothing says so
-            when = [(since, end)]
-            if (beside := _beside(parts.off[k:], most)) is None:
-                return [make_finding("camera_moved", cameras=[name], frames=when)]
-            u, v = beside
-            return [
-                make_finding(
-                    "camera_shifted", cameras=[name], frames=when, offset_u_px=u, offset_v_px=v, left_out=False
-                )
-            ]
-    far = np.linalg.norm(parts.off, axis=1)
-    wrong = np.flatnonzero(far > most)  # (1)
-    if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)
-        return []
-    if len(wrong) == 1 and far[wrong[0]] < ALONE:
-        return []
-    whole = len(wrong) >= np.isfinite(far).sum() - 1 or not np.isfinite(far[: wrong[0]]).any()
-    if not whole and not _stepped(parts.off, wrong[0], most):
-        return []
-    began = [] if whole else [(parts.first[wrong[0]], end)]
-    u, v = np.nanmedian(parts.off[wrong], axis=0)
-    offset = {"offset_u_px": u, "offset_v_px": v}
-    return [make_finding("camera_shifted", cameras=[name], frames=began, **offset, left_out=False)]
-
-
-def _beside(off: Floats, most: float) -> Floats | None:
-    """(2) px by which images lie beside points, off (n, 2), in all of several parts by the same more than `most` (11);
-    None where they do not."""
-    if len(off) < 2 or not np.isfinite(off).all():
-        return None
-    middle = np.median(off, axis=0)
-    spread = np.linalg.norm(off - middle, axis=1).max()
-    return middle if spread < MIN_SHIFT and np.linalg.norm(middle) > most else None
-
-
-def _stepped(off: Floats, k: int, most: float) -> bool:
-    """Whether off (n, 2) changed by `most` px with part k, and at once (8)."""
-    step = np.linalg.norm(np.nanmedian(off[k:], axis=0) - np.nanmedian(off[:k], axis=0))
-    known = off[np.isfinite(off[:, 0])]
-    at_once = np.linalg.norm(np.diff(known, axis=0), axis=1).max()
-    return bool(step > most and at_once > STEP * step)
-
-
-def _images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:
-    """Whether camera c has images from frame `since` on, and hardly any of them is in a track."""
-    images, used = result.images, result.tracks.cloud.detection[:, c]
-    own = np.flatnonzero(images.usable & (images.camera == c) & (images.frame >= since))
-    return len(own) >= FEW and bool(np.isin(own, used).mean() < 0.1)
-
-
 def _in_no_track(result: TrackingResult, c: int, name: str) -> list[Finding]:
     """About a camera that has images, about as many as markers that it should see, and hardly any in a track (2)."""
     cut = len(result.outside) > len(result.tracks.cloud)  # by the volume: its images may be of these
-    if cut or c in result.noise.inconsistent or not _images_fit_nothing(result, c, 0):
+    if cut or c in result.noise.inconsistent or not images_fit_nothing(result, c, 0):
         return []
-    should = _in_view(result, c, _expected(result, c), 2).sum()
+    should = in_view(result, c, expected_places(result, c), 2).sum()
     has = (result.images.usable & (result.images.camera == c)).sum()
     return [make_finding("camera_fits_nothing", cameras=[name], left_out=False)] if has > should / 2 > FEW / 2 else []
 
@@ -320,65 +232,15 @@ def _doubtful(result: TrackingResult, c: int, name: str) -> list[Finding]:
     return [make_finding("camera_in_doubt", cameras=[name])]
 
 
-def parts_of_recording(result: TrackingResult, c: int) -> Parts:
-    """What a camera has where the points of the tracks are, by parts of the recording."""
-    cloud, images = result.tracks.cloud, result.images
-    first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
-    part = np.searchsorted(first, cloud.frame, side="right") - 1
-    uv = _expected(result, c)
-    inside = _in_view(result, c, uv, 2)
-    near = _nearest(images, cloud.frame, c, uv)
-    own_image = cloud.detection[:, c]
-    near[(near != own_image) & np.isin(near, own_image)] = -1  # another marker's says nothing of this one
-    off, share = np.full((len(first), 2), np.nan), np.full(len(first), np.nan)
-    for k in range(len(first)):
-        own = (part == k) & inside
-        there = own & (near >= 0)
-        if there.sum() >= max(FEW, 2 * MIN_FOUND_SHARE * own.sum()):
-            off[k] = np.median(images.uv[near[there]] - uv[there], axis=0)
-        if own.sum() >= FEW:
-            share[k] = (cloud.detection[own, c] >= 0).mean()
-    return Parts(off, share, first)
-
-
-def _expected(result: TrackingResult, c: int) -> Floats:
-    """(P, 2) px where camera c should see the points of the tracks."""
-    return (
-        predict_images(
-            result.images.P[c : c + 1],
-            KalmanStates(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud)))),
-        )
-        .uv[0]
-        .T
-    )
-
-
-def _in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
-    """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
-    others = np.delete(result.tracks.cloud.detection, c, axis=1) >= 0
-    return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
-
-
-def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
-    """(P) rows of the images of camera c nearest to places uv (P, 2), −1 where none is within FAR."""
-    own, detection = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
-    far = np.linalg.norm(images.uv[detection] - uv[own], axis=1)
-    order = np.argsort(-far, kind="stable")
-    order = order[far[order] < MAX_DISTANCE]
-    out = np.full(len(uv), -1)
-    out[own[order]] = detection[order]
-    return out
-
-
 def _inconsistent_camera(result: TrackingResult, rig: Rig, c: int) -> Finding:
     """About a camera whose images fit nothing: which other one it might be (3)."""
     cloud, images = result.tracks.cloud, result.images
     found = np.zeros(len(rig))
     for other in range(len(rig)):
-        uv = _expected(result, other)
+        uv = expected_places(result, other)
         inside = ((uv >= 0) & (uv < images.size[c])).all(1)
         if inside.any():
-            found[other] = (_nearest(images, cloud.frame[inside], c, uv[inside]) >= 0).mean()
+            found[other] = (nearest_images(images, cloud.frame[inside], c, uv[inside]) >= 0).mean()
     best = int(found.argmax())
     if best != c and found[best] > 2 * MIN_FOUND_SHARE:
         return make_finding("camera_takes_place_of_other", cameras=[rig.names[c], rig.names[best]], left_out=True)

@@ -1,34 +1,28 @@
 """Points between two markers: merged images of both, of several cameras, taken for a third marker.
 
 Where cameras stand side by side, two markers run together in more than one of them at once, and their common images
-meet half way between them, as well as those of one marker. In files that mark merged images they say nothing; in others
-they make a track. It is told by the two tracks on either side: both lack an image there. With p and p′ where these are
-expected in a camera, s_p and s_p′ in each axis, the common image b of markers alike lies at
+meet half way between them, as well as those of one marker do. In files that mark merged images they say nothing; in
+others they make a track. It is told by cameras that have no image of the point itself, but one on either side of the
+places where the point is expected: at a and a′ from them, in one camera or in two, c and c′. Two markers at x ± d make
+them, if
 
-    b = (p + p′) / 2,   variance s² + (s_p² + s_p′²) / 4 + (SHARE |p − p′|)²                 (1)
-
-as in `unmarked_merging`. Often neither has a track, as only those cameras see both. Then it is told by cameras that
-have no image of the point itself, but one on either side of the places where the point is expected: at a and a′ from
-them, in one camera or in two, c and c′. Two markers at x ± d make them, if
-
-    a = J_c d,  a′ = −J_c′ d,   covariance S_c + ((s_a² + s_a′²) / 4 + (2 SHARE |a|)²) I,   |2a|, |2a′| > r      (2)
+    a = J_c d,  a′ = −J_c′ d,   covariance S_c + ((s_a² + s_a′²) / 4 + (2 SHARE |a|)²) I,   |2a|, |2a′| > r      (1)
 
 by least squares. One camera leaves open what d is along its ray: that by which both are nearest to each other in the
 cameras k of the point. They run together in each of these if
 
-    |2 J_k d| < r                                                                            (3)
+    |2 J_k d| < r                                                                            (2)
 
 and so do not if either image is of a track that has an image of its own there. Often a limb hides one of both for a
-while. So where (2) and (3) hold in some frame of a track, in others one image by (3) is enough, with a = J_c d, that is
-too far off to be the point's (4).
+while. So where (1) and (2) hold in some frame of a track, in others one image by (2) is enough, with a = J_c d, that is
+too far off to be the point's (3).
 
-A point all of whose images lie by (1), or that has two images beside it by (2) and (3), or one by (4), is given up, if
-MOST of its track lies so. GATE standard deviations are allowed for.
+A point that has two images beside it by (1) and (2), or one by (3), is given up, if MOST of its track lies so. GATE
+standard deviations are allowed for.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -39,12 +33,12 @@ from ...numerics.runs import equal_runs
 from .associate import PredictedImages, predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
-from .near_held import AT_ONCE, NearHeld, near_held
+from .near_held import AT_ONCE
 from .neighbouring_points import TrackPoints, parts_of_frames
 from .unmarked_merging import SHARE
 
 GATE = 3.0
-"""Standard deviations of (1) and (2); chosen: as many as an image of both is hardly ever off."""
+"""Standard deviations of (1); chosen: as many as an image of both is hardly ever off."""
 
 REACH = 3.0
 """Of r: how far a and a′ are looked for from q; chosen: of 14 scenes whose images merge at 10 px (of seeds 300003 to
@@ -53,7 +47,6 @@ REACH = 3.0
 MOST = 0.5
 """Of a track, a share; chosen: single points given up break tracks of markers, as one of `gait9` that then goes over to
 another marker for 90 frames."""
-
 
 ONE_RAY = 1e-3
 """Radians between rays of two cameras, or what follows from rounding alone, that count as one ray; chosen."""
@@ -66,23 +59,8 @@ def between_markers(points: TrackPoints, detection: Ints, images: Images, r: flo
         return both
     for part in parts_of_frames(points.frame, AT_ONCE):
         both[part], one[part] = _seen_beside(points.take(part), detection[:, part], images, r)
-    out = both | (one & (np.bincount(points.id, both) > 0)[points.id]) | _between_tracks(points, detection, images, r)
+    out = both | (one & (np.bincount(points.id, both) > 0)[points.id])
     return out & (np.bincount(points.id, out) >= MOST * np.bincount(points.id))[points.id]
-
-
-def _between_tracks(points: TrackPoints, detection: Ints, images: Images, r: float) -> Bools:
-    """(P) the points all of whose images lie by (1) between the same two tracks."""
-    out = np.zeros(len(points.id), bool)
-    said: Counter[tuple[int, int, int]] = Counter()
-    for near in near_held(points, detection, images, r):
-        near = near.take(np.lexsort([near.other, near.image]))
-        i, j = _pairs(near.image)
-        good = _middle(near.take(i), near.take(j), images)
-        i, j = i[good], j[good]
-        said.update(zip(near.holder[i].tolist(), near.other[i].tolist(), near.other[j].tolist(), strict=True))
-    number = (detection >= 0).sum(0)
-    out[[row for (row, _, _), count in said.items() if count == number[row]]] = True
-    return out
 
 
 def _pairs(group: Ints) -> tuple[Ints, Ints]:
@@ -92,15 +70,8 @@ def _pairs(group: Ints) -> tuple[Ints, Ints]:
     return np.repeat(np.arange(len(group)), after), ranges(np.arange(1, len(group) + 1), after)
 
 
-def _middle(one: NearHeld, other: NearHeld, images: Images) -> Bools:
-    """(n) whether the images lie by (1) between the places of one and another point."""
-    off = images.uv[one.image].T - (one.uv + other.uv) / 2
-    room = images.variance[one.image] + (one.variance + other.variance) / 4
-    return np.asarray((off**2).sum(0) < GATE**2 * (room + SHARE**2 * ((one.uv - other.uv) ** 2).sum(0)))
-
-
 def _seen_beside(points: TrackPoints, detection: Ints, images: Images, r: float) -> tuple[Bools, Bools]:
-    """(P) the points that have two images beside them by (2) and (3), and those that have one by (4)."""
+    """(P) the points that have two images beside them by (1) and (2), and those that have one by (3)."""
     expected = predict_images(images.P, KalmanStates(points.xyz.T, points.cov.transpose(1, 2, 0)))
     known = np.isfinite(expected.uv[:, 0]) & (np.maximum(expected.S[:, 0], expected.S[:, 2]) < (r / 2) ** 2)
     c, row = np.nonzero((detection < 0) & known)
@@ -117,7 +88,7 @@ def _seen_beside(points: TrackPoints, detection: Ints, images: Images, r: float)
     both[beside.row[i[_on_both_sides(expected, detection, beside.take(i), beside.take(j), r)]]] = True
     J = np.tile(expected.J[beside.camera, :, :, beside.row], (1, 2, 1))
     d = _displacement(J, np.tile(beside.off, 2))
-    one[beside.row[_apart(expected, detection, beside.row, J, d) < r]] = True  # (4)
+    one[beside.row[_apart(expected, detection, beside.row, J, d) < r]] = True  # (3)
     return both, one
 
 
@@ -135,7 +106,7 @@ class _Beside(NamedTuple):
 
 
 def _on_both_sides(expected: PredictedImages, detection: Ints, one: _Beside, other: _Beside, r: float) -> Bools:
-    """(N) whether images lie on either side of their points by (2) and (3)."""
+    """(N) whether images lie on either side of their points by (1) and (2)."""
     J, S = ([of[each.camera, ..., each.row] for each in (one, other)] for of in (expected.J, expected.S))
     both, h = np.concatenate(J, axis=1), np.concatenate([one.off, -other.off], axis=1)
     d = _displacement(both, h)
@@ -167,7 +138,7 @@ def _displacement(J: Floats, h: Floats) -> Floats:
 
 
 def _apart(expected: PredictedImages, detection: Ints, row: Ints, J: Floats, d: Floats) -> Floats:
-    """(n) px of (3) in that camera of a point, of those that have an image of it, in which it is most; with d (n, 3) mm
+    """(n) px of (2) in that camera of a point, of those that have an image of it, in which it is most; with d (n, 3) mm
     that follows from J (n, 4, 3), which may leave it open along one ray."""
     _, size, axes = np.linalg.svd(J)
     ray = axes[:, 2] * (size[:, 2] < ONE_RAY * size[:, 0])[:, None]

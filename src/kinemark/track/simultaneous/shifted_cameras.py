@@ -1,44 +1,174 @@
-"""Cameras that lie beside the others by a few pixels, touched before the recording or within it, as tracks show them.
+"""Cameras that stand otherwise than they are calibrated, as the parts of a recording show.
 
-Their images are near enough to be associated, and take the points along: the others' noise does not say by how much. So
-all is tracked again without them (`learned_delays`). Where the whole calibration is off, each camera lies beside by
-something, and what one of them says of another is no better. So it counts where its images lie beside by
-
-    d > CLEAR · max over the others of theirs                                              (1)
+Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
+projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
+The share of the tracked points for which it has an image shows one whose images fit nothing any more (2), where its
+images are in no tracks: a subject who leaves turns away from a camera that still sees some of the markers.
+What is so in less than half of the parts from then on is of a place in the volume, as a lens fits less well at the edge
+of the image, where subjects come and go (7); so is what comes little by little, as a subject walks along (8).
+Where images in no track lie beside the points by the same in all parts, the camera was shifted by so much, however
+little noise it was taken to have (11). Numbers are those of `diagnostics`.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Detections, Finding, Rig
-from .diagnostics import PARTS, diagnose, parts_of_recording
+from ...data import Finding, make_finding
+from ...data.array_types import Bools, Floats, Ints
+from ...numerics.finite import finite_median
+from .associate import predict_images
+from .detection_index import Images
+from .kalman_states import KalmanStates
+from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
+from .time_offsets import MIN_SHIFT
 from .tracker import TrackingResult
-from .unfitting_stretches import Stretch
 
-CLEAR = 4.0
-"""Of (1); chosen on scenes of the second generator: cameras that were knocked had 9 to 20 (481003, 482007, 491004,
-492001 to 492003), those of files 1 px off that were called shifted 1.4 and 1.5 (493000, 493001)."""
+PARTS = 10
+"""Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
 
+STEP = 0.4
+"""Of what changed since before, the least that did so from one part of the recording to the next (8); chosen: a subject
+who walks through the volume changes it by up to a third."""
 
-def shifted_stretches(detections: Detections, rig: Rig, result: TrackingResult) -> dict[Stretch, Finding]:
-    """Where cameras lie beside the others (`diagnostics` (1)), and what is to be said where they are left out.
+ALONE = 2.0
+"""px off, from which on one part of the recording is enough to tell a touched camera (1); chosen: merged images of a
+few markers in a short part move its median by up to one."""
 
-    The part of the recording before the first that shows it may be the one in which the camera was moved.
-    """
-    n, found = detections.n_frames, dict[Stretch, Finding]()
-    for one in diagnose(detections, rig, result):
-        if one.kind == "camera_shifted" and not one.values["left_out"] and _is_clear(one, rig, result):
-            first = max(int(one.frames[0][0]) - n // PARTS, 0) if one.frames else 0
-            said = replace(one, values={**one.values, "left_out": True})
-            found[Stretch(rig.names.index(one.cameras[0]), first, n)] = said
-    return found
+FEW = 30
+"""Points from which a median is taken; chosen (see benchmarks/tracking.py)."""
 
 
-def _is_clear(one: Finding, rig: Rig, result: TrackingResult) -> bool:
-    """Whether a camera lies beside by far more than any other (1)."""
-    others = [parts_of_recording(result, c).usual for c, name in enumerate(rig.names) if name not in one.cameras]
-    d = float(np.linalg.norm(np.array([one.values[f"offset_{axis}_px"] for axis in "uv"], np.float64)))
-    return d > CLEAR * float(np.nanmax(others, initial=0.0))
+class Parts(NamedTuple):
+    """Of one camera and each part of the recording: off (n, 2) px where its images lie beside the others' points, NaN
+    where hardly any lies near; share (n) of the points that have one in their track; first (n) frame of the part."""
+
+    off: Floats
+    share: Floats
+    first: Ints
+
+    @property
+    def usual(self) -> float:
+        """px, how far off in the median part; NaN where that is not known."""
+        return finite_median(np.linalg.norm(self.off, axis=1))
+
+
+def shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:
+    """About a camera whose images lie beside the others', by more than `most` px, or fit no longer."""
+    if c in result.noise.inconsistent:
+        return []
+    return _lost(result, c, name, parts, most) or _beside_others(result, name, parts, most)
+
+
+def _lost(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:
+    """About a camera whose images fit no longer (2), where they are then by the same beside the points (11)."""
+    usual = np.nanmax(parts.share, initial=0.0)
+    lost = parts.share < 0.1 * usual
+    if not (usual > MIN_FOUND_SHARE and lost[-1]):
+        return []
+    k = len(lost) - int(np.argmin(lost[::-1]))
+    if not images_fit_nothing(result, c, since := parts.first[k]):  # without images, nothing says so
+        return []
+    when = [(since, result.tracks.cloud.n_frames - 1)]
+    if (beside := _beside(parts.off[k:], most)) is None:
+        return [make_finding("camera_moved", cameras=[name], frames=when)]
+    return [_shifted(name, beside, when)]
+
+
+def _beside_others(result: TrackingResult, name: str, parts: Parts, most: float) -> list[Finding]:
+    """About a camera whose images lie beside the others' (1), from some part on or throughout."""
+    far = np.linalg.norm(parts.off, axis=1)
+    wrong = np.flatnonzero(far > most)
+    if not len(wrong) or 2 * len(wrong) < np.isfinite(far[wrong[0] :]).sum():  # (7)
+        return []
+    if len(wrong) == 1 and far[wrong[0]] < ALONE:
+        return []
+    whole = len(wrong) >= np.isfinite(far).sum() - 1 or not np.isfinite(far[: wrong[0]]).any()
+    if not whole and not _stepped(parts.off, wrong[0], most):
+        return []
+    began = [] if whole else [(parts.first[wrong[0]], result.tracks.cloud.n_frames - 1)]
+    return [_shifted(name, np.nanmedian(parts.off[wrong], axis=0), began)]
+
+
+def _shifted(name: str, offset: Floats, frames: Sequence[tuple[int, int]]) -> Finding:
+    """About a camera whose images lie beside by an offset (2) px, in all frames where none are given."""
+    u, v = offset
+    return make_finding("camera_shifted", cameras=[name], frames=frames, offset_u_px=u, offset_v_px=v, left_out=False)
+
+
+def _beside(off: Floats, most: float) -> Floats | None:
+    """(2) px by which images lie beside points, off (n, 2), in all of several parts by the same more than `most` (11);
+    None where they do not."""
+    if len(off) < 2 or not np.isfinite(off).all():
+        return None
+    middle = np.median(off, axis=0)
+    spread = np.linalg.norm(off - middle, axis=1).max()
+    return middle if spread < MIN_SHIFT and np.linalg.norm(middle) > most else None
+
+
+def _stepped(off: Floats, k: int, most: float) -> bool:
+    """Whether off (n, 2) changed by `most` px with part k, and at once (8)."""
+    step = np.linalg.norm(np.nanmedian(off[k:], axis=0) - np.nanmedian(off[:k], axis=0))
+    known = off[np.isfinite(off[:, 0])]
+    at_once = np.linalg.norm(np.diff(known, axis=0), axis=1).max()
+    return bool(step > most and at_once > STEP * step)
+
+
+def images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:
+    """Whether camera c has images from frame `since` on, and hardly any of them is in a track."""
+    images, used = result.images, result.tracks.cloud.detection[:, c]
+    own = np.flatnonzero(images.usable & (images.camera == c) & (images.frame >= since))
+    return len(own) >= FEW and bool(np.isin(own, used).mean() < 0.1)
+
+
+def parts_of_recording(result: TrackingResult, c: int) -> Parts:
+    """What a camera has where the points of the tracks are, by parts of the recording."""
+    cloud, images = result.tracks.cloud, result.images
+    first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
+    part = np.searchsorted(first, cloud.frame, side="right") - 1
+    uv = expected_places(result, c)
+    inside = in_view(result, c, uv, 2)
+    near = nearest_images(images, cloud.frame, c, uv)
+    own_image = cloud.detection[:, c]
+    near[(near != own_image) & np.isin(near, own_image)] = -1  # another marker's says nothing of this one
+    off, share = np.full((len(first), 2), np.nan), np.full(len(first), np.nan)
+    for k in range(len(first)):
+        own = (part == k) & inside
+        there = own & (near >= 0)
+        if there.sum() >= max(FEW, 2 * MIN_FOUND_SHARE * own.sum()):
+            off[k] = np.median(images.uv[near[there]] - uv[there], axis=0)
+        if own.sum() >= FEW:
+            share[k] = (cloud.detection[own, c] >= 0).mean()
+    return Parts(off, share, first)
+
+
+def expected_places(result: TrackingResult, c: int) -> Floats:
+    """(P, 2) px where camera c should see the points of the tracks."""
+    return (
+        predict_images(
+            result.images.P[c : c + 1],
+            KalmanStates(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud)))),
+        )
+        .uv[0]
+        .T
+    )
+
+
+def in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
+    """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
+    others = np.delete(result.tracks.cloud.detection, c, axis=1) >= 0
+    return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
+
+
+def nearest_images(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
+    """(P) rows of the images of camera c nearest to places uv (P, 2), −1 where none is within FAR."""
+    own, detection = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
+    far = np.linalg.norm(images.uv[detection] - uv[own], axis=1)
+    order = np.argsort(-far, kind="stable")
+    order = order[far[order] < MAX_DISTANCE]
+    out = np.full(len(uv), -1)
+    out[own[order]] = detection[order]
+    return out

@@ -44,7 +44,6 @@ from .drifting_pairs import usual_residuals
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
 from .given_up_points import with_merging, without_drifting, without_reflections
 from .likelihood import SURE, disagreement, evidence, point_evidence
-from .lone_images import without_lone
 from .measurement_noise import Noise, sampled_frames
 from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
@@ -288,8 +287,7 @@ def _first_pass(
 def _followed(
     rate: float, images: Images, working: Working, method: Simultaneous
 ) -> tuple[Associations, Associations, Floats]:
-    """The associations of all tracks, without `cov` and `squared`; those of tracks that have enough, without lone
-    images; the evidence (N).
+    """The associations of all tracks, without `cov` and `squared`; those of tracks that have enough; the evidence (N).
 
     What this needs in between takes much memory, and ends with it.
     """
@@ -317,7 +315,7 @@ def _followed(
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
     every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     return_memory()
-    return every, without_lone(seen, working.images), speaks
+    return every, seen, speaks
 
 
 def _working(

@@ -57,7 +57,6 @@ from .merging_in_images import merged_in_images
 from .near_held import NearHeld, near_held
 from .neighbouring_points import TrackPoints
 from .second_pass import expected_between
-from .seen_apart import SeenApart
 from .simultaneous_method import Simultaneous
 from .solved_points import MovedImages, Solver
 
@@ -231,13 +230,11 @@ def possible_claims(
 ) -> Claims:
     """Claims on images that lie where another track, which lacks one, is expected; of several others by the nearest.
 
-    Others are also tracks without a point, expected at `unseen`, but for images that may be their own. Of tracks that
-    one marker can make none is told (`seen_apart`). Claims on several cameras at once are followed by one for each.
+    Others are also tracks without a point, expected at `unseen`, but for images that may be their own. Claims on
+    several cameras at once are followed by one for each.
     """
-    apart = SeenApart(points, detection, images.P, r)
     id = points.id if unseen is None else np.concatenate([points.id, unseen.id])
-    found = near_held(points, detection, images, r, unseen)
-    parts = [_nearest(near.take(apart(id[near.holder], id[near.other])), images) for near in found]
+    parts = [_nearest(near, images) for near in near_held(points, detection, images, r, unseen)]
     near = _nearest(NearHeld(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True))), images)
     off = np.hypot(*(near.uv - images.uv[near.image].T))
     own = (near.other >= len(points.id)) & (off**2 < OWN**2 * (images.variance[near.image] + near.variance))

@@ -46,7 +46,8 @@ def possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> Poss
     T = 1 / tracks.cloud.rate
     points, track, loose = _pieces(tracks, own, method.max_gap)
     if len(loose) < 2:
-        return PossibleExchanges(*np.zeros((1, 0, 2), np.int64), *np.zeros((2, 0), np.int64), np.zeros(0))
+        none = np.zeros(0, np.int64)
+        return PossibleExchanges(none.reshape(0, 2), none, none, np.zeros(0))
     ends = ends_of(points, T, method)
     pair = _pairs(ends, loose, T, method)
     before = pair[[0, 1, 0, 1]]

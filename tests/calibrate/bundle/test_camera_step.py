@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinemark.calibrate.bundle import calibrate_points
-from kinemark.calibrate.bundle.camera_step import BLOCKS, camera_step
-from kinemark.calibrate.bundle.one_side import from_one_side
+from kinemark.calibrate.bundle.camera_step import BLOCKS, CameraStep, camera_step
+from kinemark.calibrate.bundle.one_side import from_one_side, uncertain
 from kinemark.calibrate.wand import calibrate_wand, moved_camera
 from kinemark.calibrate.wand.identify import marker_places
 from kinemark.data import Detections, KinemarkError, Rig
@@ -123,6 +123,15 @@ def test_where_too_few_images_follow_the_camera_is_as_uncertain_as_it_was_moved(
     assert not np.any(more[:3])
     assert np.sqrt(np.diag(more[3])[9:11] * 2) * fit.rig[3].K[0, 0] == pytest.approx([step.px] * 2, rel=1e-3)
     assert np.array_equal(fit.joint[-15:, -15:], fit.rig[3].cov)
+
+
+def test_where_nobody_knows_which_camera_was_moved_each_is_as_uncertain():
+    rig, uv = images(3, 3)
+    still = calibrate_points(rig.names, [camera.size for camera in rig], uv[:, :, 0])
+    fit = uncertain(still, CameraStep(rig.names[0], False, 200, 2.0, 180, 220))
+    for before, camera in zip(still.rig, fit.rig, strict=True):
+        more = np.diag(camera.cov - before.cov)[9:11]
+        assert np.sqrt(2 * more) * camera.K[0, 0] == pytest.approx([2.0] * 2, rel=0.02)
 
 
 def test_a_single_marker_is_calibrated_by_what_was_seen_after_the_move():

@@ -37,14 +37,14 @@ def from_one_side(
 
 
 def uncertain(fit: BundleFit, step: CameraStep) -> BundleFit:
-    """The fit with the variance of (2) for the camera that was moved."""
-    c, joint = fit.rig.names.index(step.camera), fit.joint.copy()
-    camera = fit.rig[c]
-    n = len(PARAMETERS)
-    more = np.zeros((n, n))
-    more[TURNS, TURNS] = step.px**2 / 2 / np.diag(camera.K)[:2] ** 2
-    own = slice(n * c, n * (c + 1))
-    joint[own, own] += more
-    cameras: list[Camera] = [*fit.rig.cameras]
-    cameras[c] = replace(camera, cov=camera.cov + more)
+    """The fit with the variance of (2) for the camera that was moved, or for each where nobody knows which."""
+    cameras, joint, n = list[Camera](fit.rig.cameras), fit.joint.copy(), len(PARAMETERS)
+    for c, camera in enumerate(fit.rig):
+        if step.alone and camera.name != step.camera:
+            continue
+        more = np.zeros((n, n))
+        more[TURNS, TURNS] = step.px**2 / 2 / np.diag(camera.K)[:2] ** 2
+        own = slice(n * c, n * (c + 1))
+        joint[own, own] += more
+        cameras[c] = replace(camera, cov=camera.cov + more)
     return fit._replace(joint=joint, rig=Rig(tuple(cameras), fit.rig.method, fit.rig.volume))

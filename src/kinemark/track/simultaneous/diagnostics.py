@@ -1,8 +1,7 @@
 """What a run shows of its input: cameras that were moved, swapped, shifted or stopped, and a rate that cannot be.
 
-Each camera is compared with what all the others together say: `shifted_cameras` (1), (2), (7), (8) and (11).
-A camera that was touched stands out among the others, whose images lie beside theirs by what the calibration leaves
-(9); where most of them lie as far off, it is the calibration that fits no better (10).
+Each camera is compared with what all the others together say: `shifted_cameras` (1), (2), (7) to (9) and (11).
+Where the images of most cameras lie beside the others', it is the calibration that fits no better (10).
 A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
 still lies about may never have been in its sight (5). Nor has one that was as long without images before: few markers
 turn away from it now and then (6).
@@ -34,20 +33,17 @@ from .shifted_cameras import (
     expected_places,
     images_fit_nothing,
     in_view,
+    least_shifts,
     nearest_images,
     parts_of_recording,
     shifted,
+    usual_offsets,
 )
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult
 
 MAX_SPEED = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
-
-STANDS_OUT, LEAST_SHIFT = 3.0, 0.75
-"""Times as far off as the others' median that the images of a camera are that was touched (9), and px at least; chosen
-on 32 simulated recordings of 4 to 10 good cameras .3 to 1 px off: one has such a camera, 13 have one that is 2 times
-and 0.5 px off. Of 19 that were touched by 2 px 12 are told, by 2 times 13."""
 
 MISFIT_SD = 1.0
 """px of standard deviation, from which on images that need lens terms make a trial useless (12); chosen, as markers at
@@ -59,22 +55,21 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     rig = result.rig
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     parts = [parts_of_recording(result, c) for c in range(len(rig))]
-    usual = np.array([np.nan if c in result.noise.inconsistent else part.usual for c, part in enumerate(parts)])
+    least = least_shifts(result, parts)
     lost = {c: _left_out(c, result, detections, rig) for c in {one.camera for one in result.unfitting}}
     lost |= {rig.names.index(name): [one] for one in result.shifted for name in one.cameras}
     turned = {one.camera: [_put_right(one, rig)] for one in result.put_right}
     for c, name in enumerate(rig.names):
-        most = max(LEAST_SHIFT, STANDS_OUT * finite_median(np.delete(usual, c), 0.0))  # (9)
         found += (
             lost.get(c)
             or turned.get(c)
             or _without_images(detections, result, c)
             or late.get(c)
-            or shifted(result, c, name, parts[c], most)
+            or shifted(result, c, name, parts[c], least[c])
             or _in_no_track(result, c, name)
             or _doubtful(result, c, name)
         )
-    found += _calibration_off(rig, usual, late)
+    found += _calibration_off(rig, usual_offsets(result, parts), late)
     told = {*lost, *np.flatnonzero(_valid_counts(detections).sum(1) == 0).tolist()}
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist() if c not in told]
     if 0 < detections.n_frames < LEAST_FRAMES and len(detections):

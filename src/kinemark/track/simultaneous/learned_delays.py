@@ -22,9 +22,9 @@ from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
 from .camera_strobes import without_strobes
 from .detection_index import Images, read_images
-from .knocked_cameras import shifted_stretches
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
+from .shifted_stretches import shifted_stretches
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once

@@ -53,7 +53,7 @@ def test_images_that_two_tracks_have_exchanged_are_changed_back():
     one = Exchange()
     assert not drifting(*one.known, one.usual, METHOD.gate).any()
     assert not drifting_beyond(*one.known, one.usual, 0.0, METHOD.gate, 1 / 100).any()
-    assert not chance_meetings(*one.known, one.usual, METHOD.gate).any()
+    assert not chance_meetings(*one.known, one.usual, 0.0, METHOD.gate).any()
     np.testing.assert_array_equal(one.changed(), Exchange(wrong=False).held)
 
 

@@ -63,6 +63,9 @@ def test_strides_in_which_the_subject_stands_are_left_out_and_told(for_s):
     assert [f"{side}: mean ± SD of {k} strides" for side, k in zip(("left", "right"), n, strict=True)] == (
         time_distance_table(figures).head[1:4:2]
     )
+    lone = {name: one | {"strides": 1, "spread": None} for name, one in figures["time_distance"]["left"].items()}
+    alone = figures | {"time_distance": figures["time_distance"] | {"left": lone}}
+    assert time_distance_table(alone).head[1] == "left: 1 stride"
     kinds = {one["kind"]: one["values"] for one in figures["findings"]}
     assert kinds["gait_stands_left_out"]["left_out"] == len(left_out)
 

@@ -154,6 +154,7 @@ def gait_figures(
     files: Mapping[str, str] | None = None,
     bodies: Sequence[BodyOfTrial] = (),
     left_out: Sequence[Finding] = (),
+    contractions: bool = False,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -166,6 +167,7 @@ def gait_figures(
         renamed: the files' names by the model's, where they differ. stated: the subject that each file states, by its
             name. files: of the trials, by their names. feet: how the static trial's own program took them, where it is
             the other way. bodies: that the files show. left_out: what is told of walks that do not count.
+        contractions: whether the EMG is in % of a trial of greatest contractions.
     """
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
@@ -179,7 +181,7 @@ def gait_figures(
         *([] if clusters is None else _of_clusters(clusters)),
         *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
         *_findings(trials, measures, static),
-        *of_contractions(curves),
+        *of_contractions(curves if contractions else ()),
         *_of_gaps(curves, [key for trial in trials for key in trial.keys]),
     ]
     uncertainty = uncertainty_by_cause(causes)

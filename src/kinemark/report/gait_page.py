@@ -154,8 +154,8 @@ def _sides_head(left: Sequence[dict[str, Any]], right: Sequence[dict[str, Any]])
     head = [""]
     for side, numbers in (("left", left), ("right", right)):
         least, most = (f({one["strides"] for one in numbers if one["strides"]}, default=0) for f in (min, max))
-        of = f"{least} to {most} strides" if least < most else "1 stride" if most == 1 else f"{most} strides"
-        head += [f"{side}: mean ± SD of {of}", "measured to ±"]
+        of = f"mean ± SD of {least} to {most} strides" if least < most else f"mean ± SD of {most} strides"
+        head += [f"{side}: {'1 stride' if most == 1 else of}", "measured to ±"]
     return head
 
 

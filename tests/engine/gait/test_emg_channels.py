@@ -5,11 +5,15 @@ import pytest
 
 from kinemark.data import Analog, Trajectories, Trial
 from kinemark.data.strides import Stride
+from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.emg import emg_of, greatest_contractions, left_out_of
+from kinemark.findings.gait import gait_figures
 from kinemark.findings.gait_muscles import of_contractions
 from kinemark.gait.gait_cycles import emg_curves
 
 MUSCLES = ("Voltage.L Rect", "R_soleus", "Electric Potential.1", "EMG7", "L Pectoralis", "Voltage.MX left")
+LEG = LegMeasures(leg_mm=900.0, knee_mm=105.0, ankle_mm=75.0)
+BODY = SubjectMeasures(LEG, LEG)
 OTHERS = (
     "Electric Potential.Fx",
     "Electric Potential.Fz [2]",
@@ -56,10 +60,11 @@ def test_letters_of_a_muscle_tell_a_channel_without_a_unit():
     assert tuple(emg_of(trial)) == muscles
 
 
-def bursting(unit, gain):
-    """A muscle that is on for half of each second, in a unit."""
+def bursting(unit, gain, leap=0.0):
+    """A muscle that is on for half of each second, in a unit; its first samples leap."""
     time = np.arange(4000) / 1000.0
     values = (0.02 + 0.5 * (time % 1.0 < 0.5)) * np.random.default_rng(1).normal(size=4000) * gain
+    values[:5] += leap
     return Trial("walk", Trajectories((), 100.0), (Analog(("EMG LTA",), (unit,), 1000.0, values[None]),))
 
 
@@ -78,3 +83,13 @@ def test_a_contraction_with_another_gain_is_told(gain, told):
     curves = emg_curves(emg_of(bursting("mV", 1.0)), steps, whole=most)
     found = [one.kind for one in of_contractions(curves)]
     assert found == ["emg_scale_doubtful"] * told
+
+
+def test_without_a_trial_of_contractions_none_is_doubted():
+    """A leap before the first stride is then 100 %, and the strides are far below it."""
+    steps = [Stride("left", k, k + 1.0, {"foot_off": 60.0}, {}) for k in (1, 2)]
+    curves = emg_curves(emg_of(bursting("mV", 1.0, leap=1e4)), steps)
+    for contractions in (False, True):
+        found = gait_figures((), curves, {}, subject="", measures=BODY, method={}, static=None,
+                             contractions=contractions)["findings"]  # fmt: skip
+        assert ("emg_scale_doubtful" in {one["kind"] for one in found}) == contractions

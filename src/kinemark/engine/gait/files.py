@@ -164,7 +164,8 @@ def gait_of_files(
     files = {names[path.resolve()]: str(path) for path in walks}
     no_use = [*of_left_out({names[path.resolve()]: str(error) for path, error in unusable.items()}, repeated)]
     bodies = bodies_of(whole, still, moved)
-    figures = _figures(whole, still, found, known, static, band, settings, files, bodies, no_use)
+    figures = _figures(whole, still, found, known, static, band, settings, files, bodies, no_use,
+                       contractions=mvc is not None)  # fmt: skip
     figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
     figures["identity"] = identity_of_file(whole[0].given, Path(files[whole[0].name]))
     notes = _written(into, whole, found, figures, band, self_contained=self_contained)
@@ -257,7 +258,7 @@ def _c3d(folder: Path, name: str) -> Path:
 def _figures(
     walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
     band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str], bodies: Sequence[BodyOfTrial],
-    left_out: Sequence[Finding],
+    left_out: Sequence[Finding], *, contractions: bool,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
     stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
@@ -270,6 +271,7 @@ def _figures(
             estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
             stated=stated, files=files, feet=feet, bodies=bodies, left_out=left_out,
+            contractions=contractions,
         )
     )  # fmt: skip
 

@@ -59,6 +59,15 @@ def test_markers_before_and_at_the_edge_of_a_window_are_where_they_are(seed):
     assert recall >= 0.98 and off < 0.06 and false < 0.1
 
 
+@pytest.mark.parametrize("seed", [10, 11])
+def test_markers_that_stay_before_a_window_are_where_they_are(seed):
+    """They are at each place of theirs in more than one of seven frames, which is no change of light."""
+    turn, phase = np.arange(FRAMES)[:, None, None] * 0.1, np.random.default_rng(seed).uniform(0, 6, (12, 2))
+    outside, before = ([(u + 45 * (k % 2), 50 + 50 * (k // 2)) for k in range(6)] for u in (40, 180))
+    recall, off, false = judged(*filmed(seed, paths=[*outside, *before] + 8 * np.sin(turn * [1.0, 1.3] + phase)))
+    assert recall >= 0.98 and off < 0.05 and false < 0.1
+
+
 @pytest.mark.parametrize("seed", [3, 4])
 def test_light_that_was_hidden_most_of_the_time_is_no_marker(seed):
     """Hands before the window for three quarters of the recording."""

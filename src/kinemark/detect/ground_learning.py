@@ -12,10 +12,11 @@ away: it is no corner of something large, nor a slope. Markers touch what is dim
 ground, and so stay in the images.
 
 Before a ground of g grey levels a marker of the usual level M counts (M − b) / (M − g) times, for the median b, if that
-leaves the noise σ of the ground `CLEAR` times below c (3), and where light changes, what the image is brighter than g
-in one of seven frames, `LIVELY` times. Glare and light on a window pane are added to a marker's instead, which hides
-nothing: its level rises with g, and none counts more. So that is only done where the median level of markers before
-ground that is brighter by c / 2, or the brightest, is nearer to that of others than what they stand out by is (4).
+leaves the noise σ of the ground `CLEAR` times below c (3), and where narrow light changes, what the image is brighter
+than g in one of seven frames, `LIVELY` times. Glare and light on a window pane are added to a marker's instead, which
+hides nothing: its level rises with g, and none counts more. So that is only done where the median level of markers
+before ground that is brighter by c / 2, or the brightest, is nearer to that of others than what they stand out by is
+(4).
 """
 
 from __future__ import annotations
@@ -114,9 +115,9 @@ def before_dark(ground: Ground, images: GreyLevels, field: Ints, spots: Spots) -
     usual = spots.peak - ground.level  # M − b
     times = []
     for k, light in enumerate(ground.light):
-        more = np.where(
-            light > spots.contrast / 2, _quantile(bright[field == k], SELDOM) - (light.astype(float) + ground.level), 0
-        )
+        narrow = above(light, opening(light, spots.side))  # what is wide is taken away as bright as it is just now
+        more = _quantile(bright[field == k], SELDOM) - (light.astype(float) + ground.level)
+        more = np.where(narrow > spots.contrast / 2, more, 0)
         unsteady = scipy.ndimage.maximum_filter(np.maximum(CLEAR * noise, LIVELY * more), 3)
         hidden = usual / np.maximum(usual + b - light, 1e-9)
         times.append(np.clip(np.minimum(hidden, spots.contrast / unsteady), 1, MOST))

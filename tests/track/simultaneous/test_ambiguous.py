@@ -35,12 +35,13 @@ from support.motions import dance, in_pieces
 METHOD = Simultaneous()
 
 
-def sightings(xyz, *, rows=None, before=1.0):
-    """Tracks (N, F, 3) seen by two cameras in every frame, by frame; rows (N, F, 2) where not all are, −1 for none."""
+def sightings(xyz, *, rows=None, before=1.0, shared=None):
+    """Tracks (N, F, 3) seen by two cameras in every frame, by frame; rows (N, F, 2) where not all are, −1 for none;
+    shared (N, F, 2) images."""
     n, frames, _ = xyz.shape
     id, frame = (k.ravel() for k in np.mgrid[:n, :frames])
     own = np.arange(2 * n * frames).reshape(n, frames, 2) if rows is None else np.asarray(rows)
-    shared = np.zeros(own.shape, bool)
+    shared = np.zeros(own.shape, bool) if shared is None else shared
     wide = np.broadcast_to(np.asarray(before, float), (n, frames)).ravel()
     cov = np.broadcast_to(np.eye(3)[..., None], (3, 3, n * frames))
     every = Associations(
@@ -127,12 +128,19 @@ def tracks_of(xyz, *, missing=(), rate=100.0):
 
 def test_a_track_that_lives_on_merged_images_may_be_the_other_marker():
     """Also where no other track shares them: the marker that comes out of them may not be the one that went in."""
-    tracks = tracks_of(straight())
-    own = np.ones((len(tracks.id), 4), bool)
+    tracks, own, seen, merged = tracks_of(straight()), np.ones((40, 4), bool), sightings(straight()), np.zeros(80, bool)
+    assert _merged(tracks, own, seen, merged) == []
     own[(tracks.id == 0) & (tracks.cloud.frame >= 5) & (tracks.cloud.frame < 9), 1:] = False
-    assert [(d.kind, d.first, d.last, d.tracks) for d in _merged(tracks, own)] == [("merge", 5, 8, (0,))]
-    own[:, :2] = True
-    assert _merged(tracks, own) == []
+    assert [(d.kind, d.first, d.last, d.tracks) for d in _merged(tracks, own, seen, merged)] == [("merge", 5, 8, (0,))]
+
+
+def test_a_track_that_was_followed_by_images_of_others_is_merged():
+    """Also where these points were given up since."""
+    shared = np.zeros((2, 20, 2), bool)
+    shared[0, 5:9, 0] = True
+    left = tracks_of(straight(), missing=[(0, slice(5, 9))])
+    decisions = _merged(left, np.ones((36, 4), bool), sightings(straight(), shared=shared), np.zeros(80, bool))
+    assert [(d.kind, d.first, d.last, d.tracks) for d in decisions] == [("merge", 5, 8, (0,))]
 
 
 @pytest.mark.parametrize(("apart", "found"), [(10.0, 1), (400.0, 0)])
@@ -321,7 +329,7 @@ def test_a_calibration_that_is_off_in_all_cameras_touched_none(seen):
     assert 0.5 < found.values["offset_px"] < 2
     touched = replace(off, uv=off.uv + (detections.camera == 3)[:, None] * [-8.0, 0.0])
     kinds = {one.kind: one.cameras for one in diagnose(touched, rig, track_simultaneously(touched, rig, METHOD))}
-    assert kinds["camera_put_right"] == ("c3",)
+    assert kinds["camera_shifted"] == ("c3",)
 
 
 def test_only_our_own_method_says_that_a_camera_was_left_out(seen):

@@ -128,7 +128,7 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
         *_found_again(seen, method),
         *_jumps(result.tracks, method),
         *_possible_exchanges(result.tracks, own, method),
-        *_merged(result.tracks, own),
+        *_merged(result.tracks, own, seen, result.images.merged),
         *_little_evidence(result),
         *_close_stitches(result, method),
     ]
@@ -215,12 +215,18 @@ def _possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> lis
     ]
 
 
-def _merged(tracks: Tracks, own: Bools) -> list[AmbiguousDecision]:
-    """Tracks that used images of several markers, and had fewer than two of their own, where own (P, C)."""
-    rows = np.flatnonzero((own.sum(1) < 2) & ((tracks.cloud.detection >= 0).sum(1) >= 2))
+def _merged(tracks: Tracks, own: Bools, seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
+    """Tracks that used images of several markers, and had fewer than two of their own, where own (P, C): when they were
+    tracked, or in the end, as points are given up and found in between."""
+    cloud, has = tracks.cloud, seen.detection >= 0
+    few = (has & ~seen.shared & ~merged[seen.detection]).sum(0) < 2
+    was = np.flatnonzero(few & (has & seen.shared).any(0) & (has.sum(0) >= 2))
+    now = np.flatnonzero((own.sum(1) < 2) & ((cloud.detection >= 0).sum(1) >= 2))
+    both = np.append(seen.id[was], tracks.id[now]), np.append(seen.frame[was], cloud.frame[now])
+    who, frame = np.unique(both, axis=1)
     return [
-        AmbiguousDecision("merge", a, b, who, "shared_images")
-        for who, a, b, _ in _runs(tracks.id[rows][:, None], tracks.cloud.frame[rows], np.zeros(len(rows)))
+        AmbiguousDecision("merge", a, b, one, "shared_images")
+        for one, a, b, _ in _runs(who[:, None], frame, np.zeros(len(frame)))
     ]
 
 

@@ -48,7 +48,7 @@ def _clear(rig: Rig, result: TrackingResult) -> set[str]:
     return {
         rig.names[c]
         for c, one in found
-        if one.kind == "camera_shifted" and _length(one) > CLEAR * np.nanmax(np.delete(usual, c), initial=0.0)
+        if one.kind == "camera_shifted" and _length(one) > CLEAR * np.fmax.reduce(np.delete(usual, c), initial=0.0)
     }
 
 

@@ -52,12 +52,12 @@ KEPT = {
     "larger by the move.",
     "all": "All images were used, and the errors of the camera are stated as larger by the move.",
 }
-"""What `camera_moved_while_calibrating` says of the images that were kept."""
+"""What `camera_moved_while_calibrating` says of the images that were kept; nothing where that is not known."""
 
 
 def _moved_meanwhile(found: Finding) -> str:
     since = "from about frame {first_frame} on ({from_s:1} from the beginning)"
-    kept, whose = KEPT[str(found.values["kept"])], "Its images" if found.cameras else "All images"
+    kept, whose = KEPT.get(str(found.values["kept"]), ""), "Its images" if found.cameras else "All images"
     if found.cameras:
         said = f"{{Cameras}} was probably moved while calibrating: {since} its images lie {{offset_px:1}} beside."
     else:
@@ -65,7 +65,7 @@ def _moved_meanwhile(found: Finding) -> str:
             f"The cameras do not fit each other the whole time while calibrating: {since} one of them was probably "
             "moved, by {offset_px:1} in its image."
         )
-    return fill(f"{said} {kept.format(whose=whose)}", found)
+    return fill(f"{said} {kept.format(whose=whose)}".strip(), found)
 
 
 def _world_elsewhere(found: Finding) -> str:

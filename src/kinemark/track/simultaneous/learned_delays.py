@@ -11,6 +11,8 @@ at uneven times, and fast ones, agree less.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +32,9 @@ from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offset
 from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once
 from .turned_camera import put_right, with_camera
 from .unfitting_stretches import Stretch, is_followed, is_lost, unfitting_stretches, without_stretches
+
+_Track = Callable[[Detections, Rig], TrackingResult]
+"""Tracks detections by cameras, in the way that the caller asks for."""
 
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
@@ -74,12 +79,13 @@ def track_simultaneously(
     `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None keeps all. So are
     images of the strobes of other cameras (`camera_strobes`).
     """
+    track = partial(_with_delays, method=method, errors=errors, volume_margin=volume_margin)
     lenses = missing_lenses(detections, rig)
     rig = rig if lenses is None else lenses.on(rig)
     detections = without_strobes(detections, rig)
     suspected, tried = unfitting_stretches(detections, rig), set[Stretch]()
     while True:
-        result = _with_delays(without_stretches(detections, suspected), rig, method, errors, volume_margin)
+        result = track(without_stretches(detections, suspected), rig)
         tried |= {*suspected}
         sure = tuple(one for one in suspected if is_lost(one, result.tracks, result.images, detections, rig))
         beside = [Stretch(c, 0, detections.n_frames) for c in beside_tracks(result.tracks, result.images)]
@@ -87,31 +93,24 @@ def track_simultaneously(
         if not sure and (hidden := _hidden_misfits(tried, detections, rig)):
             suspected = (hidden[0],)
         elif sure == suspected and not untried:
-            if followed := _followed(suspected, detections, rig, method, errors, volume_margin):
+            if followed := _followed(suspected, detections, rig, track):
                 suspected = tuple(one for one in suspected if one not in followed)
                 continue
             doubtful = {one.camera for one in tried if one.whole(detections.n_frames) and not sure}
             result = result._replace(unfitting=suspected, lenses=lenses, doubtful=tuple(sorted(doubtful)))
-            right = _with_put_right(result, detections, rig, method, errors, volume_margin)
-            return _without_shifted(right, detections, right.rig, method, errors, volume_margin)
+            right = _with_put_right(result, detections, rig, track)
+            return _without_shifted(right, detections, right.rig, track)
         else:
             suspected = sure if sure != suspected else _with(sure, untried[0])
 
 
-def _followed(
-    suspected: tuple[Stretch, ...],
-    detections: Detections,
-    rig: Rig,
-    method: Simultaneous,
-    errors: ImageErrors,
-    volume_margin: float | None,
-) -> list[Stretch]:
+def _followed(suspected: tuple[Stretch, ...], detections: Detections, rig: Rig, track: _Track) -> list[Stretch]:
     """Those of parts of the recording in which tracks that are made with the camera go on."""
     parts = [one for one in suspected if not one.whole(detections.n_frames)]
     if not parts:
         return []
     rest = tuple(one for one in suspected if one not in parts)
-    tracks = _with_delays(without_stretches(detections, rest), rig, method, errors, volume_margin).tracks
+    tracks = track(without_stretches(detections, rest), rig).tracks
     return [one for one in parts if is_followed(one, tracks, detections)]
 
 
@@ -127,14 +126,7 @@ def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]
     return tuple(sorted((whole, *(one for one in stretches if one.camera != whole.camera))))
 
 
-def _without_shifted(
-    result: TrackingResult,
-    detections: Detections,
-    rig: Rig,
-    method: Simultaneous,
-    errors: ImageErrors,
-    volume_margin: float | None,
-) -> TrackingResult:
+def _without_shifted(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
     """Tracks again with cameras put right that lie beside the others; without them, where few of these need them.
 
     Beside two or three others a camera shares most of its points with one of them alone. There it stays, and its noise
@@ -144,7 +136,7 @@ def _without_shifted(
     if not found:
         return result
     left = tuple(sorted((*result.unfitting, *found)))
-    again = _with_delays(without_stretches(detections, left), rig, method, errors, volume_margin)
+    again = track(without_stretches(detections, left), rig)
     again = again._replace(
         unfitting=left,
         shifted=tuple(found.values()),
@@ -152,20 +144,13 @@ def _without_shifted(
         doubtful=result.doubtful,
         put_right=result.put_right,
     )
-    right = _with_put_right(again, detections, rig, method, errors, volume_margin)
+    right = _with_put_right(again, detections, rig, track)
     own = [one.camera for one in found if one in right.unfitting]
     seen, before = ((np.delete(one.tracks.cloud.detection, own, 1) >= 0).sum() for one in (right, result))
     return right if seen >= NEARLY * before else result
 
 
-def _with_put_right(
-    result: TrackingResult,
-    detections: Detections,
-    rig: Rig,
-    method: Simultaneous,
-    errors: ImageErrors,
-    volume_margin: float | None,
-) -> TrackingResult:
+def _with_put_right(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
     """Tracks again with the cameras that were left out of the whole recording, or fit nothing, and can be put right.
 
     The same where there are none, or where they do not fit then.
@@ -185,7 +170,7 @@ def _with_put_right(
         return result
     own = [one.camera for one in turned]
     left = tuple(one for one in result.unfitting if one.camera not in own)
-    again = _with_delays(without_stretches(detections, left), rig, method, errors, volume_margin)
+    again = track(without_stretches(detections, left), rig)
     others = np.delete(np.arange(len(rig)), own)
     seen, before = ((one.tracks.cloud.detection[:, others] >= 0).sum() for one in (again, result))
     if seen < SAME * before or {*beside_tracks(again.tracks, again.images)} & {*own}:

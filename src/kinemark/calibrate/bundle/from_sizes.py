@@ -100,7 +100,7 @@ def calibrate_points(
     Args:
         names: (C).
         sizes: (C, 2) width and height of the images, px.
-        uv: (C, N, 2) px, in order of time where a moved camera is to be noticed; NaN where not seen.
+        uv: (C, N, 2) px, in order of time, as images before a camera was moved are left out; NaN where not seen.
         cov: (C, N, 2, 2) px², right in proportion; without it, or with NaN in it, all points count alike.
         method: what to fit.
         lenses: (C) as in `calibrate_sticks`.

@@ -41,6 +41,7 @@ from .candidate_points import fundamentals
 from .companions import joined_pieces
 from .detection_index import Images, read_images
 from .drifting_pairs import usual_residuals
+from .exchanged_tails import with_exchanged_tails
 from .found_points import with_remaining, with_rigid_pass, with_second_pass
 from .given_up_points import with_merging, without_drifting, without_reflections
 from .likelihood import SURE, disagreement, evidence, point_evidence
@@ -180,6 +181,7 @@ def track_once(
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     cloud, ids, whole = joined_pieces(cloud, ids, whole, T, method)
+    ids, every, whole = with_exchanged_tails(cloud, ids, every, whole, T, method)
     kept, number = np.unique(ids, return_inverse=True)
     final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))

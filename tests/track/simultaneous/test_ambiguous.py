@@ -95,13 +95,15 @@ def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_har
     assert _found_again(sightings(straight(), before=before, rows=rows), METHOD) == []
 
 
-@pytest.mark.parametrize(("tracks", "found"), [(1, 0), (2, 2)])
-def test_a_marker_alone_is_exchanged_with_none(tracks, found):
+@pytest.mark.parametrize(("tracks", "found"), [(1, []), (2, [0])])
+def test_a_marker_alone_is_exchanged_with_none_and_one_that_was_not_lost_neither(tracks, found):
     """At a low rate the place of any track is hardly known from one frame to the next."""
-    before = np.full((2, 20), 1.1 * METHOD.uncertain_sd)
-    before[:, 0] = 1.0
-    seen = sightings(straight(), before=before)
-    assert len(_found_again(seen.take(np.flatnonzero(seen.id < tracks)), METHOD)) == found
+    before, rows = np.full((2, 20), 1.1 * METHOD.uncertain_sd), np.arange(80).reshape(2, 20, 2)
+    before[:, [0, -1]], rows[0, 9] = 1.0, -1
+    seen = sightings(straight(), before=before, rows=rows)
+    decisions = _found_again(seen.take(np.flatnonzero(seen.id < tracks)), METHOD)
+    assert [d.tracks for d in decisions] == [(k,) for k in found]
+    assert all((d.first, d.last) == (8, 10) for d in decisions)
 
 
 @pytest.mark.parametrize("rate", [50.0, 200.0])

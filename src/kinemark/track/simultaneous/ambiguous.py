@@ -177,11 +177,14 @@ def _off_course(seen: Associations) -> Floats:
 def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known.
 
-    At a low rate that is so of any track from one frame to the next, and a marker alone is exchanged with none.
+    At a low rate a place is hardly known from one frame to the next. A track that has two images before and after was
+    not lost there, and a marker alone is exchanged with none.
     """
     alone = np.bincount(seen.frame)[seen.frame] == 1 if len(seen.frame) else np.zeros(0, np.bool_)
-    placed = (seen.before > method.uncertain_sd) & ((seen.detection >= 0).sum(0) >= 2)
-    again = np.flatnonzero(placed & ~alone)
+    two = (seen.detection >= 0).sum(0) >= 2
+    place = seen.id * (int(seen.frame.max(initial=0)) + 3) + seen.frame
+    goes_on = np.isin(place - 1, place[two]) & np.isin(place + 1, place[two])
+    again = np.flatnonzero((seen.before > method.uncertain_sd) & two & ~goes_on & ~alone)
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
         for who, a, b, sd in _runs(seen.id[again][:, None], seen.frame[again], seen.before[again])

@@ -281,7 +281,10 @@ def _row_medians(values: Floats) -> Floats:
 
 def _by_companions(points: TrackPoints, pairs: _Pairs, T: float) -> Floats:
     """(N) D of (2), 0 where it is not known of all halves."""
-    companions, total = _Companions.of(points, T), np.zeros(len(pairs.a))
+    total = np.zeros(len(pairs.a))
+    if not len(total):
+        return total
+    companions = _Companions.of(points, T)
     for k, one in enumerate(np.stack(pairs, 1).tolist()):
         apart = points.id[[one[0], max(one[2:])]]
         halves = [(a, b, sign) for a, b, sign in _Pairs(*one).halves() if a >= 0 and b >= 0]

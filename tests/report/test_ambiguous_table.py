@@ -39,6 +39,16 @@ def test_the_same_reason_about_the_same_markers_is_one_row():
     assert "10–21 mm" in page and "0.00, 0.10, 0.20" in page and "12 mm" in page
 
 
+def test_what_is_wrong_most_often_is_first_and_of_one_reason_the_earliest():
+    decisions = [
+        decision("swap", 1, ["*1"], "found_again", sd_mm=12),
+        decision("swap", 2, ["*2"], "came_near", distance_mm=12),
+        decision("swap", 3, ["*3"], "came_near", distance_mm=12),
+        decision("merge", 4, ["*4"], "shared_images"),
+    ]
+    assert [row[0] for row in plain_table(decisions, listed=True).rows] == ["*2", "*3", "*1", "*4"]
+
+
 def test_rows_are_grouped_by_value_whatever_the_words_are(monkeypatch):
     decisions = [
         decision("swap", 0, ["*3"], "found_again", sd_mm=12),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from .formatting import count, measure, number, percent
-from .words import reason_text
+from .words import place_of_reason, reason_text
 from .words.template import listed
 
 MOST_ROWS = 200
@@ -284,8 +284,9 @@ Decisions = Sequence[dict[str, Any]]
 
 
 def ambiguous_table(decisions: Decisions, *, listed: bool) -> Table:
-    """A row for each reason about the same markers, the earliest first; `listed`: whether the tracking tells any."""
-    rows = [_decision(own) for own in grouped(decisions)] if listed else []
+    """A row for each reason about the same markers, reasons that are wrong most often first, and of one the earliest;
+    `listed`: whether the tracking tells any."""
+    rows = [_decision(own) for own in sorted(grouped(decisions), key=place_of_reason)] if listed else []
     more = f"And {len(rows) - MOST_DECISIONS} more, in quality.json." if len(rows) > MOST_DECISIONS else ""
     head = ["trajectories", "possible", "times", "when (s)", "what was seen"]
     return Table(head, rows[:MOST_DECISIONS], absent="None." if listed else SILENT, note=more, texts=True)

@@ -17,7 +17,7 @@ from .edits import EDIT_WORDS, edit_text, entry_text
 from .gait import GAIT_WORDS
 from .muscles import MUSCLE_WORDS
 from .plans import PLAN_WORDS
-from .reasons import SOURCE_ADVICE, evidence_text, frames_text, open_gap_text, reason_text
+from .reasons import SOURCE_ADVICE, evidence_text, frames_text, open_gap_text, place_of_reason, reason_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
 from .trial import TRIAL_WORDS
@@ -34,6 +34,7 @@ __all__ = [
     "frames_text",
     "headline_of",
     "open_gap_text",
+    "place_of_reason",
     "reason_text",
     "sentences_of",
     "text_of",

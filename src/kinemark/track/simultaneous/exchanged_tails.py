@@ -163,17 +163,23 @@ def _possible(points: TrackPoints, T: float) -> _Pairs:
     if not len(rough):
         return _Pairs(rough, rough, rough, rough)
     rows, tracks = RowsByTrack.of(frame, id), np.unique(id)
-    found = []
-    for a in rough.tolist():
-        first, last = int(frame[a]), int(frame[a + 1])
-        for f in {first, (first + last) // 2, last - 1}:
-            c = np.searchsorted(rows.place, tracks * rows.F + f, "right") - 1
-            d = c + 1
-            c = np.where((c >= 0) & (id[c] == tracks), c, -1)
-            d = np.where((d < len(id)) & (id[np.minimum(d, len(id) - 1)] == tracks), d, -1)
-            found.append(np.stack([np.full(len(c), a), np.full(len(c), a + 1), c, d]))
-    pairs = _Pairs(*np.unique(np.concatenate(found, 1), axis=1))
-    return _nearer_exchanged(points, velocity, pairs.take(_at_once(points, pairs, T)))
+    found = [_beside(points, rows, tracks, a, T) for a in rough.tolist()]
+    pairs = _Pairs(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    return _nearer_exchanged(points, velocity, pairs)
+
+
+def _beside(points: TrackPoints, rows: RowsByTrack, tracks: Ints, a: int, T: float) -> _Pairs:
+    """The link from row a with those of all tracks over its first frame, its middle and its last one."""
+    first, last = points.frame[[a, a + 1]].tolist()
+    frames = np.unique([first, (first + last) // 2, last - 1])
+    own = np.repeat(tracks, len(frames))
+    c = np.searchsorted(rows.place, (tracks[:, None] * rows.F + frames).ravel(), "right") - 1
+    d = np.minimum(c + 1, len(points.id) - 1)
+    c = np.where((c >= 0) & (points.id[c] == own), c, -1)
+    d = np.where((points.id[d] == own) & (d != c), d, -1)
+    a_each = np.full(len(c), a)
+    pairs = _Pairs(*np.unique(np.stack([a_each, a_each + 1, c, d]), axis=1))
+    return pairs.take(_at_once(points, pairs, T))
 
 
 def _at_once(points: TrackPoints, pairs: _Pairs, T: float) -> Bools:

@@ -42,7 +42,7 @@ SURE = CLEAR_MARGIN
 """Least of −(M + D), in units of (1); chosen: a hundred times likelier exchanged, as of stitches."""
 
 ROUGH = 20.0
-"""mm of (4) from which a link is looked at; chosen: markers are not nearer."""
+"""mm of (4) from which a link is looked at; chosen: markers are hardly nearer, and 5 mm gives the same."""
 
 LONGEST_S = 0.5
 """s of a link, at most; chosen: of longer ones motion tells little."""
@@ -59,6 +59,9 @@ ROUNDS = 4
 NEVER = 1 << 40
 """The frame from which on a track without a later point goes on; by definition."""
 
+HALVES = ((0, 1, 1), (2, 3, 1), (0, 3, -1), (2, 1, -1))
+"""Of a, b, c and d of (1) what is before and after, and the sign there; by definition."""
+
 
 class _Pairs(NamedTuple):
     """N pairs of links: rows (N) of the points a, b, c and d of (1), −1 for none."""
@@ -73,8 +76,8 @@ class _Pairs(NamedTuple):
         return _Pairs(*(column[which] for column in self))
 
     def halves(self) -> tuple[tuple[Ints, Ints, int], ...]:
-        """Before and after, as they are and exchanged, with the sign of (1)."""
-        return (self.a, self.b, 1), (self.c, self.d, 1), (self.a, self.d, -1), (self.c, self.b, -1)
+        """By HALVES."""
+        return tuple((self[i], self[j], sign) for i, j, sign in HALVES)
 
 
 class Exchanges(NamedTuple):
@@ -293,6 +296,6 @@ def _by_companions(points: TrackPoints, pairs: _Pairs, T: float) -> Floats:
     companions = _Companions.of(points, T)
     for k, one in enumerate(np.stack(pairs, 1).tolist()):
         apart = points.id[[one[0], max(one[2:])]]
-        halves = [(a, b, sign) for a, b, sign in _Pairs(*one).halves() if a >= 0 and b >= 0]
+        halves = [(one[i], one[j], sign) for i, j, sign in HALVES if one[i] >= 0 and one[j] >= 0]
         total[k] = sum(sign * companions.score(a, b, apart) for a, b, sign in halves)
     return np.nan_to_num(total)

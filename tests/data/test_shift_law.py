@@ -72,8 +72,8 @@ NO_POSITIONS = {
         engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "findings and their words": """
-        report.advice_of report.headline_of report.open_gap_text
-        report.edit_text report.entry_text report.frames_text report.place_of_reason report.reason_text report.sentences_of
+        report.advice_of report.headline_of report.open_gap_text report.place_of_reason
+        report.edit_text report.entry_text report.frames_text report.reason_text report.sentences_of
         report.text_of report.with_words""",
     "compiled parts of functions that have a case": """
         native.candidates native.cluster_pixels native.cut_pixels native.find_runs native.group_peaks native.group_runs

@@ -68,8 +68,7 @@ def _before_ground(images: GreyLevels, first: int, method: Centroids, ground: Gr
     rest, done, aspect = ground.taken_from(images, first), 0, method.aspect or 1.0
     for part in found_suspects(rest, first, method=method):
         own = slice(done, done + len(part.blobs.counts))
-        blobs = moved(part.blobs, images[own], rest[own], ground, first=first + done, aspect=aspect)
-        yield part._replace(blobs=blobs)
+        yield moved(part, images[own], rest[own], ground, first=first + done, aspect=aspect)
         done = own.stop
 
 

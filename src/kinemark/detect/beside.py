@@ -35,8 +35,8 @@ DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], -1)
 """(16, 2) of unit length; by definition of `TURN`."""
 BEYOND = 2.0, 3.0  # px outside of a marker's outline; chosen: the first lie outside of its blurred rim
 MOST = 0.3  # of the marker's contrast; chosen by simulated walks before lamps, docs/theory/detect.md
-RIM = 4.0  # px; chosen likewise
-ALONG, ACROSS = 0.03, 0.01  # px; chosen likewise
+RIM = 4.0  # px, twice the width of a blurred rim; chosen by the same walks
+ALONG, ACROSS = 0.03, 0.01  # px of variance for a px of shift; chosen by the same walks
 
 
 class Seen(NamedTuple):

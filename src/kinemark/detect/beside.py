@@ -114,8 +114,8 @@ def _seen(images: GreyLevels, rest: GreyLevels, ground: Ground, frame: Ints, fir
         np.clip(np.rint(places[..., axis]).astype(np.int64), 0, images.shape[2 - axis] - 1) for axis in (1, 0)
     )
     at, field = (frame[:, None], row, column), ((frame + first)[:, None] % len(ground.light), row, column)
-    light = ground.light[field] + float(ground.level)
+    light = ground.light[field].astype(np.float64) + ground.level
     below = negative(images[at], ground.white) - light
-    above = np.maximum(negative(rest[at], ground.white) - float(ground.level), 0.0)
+    above = np.maximum(negative(rest[at], ground.white).astype(np.float64) - ground.level, 0.0)
     times = np.ones(light.shape) if ground.times is None else ground.times[field] / PARTS
     return Seen(light, np.where(below < 0, below, above), times)

@@ -60,7 +60,10 @@ def test_lamps_and_flicker_are_named_and_are_no_markers_that_were_missed():
     assert {one["kind"] for one in figures["findings"]} == {"reflections_standing", "images_fleeting"}
     assert [camera["standing_spots"] for camera in figures["cameras"]] == [LAMPS] * len(rig)
     (standing,), (fleeting,) = (found(figures, kind) for kind in ("reflections_standing", "images_fleeting"))
-    assert f"{rig.names[1]} {LAMPS}" in text_of(standing) and "[masks]" in advice_of(standing)
+    first = figures["cameras"][1]["standing_at"][0]
+    assert f"{rig.names[1]} {LAMPS}, at ({first[0]:.0f}, {first[1]:.0f})" in text_of(
+        standing
+    ) and "[masks]" in advice_of(standing)
     assert fleeting.cameras == rig.names
     valid, used = 4 + 0.8 * LAMPS + FLICKER, 4
     for camera in figures["cameras"]:
@@ -82,7 +85,7 @@ def test_nothing_stands_out_where_the_markers_stand_or_none_was_found():
     for tracked in (3, 0):
         records = seen_beside(rig, still, tracked=tracked)
         for camera in left_over(records["detections"], records["tracks"]):
-            assert camera == {"standing_spots": 0, "standing_share": 0.0, "fleeting_share": 0.0}
+            assert camera == {"standing_spots": 0, "standing_at": [], "standing_share": 0.0, "fleeting_share": 0.0}
 
 
 def test_markers_that_were_hidden_are_missing_less_badly_than_those_that_the_cameras_saw():

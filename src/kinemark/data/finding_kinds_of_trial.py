@@ -28,8 +28,9 @@ TRIAL_KINDS = (
          "that neither stand nor are fleeting; red where most of all do not. used_share is the least of these cameras.",
          {"used_share": "share"}),
     Kind("reflections_standing", "detect", "info", "Detections of cameras that belong to no point stay at so many "
-         "places, camera by camera, while tracks move: lamps or reflections. images_share is the most of a camera.",
-         {"spots_list": "count", "images_share": "share"}),
+         "places, camera by camera, while tracks move: lamps or reflections. at_list names the first of these places, "
+         "in px of the images; images_share is the most of a camera.",
+         {"spots_list": "count", "at_list": "text", "images_share": "share"}),
     Kind("images_fleeting", "detect", "info", "Many detections of a camera belong to no point and are seen in one "
          "frame alone. images_share is the most of a camera.", {"images_share": "share"}),
     Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",

@@ -136,7 +136,6 @@ def _detect_camera(
             size = images.shape[1:]
             _check_mask(mask, size, name)
         _check_size(images, size, f"{name}: frame {first + 1} of {source.n_frames}")
-        images = images if ground is None else ground.taken_from(images, first)
         # where nothing has stood out from the background so far, there was no marker either
         camera.look(images, first, ready if first + len(images) > shows else None)
         first += len(images)
@@ -167,7 +166,7 @@ class _Camera:
             return
         self.method = method
         try:
-            self.waiting += [*find_suspects(images, method=method)]
+            self.waiting += [*find_suspects(images, method=method, first=first, ground=self.ground)]
         except KinemarkError as error:
             raise KinemarkError(
                 f"Camera {self.name}, batch from frame {first + 1} of {self.source.n_frames} on: {error}"

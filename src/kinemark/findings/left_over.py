@@ -42,8 +42,8 @@ LOOKED_AT = 300
 
 
 def left_over(detections: Detections, tracks: Tracks) -> list[dict[str, Any]]:
-    """Of each camera standing_spots, the number of such places, and standing_share and fleeting_share of its valid
-    images, by (1) and (2)."""
+    """Of each camera standing_spots, the number of such places, standing_at, the mean of the images at each in px, and
+    standing_share and fleeting_share of its valid images, by (1) and (2)."""
     used = np.zeros(len(detections) + 1, bool)
     used[tracks.cloud.detection] = True  # −1, for none, is the last
     return [_of_camera(detections, tracks, c, used[:-1]) for c in range(len(detections.cameras))]
@@ -67,21 +67,28 @@ def shown_at_once(cameras: Sequence[dict[str, Any]], frames: int) -> float:
 def _of_camera(detections: Detections, tracks: Tracks, c: int, used: Bools) -> dict[str, Any]:
     own = np.flatnonzero(detections.valid & (detections.camera == c))
     uv, frame, used = detections.uv[own], detections.frame[own], used[own]
-    spots, standing, fleeting = 0, np.zeros(len(own), bool), 0.0
+    at, standing, fleeting = np.zeros((0, 2)), np.zeros(len(own), bool), 0.0
     if used.sum() >= FEW:
         places = uv[lasting_places(uv, frame, detections.n_frames, NEAR_PX)]
         if len(places):
             away, place = map(np.asarray, cKDTree(places).query(uv))
             if (away[used] < NEAR_PX).mean() <= MOST:
                 standing = np.asarray(~used & (away < NEAR_PX))
-                spots = len(np.unique(place[standing]))
+                at = _means(uv[standing], place[standing])
         near = max(NEAR_PX, FARTHER * _step(detections, tracks, c))
         fleeting = _fleeting(uv, frame, ~used & ~standing, near)
     return {
-        "standing_spots": spots,
+        "standing_spots": len(at),
+        "standing_at": at.round(1).tolist(),
         "standing_share": share(float(standing.sum()), len(own)),
         "fleeting_share": fleeting if len(own) else None,
     }
+
+
+def _means(uv: Floats, place: Ints) -> Floats:
+    """(P, 2) px of the images (N, 2) at each of P places."""
+    number, images = np.unique(place, return_inverse=True, return_counts=True)[1:]
+    return np.stack([np.bincount(number, uv[:, axis]) / images for axis in (0, 1)], -1)
 
 
 def _step(detections: Detections, tracks: Tracks, c: int) -> float:

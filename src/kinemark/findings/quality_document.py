@@ -144,6 +144,8 @@ class CameraData(TypedDict):
     """The same over the valid ones."""
     standing_spots: Count
     """Places at which valid detections of no point stay while tracks move."""
+    standing_at: list[Pair]
+    """The mean of the detections at each of these places, px."""
     standing_share: Share
     """These detections over the valid ones."""
     fleeting_share: Share

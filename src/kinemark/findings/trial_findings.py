@@ -24,6 +24,7 @@ USED_SHARE = 0.6
 """Share of a camera's valid detections that should belong to a point; chosen."""
 FLEETING = 0.1
 """Share of a camera's valid detections that may flash up for a frame; chosen."""
+SAID = 4  # places of a camera's image that a sentence names; chosen: the figures have all
 USED_RED = 0.3
 """The same of all cameras together, below which what was reconstructed is not what was seen; chosen."""
 COMPLETE_AMBER, COMPLETE_RED, HALF = 0.97, 0.8, 0.5
@@ -195,11 +196,11 @@ def used_share(figures: Figures) -> float:
 
 def _no_markers(figures: Figures) -> Findings:
     """Cameras with images that stand, and those most of whose images of no point are fleeting."""
-    standing = {c["name"]: c for c in figures["cameras"] if c["standing_spots"]}
-    if standing:
+    if standing := {c["name"]: c for c in figures["cameras"] if c["standing_spots"]}:
         spots = [c["standing_spots"] for c in standing.values()]
+        at = [", ".join(f"({u:.0f}, {v:.0f})" for u, v in c["standing_at"][:SAID]) for c in standing.values()]
         share = max(c["standing_share"] for c in standing.values())
-        yield make_finding("reflections_standing", cameras=standing, spots_list=spots, images_share=share)
+        yield make_finding("reflections_standing", cameras=standing, spots_list=spots, at_list=at, images_share=share)
     fleeting = {c["name"]: share for c in figures["cameras"] if (share := c["fleeting_share"] or 0.0) > FLEETING}
     if fleeting:
         yield make_finding("images_fleeting", cameras=fleeting, images_share=max(fleeting.values()))

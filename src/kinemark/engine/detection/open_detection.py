@@ -23,10 +23,12 @@ from ...data.masks import Masks
 from ...data.method import Method
 from ...detect import Blobs, Centroids, combined_masks, detect_frames
 from ...detect.centroids_method import grey_scale
+from ...detect.detect_frames import find_suspects
 from ...detect.detect_recording import for_camera, levels_of
 from ...detect.ground import Ground
 from ...detect.levels import levelled
 from ...detect.masks import masked
+from ...detect.separate import separated
 from ...io.exact_frames import ExactImages
 from ...io.images import ImageSource, png_bytes
 from ...io.masks_toml import read_masks
@@ -216,7 +218,11 @@ class OpenDetection:
         if method is not None and self.operated:  # each image is measured by itself
             method = levelled(method, image[None])
         empty = np.zeros((1, 1, 1), np.uint8)
-        blobs = detect_frames(seen[None] if method else empty, method=method)
+        if ground is not None and isinstance(method, Centroids):
+            suspects = find_suspects(image[None], method=method, first=frame - self.first, ground=ground)
+            blobs = separated([*suspects], method=method)
+        else:
+            blobs = detect_frames(seen[None] if method else empty, method=method)
         mask = self._mask(camera, draft)
         if mask is not None:
             if mask.shape != image.shape:

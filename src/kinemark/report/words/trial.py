@@ -47,9 +47,9 @@ def _incomplete(found: Finding) -> str:
 
 
 def _standing(found: Finding) -> str:
-    spots = found.values["spots_list"]
-    assert isinstance(spots, tuple)
-    said = ", ".join(f"{name} {number}" for name, number in zip(found.cameras, spots, strict=False))
+    spots, at = found.values["spots_list"], found.values["at_list"]
+    assert isinstance(spots, tuple) and isinstance(at, tuple)
+    said = "; ".join(f"{c} {n}, at {places} px" for c, n, places in zip(found.cameras, spots, at, strict=False))
     share = fill("up to {images_share} of a camera's images", found)
     return f"Places where something shines that does not move while the markers do: {said} ({share})."
 

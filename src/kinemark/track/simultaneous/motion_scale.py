@@ -82,6 +82,10 @@ MOST = 0.75
 MIN_POINTS = 100
 """Third differences from which something can be said; chosen."""
 
+AMPLE = 4
+"""Times MIN_POINTS that windows have room for, a number; chosen: a single marker that breaks in some of them still tells
+how it moves."""
+
 ROUNDS = 3
 """Times that parts are tracked; chosen (see benchmarks/tracking_scenes.py)."""
 
@@ -174,8 +178,18 @@ def in_windows(images: Images, rate: float, method: Simultaneous) -> Association
 
 
 def _window_length(images: Images, rate: float) -> int:
-    """Frames of a window."""
-    return min(max(MIN_WINDOW, round(WINDOW * rate)), images.n_frames)
+    """Frames of a window: more where there are so few markers that windows would tell nothing of their motion."""
+    n, usual = images.n_frames, max(MIN_WINDOW, round(WINDOW * rate))
+    markers = np.bincount(images.camera[images.usable]).max(initial=1) / max(n, 1)
+    room = 3 * _spacing(rate) + int(np.ceil(AMPLE * MIN_POINTS / (WINDOWS * markers)))
+    if room <= usual:
+        return min(usual, n)
+    return room if WINDOWS * room <= n else n
+
+
+def _spacing(rate: float) -> int:
+    """Frames of SPACING."""
+    return max(round(SPACING * rate), 1)
 
 
 def movement(images: Images, seen: Associations, rate: float) -> Movement:
@@ -183,7 +197,7 @@ def movement(images: Images, seen: Associations, rate: float) -> Movement:
     points = _points(images, seen)
     if not len(points.id):
         return NO_MOVEMENT
-    rows, k = rows_of(points), max(round(SPACING * rate), 1)
+    rows, k = rows_of(points), _spacing(rate)
     if rows.shape[1] <= 3 * k:  # a recording of so few frames
         return NO_MOVEMENT
     four = np.array([rows[:, i * k : rows.shape[1] - (3 - i) * k] for i in range(4)])

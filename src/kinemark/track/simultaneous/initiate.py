@@ -59,8 +59,8 @@ LONG = 0.03
 swaps for 9 by (3), and none had fewer."""
 
 MEDIAN_OF_CHI, SLOWEST = 1.538, 1e-3
-"""Median of the length of three normal numbers, by definition; and mm/s, the least v₀, chosen: what stands still without
-noise has none."""
+"""Median of the length of three normal numbers, by definition; and mm/s, the least v₀, chosen: it is 0 where all stands
+still and there is no noise."""
 
 
 class InitiatedTracks(NamedTuple):

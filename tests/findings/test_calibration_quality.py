@@ -106,7 +106,7 @@ def test_every_fault_is_named(good):
     tiny = replace(rig, cameras=tuple(replace(c, t=c.t / 1000) for c in rig), volume=rig.volume / 1000)
     colour, named, _ = grade(tiny, replace(evidence, xyz=evidence.xyz / 1000))
     assert (colour, "cameras_distance_implausible" in named) == ("red", True)
-    for times, said in ((30, False), (1000, True)):  # a field of play, 130 m; and mm that were taken for m
+    for times, said in ((1 / 30, False), (30, False), (1000, True)):  # a hand, 0.14 m; a field of play; mm taken for m
         wide = replace(rig, cameras=tuple(replace(c, t=c.t * times) for c in rig), volume=rig.volume * times)
         wide = grade(wide, replace(evidence, xyz=evidence.xyz * times))
         assert ("cameras_distance_implausible" in wide[1]) == said

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError, MarkerTrajectory
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.io.marker_sets import read_marker_set
 from kinemark.label import learn_marker_set, sides_by_name
 from kinemark.label.side_pairs import mirror_partners, sides_by_shape
@@ -56,6 +56,15 @@ def test_the_unit_does_not_matter(factor):
     one, other = learn_marker_set(trial), learn_marker_set(small)
     assert segments(one) == segments(other) and one.pairs == other.pairs and dict(one.places) == dict(other.places)
     np.testing.assert_allclose(factor * one.length, other.length)
+
+
+def test_an_object_that_turns_is_one_segment():
+    """A drone or a plate: all distances stay as they are, and it moves."""
+    x, y, z = np.random.default_rng(0).uniform(-100, 100, (3, 5, 1))
+    turn = np.linspace(0, 1.0, 60)
+    xyz = np.stack([x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), z + 0 * turn], -1)
+    paths = tuple(MarkerTrajectory.measured(name, path) for name, path in zip("ABCDE", xyz, strict=True))
+    assert segments(learn_marker_set(Trajectories(paths, 100.0))) == {frozenset("ABCDE")}
 
 
 def test_a_trial_without_motion_is_refused():

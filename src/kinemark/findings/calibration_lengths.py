@@ -17,9 +17,10 @@ WAND_AMBER, WAND_RED = 0.005, 0.02
 """RMS error of the wand's length, as a share of it, and …; chosen (see studies/calibration_quality.py)."""
 WAND_FLOOR_MM = 1.0
 """… below this nobody minds; chosen (see studies/calibration_quality.py)."""
-NEAREST_MM, FARTHEST_MM = 200.0, 500_000.0
-"""Median distance between cameras; chosen (see studies/calibration_quality.py): cameras about a field of play stand
-100 m apart, and of cameras half a metre apart, mm that were taken for m make 500 m."""
+NEAREST_MM, FARTHEST_MM = 60.0, 500_000.0
+"""Median distance between cameras; chosen: about a hand, a face or a mouse they stand 0.1 m apart, in rooms and halls
+less than 60 mm if lengths were given in m. Cameras about a field of play stand 100 m apart, and of cameras half a metre
+apart, mm that were taken for m make 500 m."""
 SAME_PLACE_MM = 30.0
 """Cameras nearer to each other than this would be within each other; chosen (see studies/calibration_quality.py)."""
 MOST_OFF = 4.0

@@ -38,6 +38,9 @@ TOGETHER = 0.25
 """Share of the frames in which two markers must both be seen; chosen."""
 LEAST_MOVING = 0.1
 """Share of all pairs that must change their distance by more than (1), lest nothing moves; chosen."""
+TURNED = 30.0
+"""Degrees by which an object turns whose distances stay as they are, so that it is one segment; chosen: a subject who
+stands still turns by a few."""
 
 
 class Distances(NamedTuple):
@@ -77,7 +80,7 @@ def learn_marker_set(trial: Trajectories, *, names: Sequence[str] | None = None,
     if not np.isfinite(distances.mean[np.triu_indices(len(there), 1)]).any():
         raise KinemarkError("No two of the markers are seen together for long enough to know their distance.")
     loose = distances.looseness
-    if _moving(loose) < LEAST_MOVING:
+    if _moving(loose) < LEAST_MOVING and not _turned(xyz):
         raise KinemarkError(
             "The trial shows hardly any motion: all distances stay as they are, so that segments cannot be told from "
             "each other. Give a trial in which all joints move."
@@ -118,6 +121,17 @@ def _distances(xyz: Floats) -> Distances:
         mean[a, good], spread[a, good] = np.nanmean(d[good], 1), np.nanstd(d[good], 1)
     both = np.isfinite(mean) & np.isfinite(mean.T)
     return Distances(np.where(both, mean, np.nan), np.where(both, spread, np.nan))
+
+
+def _turned(xyz: Floats) -> bool:
+    """Whether half of the pairs of markers (M, F, 3) mm turn by TURNED from where they were first seen."""
+    a, b = np.triu_indices(len(xyz), 1)
+    across = xyz[b] - xyz[a]
+    across = across / np.linalg.norm(across, axis=-1, keepdims=True)
+    seen = np.isfinite(across[..., 0])
+    first = np.take_along_axis(across, seen.argmax(1)[:, None, None], axis=1)
+    cosine = np.where(seen, (across * first).sum(-1), 1.0).min(1)
+    return bool(np.median(cosine) < np.cos(np.deg2rad(TURNED)))
 
 
 def _moving(loose: Floats) -> float:

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from kinemark.track.simultaneous import track_detections
+from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous.candidate_points import CandidatePoints
+from kinemark.track.simultaneous.initiate import _triples
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally
@@ -71,3 +73,25 @@ def test_frames_that_all_cameras_lost_set_no_track_aside(rate):
     detections, _ = observe(ring(6), dance(n=9, frames=120), noise=0.2, seed=1, rate=rate)
     cloud = track_detections(detections.keep(detections.frame % 4 != 3), ring(6)).cloud
     assert len(cloud) == 810
+
+
+def points(xyz, rng, sd=0.3):
+    """`CandidatePoints` at xyz (G, 3) mm, known to `sd` mm in each axis, of more images or fewer."""
+    n, none = len(xyz), np.zeros(len(xyz))
+    cov = np.eye(3)[..., None] * np.full(n, sd**2)
+    return CandidatePoints(
+        none, xyz.T + sd * rng.normal(size=(3, n)), cov, none[None] - 1, none, 2 * rng.normal(size=n)
+    )
+
+
+@pytest.mark.parametrize("step", [0.0, 0.5, 1.0])
+def test_no_track_goes_along_the_markers_of_a_finger(step):
+    """They are 17 mm apart at 100 Hz, and go aside by `step` mm a frame: 1.7 m/s is no unusual speed of a person."""
+    rng, finger = np.random.default_rng(0), 17.0 * np.arange(6)[:, None] * np.array([1.0, 0, 0])
+    xyz = np.concatenate([finger + np.array([0, 60.0 * n, 0]) for n in range(5)])
+    for _ in range(20):
+        first, middle, last = (points(xyz + np.array([0, 0, step * k]), rng) for k in range(3))
+        i, j, k = _triples(first, middle, last, 0.01, Simultaneous())
+        assert len(i) == len(xyz)
+        assert (i == j).all()
+        assert (j == k).all()

@@ -85,6 +85,15 @@ def test_a_fast_motion_is_followed():
     assert before.recall < 0.99 or before.fragments.sum() > len(xyz)
 
 
+@pytest.mark.parametrize(("markers", "frames"), [(1, 60), (2, 60), (1, 200)])
+def test_few_markers_tell_how_they_move(markers, frames):
+    xyz = fast(markers, frames, seed=1)
+    assert scale(xyz).acceleration_sd > 2 * Simultaneous().acceleration_sd
+    detections, _ = observe(ring(3), xyz, noise=0.2)
+    found = score(track_simultaneously(detections, ring(3), Simultaneous()).tracks, xyz)
+    assert found.recall > 0.99 and found.swaps == 0
+
+
 def test_a_sprinter_crosses():
     """Everything moves at 8 m/s, faster than new tracks are looked for."""
     rate = 50.0

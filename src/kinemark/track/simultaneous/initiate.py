@@ -3,9 +3,15 @@
 Points (`candidate_points`) of three successive frames make a track where they fit a motion whose velocity and
 acceleration have the standard deviations v and a,
 
-    c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + |x₃ − x₁|² / (2 v T)²    (1)
+    c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + p(|x₃ − x₁| / 2T)      (1)
 
-and of all triples, those of the least c² less the scores of their groups are taken, each group once. Of the n points
+and of all triples, those of the least c² less the scores of their groups are taken, each group once. Half of the
+markers are expected to move as is usual in these frames, with the standard deviation v₀, so that at the speed s
+
+    p(s) = s²/v² − 2 ln(1 + (v/v₀)³ exp(−s²/2 (1/v₀² − 1/v²)))                              (3)
+
+Otherwise what goes along the markers of a finger, 17 mm from frame to frame, is hardly less likely than that they stay.
+For v₀ the slowest triple through each of the middle points is taken; from LONG on it is v. Of the n points
 other than the marker's that lie within its reach in the last frame, in a volume U, one fits as well by chance as the
 marker does itself where the bend, of the covariance S and d standard deviations from none, has
 
@@ -47,6 +53,14 @@ struck are faster than 45 m/s."""
 
 SHORT = 0.0101
 """s from frame to frame; chosen: at 10 Hz steps reach across a plate, which had 13 and 99 swaps for at most 5."""
+
+LONG = 0.03
+"""s from frame to frame, from which v₀ = v; chosen: at 25 Hz one scene of benchmarks/tracking_scenes.py (2121) had 17
+swaps for 9 by (3), and none had fewer."""
+
+MEDIAN_OF_CHI, SLOWEST = 1.538, 1e-3
+"""Median of the length of three normal numbers, by definition; and mm/s, the least v₀, chosen: it is 0 where all stands
+still and there is no noise."""
 
 
 class InitiatedTracks(NamedTuple):
@@ -108,8 +122,9 @@ def _triples(
     S = first.cov[..., i] + 4 * middle.cov[..., j] + last.cov[..., k]
     S = S + (method.acceleration_sd * T * T) ** 2 * np.eye(3)[..., None]
     squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
-    pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.velocity_sd * T) ** 2
-    cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
+    speed = np.linalg.norm(last.xyz[:, k] - first.xyz[:, i], axis=0) / (2 * T)
+    fitting = squared < method.gate**2 if T < LONG else np.zeros(len(squared), bool)
+    cost = squared + _pace(speed, j, fitting, method) - first.score[i] - middle.score[j] - last.score[k]
     reach = REACH * method.velocity_sd * T + _spread(middle)[j] + _spread(last)[k]
     chance = (np.bincount(b2)[j] - 1) * np.sqrt((2 * np.pi) ** 3 * np.linalg.det(S.T)) / (4 / 3 * np.pi * reach**3)
     least = LEAST_GATE if method.max_coasting >= 2 * T else method.gate  # at 10 Hz all LEDs of a plate bend alike
@@ -118,6 +133,16 @@ def _triples(
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
     return i[order[chosen]], j[order[chosen]], k[order[chosen]]
+
+
+def _pace(speed: Floats, middle: Ints, fits: Bools, method: Simultaneous) -> Floats:
+    """(3) of triples of speeds (N) mm/s through middle points (N), where `fits` (N) says which of them tell v₀."""
+    least = np.full(middle.max(initial=-1) + 1, np.inf)
+    np.minimum.at(least, middle[fits], speed[fits])
+    least = least[np.isfinite(least)]
+    usual = float(np.median(least)) / MEDIAN_OF_CHI if len(least) else np.inf
+    wide, slower = (speed / method.velocity_sd) ** 2, max(method.velocity_sd / max(usual, SLOWEST), 1.0)
+    return np.asarray(wide - 2 * np.log1p(slower**3 * np.exp(-wide * (slower**2 - 1) / 2)))
 
 
 def _once(triples: list[list[int]]) -> list[int]:

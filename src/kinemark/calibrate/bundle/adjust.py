@@ -19,6 +19,7 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
 from ...numerics.small_sample import variance_factor
 from .camera_step import CameraStep
+from .lost_images import LostImages
 from .common_errors import common_errors
 from .initial.view_pairs import ENOUGH, weakest_link
 from .lens_prior import LensPrior
@@ -98,6 +99,7 @@ class BundleFit(NamedTuple):
         step: that a camera was probably moved meanwhile, and when; None where nothing says so, or it was not looked
             for.
         delay: (C) by how many images each camera took the film later than others; empty where it was not looked for.
+        lost: images that cameras lost, or took twice, in the course of the film; the others were put in their frames.
     """
 
     rig: Rig
@@ -109,6 +111,7 @@ class BundleFit(NamedTuple):
     freedom: int
     step: CameraStep | None = None
     delay: Floats = np.zeros(0)
+    lost: tuple[LostImages, ...] = ()
 
 
 def bundle(

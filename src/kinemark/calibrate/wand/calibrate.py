@@ -6,7 +6,8 @@
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
    a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.
 4. The rig from these, by bundle adjustment that goes on from the first.
-5. If cameras took their images later than others, all of it again with what they saw moved in time (`film_delays`).
+5. If cameras took their images later than others, all of it again with what they saw moved in time (`film_delays`),
+   and if one lost images in the course of the film, with the others put in their frames (`whole_film`).
 
 Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.
 So poses are chosen one by one, each the one with the greatest
@@ -19,9 +20,11 @@ where n counts the points of chosen poses in the same cell of the same image.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,9 +45,10 @@ from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
 from .direction import from_other_end, looks_alike
-from .film_delays import WandFit, with_delays
+from .film_delays import InTime, WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
-from .moved_camera import since_step, step_of_part, step_words, without_move
+from .moved_camera import rigs_of_parts, since_step, step_words, without_move
+from .whole_film import with_lost_images
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
@@ -130,16 +134,42 @@ def calibrate_wand(
     sizes = np.asarray(sizes, np.int64)
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
+    given = (along, sizes, method, lenses)
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
     one_side = partial(with_delays, along=along, calibrated=calibrated, pairs=False)
+    in_time = np.zeros(len(sizes))
+
+    def again(whole: Detections) -> BundleFit:
+        return without_move(with_delays(whole, along, calibrated), whole, one_side)
+
     try:
         found = with_delays(detections, along, calibrated)
     except Misfit as error:
-        step, why = _explained(error, detections, along, sizes, method, lenses)
-        if step and (moved := since_step(step, detections, one_side)):
+        cause = _explained(error, detections, *given)
+        if fit := with_lost_images(detections, along, in_time, cause.parts, again):
+            return fit
+        if cause.step and (moved := since_step(cause.step, detections, one_side)):
             return moved
-        raise why from error
+        raise cause.error from error
+    rigs = chain((found.fit.rig,), _parts_to_ask(found, detections, *given))
+    if fit := with_lost_images(detections, along, found.fit.delay, rigs, again):
+        return fit
     return without_move(found, detections, one_side)
+
+
+def _parts_to_ask(
+    found: InTime,
+    detections: Detections,
+    along: Floats,
+    sizes: Ints,
+    method: Wand,
+    lenses: Sequence[Camera] | None,
+) -> Iterator[Rig]:
+    """Rigs of parts of the film, where that of all of it may have pleased two cameras that do not fit each other."""
+    if (len(sizes) == 2 or found.step) and not found.fit.delay.any():
+        rows = identify_wand(detections, wanted(detections), along)
+        first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses)
+        yield from rigs_of_parts(detections, rows, first)
 
 
 def _synchronous(
@@ -252,6 +282,11 @@ def _first_rig(
     return _rig_of(calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses), len(along))
 
 
+def _first_cameras(detections: Detections, rows: Ints, **given: Any) -> Rig:
+    """The cameras of `_first_rig`."""
+    return _first_rig(detections, rows, **given)[0]
+
+
 def _rig_of(fit: BundleFit, K: int) -> tuple[Rig, Floats]:
     """The cameras, and where K markers are along the wand by them, mm."""
     return fit.rig, places_of(fit.xyz.reshape(-1, K, 3))
@@ -310,6 +345,14 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
         )
 
 
+class _Cause(NamedTuple):
+    """The error with what is known of its cause, the move of a camera if that is it, and rigs of parts of the film."""
+
+    error: Misfit
+    step: CameraStep | None = None
+    parts: tuple[Rig, ...] = ()
+
+
 def _explained(
     error: Misfit,
     detections: Detections,
@@ -317,23 +360,24 @@ def _explained(
     sizes: Ints,
     method: Wand,
     lenses: Sequence[Camera] | None,
-) -> tuple[CameraStep | None, Misfit]:
-    """That a camera was moved, where that is the cause, and the error with what these detections tell of its cause."""
+) -> _Cause:
+    """What these detections tell of the cause of an error."""
     if isinstance(error, Mirrored):
-        return None, error
+        return _Cause(error)
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
     uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
-    step = None
+    parts, step = (), None
     if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
         few = _beside(rows, detections.cameras.index(odd)) if odd else np.arange(2)
-        step = step_of_part(
-            detections, rows, few, lambda part: _first_rig(detections, part, sizes, along, method, lenses, few)[0]
-        )
+        first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses, few=few)
+        parts = tuple(rigs_of_parts(detections, rows, first))
+        seen = at_rows(detections, rows[few])[0]
+        step = next((found for rig in parts if (found := camera_step(rig, seen))), None)
     if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
-        return None, Misfit(gaps)
-    return step, Misfit(_misfit_words(str(error), step, odd))
+        return _Cause(Misfit(gaps))
+    return _Cause(Misfit(_misfit_words(str(error), step, odd)), step, parts)
 
 
 def _beside(rows: Ints, c: int) -> Ints:

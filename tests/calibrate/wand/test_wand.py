@@ -31,7 +31,8 @@ from kinemark.synth import film, look_at, observe, ring, truth, walking, wand
 from support.films import Film
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
-WANDS = ([500.0], [150.0, 350.0], [250.0, 250.0], [230.0, 270.0], [100.0, 150.0, 250.0], [150.0, 150.0, 150.0])
+WANDS = ([500.0], [150.0, 350.0], [250.0, 250.0], [230.0, 270.0], [100.0, 150.0, 250.0], [150.0, 150.0, 150.0],
+         [60.0, 110.0, 90.0, 240.0])  # fmt: skip
 
 
 def waved(lengths, *, cameras=6, frames=200, seed=0, rig=None, **faults):

@@ -52,7 +52,7 @@ class LostImages(NamedTuple):
     Attributes:
         camera: its name.
         alone: whether it is known which camera it was; of two cameras it is not.
-        first, last: frames, from 0, one of which is the first that shows another moment than before.
+        first, last: its images, from 0, one of which is the first after those that were lost or taken twice.
         images: how many it lost; below 0 how many it took twice.
     """
 
@@ -88,13 +88,16 @@ def images_ahead(rig: Rig, uv: Floats, late: Floats) -> Ints | None:
 
 
 def changes(names: Sequence[str], ahead: Ints, seen: Bools) -> Iterator[LostImages]:
-    """Where and by how much cameras (C, F) lose images, as far as the frames (C, F) tell in which they see markers."""
-    told = seen & (seen.sum(0) >= 2)
+    """Where and by how much cameras (C, F) lose images, as far as the images (C, F) tell that show markers."""
+    F = ahead.shape[1]
+    source = np.arange(F) - ahead
+    placed = np.take_along_axis(seen, np.clip(source, 0, F - 1), 1) & (source >= 0) & (source < F)
+    told = placed & (placed.sum(0) >= 2)
     for c, f in zip(*(axis.tolist() for axis in np.nonzero(np.diff(ahead))), strict=True):
-        before, after = (np.flatnonzero(part) for part in (told[c, : f + 1], told[c, f + 1 :]))
-        first = int(before[-1]) + 1 if len(before) else 0
-        last = f + 1 + int(after[0]) if len(after) else ahead.shape[1] - 1
-        yield LostImages(names[c], len(names) > 2, first, last, int(ahead[c, f + 1] - ahead[c, f]))
+        before, after = np.flatnonzero(told[c, : f + 1]), f + 1 + np.flatnonzero(told[c, f + 1 :])
+        first = int(source[c, before[-1]]) + 1 if len(before) else 0
+        last = int(source[c, after[0]]) if len(after) else F - 1
+        yield LostImages(names[c], len(names) > 2, min(first, last), last, int(ahead[c, f + 1] - ahead[c, f]))
 
 
 def in_place(detections: Detections, ahead: Ints) -> Detections:

@@ -116,7 +116,7 @@ def calibrate_wand(
 
     Args:
         detections: of all cameras. Those that took their images later than others are found out.
-        lengths: (K − 1) gaps between the wand's K markers, mm; K is 2, 3 or 4.
+        lengths: (K − 1) gaps between the wand's K markers, mm; K is 2 to 5.
         sizes: (C, 2) width and height of the images, px.
         method: what to fit.
         lenses: (C) cameras of a linearisation, if there is one.
@@ -166,7 +166,7 @@ def _parts_to_ask(
     lenses: Sequence[Camera] | None,
 ) -> Iterator[Rig]:
     """Rigs of parts of the film, where that of all of it may have pleased two cameras that do not fit each other."""
-    if (len(sizes) == 2 or found.step) and not found.fit.delay.any():
+    if (len(sizes) == 2 or found.step) and not np.rint(found.fit.delay).any():
         rows = identify_wand(detections, wanted(detections), along)
         first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses)
         yield from rigs_of_parts(detections, rows, first)

@@ -19,10 +19,10 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, origin_near, rig_about
 from ...numerics.small_sample import variance_factor
 from .camera_step import CameraStep
-from .lost_images import LostImages
 from .common_errors import common_errors
 from .initial.view_pairs import ENOUGH, weakest_link
 from .lens_prior import LensPrior
+from .lost_images import LostImages
 from .misfit import Misfit
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete

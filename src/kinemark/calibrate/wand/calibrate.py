@@ -8,13 +8,6 @@
 4. The rig from these, by bundle adjustment that goes on from the first.
 5. If cameras took their images later than others, all of it again with what they saw moved in time (`film_delays`),
    and if one lost images in the course of the film, with the others put in their frames (`whole_film`).
-
-Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.
-So poses are chosen one by one, each the one with the greatest
-
-    Σ over its points of 1 / (1 + n)                                     (1)
-
-where n counts the points of chosen poses in the same cell of the same image.
 """
 
 from __future__ import annotations
@@ -37,7 +30,6 @@ from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, stick
 from ..bundle.adjust import check_calibration
 from ..bundle.camera_step import CameraStep, camera_step
 from ..bundle.from_sizes import odd_one
-from ..bundle.initial.view_pairs import ENOUGH, weakest_link
 from ..bundle.misfit import Mirrored, Misfit, NoBeginning
 from ..bundle.parts import complete
 from ..bundle.solver import placed
@@ -45,14 +37,13 @@ from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
 from .direction import from_other_end, looks_alike
+from .few_poses import first_poses, shared_frames, thinned
 from .film_delays import InTime, WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
 from .moved_camera import rigs_of_parts, since_step, step_words, without_move
 from .whole_film import with_lost_images
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
-FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
-CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
 WITNESSES = 4  # cameras by which another is judged to have been moved, at most; chosen for speed
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
 SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
@@ -211,57 +202,11 @@ def _calibrated(
     lens_known: bool,
 ) -> tuple[BundleFit, Ints]:
     """Steps 3 and 4 from a first reading and rig: the fit, and the rows (C, F, K) that it was made from."""
-    shared = int(_shared(rows).sum())
+    shared = int(shared_frames(rows).sum())
     rows, xyz = completed(first, detections, want.use, rows, along, search_radius=method.search_radius)
     _check_agreement(detections, rows, shared)
     chosen = thinned(detections, rows, sizes, method.most_poses)
     return _final_fit(first, detections, chosen, xyz, along, method, lens_known), chosen
-
-
-def thinned(detections: Detections, rows: Ints, sizes: ArrayLike, most: int) -> Ints:
-    """The rows (C, F, K) of at most so many frames, by (1); −1 in the others, and where only one camera sees a wand."""
-    frames = np.flatnonzero(_shared(rows))
-    if len(frames) > most:
-        frames = frames[_spread(detections, rows[:, frames], np.asarray(sizes, np.int64), most)]
-    chosen = np.full_like(rows, -1)
-    chosen[:, frames] = rows[:, frames]
-    return chosen
-
-
-def _first_poses(detections: Detections, rows: Ints, sizes: Ints) -> Ints:
-    """Rows (C, F, K) of few frames by which all cameras hang together well, or of all."""
-    most = FIRST_POSES
-    while True:
-        chosen = thinned(detections, rows, sizes, most)
-        seen = (chosen.min(2) >= 0).astype(np.int64)
-        if most >= rows.shape[1] or weakest_link(seen @ seen.T).shared >= ENOUGH:
-            return chosen
-        most *= 2
-
-
-def _shared(rows: Ints) -> Bools:
-    """(F) whether two cameras see two markers."""
-    return np.asarray(((rows >= 0).sum(2) >= 2).sum(0) >= 2)
-
-
-def _spread(detections: Detections, rows: Ints, sizes: Ints, most: int) -> Ints:
-    """`most` of the frames of rows (C, F, K), by (1)."""
-    uv, _ = at_rows(detections, rows)
-    seen = np.isfinite(uv[..., 0])
-    share = np.nan_to_num(uv) / sizes[:, None, None]
-    at = np.clip(share * CELLS, 0, CELLS - 1).astype(np.int64)
-    camera = np.arange(len(rows))[:, None, None]
-    cell = np.where(seen, (camera * CELLS + at[..., 0]) * CELLS + at[..., 1], len(rows) * CELLS**2)
-    cell = cell.transpose(1, 0, 2).reshape(rows.shape[1], -1)
-    weight = np.append(np.ones(len(rows) * CELLS**2), 0.0)  # 1 / (1 + n), and nothing where a marker is not seen
-    left, chosen = np.ones(len(cell), np.bool_), []
-    for _ in range(most):
-        best = int(np.where(left, weight[cell].sum(1), -1.0).argmax())
-        chosen.append(best)
-        left[best] = False
-        for i in cell[best]:
-            weight[i] = weight[i] / (1 + weight[i])
-    return np.sort(np.array(chosen))
 
 
 def _first_rig(
@@ -277,7 +222,7 @@ def _first_rig(
     few = np.arange(len(sizes)) if few is None else few
     rows, sizes, names = rows[few], sizes[few], [detections.cameras[c] for c in few]
     lenses = lenses and [lenses[c] for c in few]
-    uv, cov = at_rows(detections, _first_poses(detections, rows, sizes))
+    uv, cov = at_rows(detections, first_poses(detections, rows, sizes))
     plain = replace(method.bundle, usual_lens=False)  # else the final fit would be told of its lens what these tell
     return _rig_of(calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses), len(along))
 
@@ -331,7 +276,7 @@ def _among_frames(fit: BundleFit, frames: Ints, n_frames: int, K: int) -> Bundle
 
 def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
     """Of the frames that cameras seem to share, most show a stick of the wand's length; every camera takes part."""
-    agreed = int(_shared(rows).sum())
+    agreed = int(shared_frames(rows).sum())
     if agreed < max(AGREEING * shared, FEWEST):
         raise Misfit(
             f"In {shared} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
@@ -366,7 +311,7 @@ def _explained(
         return _Cause(error)
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
-    uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
+    uv = at_rows(detections, first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
     parts, step = (), None
     if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):

@@ -19,7 +19,7 @@ from ..bundle.lost_images import changes, images_ahead, in_place
 from .identify import at_rows, read_wand, wanted
 
 ROUNDS = 2
-"""Of cameras and the images that they miss, in turn; chosen: the first cameras may tell a change to some frames only."""
+"""Of cameras and the images that they miss, in turn; chosen: the first cameras tell a change to some frames only."""
 
 
 def with_lost_images(

@@ -193,8 +193,8 @@ CALIBRATION_WORDS = {
     ),
     "camera_lost_images_while_calibrating": Words(
         _lost_images,
-        "Check that this camera records every image: its disk, its cable, its program. What it lost in a trial shows as "
-        "a camera that is late from some frame on.",
+        "Check that this camera records every image: its disk, its cable, its program. It may lose images of a trial, "
+        "too.",
     ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "

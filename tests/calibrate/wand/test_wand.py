@@ -514,3 +514,13 @@ def test_lengths_that_are_none(lengths):
 def test_methods_that_are_none(bad):
     with pytest.raises(ValueError, match=next(iter(bad))):
         Wand(**bad)
+
+
+def test_of_labelled_markers_a_lost_frame_is_named():
+    """`calibrate_sticks` puts nothing in time."""
+    rig, observed = waved([150.0, 350.0], cameras=4, frames=150)
+    uv = observed.sight.uv.transpose(0, 2, 1, 3)
+    uv = uv + np.random.default_rng(0).normal(0.0, 0.1, uv.shape)
+    uv[2, 90:-1] = uv[2, 91:]
+    with pytest.raises(KinemarkError, match=r"Camera cam3 .*begin at about frame (8|9)\d: it may have lost a frame"):
+        calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])

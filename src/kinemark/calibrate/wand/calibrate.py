@@ -313,7 +313,8 @@ def _explained(
     rows = identify_wand(detections, want, along)
     uv = at_rows(detections, first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
-    parts, step = (), None
+    parts: tuple[Rig, ...] = ()
+    step = None
     if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
         few = _beside(rows, detections.cameras.index(odd)) if odd else np.arange(2)
         first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses, few=few)

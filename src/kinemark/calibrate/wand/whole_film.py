@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...data import Detections, KinemarkError, Rig
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ..bundle import BundleFit
 from ..bundle.lost_images import changes, images_ahead, in_place
 from .identify import at_rows, read_wand, wanted
@@ -54,12 +54,14 @@ def _in_place(
     """The fit with images that are `ahead` (C, F), or as its cameras then say; None where they say of none."""
     for _ in range(ROUNDS):
         fit = again(in_place(detections, ahead))
-        used, ahead = ahead, _ahead(fit.rig, detections, uv, fit.delay)
-        if ahead is None:
+        used, told = ahead, _ahead(fit.rig, detections, uv, fit.delay)
+        if told is None:
             return None
-        if (ahead == used).all():
+        if (told == used).all():
             break
-    lost = tuple(changes(detections.cameras, used, np.isfinite(uv).all((2, 3))))
+        ahead = told
+    seen: Bools = np.asarray(np.isfinite(uv).all((2, 3)))
+    lost = tuple(changes(detections.cameras, used, seen))
     text = "; ".join(f"{one.camera} lost {one.images} images before frame {one.last + 1}" for one in lost)
     return fit._replace(rig=replace(fit.rig, method=f"{fit.rig.method}; {text}"), lost=lost)
 

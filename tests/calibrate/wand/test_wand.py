@@ -503,7 +503,7 @@ def test_equal_gaps_that_depth_makes_unequal_are_no_wrong_gaps():
     assert max(camera.residual for camera in fit.rig) < 0.3
 
 
-@pytest.mark.parametrize("lengths", [[], [0.0], [1.0, -2.0], [1.0] * 4, [np.nan]], ids=str)
+@pytest.mark.parametrize("lengths", [[], [0.0], [1.0, -2.0], [1.0] * 5, [np.nan]], ids=str)
 def test_lengths_that_are_none(lengths):
     with pytest.raises(ValueError, match="lengths are"):
         marker_places(lengths)
@@ -524,3 +524,11 @@ def test_of_labelled_markers_a_lost_frame_is_named():
     uv[2, 90:-1] = uv[2, 91:]
     with pytest.raises(KinemarkError, match=r"Camera cam3 .*begin at about frame (8|9)\d: it may have lost a frame"):
         calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.9, 4.0])
+def test_the_bar_of_a_wand_like_a_t_is_read_beside_its_stem(turn):
+    flat = np.array([[0.0, 0.0], [80.0, 0.0], [240.0, 0.0], [80.0, 70.0], [80.0, 150.0]])
+    across = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    read = read_rows((flat @ across + 300.0)[None], np.array([0.0, 130.0, 390.0]))
+    assert read.points[0].tolist() == [0, 1, 2]

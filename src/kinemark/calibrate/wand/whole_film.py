@@ -62,7 +62,10 @@ def _in_place(
         ahead = told
     seen: Bools = np.asarray(np.isfinite(uv).all((2, 3)))
     lost = tuple(changes(detections.cameras, used, seen))
-    text = "; ".join(f"{one.camera} lost {one.images} images before frame {one.last + 1}" for one in lost)
+    text = "; ".join(
+        f"{one.camera} {'lost' if one.images > 0 else 'took twice'} {abs(one.images)} images before its {one.last + 1}."
+        for one in lost
+    )
     return fit._replace(rig=replace(fit.rig, method=f"{fit.rig.method}; {text}"), lost=lost)
 
 

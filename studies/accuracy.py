@@ -44,7 +44,7 @@ from kinemark.calibrate.lens.linearisation import GridView, Linearisation, linea
 from kinemark.calibrate.wand import KNOWN_LENS, calibrate_wand, wand_lengths
 from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled
 from kinemark.data import Camera, KinemarkError, Rig
-from kinemark.data.array_types import Floats
+from kinemark.data.array_types import Floats, Ints
 from kinemark.geometry import from_dlt, project_all, refine, rigid_align, triangulate, undistort
 from kinemark.io.easywand import EasyWand, read_easywand
 from kinemark.synth import calibration_box, control_frame, observe, ring, thrown_ball, walking, wand
@@ -302,8 +302,10 @@ def print_table(rows: Sequence[Row]) -> None:
 
 def real_wand(title: str, easy: EasyWand, rate: float | None = None, *, lenses_too: bool = True) -> None:
     """The wand's length, and the thrown object's acceleration, by easyWand's calibration and by ours."""
-    ends, single = (np.isfinite(x[..., 0]).sum(0) >= 2 for x in (easy.wand, easy.background))
-    easy = easy._replace(wand=easy.wand[:, ends.any(1)], background=easy.background[:, single])  # most is not digitised
+    wand, point = (np.isfinite(x[..., 0]).sum(0) >= 2 for x in (easy.wand, easy.background))
+    ends, single = np.flatnonzero(wand.any(1)), np.flatnonzero(point)  # most frames are not digitised
+    easy = easy._replace(wand=easy.wand[:, ends], background=easy.background[:, single])
+    order = np.argsort(np.concatenate([np.repeat(ends, 2), single]), kind="stable")
     print(f"\n{title}: wand of {easy.length:.1f} mm")
     along, names = [0.0, easy.length], [lens.name for lens in easy.lenses]
     theirs = by_easywand(easy, easy.wand.reshape(len(names), -1, 2)).reshape(-1, 2, 3)
@@ -311,7 +313,7 @@ def real_wand(title: str, easy: EasyWand, rate: float | None = None, *, lenses_t
     ways = (("ours, from the image sizes", None), ("ours, easyWand's first lenses", easy.start))
     for text, lenses in ways if lenses_too else ways[:1]:
         try:
-            fit = from_wand_and_points(easy, names, lenses)
+            fit = from_wand_and_points(easy, names, lenses, order)
         except KinemarkError as error:
             print(f"  {text}: refused. {error}")
             continue
@@ -323,21 +325,24 @@ def real_wand(title: str, easy: EasyWand, rate: float | None = None, *, lenses_t
         print_throw("easyWand", by_easywand(easy, easy.axis), rate)
 
 
-def from_wand_and_points(easy: EasyWand, names: Sequence[str], lenses: Sequence[Camera] | None) -> BundleFit:
+def from_wand_and_points(
+    easy: EasyWand, names: Sequence[str], lenses: Sequence[Camera] | None, order: Ints
+) -> BundleFit:
     """The rig from the wand and from the single points that were digitised besides it.
 
     The wand was digitised too seldom to start from it alone. So its ends start as single points like the others, and
-    where both ends are seen their median distance gives the scale.
+    where both ends are seen their median distance gives the scale. A camera that was moved is told by points in the
+    `order` of time, in which a file has its rows.
     """
     n, f = easy.wand.shape[:2]
     uv = np.concatenate([easy.wand.reshape(n, 2 * f, 2), easy.background], 1)
     method = Bundle(radial=1, tangential=False)
-    loose = calibrate_points(names, easy.sizes, uv, method=method, lenses=lenses)
-    ends = loose.xyz[: 2 * f].reshape(f, 2, 3)
+    loose, back = calibrate_points(names, easy.sizes, uv[:, order], method=method, lenses=lenses), np.argsort(order)
+    ends = loose.xyz[back[: 2 * f]].reshape(f, 2, 3)
     scale = easy.length / float(np.nanmedian(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
     loose = fit_scaled(loose, scale)
-    sticks = sticks_through(loose.xyz[: 2 * f].reshape(f, 2, 3), np.array([0.0, easy.length]))
-    parts = (sticks, FreePoints(loose.xyz[2 * f :]))
+    xyz = loose.xyz[back]
+    parts = (sticks_through(xyz[: 2 * f].reshape(f, 2, 3), np.array([0.0, easy.length])), FreePoints(xyz[2 * f :]))
     known = None if lenses is None else [KNOWN_LENS] * n
     return bundle(loose.rig, parts, uv, freedoms=known, method=method)
 

@@ -85,6 +85,9 @@ CALIBRATION_KINDS = (
          {"offset_px": "px", "from_s": "s", "kept": "text"}),
     Kind("camera_late_while_calibrating", "calibrate", "amber", "A camera took the images of a waved wand later than "
          "the others, by this many of them; they were moved in time.", {"late_images": "ratio", "delay_ms": "ms"}),
+    Kind("camera_lost_images_while_calibrating", "calibrate", "amber", "A camera lost images of a waved wand, before "
+         "one of these frames, or took some twice (below 0); the others were put in the frames that they show. Of two "
+         "cameras nobody knows which it was, and none is named.", {"images": "count"}),
     Kind("l_frame_moved", "calibrate", "amber", "The L-frame, or something taken for it, stood elsewhere in some "
          "frames, which were left out.", {"frame_count": "count", "read_frames": "count", "off_mm": "mm"}),
     Kind("world_seen_elsewhere", "calibrate", "amber", "What shows the world, an L-frame or surveyed points, is seen "

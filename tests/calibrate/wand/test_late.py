@@ -65,3 +65,22 @@ def test_a_late_camera_that_sees_a_small_wand_in_noise_is_calibrated():
     rig, seen, _ = waved(200.0, [0, 0, 9, 0], rate=60, frames=300, noise=0.8, seed=6)
     fit = calibrate_wand(seen, lengths=[200.0], sizes=[camera.size for camera in rig])
     np.testing.assert_allclose(fit.delay, [0, 0, 9, 0], atol=0.02)
+
+
+@pytest.mark.parametrize(("cameras", "images"), [(2, 1), (4, 1), (4, -2)])
+def test_a_camera_that_loses_images_in_the_film_is_put_in_time(cameras, images):
+    rig, film, _ = waved(500.0, [0] * cameras, rate=50, frames=240, noise=0.1, seed=3)
+    shown = np.arange(240) + images * (np.arange(240) >= 100)
+    parts = [film[c, f] for c in range(cameras) for f in (np.clip(shown, 0, 239) if c == 1 else range(240))]
+    counts = np.reshape([len(part) for part in parts], (cameras, 240))
+    fit = calibrate_wand(
+        Detections.build(film.cameras, 50, counts, np.concatenate(parts)), lengths=[500.0], sizes=[c.size for c in rig]
+    )
+    (one,) = fit.lost
+    assert fit.step is None
+    assert abs(one.images) == abs(images)
+    if cameras > 2:
+        assert (one.camera, one.images) == (film.cameras[1], images)
+    assert one.first - 3 <= 100 <= one.last + 3
+    focal = [camera.K[0, 0] / true.K[0, 0] for camera, true in zip(fit.rig, rig, strict=True)]
+    np.testing.assert_allclose(focal, 1.0, atol=0.01)

@@ -31,7 +31,8 @@ from kinemark.synth import film, look_at, observe, ring, truth, walking, wand
 from support.films import Film
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
-WANDS = ([500.0], [150.0, 350.0], [250.0, 250.0], [230.0, 270.0], [100.0, 150.0, 250.0], [150.0, 150.0, 150.0])
+WANDS = ([500.0], [150.0, 350.0], [250.0, 250.0], [230.0, 270.0], [100.0, 150.0, 250.0], [150.0, 150.0, 150.0],
+         [60.0, 110.0, 90.0, 240.0])  # fmt: skip
 
 
 def waved(lengths, *, cameras=6, frames=200, seed=0, rig=None, **faults):
@@ -360,9 +361,12 @@ def test_a_frame_that_a_camera_lost_is_told():
     order = [np.where((frames >= 90) & (c == 2), np.minimum(frames + 1, 149), frames) for c in range(4)]
     parts = [seen[c, f] for c in range(4) for f in order[c]]
     counts = np.reshape([len(part) for part in parts], seen.counts.shape)
-    late = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
-    with pytest.raises(KinemarkError, match=r"Camera cam3 .*begin at about frame (8|9)\d: it may have lost a frame"):
-        calibrate_wand(late, lengths=[150.0, 350.0], sizes=[camera.size for camera in rig])
+    film = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
+    fit = calibrate_wand(film, lengths=[150.0, 350.0], sizes=[camera.size for camera in rig])
+    (one,) = fit.lost
+    assert (one.camera, one.images) == ("cam3", 1)
+    assert 88 <= one.first <= one.last <= 92
+    assert "cam3 lost 1 images" in fit.rig.method
 
 
 @pytest.mark.parametrize("lengths", [[500.0], [150.0, 350.0]], ids=str)
@@ -499,7 +503,7 @@ def test_equal_gaps_that_depth_makes_unequal_are_no_wrong_gaps():
     assert max(camera.residual for camera in fit.rig) < 0.3
 
 
-@pytest.mark.parametrize("lengths", [[], [0.0], [1.0, -2.0], [1.0] * 4, [np.nan]], ids=str)
+@pytest.mark.parametrize("lengths", [[], [0.0], [1.0, -2.0], [1.0] * 5, [np.nan]], ids=str)
 def test_lengths_that_are_none(lengths):
     with pytest.raises(ValueError, match="lengths are"):
         marker_places(lengths)
@@ -510,3 +514,21 @@ def test_lengths_that_are_none(lengths):
 def test_methods_that_are_none(bad):
     with pytest.raises(ValueError, match=next(iter(bad))):
         Wand(**bad)
+
+
+def test_of_labelled_markers_a_lost_frame_is_named():
+    """`calibrate_sticks` puts nothing in time."""
+    rig, observed = waved([150.0, 350.0], cameras=4, frames=150)
+    uv = observed.sight.uv.transpose(0, 2, 1, 3)
+    uv = uv + np.random.default_rng(0).normal(0.0, 0.1, uv.shape)
+    uv[2, 90:-1] = uv[2, 91:]
+    with pytest.raises(KinemarkError, match=r"Camera cam3 .*begin at about frame (8|9)\d: it may have lost a frame"):
+        calibrate_sticks(rig.names, [camera.size for camera in rig], uv, along=[0.0, 150.0, 500.0])
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.9, 4.0])
+def test_the_bar_of_a_wand_like_a_t_is_read_beside_its_stem(turn):
+    flat = np.array([[0.0, 0.0], [80.0, 0.0], [240.0, 0.0], [80.0, 70.0], [80.0, 150.0]])
+    across = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    read = read_rows((flat @ across + 300.0)[None], np.array([0.0, 130.0, 390.0]))
+    assert read.points[0].tolist() == [0, 1, 2]

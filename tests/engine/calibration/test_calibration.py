@@ -393,6 +393,22 @@ def test_a_camera_that_is_moved_while_the_wand_is_waved_is_told_with_when(tmp_pa
     assert "was probably moved while calibrating: from about frame" in text_of(said)
 
 
+def test_images_that_a_camera_lost_while_the_wand_was_waved_are_told(tmp_path):
+    folder = three_markers(tmp_path / "s")
+    waved = detected(wand((0.0, 200.0, 500.0), duration_s=10.0, rate=20).xyz)
+    shown = np.arange(200) + (np.arange(200) >= 80)
+    parts = [waved[c, f] for c in range(4) for f in (np.minimum(shown, 199) if c == 1 else range(200))]
+    counts = np.reshape([len(part) for part in parts], (4, 200))
+    write_detections_csv(folder / "wand.csv", Detections.build(waved.cameras, 20, counts, np.concatenate(parts)))
+    made = session(folder, BY_WAND.replace("500.0", "200.0, 300.0") + "\n" + L_FRAME).calibrate()
+    check_findings(made.figures)
+    (said,) = found(made.figures, "camera_lost_images_while_calibrating")
+    assert (said.severity, said.cameras, said.values["images"]) == ("amber", (waved.cameras[1],), 1)
+    assert said.frames[0][0] - 3 <= 81 <= said.frames[0][1] + 3  # counted from 1
+    assert f"Camera {waved.cameras[1]} lost 1 image of the wand" in text_of(said)
+    assert not found(made.figures, "camera_moved_while_calibrating")
+
+
 def test_the_world_rests_on_all_frames_of_the_l_frame(tmp_path):
     one = session(three_markers(tmp_path / "one", frames=1), BY_WAND.replace("500.0", "200.0, 300.0") + "\n" + L_FRAME)
     many = session(

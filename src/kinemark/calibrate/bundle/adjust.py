@@ -22,6 +22,7 @@ from .camera_step import CameraStep
 from .common_errors import common_errors
 from .initial.view_pairs import ENOUGH, weakest_link
 from .lens_prior import LensPrior
+from .lost_images import LostImages
 from .misfit import Misfit
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
@@ -98,6 +99,7 @@ class BundleFit(NamedTuple):
         step: that a camera was probably moved meanwhile, and when; None where nothing says so, or it was not looked
             for.
         delay: (C) by how many images each camera took the film later than others; empty where it was not looked for.
+        lost: images that cameras lost, or took twice, in the course of the film; the others were put in their frames.
     """
 
     rig: Rig
@@ -109,6 +111,7 @@ class BundleFit(NamedTuple):
     freedom: int
     step: CameraStep | None = None
     delay: Floats = np.zeros(0)
+    lost: tuple[LostImages, ...] = ()
 
 
 def bundle(

@@ -8,7 +8,8 @@ completion   markers that the first reading left out, once there is a first rig
 lengths      how long the wand comes out, place by place, and the error to expect
 """
 
-from .calibrate import KNOWN_LENS, Wand, calibrate_wand, thinned
+from .calibrate import KNOWN_LENS, Wand, calibrate_wand
+from .few_poses import thinned
 from .identify import marker_places, wand_points
 from .lengths import WandLengths, wand_lengths
 

@@ -6,22 +6,18 @@
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
    a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.
 4. The rig from these, by bundle adjustment that goes on from the first.
-5. If cameras took their images later than others, all of it again with what they saw moved in time (`film_delays`).
-
-Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.
-So poses are chosen one by one, each the one with the greatest
-
-    Σ over its points of 1 / (1 + n)                                     (1)
-
-where n counts the points of chosen poses in the same cell of the same image.
+5. If cameras took their images later than others, all of it again with what they saw moved in time (`film_delays`),
+   and if one lost images in the course of the film, with the others put in their frames (`whole_film`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,7 +30,6 @@ from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, stick
 from ..bundle.adjust import check_calibration
 from ..bundle.camera_step import CameraStep, camera_step
 from ..bundle.from_sizes import odd_one
-from ..bundle.initial.view_pairs import ENOUGH, weakest_link
 from ..bundle.misfit import Mirrored, Misfit, NoBeginning
 from ..bundle.parts import complete
 from ..bundle.solver import placed
@@ -42,13 +37,13 @@ from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
 from .direction import from_other_end, looks_alike
-from .film_delays import WandFit, with_delays
+from .few_poses import first_poses, shared_frames, thinned
+from .film_delays import InTime, WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
-from .moved_camera import since_step, step_of_part, step_words, without_move
+from .moved_camera import rigs_of_parts, since_step, step_words, without_move
+from .whole_film import with_lost_images
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
-FIRST_POSES = 150  # poses of the first rig, or more where cameras then share less than `ENOUGH`; chosen for speed
-CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
 WITNESSES = 4  # cameras by which another is judged to have been moved, at most; chosen for speed
 AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
 SAME_MM = 1e-6  # gaps that differ by less are the same but for rounding; chosen
@@ -112,7 +107,7 @@ def calibrate_wand(
 
     Args:
         detections: of all cameras. Those that took their images later than others are found out.
-        lengths: (K − 1) gaps between the wand's K markers, mm; K is 2, 3 or 4.
+        lengths: (K − 1) gaps between the wand's K markers, mm; K is 2 to 5.
         sizes: (C, 2) width and height of the images, px.
         method: what to fit.
         lenses: (C) cameras of a linearisation, if there is one.
@@ -130,16 +125,42 @@ def calibrate_wand(
     sizes = np.asarray(sizes, np.int64)
     if sizes.shape != (len(detections.cameras), 2):
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
+    given = (along, sizes, method, lenses)
     calibrated = partial(_synchronous, along=along, sizes=sizes, method=method, lenses=lenses)
     one_side = partial(with_delays, along=along, calibrated=calibrated, pairs=False)
+    in_time = np.zeros(len(sizes))
+
+    def again(whole: Detections) -> BundleFit:
+        return without_move(with_delays(whole, along, calibrated), whole, one_side)
+
     try:
         found = with_delays(detections, along, calibrated)
     except Misfit as error:
-        step, why = _explained(error, detections, along, sizes, method, lenses)
-        if step and (moved := since_step(step, detections, one_side)):
+        cause = _explained(error, detections, *given)
+        if fit := with_lost_images(detections, along, in_time, cause.parts, again):
+            return fit
+        if cause.step and (moved := since_step(cause.step, detections, one_side)):
             return moved
-        raise why from error
+        raise cause.error from error
+    rigs = chain((found.fit.rig,), _parts_to_ask(found, detections, *given))
+    if fit := with_lost_images(detections, along, found.fit.delay, rigs, again):
+        return fit
     return without_move(found, detections, one_side)
+
+
+def _parts_to_ask(
+    found: InTime,
+    detections: Detections,
+    along: Floats,
+    sizes: Ints,
+    method: Wand,
+    lenses: Sequence[Camera] | None,
+) -> Iterator[Rig]:
+    """Rigs of parts of the film, where that of all of it may have pleased two cameras that do not fit each other."""
+    if (len(sizes) == 2 or found.step) and not np.rint(found.fit.delay).any():
+        rows = identify_wand(detections, wanted(detections), along)
+        first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses)
+        yield from rigs_of_parts(detections, rows, first)
 
 
 def _synchronous(
@@ -181,57 +202,11 @@ def _calibrated(
     lens_known: bool,
 ) -> tuple[BundleFit, Ints]:
     """Steps 3 and 4 from a first reading and rig: the fit, and the rows (C, F, K) that it was made from."""
-    shared = int(_shared(rows).sum())
+    shared = int(shared_frames(rows).sum())
     rows, xyz = completed(first, detections, want.use, rows, along, search_radius=method.search_radius)
     _check_agreement(detections, rows, shared)
     chosen = thinned(detections, rows, sizes, method.most_poses)
     return _final_fit(first, detections, chosen, xyz, along, method, lens_known), chosen
-
-
-def thinned(detections: Detections, rows: Ints, sizes: ArrayLike, most: int) -> Ints:
-    """The rows (C, F, K) of at most so many frames, by (1); −1 in the others, and where only one camera sees a wand."""
-    frames = np.flatnonzero(_shared(rows))
-    if len(frames) > most:
-        frames = frames[_spread(detections, rows[:, frames], np.asarray(sizes, np.int64), most)]
-    chosen = np.full_like(rows, -1)
-    chosen[:, frames] = rows[:, frames]
-    return chosen
-
-
-def _first_poses(detections: Detections, rows: Ints, sizes: Ints) -> Ints:
-    """Rows (C, F, K) of few frames by which all cameras hang together well, or of all."""
-    most = FIRST_POSES
-    while True:
-        chosen = thinned(detections, rows, sizes, most)
-        seen = (chosen.min(2) >= 0).astype(np.int64)
-        if most >= rows.shape[1] or weakest_link(seen @ seen.T).shared >= ENOUGH:
-            return chosen
-        most *= 2
-
-
-def _shared(rows: Ints) -> Bools:
-    """(F) whether two cameras see two markers."""
-    return np.asarray(((rows >= 0).sum(2) >= 2).sum(0) >= 2)
-
-
-def _spread(detections: Detections, rows: Ints, sizes: Ints, most: int) -> Ints:
-    """`most` of the frames of rows (C, F, K), by (1)."""
-    uv, _ = at_rows(detections, rows)
-    seen = np.isfinite(uv[..., 0])
-    share = np.nan_to_num(uv) / sizes[:, None, None]
-    at = np.clip(share * CELLS, 0, CELLS - 1).astype(np.int64)
-    camera = np.arange(len(rows))[:, None, None]
-    cell = np.where(seen, (camera * CELLS + at[..., 0]) * CELLS + at[..., 1], len(rows) * CELLS**2)
-    cell = cell.transpose(1, 0, 2).reshape(rows.shape[1], -1)
-    weight = np.append(np.ones(len(rows) * CELLS**2), 0.0)  # 1 / (1 + n), and nothing where a marker is not seen
-    left, chosen = np.ones(len(cell), np.bool_), []
-    for _ in range(most):
-        best = int(np.where(left, weight[cell].sum(1), -1.0).argmax())
-        chosen.append(best)
-        left[best] = False
-        for i in cell[best]:
-            weight[i] = weight[i] / (1 + weight[i])
-    return np.sort(np.array(chosen))
 
 
 def _first_rig(
@@ -247,9 +222,14 @@ def _first_rig(
     few = np.arange(len(sizes)) if few is None else few
     rows, sizes, names = rows[few], sizes[few], [detections.cameras[c] for c in few]
     lenses = lenses and [lenses[c] for c in few]
-    uv, cov = at_rows(detections, _first_poses(detections, rows, sizes))
+    uv, cov = at_rows(detections, first_poses(detections, rows, sizes))
     plain = replace(method.bundle, usual_lens=False)  # else the final fit would be told of its lens what these tell
     return _rig_of(calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=plain, lenses=lenses), len(along))
+
+
+def _first_cameras(detections: Detections, rows: Ints, **given: Any) -> Rig:
+    """The cameras of `_first_rig`."""
+    return _first_rig(detections, rows, **given)[0]
 
 
 def _rig_of(fit: BundleFit, K: int) -> tuple[Rig, Floats]:
@@ -296,7 +276,7 @@ def _among_frames(fit: BundleFit, frames: Ints, n_frames: int, K: int) -> Bundle
 
 def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
     """Of the frames that cameras seem to share, most show a stick of the wand's length; every camera takes part."""
-    agreed = int(_shared(rows).sum())
+    agreed = int(shared_frames(rows).sum())
     if agreed < max(AGREEING * shared, FEWEST):
         raise Misfit(
             f"In {shared} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
@@ -310,6 +290,14 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
         )
 
 
+class _Cause(NamedTuple):
+    """The error with what is known of its cause, the move of a camera if that is it, and rigs of parts of the film."""
+
+    error: Misfit
+    step: CameraStep | None = None
+    parts: tuple[Rig, ...] = ()
+
+
 def _explained(
     error: Misfit,
     detections: Detections,
@@ -317,23 +305,25 @@ def _explained(
     sizes: Ints,
     method: Wand,
     lenses: Sequence[Camera] | None,
-) -> tuple[CameraStep | None, Misfit]:
-    """That a camera was moved, where that is the cause, and the error with what these detections tell of its cause."""
+) -> _Cause:
+    """What these detections tell of the cause of an error."""
     if isinstance(error, Mirrored):
-        return None, error
+        return _Cause(error)
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
-    uv = at_rows(detections, _first_poses(detections, rows, sizes))[0]
+    uv = at_rows(detections, first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
+    parts: tuple[Rig, ...] = ()
     step = None
     if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
         few = _beside(rows, detections.cameras.index(odd)) if odd else np.arange(2)
-        step = step_of_part(
-            detections, rows, few, lambda part: _first_rig(detections, part, sizes, along, method, lenses, few)[0]
-        )
+        first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses, few=few)
+        parts = tuple(rigs_of_parts(detections, rows, first))
+        seen = at_rows(detections, rows[few])[0]
+        step = next((found for rig in parts if (found := camera_step(rig, seen))), None)
     if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
-        return None, Misfit(gaps)
-    return step, Misfit(_misfit_words(str(error), step, odd))
+        return _Cause(Misfit(gaps))
+    return _Cause(Misfit(_misfit_words(str(error), step, odd)), step, parts)
 
 
 def _beside(rows: Ints, c: int) -> Ints:

@@ -56,14 +56,14 @@ def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Floats, 
 
     Args:
         detections: of all cameras; invalid and merged ones are not looked at.
-        lengths: (K − 1) gaps between the wand's K markers, mm; one, two or three gaps.
+        lengths: (K − 1) gaps between the wand's K markers, mm; one to four gaps.
 
     Returns:
         uv (C, F, K, 2) px and their covariance cov (C, F, K, 2, 2) px²; NaN where not seen. Marker k is the same
         one in all cameras; of a wand that looks the same from both ends, in all cameras of one frame.
 
     Raises:
-        ValueError: lengths are not one to three positive gaps.
+        ValueError: lengths are not one to four positive gaps.
         KinemarkError: a camera hardly ever sees the wand, or sees another one; the message says what it saw.
     """
     along = marker_places(lengths)
@@ -75,11 +75,11 @@ def marker_places(lengths: ArrayLike) -> Floats:
     """(K) places of the markers along the wand, mm, from its gaps (K − 1), mm.
 
     Raises:
-        ValueError: there are fewer than one or more than three gaps, or one is not above 0.
+        ValueError: there are fewer than one or more than four gaps, or one is not above 0.
     """
     gaps = np.asarray(lengths, np.float64).reshape(-1)
-    if not 1 <= len(gaps) <= 3 or not (np.isfinite(gaps).all() and (gaps > 0).all()):
-        raise ValueError(f"lengths are {gaps.tolist()}, wanted one to three gaps between markers, mm, above 0")
+    if not 1 <= len(gaps) <= 4 or not (np.isfinite(gaps).all() and (gaps > 0).all()):
+        raise ValueError(f"lengths are {gaps.tolist()}, wanted one to four gaps between markers, mm, above 0")
     return np.concatenate([[0.0], np.cumsum(gaps)])
 
 

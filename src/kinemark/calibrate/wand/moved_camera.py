@@ -8,7 +8,7 @@ not touch, one is without the moment of the move, and gives cameras to look at a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +17,9 @@ from ...data import Detections, KinemarkError, Rig
 from ...data.array_types import Bools, Ints
 from ...data.detections import Validity
 from ..bundle import BundleFit
-from ..bundle.camera_step import CameraStep, camera_step
+from ..bundle.camera_step import CameraStep
 from ..bundle.one_side import from_one_side, uncertain
+from .delays import delays_between
 from .film_delays import InTime
 from .identify import at_rows
 
@@ -26,18 +27,27 @@ PART = 0.45
 """Of the frames, at the beginning and at the end; chosen: a move is in one of them at most."""
 
 
-def step_of_part(detections: Detections, rows: Ints, few: Ints, first_rig: Callable[[Ints], Rig]) -> CameraStep | None:
-    """The move of one of a few cameras by their rig from a part of rows (C, F, K); None where no part shows one."""
+def rigs_of_parts(detections: Detections, rows: Ints, first_rig: Callable[[Ints], Rig]) -> Iterator[Rig]:
+    """Cameras from the first part of rows (C, F, K), and from the last, where these are calibrations.
+
+    One that lost images before is late in a part by as many.
+    """
     n = rows.shape[1]
-    uv = at_rows(detections, rows[few])[0]
     for part in (np.arange(n) < PART * n, np.arange(n) >= (1 - PART) * n):
+        own = np.where(part[:, None], rows, -1)
+        late = delays_between(at_rows(detections, own)[0])
         try:
-            rig = first_rig(np.where(part[:, None], rows, -1))
+            yield first_rig(own if late is None else _later(own, np.rint(late).astype(np.int64)))
         except KinemarkError:  # this part is no calibration either
             continue
-        if (step := camera_step(rig, uv)) is not None:
-            return step
-    return None
+
+
+def _later(rows: Ints, late: Ints) -> Ints:
+    """Rows (C, F, K) of image f − late (C) in frame f, −1 where there is none."""
+    source = np.arange(rows.shape[1]) - late[:, None]
+    there = (source >= 0) & (source < rows.shape[1])
+    taken = np.take_along_axis(rows, np.clip(source, 0, rows.shape[1] - 1)[..., None], 1)
+    return np.where(there[..., None], taken, -1)
 
 
 def since_step(step: CameraStep, detections: Detections, one_side: Callable[[Detections], InTime]) -> BundleFit | None:

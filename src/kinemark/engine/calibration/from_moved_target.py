@@ -67,6 +67,7 @@ def from_wand(task: Task) -> RigWithEvidence:
         *_changed(stated, gaps),
         *_moved_meanwhile(fit, seen.detections),
         *_late(fit, seen.detections.rate),
+        *_lost(fit),
     )
     return made._replace(evidence=replace(made.evidence, known=gaps, lengths=judged.lengths, findings=found))
 
@@ -102,6 +103,17 @@ def _late(fit: BundleFit, rate: float) -> Iterator[Finding]:
             yield make_finding(
                 "camera_late_while_calibrating", cameras=[name], late_images=images, delay_ms=1000 * images / rate
             )
+
+
+def _lost(fit: BundleFit) -> Iterator[Finding]:
+    """Says which cameras lost images in the course of the film."""
+    for one in fit.lost:
+        yield make_finding(
+            "camera_lost_images_while_calibrating",
+            cameras=[one.camera] if one.alone else [],
+            frames=[(one.first + 1, one.last + 1)],
+            images=one.images,
+        )
 
 
 def from_single_marker(task: Task) -> RigWithEvidence:

@@ -88,7 +88,7 @@ def _questions(proposal: SessionProposal) -> Iterator[Question]:
     elif way.why.kind in UNITLESS:
         yield Question("calibration.length_unit", 0, 0, ("mm", "cm", "m", "in"), about=way.path)
     elif way.role is Role.WAND:
-        yield Question("calibration.wand.lengths_mm", 1, 3, about=way.path)
+        yield Question("calibration.wand.lengths_mm", 1, 4, about=way.path)
         yield Question("calibration.wand.marker_diameter_mm", about=way.path, optional=True)
     elif way.role is Role.CONTROL_POINTS:
         yield Question("calibration.control_points.marker_diameter_mm", about=way.path, optional=True)

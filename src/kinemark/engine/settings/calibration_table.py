@@ -65,7 +65,7 @@ class WandRecording(TargetRecording):
     """A stick with markers in a row, waved through the volume."""
 
     lengths_mm: tuple[Positive, ...] = Field(
-        min_length=1, max_length=3, description="gaps between neighbouring markers, mm, K − 1 of K markers"
+        min_length=1, max_length=4, description="gaps between neighbouring markers, mm, K − 1 of K markers"
     )
     marker_diameter_mm: float | None = Field(
         default=None, gt=0, description="diameter of spheres, mm, whose images are then corrected for perspective"

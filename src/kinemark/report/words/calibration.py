@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...data import Finding
 from .template import Words, fill, shown
 
@@ -66,6 +68,16 @@ def _moved_meanwhile(found: Finding) -> str:
             "moved, by {offset_px:1} in its image."
         )
     return fill(f"{said} {kept.format(whose=whose)}".strip(), found)
+
+
+def _lost_images(found: Finding) -> str:
+    """Which camera lost images, or took some twice; of two cameras it may be either."""
+    images = int(np.asarray(found.values["images"]))
+    n, how = abs(images), "lost" if images > 0 else "took twice"
+    what = f"{n} image{'s' * (n > 1)}"
+    when = "about frame {first_frame}" if found.frames[0][0] == found.frames[0][1] else "between frames {frames}"
+    said = f"{{Cameras}} {how} {what}" if found.cameras else f"One of the two cameras lost or took twice {what}"
+    return fill(f"{said} of the wand, {when}. The others were put in the frames that they show.", found)
 
 
 def _world_elsewhere(found: Finding) -> str:
@@ -178,6 +190,11 @@ CALIBRATION_WORDS = {
         "were moved in time.",
         "Check that all cameras are started and triggered together. Trials try this delay, and say so where they keep "
         "to it. If this one is always late by as much, state its delays_ms below [cameras].",
+    ),
+    "camera_lost_images_while_calibrating": Words(
+        _lost_images,
+        "Check that this camera records every image: its disk, its cable, its program. It may lose images of a trial, "
+        "too.",
     ),
     "l_frame_moved": Words(
         "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "

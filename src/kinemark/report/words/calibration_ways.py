@@ -10,7 +10,7 @@ WAYS = {
 """By the keys of `[calibration]`."""
 
 NUMBERS = {
-    "wand.lengths_mm": ("Gaps between neighbouring markers of the wand, centre to centre, mm", 1, 3, False),
+    "wand.lengths_mm": ("Gaps between neighbouring markers of the wand, centre to centre, mm", 1, 4, False),
     "wand.marker_diameter_mm": ("Diameter of the wand's spheres, mm", 1, 1, True),
     "l_frame.arms_mm": ("From the L-frame's corner to the marker on its long and short arm, mm", 2, 2, False),
     "l_frame.height_mm": ("Height of the L-frame's markers above the floor, mm", 1, 1, True),

@@ -8,67 +8,49 @@ from kinemark.track.simultaneous.chance_meetings import chance_meetings
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.drift_beyond import drifting_beyond
 from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
-from kinemark.track.simultaneous.held_beyond import HOLE, MOST, held_elsewhere
+from kinemark.track.simultaneous.held_beyond import MOST, held_elsewhere
 from support.laboratory import observe, ring
 from support.motions import dance
 
 NOISE, MARKERS, FRAMES, METHOD = 0.1, 8, 200, Simultaneous()
 PART = np.arange(98, 101)
-ONE, OTHER, MEETING, PIECE = 0, MARKERS, MARKERS + 1, MARKERS + 2
+ONE, OTHER, MEETING = 0, MARKERS, MARKERS + 1
 
 
-def meeting(aside=60.0, lacks=(), piece=()):
+def meeting(aside=60.0):
     """Frame, track and detections (4, P) of points, and the images: markers ONE and OTHER move alike, so that the image
     of ONE in camera 0 fits that of OTHER in camera 1. In PART these two make track MEETING. Otherwise ONE has a point
-    of cameras 0, 2 and 3, and OTHER of 1, 2 and 3. With no distance `aside` both are one marker. In frames `lacks`
-    camera 1 has no image of OTHER; in those of a `piece` they make another track of both."""
+    of cameras 0, 2 and 3, and OTHER of 1, 2 and 3. With no distance `aside` both are one marker."""
     rig, xyz = ring(4), dance(n=MARKERS, frames=FRAMES, seed=2)
     along = rig[0].centre - rig[1].centre
     xyz = np.concatenate([xyz, xyz[:1] + aside * along / np.linalg.norm(along)])
     detections, marker = observe(rig, xyz, noise=NOISE, seed=3)
     images = read_images(detections, rig).noisier(np.full(4, NOISE**2))
-    whole = np.full((4, MARKERS + 3, FRAMES), -1)
+    whole = np.full((4, MARKERS + 2, FRAMES), -1)
     whole[images.camera, marker, images.frame] = np.arange(len(marker))
     other = whole[1, OTHER if aside else ONE].copy()
     usable = ~np.isin(marker, [ONE, OTHER])
     usable[whole[0, ONE]] = usable[other] = True
-    usable[other[list(lacks)]] = False
-    whole[1, OTHER, list(lacks)] = -1
-    for track, part in ((MEETING, PART), (PIECE, list(piece))):
-        whole[0, track, part], whole[1, track, part] = whole[0, ONE, part], other[part]
+    whole[0, MEETING, PART], whole[1, MEETING, PART] = whole[0, ONE, PART], other[PART]
     whole[1, ONE], whole[0, OTHER] = -1 if aside else whole[1, ONE], -1
-    both = [*PART, *piece]
-    whole[:, ONE, both], whole[:, OTHER, both] = -1, -1
+    whole[:, ONE, PART], whole[:, OTHER, PART] = -1, -1
     if not aside:
         whole[:, OTHER] = -1
     detection = whole.reshape(4, -1)
     kept = (detection >= 0).any(0)
-    frame, id = np.tile(np.arange(FRAMES), PIECE + 1), np.repeat(np.arange(PIECE + 1), FRAMES)
+    frame, id = np.tile(np.arange(FRAMES), MARKERS + 2), np.repeat(np.arange(MARKERS + 2), FRAMES)
     images = images._replace(usable=usable, by_cell=images.by_cell.keep(usable))
     return frame[kept], id[kept], detection[:, kept], images
 
 
-def score(aside=60.0, **more):
-    frame, id, detection, images = meeting(aside, **more)
+def score(aside=60.0):
+    frame, id, detection, images = meeting(aside)
     return held_elsewhere(frame, detection, np.where(id == MEETING, 0, -1), 1, images, 0.0)[0]
 
 
 def test_points_that_hold_either_image_alone_lie_elsewhere():
     """In each frame beyond, before and after, a point of ONE and a point of OTHER."""
     assert np.log1p(4 * MOST) >= score() > np.log(40.0)
-
-
-def test_an_image_that_drops_out_where_the_stretch_ends_is_followed_all_the_same():
-    """Both images count only where both go on."""
-    lacks = [PART[0] - 1, *range(PART[-1] + 1, PART[-1] + 1 + HOLE)]
-    assert np.exp(score()) - np.exp(score(lacks=lacks)) == pytest.approx(2 * len(lacks))
-    assert score(lacks=[*range(PART[0] - 1 - HOLE, PART[0]), *range(PART[-1] + 1, PART[-1] + 2 + HOLE)]) == 0.0
-
-
-def test_another_piece_of_the_meeting_says_nothing_for_it():
-    """Its points hold both images, as those of the stretch do, and no third one."""
-    piece = range(PART[-1] + 5, PART[-1] + 15)
-    assert np.exp(score()) - np.exp(score(piece=piece)) == pytest.approx(2 * len(piece))
 
 
 def test_points_of_the_same_marker_lie_there():

@@ -26,8 +26,8 @@ def images_of(*paths, merged=()):
     return read_images(detections, RIG), row.T
 
 
-def beyond(images, last, step=1, radius=2.0, r=0.0, hole=0):
-    return images_beyond(images, np.array([last]), step, np.array([radius]), r, MOST, hole)[0].tolist()
+def beyond(images, last, step=1, radius=2.0, r=0.0):
+    return images_beyond(images, np.array([last]), step, np.array([radius]), r, MOST)[0].tolist()
 
 
 def test_images_go_on_until_the_recording_ends_forwards_and_backwards():
@@ -71,36 +71,6 @@ def test_they_end_where_two_merge_in_a_file_that_does_not_say_so():
 def test_they_end_where_a_file_says_that_two_merge():
     images, (row,) = images_of(PATH, merged=[(9, 0)])
     assert beyond(images, row[5:8]) == [row[8], -1, -1, -1]
-
-
-@pytest.mark.parametrize(("hole", "goes_on"), [(1, False), (2, True)])
-@pytest.mark.parametrize("step", [1, -1])
-def test_they_go_on_over_a_hole_no_longer_than_is_said(hole, goes_on, step):
-    path = PATH.copy()
-    path[5:7] = np.nan
-    images, (row,) = images_of(path)
-    last, on = (row[2:5], row[7:9]) if step > 0 else (row[[9, 8, 7]], row[[4, 3]])
-    assert beyond(images, last, step, hole=hole) == [-1, -1, *(on.tolist() if goes_on else [-1, -1])]
-
-
-def test_over_a_hole_an_image_may_lie_farther_off():
-    """After one frame without, the place is known to 1.3 times as much."""
-    for aside, found in ((2.5, True), (2.8, False)):
-        path = PATH.copy()
-        path[8] = np.nan
-        path[9] += [0.0, aside]
-        images, (row,) = images_of(path)
-        assert (beyond(images, row[5:8], hole=1)[1] == row[9]) == found
-
-
-def test_a_hole_has_no_image_near_by():
-    """Where two are, either may be the marker's; where one was nearer before, it is another's."""
-    path, other = PATH.copy(), np.full((FRAMES, 2), np.nan)
-    other[8] = PATH[8] + [1.0, 1.0]
-    assert beyond(images_of(path, other)[0], images_of(path, other)[1][0, 5:8], hole=3) == [-1] * MOST
-    path[8], other[7:9] = np.nan, PATH[8] + [0.5, 0.0]
-    images, (row, _) = images_of(path, other)
-    assert beyond(images, row[5:8], hole=3) == [-1] * MOST
 
 
 def test_an_image_is_alone_where_no_other_of_the_frame_before_is_nearer_or_within_the_resolution():

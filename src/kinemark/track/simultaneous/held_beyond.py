@@ -9,8 +9,7 @@ not, or the point holds both,
 
     score = max(0, ln(1 + n₋) − ln(1 + n₊))                                                 (1)
 
-Below 0 it would say that points agree with the stretch. But pieces of one chance meeting do so too. So points of these
-two images alone do not count either.
+Below 0 it would say that points agree with the stretch. But pieces of one chance meeting do so too.
 """
 
 from __future__ import annotations
@@ -23,10 +22,6 @@ from .candidate_points import intersect
 from .detection_index import Images
 from .image_chains import images_beyond
 from .kalman_states import KalmanStates
-
-HOLE = 3
-"""Frames in succession that an image may lack, a number at most; chosen: a drop-out, or a hand that passes.
-See docs/theory/tracking-ghosts.md."""
 
 MOST = 40
 """Frames before a stretch, and after it, in which its images are followed, a number; chosen: 60 take half as long
@@ -69,7 +64,7 @@ def held_elsewhere(frame: Ints, detection: Ints, stretch: Ints, N: int, images: 
 
 def _beyond(images: Images, last: Ints, step: int, r: float) -> Ints:
     """(n, MOST) detections in which images go on beyond the last (n, 3), −1 from where they do not."""
-    return images_beyond(images, last, step, REACH * np.sqrt(20 / 3 * images.variance[last].mean(1)), r, MOST, HOLE)
+    return images_beyond(images, last, step, REACH * np.sqrt(20 / 3 * images.variance[last].mean(1)), r, MOST)
 
 
 def _elsewhere(held: Ints, other: Ints, detection: Ints, images: Images) -> tuple[Ints, Bools]:
@@ -80,8 +75,7 @@ def _elsewhere(held: Ints, other: Ints, detection: Ints, images: Images) -> tupl
         holder[camera[camera >= 0]] = np.flatnonzero(camera >= 0)
     row, k = np.nonzero((held >= 0) & (other >= 0))
     point, image = holder[held[row, k]], other[row, k]
-    alone = ((detection[:, point] >= 0).sum(0) == 2) & (holder[image] == point)
-    row, point, image = (column[(point >= 0) & ~alone] for column in (row, point, image))
+    row, point, image = (column[point >= 0] for column in (row, point, image))
     point, at = np.unique(point, return_inverse=True)
     place, camera = intersect(images, detection[:, point]), images.camera[image]
     seen = predict_images(images.P, KalmanStates(place.xyz, place.cov))

@@ -10,8 +10,8 @@ from ..formatting import number
 REASONS = {
     "came_near": "came within {distance_mm} mm of each other, nearer than their positions were certain",
     "found_again": "lost, and found again where its position was known to {sd_mm} mm only",
-    "jumped": "jumped by {jump_mm} mm",
     "exchange_as_likely": "were lost at the same time, and their motion fits about as well if they were exchanged",
+    "lone_image": "went on by one image alone, into which another ran, or out of which one came",
     "shared_images": "lived on images in which markers run together",
     "little_evidence": "a marker is only {likelihood_ratio} times likelier than a chance meeting of images",
     "stitched_with_rival": "were stitched over a gap, but another stitch was nearly as likely",

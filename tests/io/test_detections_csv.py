@@ -17,7 +17,7 @@ def detections(seed, cameras=("left", "right, é"), n_frames=7, known=True):
     cov = rng.uniform(0, 1, (n, 2, 1)) * np.eye(2)
     cov[rng.random(n) < 0.3] = np.nan
     area = np.where(rng.random(n) < 0.3, np.nan, rng.uniform(1, 90, n))
-    extra = {"cov": cov, "area": area} if known else {}
+    extra = {"cov": cov, "area": area, "merged": rng.random(n) < 0.3} if known else {}
     return Detections.build(cameras, 50.0, counts, rng.uniform(-1, 700, (n, 2)), **extra)
 
 
@@ -50,7 +50,7 @@ def test_cameras_and_frames_follow_from_the_file(tmp_path):
     read = read_detections_csv(path, rate=10.0)
     assert (read.cameras, read.n_frames, read.rate) == (("b", "a"), 4, 10.0)
     assert read.uv.tolist() == [[5, 6], [1, 2], [3, 4]]
-    assert read.valid.all() and np.isnan(read.cov).all() and np.isnan(read.area).all()
+    assert read.valid.all() and np.isnan(read.cov).all() and np.isnan(read.area).all() and not read.merged.any()
 
 
 def test_invalid_detections_are_not_written(tmp_path):
@@ -79,6 +79,8 @@ def test_invalid_detections_are_not_written(tmp_path):
         ("camera,frame,u_px,v_px\na,9,1,2\n", "line 2: frame is not one of 0 … 5"),
         ("camera,frame,u_px,v_px\nc,0,1,2\n", "camera 'c' is not one of a, b"),
         ("camera,frame,u_px,v_px,var_u_px2,var_v_px2\na,0,1,2,1,-1\n", "line 2: var_v_px2 is negative"),
+        ("camera,frame,u_px,v_px,merged\na,0,1,2,0\na,0,1,2,2\n", "line 3: merged is neither 0 nor 1"),
+        ("camera,frame,u_px,v_px,merged\na,0,1,2,\n", "line 2: merged is neither 0 nor 1"),
         ("", "empty"),
         ('"' + "x" * 200000, "field larger"),
     ],

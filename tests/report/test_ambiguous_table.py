@@ -29,7 +29,7 @@ def test_the_same_reason_about_the_same_markers_is_one_row():
     many = [decision("swap", 10 * k, ["*3"], "found_again", sd_mm=mm) for k, mm in enumerate((13, 21, 10))]
     others = [
         decision("swap", 15, ["*4"], "found_again", sd_mm=12),
-        decision("swap", 16, ["*3"], "jumped", jump_mm=20),
+        decision("swap", 16, ["*3"], "came_near", distance_mm=20),
     ]
     both = decision("merge", 5, ["*3"], "shared_images")
     decisions = sorted([*many, *others, both], key=lambda one: one["first_frame"])
@@ -52,10 +52,10 @@ def test_what_is_wrong_most_often_is_first_and_of_one_reason_the_earliest():
 def test_rows_are_grouped_by_value_whatever_the_words_are(monkeypatch):
     decisions = [
         decision("swap", 0, ["*3"], "found_again", sd_mm=12),
-        decision("swap", 1, ["*3"], "jumped", jump_mm=12),
+        decision("swap", 1, ["*3"], "came_near", distance_mm=12),
     ]
     monkeypatch.setitem(words.REASONS, "found_again", "7 of 9")
-    monkeypatch.setitem(words.REASONS, "jumped", "7 of 9")
+    monkeypatch.setitem(words.REASONS, "came_near", "7 of 9")
     assert [len(own) for own in grouped(decisions)] == [1, 1]
 
 
@@ -70,12 +70,12 @@ def test_a_method_that_tells_no_decisions_is_not_free_of_them():
 
 
 def test_names_from_outside_are_text():
-    assert "<b>" not in ambiguous_table([decision("swap", 1, ["<b>"], "jumped", jump_mm=3)], listed=True)
+    assert "<b>" not in ambiguous_table([decision("swap", 1, ["<b>"], "came_near", distance_mm=3)], listed=True)
 
 
 @pytest.mark.parametrize("reason", words.REASONS)
 def test_every_reason_has_words_for_any_number(reason):
-    names = {"distance_mm", "sd_mm", "jump_mm", "likelihood_ratio", "margin"}
+    names = {"distance_mm", "sd_mm", "likelihood_ratio", "margin"}
     for value in (None, 0.0, 1e30, -3.0):
         text = words.reason_text([{"reason": reason, "values": dict.fromkeys(names, value)}])
         assert text and "{" not in text and "None" not in text

@@ -38,7 +38,7 @@ def long_trial(tracks, frames, *, cameras=8, **more):
     quality = judge(rig, records)
     quality["ambiguous_decisions"] = [
         {"kind": "swap", "first_frame": k, "last_frame": k + 1, "time_s": k / RATE,
-         "trajectories": [f"*{k % tracks + 1}"], "reason": "jumped", "values": {"jump_mm": 20.0}}
+         "trajectories": [f"*{k % tracks + 1}"], "reason": "found_again", "values": {"sd_mm": 20.0}}
         for k in range(3000)
     ]  # fmt: skip
     return {"quality": quality, "rig": rig, "pictures": pictures, **records}

@@ -1,6 +1,7 @@
-"""Detections as CSV: `camera, frame, u_px, v_px`, optionally `marker`, `area_px2`, `var_u_px2`, `var_v_px2`.
+"""Detections as CSV: `camera, frame, u_px, v_px`, optionally `marker`, `area_px2`, `var_u_px2`, `var_v_px2`, `merged`.
 
 Frames count from 0. `u` and `v` may stand for `u_px` and `v_px`. With `marker` it says which marker each point is.
+`merged` is 1 where an image may be of more markers than one, and 0 elsewhere; a file that marks any marks all.
 Spreadsheets of countries that write 2,5 save such a table with semicolons or tabs and decimal commas: read too.
 """
 
@@ -23,7 +24,7 @@ from .number_text import AGAIN, bad_line, numbers, plain, read_text, separator, 
 NEEDED = ("camera", "frame", "u_px", "v_px")
 VARIANCES = ("var_u_px2", "var_v_px2")
 OPTIONAL = ("area_px2", *VARIANCES)
-MARKER = "marker"
+MARKER, MERGED = "marker", "merged"
 SHORT = {"u": "u_px", "v": "v_px"}
 ROWS_AT_ONCE = 65536  # rows turned to numbers in one go; chosen for memory
 MOST_COUNTS = 10_000_000  # cameras times frames that a sparse file may claim; chosen for memory
@@ -92,8 +93,9 @@ def read_long(
     check_once(path, line, (camera * total + frame, marker), tuple(markers))
     order = np.lexsort([frame, camera])
     uv = np.column_stack([column["u_px"], column["v_px"]])[order]
-    area = {"area": column["area_px2"][order]} if "area_px2" in column else {}
-    found = Detections.build(tuple(names), rate, counts, uv, covariance(column, order), **area)
+    shape = {"area": column["area_px2"][order]} if "area_px2" in column else {}
+    shape |= {"merged": column[MERGED][order] == 1} if MERGED in column else {}
+    found = Detections.build(tuple(names), rate, counts, uv, covariance(column, order), **shape)
     return NamedDetections(found, marker[order], tuple(markers))
 
 
@@ -105,7 +107,7 @@ def _with_points(row: list[str], heading: list[str]) -> list[str]:
 
 def check_heading(path: Path | str, heading: list[str]) -> None:
     """The columns that must be there, and no unknown one."""
-    known = (*NEEDED, MARKER, *OPTIONAL)
+    known = (*NEEDED, MARKER, *OPTIONAL, MERGED)
     if unknown := [cell for cell in heading if cell not in known]:
         raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(known)}. Remove it.")
     if missing := [cell for cell in NEEDED if cell not in heading]:
@@ -151,12 +153,13 @@ def table(path: Path | str, lines: Sequence[int], rows: list[list[str]]) -> Floa
 
 
 def check_rows(path: Path | str, line: Ints, column: dict[str, Floats], frame: Ints, n_frames: int | None) -> None:
-    """Frames within the recording, finite centroids, no negative variance."""
+    """Frames within the recording, finite centroids, no negative variance, `merged` 0 or 1."""
     last = int(frame.max(initial=0)) if n_frames is None else n_frames - 1
     checks: list[tuple[Bools, str]] = [
         ((frame < 0) | (frame > last), f"frame is not one of 0 … {last}"),
         (~np.isfinite(column["u_px"] + column["v_px"]), "u_px or v_px is missing. Leave out what was not seen."),
         *((column[name] < 0, f"{name} is negative") for name in VARIANCES if name in column),
+        *((~np.isin(column[name], (0, 1)), f"{name} is neither 0 nor 1") for name in (MERGED,) if name in column),
     ]
     for wrong, what in checks:
         if wrong.any():
@@ -185,7 +188,8 @@ def covariance(column: dict[str, Floats], order: Ints) -> Floats | None:
 
 
 def write_detections_csv(path: Path | str, detections: Detections | NamedDetections) -> None:
-    """Write the valid detections, every digit kept; area and variances where any is known, and names of markers.
+    """Write the valid detections, every digit kept: area and variances where any is known, `merged` where any image is,
+    and names of markers.
 
     Covariances between u and v, widths, heights, peaks and what was found invalid have no place here; HDF5 keeps them.
 
@@ -209,4 +213,6 @@ def write_detections_csv(path: Path | str, detections: Detections | NamedDetecti
     for name, values in optional.items():
         if variances_known if name in VARIANCES else np.isfinite(values).any():
             columns[name] = list(map(plain, values.tolist()))
+    if kept.merged.any():
+        columns[MERGED] = kept.merged.astype(int).tolist()
     write_table(path, list(columns), zip(*columns.values(), strict=True))

@@ -17,7 +17,6 @@ from kinemark.track.simultaneous.ambiguous import (
     _came_near,
     _close_stitches,
     _found_again,
-    _jumps,
     _little_evidence,
     _merged,
     _possible_exchanges,
@@ -104,17 +103,6 @@ def test_a_marker_alone_is_exchanged_with_none_and_one_that_was_not_lost_neither
     decisions = _found_again(seen.take(np.flatnonzero(seen.id < tracks)), METHOD)
     assert [d.tracks for d in decisions] == [(k,) for k in found]
     assert all((d.first, d.last) == (8, 10) for d in decisions)
-
-
-@pytest.mark.parametrize("rate", [50.0, 200.0])
-@pytest.mark.parametrize(("share", "found"), [(0.98, 0), (1.02, 1)])
-def test_a_track_that_bends_more_than_markers_do_jumped(rate, share, found):
-    xyz, sd = straight(1)[0], 0.01 / np.sqrt(3)
-    xyz[10:, 2] += share * METHOD.gate * (METHOD.acceleration_sd / rate**2 + 4 * 0.01)  # (3), each point 0.01 mm sure
-    cov = np.tile(np.eye(3) * sd**2, (20, 1, 1))
-    cloud = Cloud(rate, np.arange(21), xyz, cov, np.zeros(20), np.zeros((20, 2), int))
-    decisions = _jumps(Tracks(cloud, np.zeros(20, np.int64)), METHOD)
-    assert [(d.kind, d.tracks) for d in decisions[:1]] == [("swap", (0,))] * found
 
 
 def tracks_of(xyz, *, missing=(), rate=100.0):

@@ -1,23 +1,20 @@
 """Ambiguous decisions: those that were close, for the operator to review.
 
 | kind   | what happened | when it is ambiguous |
-| swap   | two tracks came so near that either could have had the other's images | nearer than gates (1), (4) |
+| swap   | two tracks came so near that either could have had the other's images | nearer than gates (1), (3) |
 | swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.uncertain_sd` |
-| swap   | a track jumped | farther than usual accelerations lead (3) |
 | swap   | no image tells that two tracks go on as themselves | about as likely exchanged (`possible_exchanges`) |
+| swap   | one image alone tells that a track goes on | another ran into it, or came out of it (`lone_images`) |
 | merge  | a track used images of two markers | fewer than two images of its own |
 | ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
 | stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
 With standard deviations s and s' of both predicted positions, in each axis, (1) is |x − x'| < g (s + s'). A gap is
-wide where the standard deviation that motion leaves exceeds half of `uncertain_sd` (2). A track jumps where its
-distance from the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since,
-and g times
-the standard deviation of its points.
+wide where the standard deviation that motion leaves exceeds half of `uncertain_sd` (2).
 
 At a low rate s says what any marker may do, and things that stand far apart would be near. To have exchanged their
 images two tracks would have had to leave their own courses by their distance, so s is no more than what they do leave
-them by at that time: the RMS of x(t) − 2 x(t−1) + x(t−2), in each axis, over `AROUND` frames (4).
+them by at that time: the RMS of x(t) − 2 x(t−1) + x(t−2), in each axis, over `AROUND` frames (3).
 """
 
 from __future__ import annotations
@@ -32,7 +29,9 @@ from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import plain_value
 from ...numerics.runs import equal_runs
+from .detection_index import Images
 from .learned_delays import track_simultaneously
+from .lone_images import by_lone_images
 from .passes import Associations
 from .possible_exchanges import possible_exchanges
 from .simultaneous_method import DEFAULT, Simultaneous
@@ -55,8 +54,8 @@ DecisionKind = Literal["swap", "merge", "ghost", "stitch"]
 DecisionReason = Literal[
     "came_near",
     "found_again",
-    "jumped",
     "exchange_as_likely",
+    "lone_image",
     "shared_images",
     "little_evidence",
     "stitched_with_rival",
@@ -76,7 +75,7 @@ class AmbiguousDecision:
         first, last: frames, both included.
         tracks: that it is about.
         reason: why it was close.
-        values: the numbers of the reason: distance_mm, sd_mm or jump_mm, the median over the frames; likelihood_ratio
+        values: the numbers of the reason: distance_mm or sd_mm, the median over the frames; likelihood_ratio
             of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best
             stitch, or than exchanged.
     """
@@ -126,8 +125,8 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
     found = [
         *_came_near(seen, method),
         *_found_again(seen, method),
-        *_jumps(result.tracks, method),
         *_possible_exchanges(result.tracks, own, method),
+        *_lone_images(result.tracks, own, result.images),
         *_merged(result.tracks, own, seen, result.images.merged),
         *_little_evidence(result),
         *_close_stitches(result, method),
@@ -136,7 +135,7 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
 
 
 def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
-    """Tracks that came nearer than their gates (1), (4), both having images."""
+    """Tracks that came nearer than their gates (1), (3), both having images."""
     seen = seen.take(np.flatnonzero((seen.detection >= 0).any(0)))
     sd = np.minimum(seen.before / np.sqrt(3), _off_course(seen))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
@@ -157,7 +156,7 @@ def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecisi
 
 
 def _off_course(seen: Associations) -> Floats:
-    """(n) mm in each axis, by which tracks leave straight courses at the time (4); infinite where that is not known."""
+    """(n) mm in each axis, by which tracks leave straight courses at the time (3); infinite where that is not known."""
     order = np.lexsort([seen.frame, seen.id])
     who, frame, xyz = seen.id[order], seen.frame[order], seen.xyz[:, order]
     follows = (np.diff(who) == 0) & (np.diff(frame) == 1)
@@ -191,24 +190,6 @@ def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDeci
     ]
 
 
-def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
-    """Tracks that jumped (3)."""
-    order = np.lexsort([tracks.cloud.frame, tracks.id])
-    a, b, c = order[:-2], order[1:-1], order[2:]
-    frame, xyz, sd = tracks.cloud.frame, tracks.cloud.xyz, np.sqrt(np.trace(tracks.cloud.cov, axis1=1, axis2=2))
-    before, since = frame[b] - frame[a], frame[c] - frame[b]
-    same = (tracks.id[a] == tracks.id[c]) & (since <= method.max_coasting * tracks.cloud.rate)
-    ratio = since / np.where(same, before, 1)
-    off = np.linalg.norm(xyz[c] - xyz[b] - (xyz[b] - xyz[a]) * ratio[:, None], axis=1)
-    usual = method.acceleration_sd * (since * (since + before)) / tracks.cloud.rate**2 / 2
-    sure = sd[c] + sd[b] * (1 + ratio) + sd[a] * ratio
-    far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
-    return [
-        AmbiguousDecision("swap", a, b, who, "jumped", {"jump_mm": jump})
-        for who, a, b, jump in _runs(tracks.id[c[far]][:, None], frame[c[far]], off[far])
-    ]
-
-
 def _possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> list[AmbiguousDecision]:
     """Pairs of tracks that may have been exchanged where no image tells that each goes on as itself."""
     found = possible_exchanges(tracks, own, method)
@@ -216,6 +197,12 @@ def _possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> lis
         AmbiguousDecision("swap", first, last, tuple(sorted(pair)), "exchange_as_likely", {"margin": margin})
         for pair, first, last, margin in zip(*(column.tolist() for column in found), strict=True)
     ]
+
+
+def _lone_images(tracks: Tracks, own: Bools, images: Images) -> list[AmbiguousDecision]:
+    """Tracks that go on by one image alone, into which another ran, or out of which one came."""
+    found = zip(*(column.tolist() for column in by_lone_images(tracks, own, images)), strict=True)
+    return [AmbiguousDecision("swap", first, last, (track,), "lone_image") for track, first, last in found]
 
 
 def _merged(tracks: Tracks, own: Bools, seen: Associations, merged: Bools) -> list[AmbiguousDecision]:

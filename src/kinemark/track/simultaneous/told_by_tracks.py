@@ -7,6 +7,7 @@ import numpy as np
 from ...data import Detections, Tracks
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
+from .images_beside import with_images_beside
 from .measurement_noise import Noise, learn_noise
 from .noise_of_tracks import excess
 from .rig_of_tracks import rig_of_tracks
@@ -53,8 +54,9 @@ def of_tracks(
     working = held.pop()
     usable, believed = working.images.usable, images.stated and not working.noise.added.any()
     before = float(np.median(working.images.variance[usable])) if len(tracks.cloud) else 0.0
-    detection = joined_twins(tracks, working.images.uv, working.images.variance, working.images.P)
-    lines_tell = not believed and detection.shape[1] == len(tracks.cloud)
+    whole = with_images_beside(tracks, working.images)
+    detection = joined_twins(whole, working.images.uv, working.images.variance, working.images.P)
+    lines_tell = not believed and whole is tracks and detection.shape[1] == len(tracks.cloud)
     rig = rig_of_tracks(detection, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
     if rig is working.rig:
         return working, False

@@ -47,7 +47,8 @@ def of_tracks(
     Lines of two cameras need not agree better, only not clearly worse: where cameras stand in a row, they do not tell.
     Noise that is stated, and that no pair of cameras contradicts, is no less by another rig. There the rig is adjusted
     where three images disagree by more than that: lines of two cameras do not tell how far one stands from the other,
-    and where all stand in a row no pair of them does. So it is where a marker has two tracks for that (`twin_tracks`).
+    and where all stand in a row no pair of them does. So it is where a marker has two tracks for that (`twin_tracks`),
+    or the points lack the images of a camera (`images_beside`).
 
     The list of the one before is empty afterwards, so that its places and the other ones are not in memory at once.
     """

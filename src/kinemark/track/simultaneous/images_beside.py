@@ -64,5 +64,5 @@ def _beside(c: int, frame: Ints, xyz: Floats, detection: Ints, images: Images) -
     other[c] = image
     meet = lines_meet(images.P, detection[:, row], other, images.uv, images.variance)
     row, image = row[meet], image[meet]
-    nearest = np.intersect1d(*(np.unique(one, return_index=True)[1] for one in (row, image)))
+    nearest = np.intersect1d(np.unique(row, return_index=True)[1], np.unique(image, return_index=True)[1])
     return row[nearest], image[nearest]

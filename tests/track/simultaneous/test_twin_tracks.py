@@ -1,38 +1,20 @@
 """A marker of which cameras disagree, as they stand otherwise than their file says, has one track and not two."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from kinemark.data import Cloud, Rig, Tracks
+from kinemark.data import Cloud, Tracks
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.solved_points import Working
 from kinemark.track.simultaneous.told_by_tracks import of_tracks, with_noise
 from kinemark.track.simultaneous.twin_tracks import joined_twins
-from support.laboratory import camera, observe
+from support.laboratory import observe
 from support.motions import dance
+from support.row_of_cameras import row, turned
 
 FRAMES = 60
-
-
-def row(n):
-    """n cameras in a row, all as high."""
-    return Rig(tuple(camera(f"c{i}", (x, -4200.0, 1100.0)) for i, x in enumerate(np.linspace(-2500, 2500, n))))
-
-
-def turned(rig, angles):
-    """The cameras turned about the vertical by angles in rad: no line of two of them tells."""
-    return replace(
-        rig,
-        cameras=tuple(
-            replace(one, R=(R := one.R @ Rotation.from_euler("z", by).as_matrix()), t=-R @ one.centre)
-            for one, by in zip(rig, angles, strict=True)
-        ),
-    )
 
 
 @pytest.mark.parametrize(("n", "stated"), [(4, True), (4, False), (6, False)])

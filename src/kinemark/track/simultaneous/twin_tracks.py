@@ -53,7 +53,7 @@ def joined_twins(tracks: Tracks, uv: Floats, variance: Floats, P: Floats) -> Int
     alike = ~((detection[:, one] >= 0) & (detection[:, other] >= 0)).any(0)
     alike &= _beside(P, cloud.xyz[one], detection[:, other], uv) < BESIDE
     one, other = one[alike], other[alike]
-    alike = _lines_meet(P, detection[:, one], detection[:, other], uv, variance)
+    alike = lines_meet(P, detection[:, one], detection[:, other], uv, variance)
     one, other = one[alike], other[alike]
     ids = np.sort(tracks.id[np.stack([one, other])], axis=0)
     _, pair, n = np.unique(ids, axis=1, return_inverse=True, return_counts=True)
@@ -85,7 +85,7 @@ def _beside(P: Floats, xyz: Floats, detection: Ints, uv: Floats) -> Floats:
     return np.asarray(np.where(detection >= 0, off, 0.0).max(0))
 
 
-def _lines_meet(P: Floats, one: Ints, other: Ints, uv: Floats, variance: Floats) -> Bools:
+def lines_meet(P: Floats, one: Ints, other: Ints, uv: Floats, variance: Floats) -> Bools:
     """(n) whether images (C, n) of one point and of another meet each other's lines within GATE."""
     meet, F = np.ones(one.shape[1], bool), fundamentals(P)
     for r, s in np.argwhere(~np.eye(len(P), dtype=bool)):

@@ -1,0 +1,68 @@
+"""Images that no point has, beside a point that lacks one in their camera: those of a camera of a row that is off.
+
+Lines of two cameras do not tell how far one stands from the other, and where all stand in a row those of no pair do.
+So where a calibration is off, the images of one of four cameras lie on all lines, but some px beside the points of the
+other three, and no track takes them. Then no point ties that camera to the others, and a rig adjusted to the points
+(`rig_of_tracks`) leaves it where it is. An image is taken for the point's where
+
+    no point has it, the point has two images and more, none in its camera, sees it less than BESIDE px from there, and
+    the image lies on the line of each of the point's, within GATE standard deviations,                              (1)
+
+of several the nearest, of the image and of the point. Lines of cameras that do not stand in a row cross at the point
+itself, where a track finds its image. So there are few such images elsewhere, and where fewer than MANY of the points
+have one, none is taken. Two tracks of such images are twins (`twin_tracks`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...data import Tracks
+from ...data.array_types import Floats, Ints
+from .detection_index import Images
+from .twin_tracks import BESIDE, MANY, lines_meet
+
+MOST_POINTS = 20_000
+"""Points that are looked at; chosen: more say the same."""
+
+
+def with_images_beside(tracks: Tracks, images: Images) -> Tracks:
+    """The tracks with images by (1), whose points stay where they are; the same object where such images are few."""
+    cloud, frame, C = tracks.cloud, tracks.cloud.frame, len(images.P)
+    if C < 3:
+        return tracks
+    some = np.arange(0, len(cloud), max(len(cloud) // MOST_POINTS, 1))
+    has = cloud.detection[some] >= 0
+    free = images.usable & ~images.merged
+    free[cloud.detection[cloud.detection >= 0]] = False
+    remaining = images._replace(by_cell=images.by_cell.keep(free))
+    found = np.zeros((3, 0), np.int64)
+    for c in range(C):
+        lacking = some[~has[:, c] & (has.sum(1) >= 2)]
+        point, image = _beside(c, frame[lacking], cloud.xyz[lacking], cloud.detection[lacking].T, remaining)
+        found = np.concatenate([found, [lacking[point], np.full(len(point), c), image]], 1)
+    row, camera, image = found
+    if len(row) <= MANY * len(some):
+        return tracks
+    detection = cloud.detection.copy()
+    detection[row, camera] = image
+    return replace(tracks, cloud=replace(cloud, detection=detection))
+
+
+def _beside(c: int, frame: Ints, xyz: Floats, detection: Ints, images: Images) -> tuple[Ints, Ints]:
+    """Rows of points (n, 3) mm of frames (n) and detections (C, n), and images of camera c that are theirs by (1)."""
+    h = xyz @ images.P[c, :, :3].T + images.P[c, :, 3]
+    uv = h[:, :2] / h[:, 2:]
+    row, image = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), BESIDE))
+    apart = np.linalg.norm(images.uv[image] - uv[row], axis=1)
+    order = np.argsort(apart, kind="stable")
+    order = order[apart[order] < BESIDE]
+    row, image = row[order], image[order]
+    other = np.full((len(images.P), len(row)), -1)
+    other[c] = image
+    meet = lines_meet(images.P, detection[:, row], other, images.uv, images.variance)
+    row, image = row[meet], image[meet]
+    nearest = np.intersect1d(np.unique(row, return_index=True)[1], np.unique(image, return_index=True)[1])
+    return row[nearest], image[nearest]

@@ -9,6 +9,7 @@ from kinemark.data import Cloud, Detections
 from kinemark.geometry.weighted_points import ImageErrors
 from kinemark.track.simultaneous import (
     Simultaneous,
+    associate,
     misfitting_cameras,
     near_held,
     time_offsets,
@@ -54,12 +55,12 @@ def test_time_offsets_from_some_of_the_points_are_those_from_all(made, monkeypat
 def test_a_cameras_view_of_all_points_takes_little_and_is_the_same_part_by_part(made, monkeypatch):
     result = track_simultaneously(made.detections, made.rig, Simultaneous())
     whole = misfitting_cameras._peaks(1, result.tracks, result.images)
-    monkeypatch.setattr(misfitting_cameras, "AT_ONCE", 777)
+    monkeypatch.setattr(associate, "AT_ONCE", 777)
     part = misfitting_cameras._peaks(1, result.tracks, result.images)
     assert all(np.array_equal(a, b) for a, b in zip(whole, part, strict=True))
     xyz = np.tile(result.tracks.cloud.xyz, (8, 1))
     tracemalloc.start()
-    misfitting_cameras._projected(result.images.P[1:2], xyz)
+    associate.places_in_image(result.images.P[1], xyz)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 3 * xyz.nbytes  # covariances alone are three times as much

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Detections, Rig, Tracks
+from ...data import Detections, Finding, Rig, Tracks, make_finding
 from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
@@ -26,6 +26,7 @@ from .camera_strobes import without_strobes
 from .detection_index import Images, read_images
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
+from .moved_cameras import as_calibrated, moved_camera
 from .shifted_stretches import shifted_stretches
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
@@ -145,9 +146,42 @@ def _without_shifted(result: TrackingResult, detections: Detections, rig: Rig, t
         put_right=result.put_right,
     )
     right = _with_put_right(again, detections, rig, track)
-    own = [one.camera for one in found if one in right.unfitting]
-    seen, before = ((np.delete(one.tracks.cloud.detection, own, 1) >= 0).sum() for one in (right, result))
-    return right if seen >= NEARLY * before else result
+    right = _with_moved(right, detections, right.rig, track)
+    return right if len(right.tracks.cloud) >= NEARLY * len(result.tracks.cloud) else result
+
+
+def _with_moved(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
+    """Tracks again with images of cameras that were knocked within the recording where they had been before.
+
+    The same where there are none, or where they do not fit then.
+    """
+    said = {rig.names.index(one.cameras[0]): one for one in result.shifted if one.frames}
+    there = {one: found for one in result.unfitting if one.camera in said
+             and (found := moved_camera(one, _offset(said[one.camera]), result.tracks, detections, rig))}  # fmt: skip
+    if not there:
+        return result
+    left = tuple(one for one in result.unfitting if one not in there)
+    moved = tuple(there.values())
+    again = track(without_stretches(as_calibrated(detections, rig, moved), left), rig)
+    own = {one.camera for one in there}
+    if len(again.tracks.cloud) < SAME * len(result.tracks.cloud) or {*beside_tracks(again.tracks, again.images)} & own:
+        return result
+    shifted = tuple(_put_right(one) if c in own else one for c, one in said.items())
+    return again._replace(
+        unfitting=left, lenses=result.lenses, put_right=result.put_right, doubtful=result.doubtful, moved=moved,
+        shifted=shifted,
+    )  # fmt: skip
+
+
+def _put_right(one: Finding) -> Finding:
+    """What is said of a camera that was shifted, once it was put right."""
+    values = {name: one.values[name] for name in ("offset_u_px", "offset_v_px")}
+    return make_finding("camera_put_right", cameras=one.cameras, frames=one.frames, **values)
+
+
+def _offset(one: Finding) -> Floats:
+    """(2) px by which the images of a camera that was shifted lie beside."""
+    return np.array([one.values[f"offset_{axis}_px"] for axis in "uv"], np.float64)
 
 
 def _with_put_right(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
@@ -157,7 +191,7 @@ def _with_put_right(result: TrackingResult, detections: Detections, rig: Rig, tr
     """
     turned = list[ImageOffset]()
     whole = {one.camera for one in result.unfitting if one.whole(detections.n_frames)}
-    known = {one.cameras[0]: np.array([one.values[f"offset_{axis}_px"] for axis in "uv"]) for one in result.shifted}
+    known = {one.cameras[0]: _offset(one) for one in result.shifted}
     for c in sorted(whole | {*result.noise.inconsistent.tolist()}):
         offset = known.get(rig.names[c])
         if offset is None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...data import Detections, Finding, Rig
 from .diagnostics import diagnose
-from .shifted_cameras import PARTS, least_shifts, parts_of_recording, shifted
+from .shifted_cameras import least_shifts, parts_of_recording, shifted
 from .tracker import TrackingResult
 from .unfitting_stretches import Stretch
 
@@ -26,15 +26,12 @@ files 0.3 to 0.5 px off they had 4.1 to 7.4 (860004, 860007, 860009), and fewer 
 
 
 def shifted_stretches(detections: Detections, rig: Rig, result: TrackingResult) -> dict[Stretch, Finding]:
-    """Where cameras lie beside the others (`shifted_cameras` (1)), and what is to be said where they are left out.
-
-    The part of the recording before the first that shows it may be the one in which the camera was moved.
-    """
+    """Where cameras lie beside the others (`shifted_cameras` (1)), and what is to be said where they are left out."""
     n, found = detections.n_frames, dict[Stretch, Finding]()
     clear = _clear(rig, result)
     for one in diagnose(detections, rig, result) if clear else []:  # which knows what else it may be: a delay, say
         if one.kind == "camera_shifted" and not one.values["left_out"] and one.cameras[0] in clear:
-            first = max(int(one.frames[0][0]) - n // PARTS, 0) if one.frames else 0
+            first = int(one.frames[0][0]) if one.frames else 0
             said = replace(one, values={**one.values, "left_out": True})
             found[Stretch(rig.names.index(one.cameras[0]), first, n)] = said
     return found

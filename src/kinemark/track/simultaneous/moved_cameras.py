@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Camera, Detections, Rig, Tracks
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ...geometry.camera import distort, undistort
 from ...numerics.vectors import homogeneous
 from .turned_camera import put_right
@@ -36,11 +36,11 @@ class MovedCamera(NamedTuple):
     map: Floats
 
     @classmethod
-    def of(cls, number: int, first: int, stop: int, calibrated: Camera, now: Camera, depth: float) -> MovedCamera:
+    def of(cls, number: int, first: int, stop: int, was: Camera, now: Camera, depth: float) -> MovedCamera:
         """By (1), for points at a depth in mm."""
-        A = calibrated.R @ now.R.T
-        plane = A + np.outer((calibrated.t - A @ now.t) / depth, [0.0, 0.0, 1.0])
-        return cls(number, first, stop, calibrated.K @ plane @ np.linalg.inv(now.K))
+        A = was.R @ now.R.T
+        plane = A + np.outer((was.t - A @ now.t) / depth, [0.0, 0.0, 1.0])
+        return cls(number, first, stop, was.K @ plane @ np.linalg.inv(now.K))
 
 
 def moved_camera(
@@ -48,17 +48,24 @@ def moved_camera(
 ) -> MovedCamera | None:
     """A camera as the points of the others show it in a stretch; None where they cannot tell.
 
+    They show it before the stretch too, or it stood as it was calibrated: what the file is off by stays as it was.
+
     Args:
         stretch: of the camera, in which tracks have none of its images. offset: (2) px by which these lie beside.
     """
-    frame, cloud = tracks.cloud.frame, tracks.cloud
-    during = (frame >= stretch.first) & (frame < stretch.stop)
-    cloud = cloud.keep(during)
-    now = put_right(stretch.camera, offset, Tracks(cloud, tracks.id[during]), detections, rig)
+    frame, c = tracks.cloud.frame, stretch.camera
+    before, during = (_of(tracks, own) for own in (frame < stretch.first, frame >= stretch.first))
+    now = put_right(c, offset, during, detections, rig)
     if now is None:
         return None
-    depth = float(np.median(cloud.xyz @ now.R[2] + now.t[2]))
-    return MovedCamera.of(*stretch, rig[stretch.camera], now, depth)
+    was = put_right(c, np.zeros(2), before, detections, rig) or rig[c]
+    depth = float(np.median(during.cloud.xyz @ now.R[2] + now.t[2]))
+    return MovedCamera.of(*stretch, was, now, depth)
+
+
+def _of(tracks: Tracks, own: Bools) -> Tracks:
+    """Some points (P) of tracks."""
+    return Tracks(tracks.cloud.keep(own), tracks.id[own])
 
 
 def as_calibrated(detections: Detections, rig: Rig, moved: Sequence[MovedCamera]) -> Detections:

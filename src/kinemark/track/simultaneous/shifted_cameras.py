@@ -64,6 +64,13 @@ class Parts(NamedTuple):
         """px, how far off in the median part; NaN where that is not known."""
         return finite_median(np.linalg.norm(self.off, axis=1))
 
+    def change(self, since: int) -> float:
+        """px, how far the median after a frame lies from the one before; NaN where either is not known."""
+        after = min(int(np.searchsorted(self.first, since)), len(self.first) - 1)
+        before = max(int(np.searchsorted(self.first, since, "right")) - 1, 0)
+        middle = [[finite_median(axis) for axis in off.T] for off in (self.off[:before], self.off[after:])]
+        return float(np.linalg.norm(np.subtract(*middle)))
+
 
 class Beside(NamedTuple):
     """Of the points in view of a camera: how many, inside, and how many have an image of it in their track, tracked;

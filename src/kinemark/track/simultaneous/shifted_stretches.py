@@ -15,7 +15,7 @@ import numpy as np
 
 from ...data import Detections, Finding, Rig
 from .diagnostics import diagnose
-from .shifted_cameras import least_shifts, parts_of_recording, shifted
+from .shifted_cameras import Parts, least_shifts, parts_of_recording, shifted
 from .tracker import TrackingResult
 from .unfitting_stretches import Stretch
 
@@ -23,6 +23,10 @@ CLEAR = 8.0
 """Of (1); chosen on scenes of the second generator: cameras that were knocked had 9 to 20 (481003, 482007, 491004,
 492001 to 492003) and 80 to 240 (860002, 860003, 860013, files that are right), where points are nearer without them. In
 files 0.3 to 0.5 px off they had 4.1 to 7.4 (860004, 860007, 860009), and fewer ellipsoids held their points."""
+
+
+CHANGED = 3.0
+"""Of (2); chosen"""
 
 
 def shifted_stretches(detections: Detections, rig: Rig, result: TrackingResult) -> dict[Stretch, Finding]:
@@ -38,17 +42,17 @@ def shifted_stretches(detections: Detections, rig: Rig, result: TrackingResult) 
 
 
 def _clear(rig: Rig, result: TrackingResult) -> set[str]:
-    """Names of cameras that lie beside by far more than any other (1)."""
+    """Names of cameras that lie beside by far more than any other (1), or changed by more than any other (2)."""
     parts = [parts_of_recording(result, c) for c in range(len(rig))]
-    usual, least = np.array([one.usual for one in parts]), least_shifts(result, parts)
+    least = least_shifts(result, parts)
     found = [(c, one) for c, name in enumerate(rig.names) for one in shifted(result, c, name, parts[c], least[c])]
-    return {
-        rig.names[c]
-        for c, one in found
-        if one.kind == "camera_shifted" and _length(one) > CLEAR * np.fmax.reduce(np.delete(usual, c), initial=0.0)
-    }
+    return {rig.names[c] for c, one in found if one.kind == "camera_shifted" and _stands_out(c, one, parts)}
 
 
-def _length(one: Finding) -> float:
-    """px by which the images of a camera that was called shifted lie beside."""
-    return float(np.linalg.norm(np.array([one.values[f"offset_{axis}_px"] for axis in "uv"], np.float64)))
+def _stands_out(c: int, one: Finding, parts: list[Parts]) -> bool:
+    """Whether camera c, which was called shifted, does so among the others by (1), or by (2) since some frame."""
+    if one.frames:
+        far, times = np.array([each.change(int(one.frames[0][0])) for each in parts]), CHANGED
+    else:
+        far, times = np.array([each.usual for each in parts]), CLEAR
+    return bool(far[c] > times * np.fmax.reduce(np.delete(far, c), initial=0.0))

@@ -1,8 +1,8 @@
 """Images of a camera that was knocked within a recording, as it would have them had it stayed where it was.
 
 The rig has each camera once. From the knock on a camera stands at R', t' and has the focal lengths of K'
-(`turned_camera`), where it was calibrated with R, t and K. What it sees at the ideal pixel u' (homogeneous), at depth z,
-the camera as calibrated would see at
+(`turned_camera`), where it stood at R, t and had those of K. An image at the ideal pixel u' (homogeneous), at depth z,
+would have been at
 
     u ~ K (A + (t − A t') (0, 0, 1) / z) K'⁻¹ u',   A = R R'ᵀ                              (1)
 

@@ -31,6 +31,7 @@ import numpy as np
 from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import plain_value
+from ...numerics.returned_memory import return_memory
 from ...numerics.runs import equal_runs
 from .learned_delays import track_simultaneously
 from .passes import Associations
@@ -119,20 +120,33 @@ def track_with_decisions(
 
 def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """The decisions of a run that were close, by frame."""
-    seen = result.seen.take(np.flatnonzero(result.id[result.seen.id] >= 0))
-    seen = seen.take(np.argsort(seen.frame, kind="stable"))
-    seen = seen._replace(id=result.id[seen.id])
+    return_memory()
     own = (result.tracks.cloud.detection >= 0) & ~result.images.merged[result.tracks.cloud.detection]
+    near, merged = _of_associations(result, own, method)
+    return_memory()
     found = [
-        *_came_near(seen, method),
-        *_found_again(seen, method),
+        *near,
         *_jumps(result.tracks, method),
         *_possible_exchanges(result.tracks, own, method),
-        *_merged(result.tracks, own, seen, result.images.merged),
+        *merged,
         *_little_evidence(result),
         *_close_stitches(result, method),
     ]
     return sorted(found, key=lambda decision: (decision.first, decision.last, decision.tracks))
+
+
+def _of_associations(
+    result: TrackingResult, own: Bools, method: Simultaneous
+) -> tuple[list[AmbiguousDecision], list[AmbiguousDecision]]:
+    """Tracks that came near each other or were found again, and those that used images of several markers.
+
+    The associations are in memory once more for as long.
+    """
+    rows = np.flatnonzero(result.id[result.seen.id] >= 0)
+    seen = result.seen.take(rows[np.argsort(result.seen.frame[rows], kind="stable")])
+    seen = seen._replace(id=result.id[seen.id])
+    near = [*_came_near(seen, method), *_found_again(seen, method)]
+    return near, _merged(result.tracks, own, seen, result.images.merged)
 
 
 def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:

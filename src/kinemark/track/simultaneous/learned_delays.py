@@ -11,7 +11,7 @@ at uneven times, and fast ones, agree less.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -128,49 +128,62 @@ def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]
 
 
 def _without_shifted(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
-    """Tracks again with cameras put right that lie beside the others; without them, where few of these need them.
+    """Tracks again with cameras put right that lie beside the others; without them, where few points need them.
 
     Beside two or three others a camera shares most of its points with one of them alone. There it stays, and its noise
     as the images have it says how far off points may be.
     """
     found = shifted_stretches(detections, rig, result)
-    if not found:
-        return result
+    whole, within = (
+        {one: said for one, said in found.items() if bool(said.frames) == since} for since in (False, True)
+    )
+    if whole:
+        again = _left_out(result, whole, detections, rig, track)
+        result = _most_points(_with_put_right(again, detections, rig, track), result)
+    if within:
+        again = _with_moved(result, within, detections, result.rig, track)
+        result = _most_points(again or _left_out(result, within, detections, result.rig, track), result)
+    return result
+
+
+def _most_points(again: TrackingResult, before: TrackingResult) -> TrackingResult:
+    """What was tracked again, where it has nearly as many points."""
+    return again if len(again.tracks.cloud) >= NEARLY * len(before.tracks.cloud) else before
+
+
+def _left_out(
+    result: TrackingResult, found: Mapping[Stretch, Finding], detections: Detections, rig: Rig, track: _Track
+) -> TrackingResult:
+    """Tracks again without cameras in these stretches."""
     left = tuple(sorted((*result.unfitting, *found)))
     again = track(without_stretches(detections, left), rig)
-    again = again._replace(
-        unfitting=left,
-        shifted=tuple(found.values()),
-        lenses=result.lenses,
-        doubtful=result.doubtful,
-        put_right=result.put_right,
-    )
-    right = _with_put_right(again, detections, rig, track)
-    right = _with_moved(right, detections, right.rig, track)
-    return right if len(right.tracks.cloud) >= NEARLY * len(result.tracks.cloud) else result
+    return _of_same(result, again)._replace(unfitting=left, shifted=(*result.shifted, *found.values()))
 
 
-def _with_moved(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
-    """Tracks again with images of cameras that were knocked within the recording where they had been before.
+def _of_same(result: TrackingResult, again: TrackingResult) -> TrackingResult:
+    """What was tracked again, with what is known of the cameras."""
+    same = ("unfitting", "lenses", "put_right", "doubtful", "shifted", "moved")
+    return again._replace(**{name: getattr(result, name) for name in same})
 
-    The same where there are none, or where they do not fit then.
+
+def _with_moved(
+    result: TrackingResult, found: Mapping[Stretch, Finding], detections: Detections, rig: Rig, track: _Track
+) -> TrackingResult | None:
+    """Tracks again with images of cameras that were knocked within the recording where they would have been.
+
+    None where the points of the others cannot tell, or they do not fit then.
     """
-    said = {rig.names.index(one.cameras[0]): one for one in result.shifted if one.frames}
-    there = {one: found for one in result.unfitting if one.camera in said
-             and (found := moved_camera(one, _offset(said[one.camera]), result.tracks, detections, rig))}  # fmt: skip
-    if not there:
-        return result
-    left = tuple(one for one in result.unfitting if one not in there)
-    moved = tuple(there.values())
-    again = track(without_stretches(as_calibrated(detections, rig, moved), left), rig)
-    own = {one.camera for one in there}
-    if len(again.tracks.cloud) < SAME * len(result.tracks.cloud) or {*beside_tracks(again.tracks, again.images)} & own:
-        return result
-    shifted = tuple(_put_right(one) if c in own else one for c, one in said.items())
-    return again._replace(
-        unfitting=left, lenses=result.lenses, put_right=result.put_right, doubtful=result.doubtful, moved=moved,
-        shifted=shifted,
-    )  # fmt: skip
+    alone = {Stretch(one.camera, 0, detections.n_frames): said for one, said in found.items()}
+    others = _left_out(result, alone, detections, rig, track).tracks
+    moved = [moved_camera(one, _offset(said), others, detections, rig) for one, said in found.items()]
+    there = tuple(one for one in moved if one is not None)
+    if len(there) < len(moved):
+        return None
+    again = track(without_stretches(as_calibrated(detections, rig, there), result.unfitting), rig)
+    if {*beside_tracks(again.tracks, again.images)} & {one.camera for one in there}:
+        return None
+    said = (*result.shifted, *(_put_right(one) for one in found.values()))
+    return _of_same(result, again)._replace(moved=there, shifted=said)
 
 
 def _put_right(one: Finding) -> Finding:

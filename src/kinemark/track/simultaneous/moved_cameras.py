@@ -51,7 +51,9 @@ def moved_camera(
     They show it before the stretch too, or it stood as it was calibrated: what the file is off by stays as it was.
 
     Args:
-        stretch: of the camera, in which tracks have none of its images. offset: (2) px by which these lie beside.
+        stretch: of the camera. offset: (2) px by which its images lie beside there.
+        tracks: of the other cameras, in the whole recording.
+        detections, rig: of all cameras, this one as it was calibrated.
     """
     frame, c = tracks.cloud.frame, stretch.camera
     before, during = (_of(tracks, own) for own in (frame < stretch.first, frame >= stretch.first))

@@ -111,10 +111,10 @@ def _lost(result: TrackingResult, c: int, name: str, parts: Parts, most: float) 
     k = len(lost) - int(np.argmin(lost[::-1]))
     if not images_fit_nothing(result, c, since := parts.first[k]):  # without images, nothing says so
         return []
-    when = [(since, result.tracks.cloud.n_frames - 1)]
+    last = result.tracks.cloud.n_frames - 1
     if (beside := _beside(parts.off[k:], most)) is None:
-        return [make_finding("camera_moved", cameras=[name], frames=when)]
-    return [_shifted(name, beside, when)]
+        return [make_finding("camera_moved", cameras=[name], frames=[(since, last)])]
+    return [_shifted(name, beside, [(_since(result, c, beside, parts, k), last)])]
 
 
 def _beside_others(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:

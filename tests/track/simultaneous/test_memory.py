@@ -12,6 +12,7 @@ from kinemark.track.simultaneous import (
     associate,
     misfitting_cameras,
     near_held,
+    shifted_cameras,
     time_offsets,
     track_simultaneously,
     unmarked_merging,
@@ -64,6 +65,13 @@ def test_a_cameras_view_of_all_points_takes_little_and_is_the_same_part_by_part(
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 3 * xyz.nbytes  # covariances alone are three times as much
+
+
+def test_where_images_lie_beside_is_looked_at_part_by_part(made, monkeypatch):
+    result = track_simultaneously(made.detections, made.rig, Simultaneous())
+    by_parts = peak_of(lambda: shifted_cameras.parts_of_recording(result, 1))
+    monkeypatch.setattr(shifted_cameras, "PARTS", 1)
+    assert by_parts < 0.3 * peak_of(lambda: shifted_cameras.parts_of_recording(result, 1))
 
 
 def test_merging_looked_at_part_by_part_is_that_of_all_at_once(monkeypatch):

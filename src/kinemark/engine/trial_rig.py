@@ -102,5 +102,5 @@ class TrialRig(NamedTuple):
         if not len(rig) == len(delay) == len(line):
             raise KinemarkError(f"{folder / RIG} has {len(rig)} cameras, wanted {len(delay)}. Delete it.")
         left_out = tuple(Stretch(*map(int, one)) for one in said["left_out"])
-        moved = tuple(MovedCamera(*map(int, one[:3]), np.array(one[3], np.float64)) for one in said["moved"])
+        moved = tuple(MovedCamera(int(c), int(a), int(b), np.array(H, np.float64)) for c, a, b, H in said["moved"])
         return cls(rig, delay, line, left_out, moved)

@@ -151,8 +151,10 @@ def _of_associations(
 
 def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that came nearer than their gates (1), (4), both having images."""
-    has, none = np.flatnonzero((seen.detection >= 0).any(0)), np.zeros((0, 0), np.int32)
-    seen = seen._replace(detection=none, shared=none, squared=none).take(has)  # without what takes memory
+    has, none = np.flatnonzero((seen.detection >= 0).any(0)), np.zeros((0, 0))
+    seen = seen._replace(detection=none.astype(np.int64), shared=none > 0, squared=none).take(
+        has
+    )  # without what takes memory
     sd = np.minimum(seen.before / np.sqrt(3), _off_course(seen))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
     pairs, apart = [np.zeros((2, 0), np.int64)], [np.zeros(0)]

@@ -142,8 +142,8 @@ def _without_shifted(result: TrackingResult, detections: Detections, rig: Rig, t
         again = _left_out(result, whole, detections, rig, track)
         result = _most_points(_with_put_right(again, detections, rig, track), result)
     if within:
-        again = _with_moved(result, within, detections, result.rig, track)
-        result = _most_points(again or _left_out(result, within, detections, result.rig, track), result)
+        moved = _with_moved(result, within, detections, result.rig, track)
+        result = _most_points(moved or _left_out(result, within, detections, result.rig, track), result)
     return result
 
 
@@ -189,8 +189,8 @@ def _with_moved(
 
 def _put_right(one: Finding) -> Finding:
     """What is said of a camera that was shifted, once it was put right."""
-    values = {name: one.values[name] for name in ("offset_u_px", "offset_v_px")}
-    return make_finding("camera_put_right", cameras=one.cameras, frames=one.frames, **values)
+    u, v = _offset(one).tolist()
+    return make_finding("camera_put_right", cameras=one.cameras, frames=one.frames, offset_u_px=u, offset_v_px=v)
 
 
 def _offset(one: Finding) -> Floats:

@@ -68,8 +68,8 @@ class Parts(NamedTuple):
         """px, how far the median after a frame lies from the one before; NaN where either is not known."""
         after = min(int(np.searchsorted(self.first, since)), len(self.first) - 1)
         before = max(int(np.searchsorted(self.first, since, "right")) - 1, 0)
-        middle = [[finite_median(axis) for axis in off.T] for off in (self.off[:before], self.off[after:])]
-        return float(np.linalg.norm(np.subtract(*middle)))
+        was, now = (np.array([finite_median(axis) for axis in off.T]) for off in (self.off[:before], self.off[after:]))
+        return float(np.linalg.norm(now - was))
 
 
 class Beside(NamedTuple):
@@ -199,7 +199,7 @@ def images_beside(result: TrackingResult, c: int, first: int, stop: int) -> Besi
     near = nearest_images(images, frame, c, uv)
     near[(near != own) & np.isin(near, own)] = -1  # another marker's says nothing of this one
     there = inside & (near >= 0)
-    count, tracked = np.count_nonzero(inside), np.count_nonzero(own[inside] >= 0)
+    count, tracked = int(inside.sum()), int((own[inside] >= 0).sum())
     return Beside(count, tracked, frame[there], images.uv[near[there]] - uv[there])
 
 

@@ -10,12 +10,15 @@ import shutil
 import numpy as np
 import pytest
 
-from kinemark.data import Origin
+from kinemark.data import Detections, Origin
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.editing.makers import footage_of
 from kinemark.engine.session import Session
+from kinemark.engine.trial_rig import TrialRig
 from kinemark.geometry import project
 from kinemark.io.rig_toml import read_rig_toml
+from kinemark.track.simultaneous.moved_cameras import MovedCamera
+from support.laboratory import ring
 from support.wrong_rig import ALONE, GAP, MARKER, TOUCHED, wrong_session
 
 KINDS = ("lens", "bumped", "late")
@@ -122,3 +125,16 @@ def test_tracks_cameras_and_images_of_a_trial_agree(trial):
         own = cloud.detection[:, c] >= 0
         off = uv[cloud.detection[own, c]] - project(camera, cloud.xyz[own])
         assert np.median(np.linalg.norm(off, axis=1)) < 2 * NOISE
+
+
+def test_where_a_camera_was_knocked_is_kept_with_the_results(tmp_path):
+    rig = ring(3)
+    moved = MovedCamera(1, 4, 8, np.array([[1, 0, 2.0], [0, 1, -1.0], [0, 0, 1.0]]))
+    cameras = TrialRig.given(rig)._replace(moved=(moved,))
+    cameras.save(tmp_path)
+    again = TrialRig.load(tmp_path, json.loads(json.dumps(cameras.as_dict())))
+    seen = Detections.build(rig.names, 100.0, np.ones((3, 8), int), np.full((24, 2), 300.0))
+    for each in (cameras, again):
+        there, knocked = each.seen(seen).uv, (seen.camera == 1) & (seen.frame >= 4)
+        np.testing.assert_allclose(there[knocked] - 300.0, np.tile([2.0, -1.0], (4, 1)), atol=0.1)  # by an ideal lens
+        np.testing.assert_array_equal(there[~knocked], 300.0)

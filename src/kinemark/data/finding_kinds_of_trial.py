@@ -99,9 +99,10 @@ TRIAL_KINDS = (
     Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
          "where that began within the recording; left_out where none of them was used.",
          {"offset_u_px": "px", "offset_v_px": "px", "left_out": "flag"}),
-    Kind("camera_put_right", "track", "amber", "A camera's images lay beside where the others expect them in the "
-         "whole recording; it was turned, and moved a little, until they did not, and used. The trial's rig.toml "
-         "has it as it was found.", {"offset_u_px": "px", "offset_v_px": "px"}),
+    Kind("camera_put_right", "track", "amber", "A camera's images lay beside where the others expect them; it "
+         "was turned, and moved a little, until they did not, and used. The trial's rig.toml has it as it was found; "
+         "with frames, where that began within the recording, as it was before.",
+         {"offset_u_px": "px", "offset_v_px": "px"}),
     Kind("cameras_put_in_order", "track", "amber", "Cameras have images of each other, images_of_list those of which "
          "one, in the cameras' order; each was given the calibration of the one whose images it has, and used.",
          {"images_of_list": "text"}),

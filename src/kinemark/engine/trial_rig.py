@@ -17,6 +17,7 @@ from ..data import Detections, KinemarkError, Rig
 from ..data.array_types import Floats
 from ..io.rig_toml import read_rig_toml, write_rig_toml
 from ..signal.common_time import moved_in_time
+from ..track.simultaneous.moved_cameras import MovedCamera, as_calibrated
 from ..track.simultaneous.tracker import TrackingResult
 from ..track.simultaneous.unfitting_stretches import Stretch, without_stretches
 
@@ -31,12 +32,14 @@ class TrialRig(NamedTuple):
         rig: the C cameras.
         delay, line: (C) s by which each takes its images later than the others, and its last row later than its middle.
         left_out: stretches of frames, from 0, in which a camera fits the others no more.
+        moved: stretches in which a camera that was knocked has its images where it would have had them before.
     """
 
     rig: Rig
     delay: Floats
     line: Floats
     left_out: tuple[Stretch, ...] = ()
+    moved: tuple[MovedCamera, ...] = ()
 
     @classmethod
     def given(cls, rig: Rig) -> TrialRig:
@@ -46,7 +49,7 @@ class TrialRig(NamedTuple):
     @classmethod
     def of_result(cls, result: TrackingResult) -> TrialRig:
         """Cameras as Kinemark's own tracker had them in the end."""
-        return cls(result.rig, result.times.delay, result.times.line, result.unfitting)
+        return cls(result.rig, result.times.delay, result.times.line, result.unfitting, result.moved)
 
     @property
     def in_time(self) -> bool:
@@ -54,7 +57,8 @@ class TrialRig(NamedTuple):
         return not (self.delay.any() or self.line.any())
 
     def timed(self, detections: Detections) -> Detections:
-        """The same rows, where they would be at the times of the frames."""
+        """The same rows, where they would be at the times of the frames for the cameras as they are in `rig`."""
+        detections = as_calibrated(detections, self.rig, self.moved)
         if self.in_time:
             return detections
         camera = detections.camera
@@ -74,8 +78,12 @@ class TrialRig(NamedTuple):
 
     def as_dict(self) -> dict[str, Any]:
         """All but the rig, for a file."""
-        left_out = [list(one) for one in self.left_out]
-        return {"delay_s": self.delay.tolist(), "line_s": self.line.tolist(), "left_out": left_out}
+        return {
+            "delay_s": self.delay.tolist(),
+            "line_s": self.line.tolist(),
+            "left_out": [list(one) for one in self.left_out],
+            "moved": [[*one[:3], one.map.tolist()] for one in self.moved],
+        }
 
     def save(self, folder: Path) -> None:
         """Write the cameras among a trial's results."""
@@ -93,4 +101,6 @@ class TrialRig(NamedTuple):
         delay, line = (np.array(said[name], np.float64) for name in ("delay_s", "line_s"))
         if not len(rig) == len(delay) == len(line):
             raise KinemarkError(f"{folder / RIG} has {len(rig)} cameras, wanted {len(delay)}. Delete it.")
-        return cls(rig, delay, line, tuple(Stretch(*map(int, one)) for one in said["left_out"]))
+        left_out = tuple(Stretch(*map(int, one)) for one in said["left_out"])
+        moved = tuple(MovedCamera(int(c), int(a), int(b), np.array(H, np.float64)) for c, a, b, H in said["moved"])
+        return cls(rig, delay, line, left_out, moved)

@@ -9,8 +9,10 @@ from kinemark.data import Cloud, Detections
 from kinemark.geometry.weighted_points import ImageErrors
 from kinemark.track.simultaneous import (
     Simultaneous,
+    associate,
     misfitting_cameras,
     near_held,
+    shifted_cameras,
     time_offsets,
     track_simultaneously,
     unmarked_merging,
@@ -54,15 +56,22 @@ def test_time_offsets_from_some_of_the_points_are_those_from_all(made, monkeypat
 def test_a_cameras_view_of_all_points_takes_little_and_is_the_same_part_by_part(made, monkeypatch):
     result = track_simultaneously(made.detections, made.rig, Simultaneous())
     whole = misfitting_cameras._peaks(1, result.tracks, result.images)
-    monkeypatch.setattr(misfitting_cameras, "AT_ONCE", 777)
+    monkeypatch.setattr(associate, "AT_ONCE", 777)
     part = misfitting_cameras._peaks(1, result.tracks, result.images)
     assert all(np.array_equal(a, b) for a, b in zip(whole, part, strict=True))
     xyz = np.tile(result.tracks.cloud.xyz, (8, 1))
     tracemalloc.start()
-    misfitting_cameras._projected(result.images.P[1:2], xyz)
+    associate.places_in_image(result.images.P[1], xyz)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 3 * xyz.nbytes  # covariances alone are three times as much
+
+
+def test_where_images_lie_beside_is_looked_at_part_by_part(made, monkeypatch):
+    result = track_simultaneously(made.detections, made.rig, Simultaneous())
+    by_parts = peak_of(lambda: shifted_cameras.parts_of_recording(result, 1))
+    monkeypatch.setattr(shifted_cameras, "PARTS", 1)
+    assert by_parts < 0.3 * peak_of(lambda: shifted_cameras.parts_of_recording(result, 1))
 
 
 def test_merging_looked_at_part_by_part_is_that_of_all_at_once(monkeypatch):

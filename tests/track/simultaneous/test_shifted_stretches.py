@@ -1,16 +1,20 @@
-"""A camera that was touched and lies little beside the others is put right, or takes no part from then on."""
+"""A camera that was touched and lies little beside the others is put right, or back to where it was."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
+from kinemark.data import Detections, Rig
+from kinemark.geometry import project
+from kinemark.track.simultaneous import Simultaneous, diagnose, learned_delays, track_simultaneously
+from kinemark.track.simultaneous.moved_cameras import MovedCamera, as_calibrated
+from kinemark.track.simultaneous.rig_of_tracks import changed_camera
 from kinemark.track.simultaneous.unfitting_stretches import Stretch
 from support.laboratory import observe, ring
 from support.motions import dance
 
-TOUCHED, SINCE, FRAMES = 3, 40, 80
+TOUCHED, SINCE, FRAMES = 3, 43, 80
 
 
 @pytest.fixture(scope="module", params=[(6, 1), (8, 3)], ids=["six", "eight"])
@@ -35,18 +39,59 @@ def off(result, xyz, since):
     return near.min(1)
 
 
-def test_within_a_recording_it_takes_no_part_from_then_on(knocked):
+def test_within_a_recording_its_images_are_put_where_they_would_have_been(knocked):
     rig, xyz, beside = knocked
+    result = track_simultaneously(beside(SINCE), rig, Simultaneous())
+    (moved,) = result.moved
+    cloud = result.tracks.cloud
+    assert result.unfitting == () and moved.camera == TOUCHED and moved.stop == FRAMES
+    assert abs(moved.first - SINCE) <= 1
+    assert (cloud.detection[cloud.frame >= SINCE, TOUCHED] >= 0).mean() > 0.8
+    (found,) = diagnose(beside(SINCE), rig, result)
+    assert (found.kind, found.cameras) == ("camera_put_right", (rig.names[TOUCHED],))
+    assert found.frames == ((moved.first, FRAMES - 1),)
+    assert np.median(off(result, xyz, SINCE)) < 1.1 * np.median(off(result, xyz, 0))
+
+
+def test_it_takes_no_part_where_the_others_cannot_put_it_back(knocked, monkeypatch):
+    rig, xyz, beside = knocked
+    monkeypatch.setattr(learned_delays, "moved_camera", lambda *_: None)
     result = track_simultaneously(beside(SINCE), rig, Simultaneous())
     (stretch,) = result.unfitting
     cloud = result.tracks.cloud
-    assert stretch == Stretch(TOUCHED, SINCE - FRAMES // 10, FRAMES)
+    assert stretch == Stretch(TOUCHED, stretch.first, FRAMES) and abs(stretch.first - SINCE) <= 1
     assert not (cloud.detection[cloud.frame >= stretch.first, TOUCHED] >= 0).any()
     assert (cloud.detection[cloud.frame < stretch.first, TOUCHED] >= 0).mean() > 0.8
     (found,) = diagnose(beside(SINCE), rig, result)
     assert (found.kind, found.cameras, found.values["left_out"]) == ("camera_shifted", (rig.names[TOUCHED],), True)
-    assert found.frames == ((SINCE, FRAMES - 1),)
     assert np.median(off(result, xyz, SINCE)) < 1.15 * np.median(off(result, xyz, 0))
+
+
+def test_within_a_recording_it_is_told_by_a_calibration_that_is_off_as_well(knocked):
+    rig, _, beside = knocked
+    shift = np.random.default_rng(0).uniform(-0.35, 0.35, (len(rig), 2))
+    stated = Rig(tuple(replace(one, K=one.K + _offset(by)) for one, by in zip(rig, shift, strict=True)), rig.method)
+    result = track_simultaneously(beside(SINCE), stated, Simultaneous())
+    assert [(one.camera, abs(one.first - SINCE) <= 1) for one in result.moved] == [(TOUCHED, True)]
+    assert track_simultaneously(beside(FRAMES), stated, Simultaneous()).moved == ()
+
+
+def _offset(by):
+    """What moves the middle of the image by (2) px."""
+    return np.array([[0, 0, by[0]], [0, 0, by[1]], [0, 0, 0.0]])
+
+
+def test_images_of_a_camera_that_stands_otherwise_are_those_of_the_one_before():
+    camera, depth = replace(ring(4)[0], distortion=np.array([-0.1, 0.01, 1e-4, 2e-4, 0.0])), 4000.0
+    now = changed_camera(camera, np.array([2e-3, -3e-3, 1e-3, 1e-3, -1e-3, 5e-4, 0.0]), depth)
+    x, y = np.meshgrid([-0.2, 0.0, 0.15], [-0.1, 0.05, 0.15])
+    xyz = (depth * np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) - now.t) @ now.R
+    there = project(now, xyz)
+    seen = Detections.build([camera.name], 100.0, [[9, 9, 9]], np.tile(there, (3, 1)))
+    back = as_calibrated(seen, Rig((camera,)), [MovedCamera.of(0, 1, 2, camera, now, depth)]).uv.reshape(3, 9, 2)
+    np.testing.assert_allclose(back[1], project(camera, xyz), atol=1e-6)
+    np.testing.assert_array_equal(back[[0, 2]], [there, there])
+    assert np.linalg.norm(back[1] - there, axis=1).min() > 1
 
 
 def test_in_a_whole_recording_it_is_put_right(knocked):

@@ -156,9 +156,11 @@ def _shifted(found: Finding) -> str:
 
 def _put_right(found: Finding) -> str:
     offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.0f") for axis in "uv")
+    since = " from frame {first_frame} on" if found.frames else ""
+    when = "then" if found.frames else "after the calibration"
     return fill(
-        f"The images of {{cameras}} lay ({offset})\u00a0px beside where the other cameras expect them: it was turned "
-        "after the calibration. It was put right by the points of the others, and used.",
+        f"The images of {{cameras}} lay ({offset})\u00a0px beside where the other cameras expect them{since}: it was "
+        f"turned {when}. It was put right by the points of the others, and used.",
         found,
     )
 

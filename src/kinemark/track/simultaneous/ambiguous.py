@@ -28,6 +28,7 @@ import numpy as np
 from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import plain_value
+from ...numerics.returned_memory import return_memory
 from ...numerics.runs import equal_runs
 from .detection_index import Images
 from .learned_delays import track_simultaneously
@@ -118,25 +119,40 @@ def track_with_decisions(
 
 def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """The decisions of a run that were close, by frame."""
-    seen = result.seen.take(np.flatnonzero(result.id[result.seen.id] >= 0))
-    seen = seen.take(np.argsort(seen.frame, kind="stable"))
-    seen = seen._replace(id=result.id[seen.id])
+    return_memory()
     own = (result.tracks.cloud.detection >= 0) & ~result.images.merged[result.tracks.cloud.detection]
+    near, merged = _of_associations(result, own, method)
+    return_memory()
     found = [
-        *_came_near(seen, method),
-        *_found_again(seen, method),
+        *near,
         *_possible_exchanges(result.tracks, own, method),
         *_lone_images(result.tracks, own, result.images),
-        *_merged(result.tracks, own, seen, result.images.merged),
+        *merged,
         *_little_evidence(result),
         *_close_stitches(result, method),
     ]
     return sorted(found, key=lambda decision: (decision.first, decision.last, decision.tracks))
 
 
+def _of_associations(
+    result: TrackingResult, own: Bools, method: Simultaneous
+) -> tuple[list[AmbiguousDecision], list[AmbiguousDecision]]:
+    """Tracks that came near each other or were found again, and those that used images of several markers.
+
+    The associations are in memory once more for as long.
+    """
+    rows = np.flatnonzero(result.id[result.seen.id] >= 0)
+    seen = result.seen.take(rows[np.argsort(result.seen.frame[rows], kind="stable")])
+    seen = seen._replace(id=result.id[seen.id])
+    near = [*_came_near(seen, method), *_found_again(seen, method)]
+    return near, _merged(result.tracks, own, seen, result.images.merged)
+
+
 def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that came nearer than their gates (1), (3), both having images."""
-    seen = seen.take(np.flatnonzero((seen.detection >= 0).any(0)))
+    has, none = np.flatnonzero((seen.detection >= 0).any(0)), np.zeros((0, 0))
+    # Without what takes memory.
+    seen = seen._replace(detection=none.astype(np.int64), shared=none > 0, squared=none).take(has)
     sd = np.minimum(seen.before / np.sqrt(3), _off_course(seen))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
     pairs, apart = [np.zeros((2, 0), np.int64)], [np.zeros(0)]

@@ -36,6 +36,9 @@ from ...numerics.runs import equal_runs
 from .detection_index import Images
 from .kalman_states import KalmanStates
 
+AT_ONCE = 1 << 14
+"""Points that are projected into one camera together; chosen for memory."""
+
 IN_ROW = 1.15
 """(n − 1)/√n for three discs in a row; by definition."""
 
@@ -71,6 +74,15 @@ class TrackImagePairs(NamedTuple):
 def predict_images(P: Floats, motion: KalmanStates) -> PredictedImages:
     """Where the cameras P (C, 3, 4) are expected to see the tracks."""
     return PredictedImages(*native.project(P, motion.position, motion.cov))
+
+
+def places_in_image(P: Floats, xyz: Floats) -> Floats:
+    """(N, 2) px of points (N, 3) mm in the camera P (3, 4), some at once: what else is predicted takes memory."""
+    parts = np.array_split(xyz, -(-len(xyz) // AT_ONCE) or 1)
+    none = np.zeros((3, 3, len(parts[0])))
+    return np.concatenate(
+        [predict_images(P[None], KalmanStates(part.T, none[..., : len(part)])).uv[0].T for part in parts]
+    )
 
 
 def candidates(images: Images, free: Bools, frame: Ints, expected: PredictedImages, gate: float) -> TrackImagePairs:

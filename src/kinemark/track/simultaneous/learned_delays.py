@@ -11,13 +11,13 @@ at uneven times, and fast ones, agree less.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Detections, Rig, Tracks
+from ...data import Detections, Finding, Rig, Tracks, make_finding
 from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
@@ -26,6 +26,7 @@ from .camera_strobes import without_strobes
 from .detection_index import Images, read_images
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
+from .moved_cameras import as_calibrated, moved_camera
 from .shifted_stretches import shifted_stretches
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
@@ -50,8 +51,9 @@ BETTER, SAME = 0.9, 0.99
 benchmarks/tracking_scenes.py): where calibrations 1 px off looked like delays, 1.0 was left, or 0.93 of the images."""
 
 NEARLY = 0.95
-"""Of the images of the others in tracks, the least that is left without a camera that lies beside them; chosen (scenes
-481000 to 482009 of the second generator, a camera knocked): ghosts that it made with them are up to a twentieth."""
+"""Of the points, the least that is left where a camera that lies beside the others is put right or left out; chosen
+(scenes 481000 to 482009 of the second generator, a camera knocked): ghosts that it made with them are up to a
+twentieth. Of 990000 to 995200, put right, 0.98 is left and more."""
 
 MAX_DELAY = 1.0
 """Frames: beyond the next image nothing is known of where a marker was; by definition of `common_time`."""
@@ -127,27 +129,73 @@ def _with(stretches: tuple[Stretch, ...], whole: Stretch) -> tuple[Stretch, ...]
 
 
 def _without_shifted(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
-    """Tracks again with cameras put right that lie beside the others; without them, where few of these need them.
+    """Tracks again with cameras put right that lie beside the others; without them, where few points need them.
 
     Beside two or three others a camera shares most of its points with one of them alone. There it stays, and its noise
     as the images have it says how far off points may be.
     """
     found = shifted_stretches(detections, rig, result)
-    if not found:
-        return result
+    whole, within = (
+        {one: said for one, said in found.items() if bool(said.frames) == since} for since in (False, True)
+    )
+    if whole:
+        again = _left_out(result, whole, detections, rig, track)
+        result = _most_points(_with_put_right(again, detections, rig, track), result)
+    if within:
+        moved = _with_moved(result, within, detections, result.rig, track)
+        result = _most_points(moved or _left_out(result, within, detections, result.rig, track), result)
+    return result
+
+
+def _most_points(again: TrackingResult, before: TrackingResult) -> TrackingResult:
+    """What was tracked again, where it has nearly as many points."""
+    return again if len(again.tracks.cloud) >= NEARLY * len(before.tracks.cloud) else before
+
+
+def _left_out(
+    result: TrackingResult, found: Mapping[Stretch, Finding], detections: Detections, rig: Rig, track: _Track
+) -> TrackingResult:
+    """Tracks again without cameras in these stretches."""
     left = tuple(sorted((*result.unfitting, *found)))
     again = track(without_stretches(detections, left), rig)
-    again = again._replace(
-        unfitting=left,
-        shifted=tuple(found.values()),
-        lenses=result.lenses,
-        doubtful=result.doubtful,
-        put_right=result.put_right,
-    )
-    right = _with_put_right(again, detections, rig, track)
-    own = [one.camera for one in found if one in right.unfitting]
-    seen, before = ((np.delete(one.tracks.cloud.detection, own, 1) >= 0).sum() for one in (right, result))
-    return right if seen >= NEARLY * before else result
+    return _of_same(result, again)._replace(unfitting=left, shifted=(*result.shifted, *found.values()))
+
+
+def _of_same(result: TrackingResult, again: TrackingResult) -> TrackingResult:
+    """What was tracked again, with what is known of the cameras."""
+    same = ("unfitting", "lenses", "put_right", "doubtful", "shifted", "moved")
+    return again._replace(**{name: getattr(result, name) for name in same})
+
+
+def _with_moved(
+    result: TrackingResult, found: Mapping[Stretch, Finding], detections: Detections, rig: Rig, track: _Track
+) -> TrackingResult | None:
+    """Tracks again with images of cameras that were knocked within the recording where they would have been.
+
+    None where the points of the others cannot tell, or they do not fit then.
+    """
+    alone = {Stretch(one.camera, 0, detections.n_frames): said for one, said in found.items()}
+    others = _left_out(result, alone, detections, rig, track).tracks
+    moved = [moved_camera(one, _offset(said), others, detections, rig) for one, said in found.items()]
+    there = tuple(one for one in moved if one is not None)
+    if len(there) < len(moved):
+        return None
+    again = track(without_stretches(as_calibrated(detections, rig, there), result.unfitting), rig)
+    if {*beside_tracks(again.tracks, again.images)} & {one.camera for one in there}:
+        return None
+    said = (*result.shifted, *(_put_right(one) for one in found.values()))
+    return _of_same(result, again)._replace(moved=there, shifted=said)
+
+
+def _put_right(one: Finding) -> Finding:
+    """What is said of a camera that was shifted, once it was put right."""
+    u, v = _offset(one).tolist()
+    return make_finding("camera_put_right", cameras=one.cameras, frames=one.frames, offset_u_px=u, offset_v_px=v)
+
+
+def _offset(one: Finding) -> Floats:
+    """(2) px by which the images of a camera that was shifted lie beside."""
+    return np.array([one.values[f"offset_{axis}_px"] for axis in "uv"], np.float64)
 
 
 def _with_put_right(result: TrackingResult, detections: Detections, rig: Rig, track: _Track) -> TrackingResult:
@@ -157,7 +205,7 @@ def _with_put_right(result: TrackingResult, detections: Detections, rig: Rig, tr
     """
     turned = list[ImageOffset]()
     whole = {one.camera for one in result.unfitting if one.whole(detections.n_frames)}
-    known = {one.cameras[0]: np.array([one.values[f"offset_{axis}_px"] for axis in "uv"]) for one in result.shifted}
+    known = {one.cameras[0]: _offset(one) for one in result.shifted}
     for c in sorted(whole | {*result.noise.inconsistent.tolist()}):
         offset = known.get(rig.names[c])
         if offset is None:

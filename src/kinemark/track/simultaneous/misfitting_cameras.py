@@ -44,11 +44,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...data import Tracks
 from ...data.array_types import Bools, Floats, Ints
-from .associate import predict_images
+from .associate import places_in_image
 from .candidate_points import fundamentals
 from .detection_index import Images
 from .epipolar_noise import camera_noise, mixture, pair_of, partners, residuals
-from .kalman_states import KalmanStates
 from .measurement_noise import sampled_frames
 
 MISFIT = 0.45
@@ -56,8 +55,6 @@ MISFIT = 0.45
 were bumped by 12 px 23 had -0.15 to 0.32, those bumped along the lines of others 0.6 to 0.8."""
 SURE = 5.0
 """Standard deviations of chance that n of the other cameras must be; chosen."""
-AT_ONCE = 1 << 14
-"""Points that are projected together; chosen for memory."""
 STEP, MIDDLE = 2.0, 30
 """px between the d that are looked at, chosen: a box of three by three holds the images of one marker; and how many
 there are to either side, chosen: by a turn of some 3°."""
@@ -190,7 +187,7 @@ def _partners(images: Images) -> Bools:
 def _peaks(c: int, tracks: Tracks, images: Images) -> Peaks | None:
     """S of a camera; None where too few points are in its view."""
     cloud = tracks.cloud
-    uv, has = _projected(images.P[c : c + 1], cloud.xyz), cloud.detection >= 0
+    uv, has = places_in_image(images.P[c], cloud.xyz), cloud.detection >= 0
     inside = ((uv >= 0) & (uv < images.size[c])).all(1) & (has.sum(1) - has[:, c] >= 2)
     if inside.sum() < LEAST_POINTS or len(np.unique(tracks.id[inside])) < LEAST_MARKERS:
         return None
@@ -213,13 +210,6 @@ def _tracks_beside(images: Images, cell: Ints, uv: Floats, id: Ints) -> float:
     there = np.unique(own[np.abs(images.uv[row, 1] - uv[own, 1]) < 1.5 * STEP])
     h = np.bincount(id[there]).astype(float)
     return float(h.sum() ** 2 / max((h**2).sum(), 1.0))
-
-
-def _projected(P: Floats, xyz: Floats) -> Floats:
-    """(P, 2) px of points (P, 3) mm in the camera P (1, 3, 4), some at once: what else is predicted takes memory."""
-    parts = np.array_split(xyz, -(-len(xyz) // AT_ONCE) or 1)
-    uv = [predict_images(P, KalmanStates(part.T, np.zeros((3, 3, len(part))))).uv[0].T for part in parts]
-    return np.concatenate(uv)
 
 
 def _steps(tracks: Tracks, uv: Floats) -> Floats:

@@ -9,11 +9,15 @@ of the image, where subjects come and go (7); so is what comes little by little,
 A camera that was touched stands out among the others, whose images lie beside by what the calibration leaves (9).
 Where images in no track lie beside the points by the same in all parts, the camera was shifted by so much, however
 little noise it was taken to have (11). Numbers are those of `diagnostics`.
+
+With s the share of the offset that an image lies beside, from 0 to 1, it was touched before the frame f that has the
+least sum of s − ½ over the images before it (12).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +25,8 @@ import numpy as np
 from ...data import Finding, make_finding
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.finite import finite_median
-from .associate import predict_images
-from .detection_index import Images
-from .kalman_states import KalmanStates
+from .associate import places_in_image
+from .detection_index import EVERY, Images, Rows
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
 from .time_offsets import MIN_SHIFT
 from .tracker import TrackingResult
@@ -61,6 +64,23 @@ class Parts(NamedTuple):
         """px, how far off in the median part; NaN where that is not known."""
         return finite_median(np.linalg.norm(self.off, axis=1))
 
+    def change(self, since: int) -> float:
+        """px, how far the median after a frame lies from the one before; NaN where either is not known."""
+        after = min(int(np.searchsorted(self.first, since)), len(self.first) - 1)
+        before = max(int(np.searchsorted(self.first, since, "right")) - 1, 0)
+        was, now = (np.array([finite_median(axis) for axis in off.T]) for off in (self.off[:before], self.off[after:]))
+        return float(np.linalg.norm(now - was))
+
+
+class Beside(NamedTuple):
+    """Of the points in view of a camera: how many, inside, and how many have an image of it in their track, tracked;
+    frame (n) of those that its images lie near to, and off (n, 2) px by which these lie beside."""
+
+    inside: int
+    tracked: int
+    frame: Ints
+    off: Floats
+
 
 def usual_offsets(result: TrackingResult, parts: Sequence[Parts]) -> Floats:
     """(C) px by which the images of each camera lie beside in the median part; NaN of those left out."""
@@ -79,7 +99,7 @@ def shifted(result: TrackingResult, c: int, name: str, parts: Parts, most: float
     """About a camera whose images lie beside the others', by more than `most` px, or fit no longer."""
     if c in result.noise.inconsistent:
         return []
-    return _lost(result, c, name, parts, most) or _beside_others(result, name, parts, most)
+    return _lost(result, c, name, parts, most) or _beside_others(result, c, name, parts, most)
 
 
 def _lost(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:
@@ -91,13 +111,13 @@ def _lost(result: TrackingResult, c: int, name: str, parts: Parts, most: float) 
     k = len(lost) - int(np.argmin(lost[::-1]))
     if not images_fit_nothing(result, c, since := parts.first[k]):  # without images, nothing says so
         return []
-    when = [(since, result.tracks.cloud.n_frames - 1)]
+    last = result.tracks.cloud.n_frames - 1
     if (beside := _beside(parts.off[k:], most)) is None:
-        return [make_finding("camera_moved", cameras=[name], frames=when)]
-    return [_shifted(name, beside, when)]
+        return [make_finding("camera_moved", cameras=[name], frames=[(since, last)])]
+    return [_shifted(name, beside, [(_since(result, c, beside, parts, k), last)])]
 
 
-def _beside_others(result: TrackingResult, name: str, parts: Parts, most: float) -> list[Finding]:
+def _beside_others(result: TrackingResult, c: int, name: str, parts: Parts, most: float) -> list[Finding]:
     """About a camera whose images lie beside the others' (1), from some part on or throughout."""
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > most)
@@ -108,8 +128,20 @@ def _beside_others(result: TrackingResult, name: str, parts: Parts, most: float)
     whole = len(wrong) >= np.isfinite(far).sum() - 1 or not np.isfinite(far[: wrong[0]]).any()
     if not whole and not _stepped(parts.off, wrong[0], most):
         return []
-    began = [] if whole else [(parts.first[wrong[0]], result.tracks.cloud.n_frames - 1)]
-    return [_shifted(name, np.nanmedian(parts.off[wrong], axis=0), began)]
+    offset = np.nanmedian(parts.off[wrong], axis=0)
+    began = [] if whole else [(_since(result, c, offset, parts, wrong[0]), result.tracks.cloud.n_frames - 1)]
+    return [_shifted(name, offset, began)]
+
+
+def _since(result: TrackingResult, c: int, offset: Floats, parts: Parts, k: int) -> int:
+    """The frame from which on images of camera c lie beside by an offset (2) px, in the part k that is the first to
+    show it, or the one before (12)."""
+    edges = np.append(parts.first, result.tracks.cloud.n_frames)
+    first, stop = int(edges[max(k - 1, 0)]), int(edges[k + 1])
+    beside = images_beside(result, c, first, stop)
+    s = np.clip(beside.off @ offset / (offset @ offset), 0.0, 1.0)
+    total = np.cumsum(np.bincount(beside.frame - first, s - 0.5, stop - first))
+    return first + int(np.argmin(np.append(0.0, total[:-1])))
 
 
 def _shifted(name: str, offset: Floats, frames: Sequence[tuple[int, int]]) -> Finding:
@@ -145,40 +177,40 @@ def images_fit_nothing(result: TrackingResult, c: int, since: int) -> bool:
 
 def parts_of_recording(result: TrackingResult, c: int) -> Parts:
     """What a camera has where the points of the tracks are, by parts of the recording."""
+    cloud = result.tracks.cloud
+    edges = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))
+    off, share = np.full((len(edges) - 1, 2), np.nan), np.full(len(edges) - 1, np.nan)
+    for k, (first, stop) in enumerate(pairwise(edges)):
+        beside = images_beside(result, c, first, stop)
+        if len(beside.off) >= max(FEW, 2 * MIN_FOUND_SHARE * beside.inside):
+            off[k] = np.median(beside.off, axis=0)
+        if beside.inside >= FEW:
+            share[k] = beside.tracked / beside.inside
+    return Parts(off, share, edges[:-1])
+
+
+def images_beside(result: TrackingResult, c: int, first: int, stop: int) -> Beside:
+    """What camera c has beside the points of the tracks in frames `first` to `stop` − 1."""
     cloud, images = result.tracks.cloud, result.images
-    first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
-    part = np.searchsorted(first, cloud.frame, side="right") - 1
-    uv = expected_places(result, c)
-    inside = in_view(result, c, uv, 2)
-    near = nearest_images(images, cloud.frame, c, uv)
-    own_image = cloud.detection[:, c]
-    near[(near != own_image) & np.isin(near, own_image)] = -1  # another marker's says nothing of this one
-    off, share = np.full((len(first), 2), np.nan), np.full(len(first), np.nan)
-    for k in range(len(first)):
-        own = (part == k) & inside
-        there = own & (near >= 0)
-        if there.sum() >= max(FEW, 2 * MIN_FOUND_SHARE * own.sum()):
-            off[k] = np.median(images.uv[near[there]] - uv[there], axis=0)
-        if own.sum() >= FEW:
-            share[k] = (cloud.detection[own, c] >= 0).mean()
-    return Parts(off, share, first)
+    rows = slice(cloud.start[first], cloud.start[stop])
+    frame, own = cloud.frame[rows], cloud.detection[rows, c]
+    uv = expected_places(result, c, rows)
+    inside = in_view(result, c, uv, 2, rows)
+    near = nearest_images(images, frame, c, uv)
+    near[(near != own) & np.isin(near, own)] = -1  # another marker's says nothing of this one
+    there = inside & (near >= 0)
+    count, tracked = int(inside.sum()), int((own[inside] >= 0).sum())
+    return Beside(count, tracked, frame[there], images.uv[near[there]] - uv[there])
 
 
-def expected_places(result: TrackingResult, c: int) -> Floats:
-    """(P, 2) px where camera c should see the points of the tracks."""
-    return (
-        predict_images(
-            result.images.P[c : c + 1],
-            KalmanStates(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud)))),
-        )
-        .uv[0]
-        .T
-    )
+def expected_places(result: TrackingResult, c: int, rows: Rows = EVERY) -> Floats:
+    """(P) px where camera c should see the points of the tracks, some or all."""
+    return places_in_image(result.images.P[c], result.tracks.cloud.xyz[rows])
 
 
-def in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
+def in_view(result: TrackingResult, c: int, uv: Floats, least: int, rows: Rows = EVERY) -> Bools:
     """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
-    others = np.delete(result.tracks.cloud.detection, c, axis=1) >= 0
+    others = np.delete(result.tracks.cloud.detection[rows], c, axis=1) >= 0
     return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
 
 

@@ -48,6 +48,7 @@ from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, sampled_frames
 from .missing_lens import MissingLenses
 from .motion_scale import count_images, in_windows, with_learned_motion
+from .moved_cameras import MovedCamera
 from .neighbouring_points import TrackPoints
 from .passes import Associations, run
 from .rival_pairs import without_rivalled
@@ -119,7 +120,8 @@ class TrackingResult(NamedTuple):
         rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
             were put right. put_right: these cameras, and how far their images lay beside.
         doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
-        shifted: of stretches of `unfitting` in which a camera lay beside by little, what was found.
+        shifted: of cameras that lay beside by little, in stretches of `unfitting` or of `moved`, what was found.
+        moved: stretches in which a camera that was knocked has its images where it would have had them before.
     """
 
     tracks: Tracks
@@ -137,6 +139,7 @@ class TrackingResult(NamedTuple):
     put_right: tuple[ImageOffset, ...] = ()
     doubtful: tuple[int, ...] = ()
     shifted: tuple[Finding, ...] = ()
+    moved: tuple[MovedCamera, ...] = ()
 
 
 def track_once(

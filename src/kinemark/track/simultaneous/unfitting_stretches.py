@@ -35,11 +35,10 @@ from ...data.array_types import Bools, Floats, Ints
 from ...data.detections import Validity
 from ...numerics.evenly import scattered
 from ...numerics.runs import true_runs, true_runs_of_rows
-from .associate import predict_images
+from .associate import places_in_image
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .epipolar_noise import WINDOW, pair_of, partners, residuals
-from .kalman_states import KalmanStates
 from .misfitting_cameras import image_offset, misfitting, stands_apart
 
 PARTS = 20
@@ -148,7 +147,7 @@ def is_lost(stretch: Stretch, tracks: Tracks, others: Images, detections: Detect
     images, c, cloud = read_images(detections, rig), stretch.camera, tracks.cloud
     if stretch.whole(detections.n_frames):
         return stands_apart(image_offset(c, tracks, images), others)
-    uv = predict_images(images.P[c : c + 1], KalmanStates(cloud.xyz.T, np.zeros((3, 3, len(cloud))))).uv[0].T
+    uv = places_in_image(images.P[c], cloud.xyz)
     middle = np.abs(uv / images.size[c] - 0.5) < 0.5 - EDGE
     inside = middle.all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
     own, row = images.near(cloud.frame * len(images.P) + c, uv[:, 0], np.full(len(uv), APART))

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.io.marker_sets import read_marker_set
-from kinemark.label import learn_template, static_template
+from kinemark.label import learn_template
 from kinemark.label import margin as of_margin
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import label_probability, margins
 from kinemark.label.stretches import stretches_of
-from kinemark.label.told_by_one import TIMES, at_most_neighbours, at_most_tellers, in_one_posture, told_by_one
-from support.wearing import body_of, moving
+from kinemark.label.told_by_one import TIMES, at_most_tellers, in_one_posture, told_by_one
 
 WRIST = ("MEDIAL", "LATERAL")
 
@@ -88,16 +86,3 @@ def test_a_name_is_at_most_as_sure_as_the_names_that_tell_it(of_wrist):
     found = dict(zip(trial.names, at_most_tellers(p, stretches, label, template, pairs), strict=True))
     assert found["HMEDIAL"] == found["HLATERAL"] == min(of_wrist, 0.998)
     assert all(found[f"T{k}"] == 0.998 for k in range(40)), "other trunk markers tell these"
-
-
-@pytest.mark.parametrize(("there", "most"), [((), 0.94), (("RKNE",), 0.998), (("RKNE", "LKNE"), 0.998)])
-def test_a_name_is_at_most_as_sure_as_the_surest_label_whose_distance_keeps(there, most):
-    """By an ankle that is not sure, the marker of the shank is not either; with the knee it is."""
-    worn = read_marker_set("kiss-15")
-    template = static_template(moving(worn, body_of(worn, 2), 3, duration_s=0.1).frames(0, 1), worn)
-    names = ("RANK", "RTIB", "LTIB", *there)
-    label = np.array([template.names.index(name) for name in names] + [-1])
-    p = np.array([0.94, 0.998, 0.998, *(0.999 for _ in there), 0.0])
-    found = dict(zip(names, at_most_neighbours(p, label, template), strict=False))
-    assert found["RTIB"] == most
-    assert found["LTIB"] == 0.998, "nothing whose distance keeps is there but its knee, which is as sure"

@@ -39,7 +39,7 @@ from .stated import anchored, fixed_labels
 from .stretches import FREE, Stretches, stretches_of
 from .sweeps import places
 from .template import Template
-from .told_by_one import at_most_neighbours, at_most_tellers
+from .told_by_one import at_most_tellers
 
 FRAMES = 40
 """In which a subject's size is measured; chosen, as in `held`."""
@@ -173,8 +173,7 @@ def _of_body(
     after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
     about = anchored(margins(stretches, label, template, pairs, after), label, fixed)
     p = probability_of_all(trajectories, template, after or pairs, label, about, stretches.weight, method)
-    p = at_most_neighbours(at_most_tellers(p, stretches, label, template, pairs), label, template)
-    p = image.share * at_most_even(p, sides.undecided)
+    p = image.share * at_most_even(at_most_tellers(p, stretches, label, template, pairs), sides.undecided)
     second = np.where(image.other >= 0, image.other, about.runner_up)
     p = np.where(beside_their_places(stretches, label, template) & (fixed == FREE), np.minimum(p, BESIDE), p)
     state = tuple(state_of(float(one), method.sure) for one in p)

@@ -77,22 +77,6 @@ def at_most_tellers(p: Floats, stretches: Stretches, label: Ints, template: Temp
     return np.where(label >= 0, np.minimum(p, most[np.maximum(label, 0)]), p)
 
 
-def at_most_neighbours(p: Floats, label: Ints, template: Template) -> Floats:
-    """(T) probabilities of names, each at most as sure as the surest of the labels to which its distance keeps.
-
-    An extra marker that took the name of an absent ankle tells, surely, that the heel is the shank's marker. Where no
-    such label is there nothing changes, as nothing of them counted for the name.
-
-    Args:
-        p: (T) before. label: (T) −1 for none.
-    """
-    of_label = np.full(len(template), -1.0)
-    np.maximum.at(of_label, label[label >= 0], p[label >= 0])
-    surest = np.where(template.keeps, of_label, -1.0).max(1, initial=-1.0)
-    most = np.where(surest < 0, 1.0, surest)
-    return np.where(label >= 0, np.minimum(p, most[np.maximum(label, 0)]), p)
-
-
 def in_one_posture(twos: Sequence[tuple[int, int]], keeps: Bools) -> Bools:
     """(M) whether neither of two labels has a distance that is known to keep.
 

@@ -39,7 +39,7 @@ MOST_AT_ONCE = 400_000
 MOVES = 30
 """At most, one after the other; chosen."""
 UNTOLD = 2.0
-"""Nats a frame below which distances and quadruples tell nothing of an exchange, so that what any body shows of its front
+"""Nats a frame below which distances and quadruples tell nothing of a move, so that what any body shows of its front
 decides; chosen: heel and toe of a foot whose ankle is absent lose 0.0 to 0.1, with it 12 and more."""
 ONE_OF, ROUNDED = 8, 1.0
 """Every how many frames what a move gains is known to (2), chosen: two of the dozen frames of a window; and nats that
@@ -173,7 +173,7 @@ def best_moves(y: Single, exchanger: Exchanger, least: float, anatomy: Anatomy |
     """(L) what each label becomes after all moves that gain more than `least` nats, the best first.
 
     Args:
-        anatomy: tells of exchanges of which distances and quadruples do not: heel and toe of a foot without its ankle.
+        anatomy: tells of moves of which distances and quadruples do not: heel and toe of a foot without its ankle.
     """
     L = y.shape[1]
     some = np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)
@@ -181,10 +181,10 @@ def best_moves(y: Single, exchanger: Exchanger, least: float, anatomy: Anatomy |
     new = np.arange(L)
     for _ in range(MOVES):
         twos = exchanger.gains(y, exchanger.twos)
-        if anatomy is not None:
-            twos = _with_anatomy(y, exchanger.twos, twos, anatomy)
         moves = [*exchanger.threes, *exchanger.pairs_of_twos(twos)]
         gains, moves = np.concatenate([twos, exchanger.gains(y, moves)]), [*exchanger.twos, *moves]
+        if anatomy is not None:
+            gains = _with_anatomy(y, moves, gains, anatomy)
         if not len(gains):
             break
         best = int(gains.argmax())
@@ -196,13 +196,14 @@ def best_moves(y: Single, exchanger: Exchanger, least: float, anatomy: Anatomy |
     return new
 
 
-def _with_anatomy(y: Single, twos: Sequence[Move], gains: NDArray[np.float64], anatomy: Anatomy) -> NDArray[np.float64]:
-    """(M) gains of exchanges of two, with what any body shows of its front where these tell nothing of both."""
+def _with_anatomy(
+    y: Single, moves: Sequence[Move], gains: NDArray[np.float64], anatomy: Anatomy
+) -> NDArray[np.float64]:
+    """(M) gains of moves, with what any body shows of its front where distances and quadruples tell nothing."""
     there, gains = np.isfinite(y[..., 0]).any(0), gains.copy()
     for k in np.flatnonzero(np.abs(gains) < UNTOLD).tolist():
-        was = list(twos[k][0])
-        if there[was].all() and anatomy.tells(was):
-            gains[k] += anatomy.gain(y, _turn(twos[k], y.shape[1]))
+        if anatomy.tells([a for a in moves[k][0] if there[a]]):
+            gains[k] += anatomy.gain(y, _turn(moves[k], y.shape[1]))
     return gains
 
 

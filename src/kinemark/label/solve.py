@@ -11,7 +11,7 @@ from ..data.array_types import Bools, Floats, Ints
 from .anatomy import Anatomy
 from .arrange import arranged, score_by_places
 from .evidence import PairScore
-from .exchange import Exchanger, best_moves
+from .exchange import UNTOLD, Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .limbs import near_turns, score_with_sides
 from .passed_on import passed_back
@@ -301,8 +301,10 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
             if (turn == np.arange(len(turn))).all():
                 break
             label = np.where(best >= 0, turn[best], -1)
+            score, _ = total_score(stretches, label, pairs)
             old, new = (score_with_sides(stretches, one, template, pairs) for one in (best, label))
-            best, most = (label, total_score(stretches, label, pairs)[0]) if new > old else (best, most)
+            better = score > most or score > most - UNTOLD and new > old
+            best, most = (label, score) if better else (best, most)
     return best
 
 

@@ -303,7 +303,7 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
             label = np.where(best >= 0, turn[best], -1)
             score, _ = total_score(stretches, label, pairs)
             old, new = (score_with_sides(stretches, one, template, pairs) for one in (best, label))
-            better = score > most or score > most - UNTOLD and new > old
+            better = score > most or (score > most - UNTOLD and new > old)
             best, most = (label, score) if better else (best, most)
     return best
 

@@ -92,7 +92,7 @@ def _best_turn(
     plain = gain(other)
     if plain < -NEARLY:
         return other, plain
-    settled = best_moves(y[:, np.argsort(other)], exchanger, WRONG_HAND)[other]
+    settled = best_moves(y[:, np.argsort(other)], exchanger, WRONG_HAND, anatomy)[other]
     if (settled == np.arange(len(settled))).all() or (settled == other).all():
         return other, plain
     return max(((other, plain), (settled, gain(settled))), key=lambda one: one[1])

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Ints
 from ..numerics.vectors import lengths
+from .anatomy import Anatomy
 from .evidence import WRONG_HAND, PairScore, Single
 from .template import Template
 
@@ -37,6 +38,9 @@ MOST_AT_ONCE = 400_000
 """Distances that are scored at once; chosen: they stay in a processor's cache."""
 MOVES = 30
 """At most, one after the other; chosen."""
+UNTOLD = 2.0
+"""Nats a frame below which distances and quadruples tell nothing of a move, so that what any body shows of its front
+decides; chosen: heel and toe of a foot whose ankle is absent lose 0.0 to 0.1, with it 12 and more."""
 ONE_OF, ROUNDED = 8, 1.0
 """Every how many frames what a move gains is known to (2), chosen: two of the dozen frames of a window; and nats that
 rounding may make of sums in single precision, chosen far above."""
@@ -165,8 +169,12 @@ def _wrong(planes: Single, quads: Ints, sign: Ints) -> Single:
     return (sign[:, None].astype(np.float32) * triple < 0).astype(np.float32)
 
 
-def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:
-    """(L) what each label becomes after all moves that gain at least `least` nats, the best first."""
+def best_moves(y: Single, exchanger: Exchanger, least: float, anatomy: Anatomy | None = None) -> Ints:
+    """(L) what each label becomes after all moves that gain more than `least` nats, the best first.
+
+    Args:
+        anatomy: tells of moves of which distances and quadruples do not: heel and toe of a foot without its ankle.
+    """
     L = y.shape[1]
     some = np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)
     y = y[some]
@@ -174,15 +182,33 @@ def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:
     for _ in range(MOVES):
         twos = exchanger.gains(y, exchanger.twos)
         moves = [*exchanger.threes, *exchanger.pairs_of_twos(twos)]
-        gains = np.concatenate([twos, exchanger.gains(y, moves)])
+        gains, moves = np.concatenate([twos, exchanger.gains(y, moves)]), [*exchanger.twos, *moves]
+        if anatomy is not None:
+            gains = _with_anatomy(y, moves, gains, anatomy)
         if not len(gains):
             break
         best = int(gains.argmax())
         if gains[best] <= least:
             break
-        was, to = [*exchanger.twos, *moves][best]
-        turn = np.arange(L)
-        turn[list(was)] = to
+        turn = _turn(moves[best], L)
         new = turn[new]
         y = y[:, np.argsort(turn)]
     return new
+
+
+def _with_anatomy(
+    y: Single, moves: Sequence[Move], gains: NDArray[np.float64], anatomy: Anatomy
+) -> NDArray[np.float64]:
+    """(M) gains of moves, with what any body shows of its front where distances and quadruples tell nothing."""
+    there, gains = np.asarray(np.isfinite(y[..., 0]).any(0)), gains.copy()
+    for k in np.flatnonzero(np.abs(gains) < UNTOLD).tolist():
+        if anatomy.tells([a for a in moves[k][0] if there[a]]):
+            gains[k] += anatomy.gain(y, _turn(moves[k], y.shape[1]))
+    return gains
+
+
+def _turn(move: Move, L: int) -> Ints:
+    """(L) what each label becomes by a move."""
+    turn = np.arange(L)
+    turn[list(move[0])] = move[1]
+    return turn

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from .anatomy import Anatomy
 from .arrange import arranged, score_by_places
 from .evidence import PairScore
-from .exchange import Exchanger, best_moves
+from .exchange import UNTOLD, Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .limbs import near_turns, score_with_sides
 from .passed_on import passed_back
@@ -285,6 +286,7 @@ def solve_with_facts(
 def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Ints:
     """(T) labels after sweeps and exchanges, those of the greatest score."""
     best, most, tried = label, -np.inf, False
+    anatomy = Anatomy.of(template.names)
     for _ in range(SWEEPS):
         label = sweep(stretches, label, pairs, least_fit)
         score, _ = total_score(stretches, label, pairs)
@@ -294,13 +296,15 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
             break
         if settled:
             moves = Exchanger.of(template, pairs).keeping(stretches.fixed)
-            turn = best_moves(places(stretches, best, len(template)), moves, LEAST_GAIN)
+            turn = best_moves(places(stretches, best, len(template)), moves, LEAST_GAIN, anatomy)
             tried = True
             if (turn == np.arange(len(turn))).all():
                 break
             label = np.where(best >= 0, turn[best], -1)
             score, _ = total_score(stretches, label, pairs)
-            best, most = (label, score) if score > most else (best, most)
+            old, new = (score_with_sides(stretches, one, template, pairs) for one in (best, label))
+            better = score > most or (score > most - UNTOLD and new > old)
+            best, most = (label, score) if better else (best, most)
     return best
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from kinemark.data import Cloud
 from kinemark.track.simultaneous import Simultaneous, track_with_decisions
+from kinemark.track.simultaneous import exchanged_tails as module
 from kinemark.track.simultaneous.exchanged_tails import NEVER, exchanged_tails, with_exchanged_tails
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.passes import Associations
@@ -87,6 +88,24 @@ def test_an_exchange_there_and_back_is_changed_back_twice():
 
 def test_no_points_are_exchanged_with_none():
     assert cuts(tracked().take(np.zeros(0, np.int64))) == []
+
+
+def test_a_link_is_compared_with_the_tracks_that_are_there(monkeypatch):
+    """At each link all tracks of a recording of one minute took a third of the time."""
+    asked, at_once = [], module._at_once
+
+    def counted(points, pairs, T):
+        asked.append(len(pairs.a))
+        return at_once(points, pairs, T)
+
+    monkeypatch.setattr(module, "_at_once", counted)
+    one, pause = tracked(), FRAMES + round(RATE)
+    parts = [one._replace(id=one.id + MARKERS * k, frame=one.frame + pause * k) for k in range(5)]
+    found = cuts(TrackPoints(*map(np.concatenate, zip(*parts, strict=True))))
+    assert sorted(found) == [
+        [ONE + MARKERS * k, OTHER + MARKERS * k, CUT + pause * k, CUT + pause * k] for k in range(5)
+    ]
+    assert max(asked) <= 3 * MARKERS
 
 
 def test_what_a_track_was_followed_by_goes_with_its_later_part():

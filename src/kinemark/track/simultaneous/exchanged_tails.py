@@ -80,6 +80,27 @@ class _Pairs(NamedTuple):
         return tuple((self[i], self[j], sign) for i, j, sign in HALVES)
 
 
+class _Spans(NamedTuple):
+    """Tracks (N), from their first frame (N) to their last one (N).
+
+    Of a long recording only few are there at a time, and all others would be asked at each link.
+    """
+
+    track: Ints
+    first: Ints
+    last: Ints
+
+    @classmethod
+    def of(cls, points: TrackPoints) -> _Spans:
+        """Those of points by track and frame."""
+        track, row, n = np.unique(points.id, return_index=True, return_counts=True)
+        return cls(track, points.frame[row], points.frame[row + n - 1])
+
+    def about(self, first: int, last: int) -> Ints:
+        """The tracks that have begun by the last frame, and have not ended before the first."""
+        return self.track[(self.first <= last) & (self.last >= first)]
+
+
 class Exchanges(NamedTuple):
     """(N, 4): two tracks, and the frames from which on what each has is the other's; one after the other."""
 
@@ -165,15 +186,17 @@ def _possible(points: TrackPoints, T: float) -> _Pairs:
     rough = link[_off_course(points, velocity, link, link + 1, 1) > ROUGH]
     if not len(rough):
         return _Pairs(rough, rough, rough, rough)
-    rows, tracks = RowsByTrack.of(frame, id), np.unique(id)
-    found = [_beside(points, rows, tracks, a, T) for a in rough.tolist()]
+    rows, spans = RowsByTrack.of(frame, id), _Spans.of(points)
+    found = [_beside(points, rows, spans, a, T) for a in rough.tolist()]
     pairs = _Pairs(*(np.concatenate(column) for column in zip(*found, strict=True)))
     return _nearer_exchanged(points, velocity, pairs)
 
 
-def _beside(points: TrackPoints, rows: RowsByTrack, tracks: Ints, a: int, T: float) -> _Pairs:
+def _beside(points: TrackPoints, rows: RowsByTrack, spans: _Spans, a: int, T: float) -> _Pairs:
     """The link from row a with those of all tracks over its first frame, its middle and its last one."""
     first, last = points.frame[[a, a + 1]].tolist()
+    longest = int(np.ceil(LONGEST_S / T))
+    tracks = spans.about(first - longest, last + longest)
     frames = np.unique([first, (first + last) // 2, last - 1])
     own = np.repeat(tracks, len(frames))
     c = np.searchsorted(rows.place, (tracks[:, None] * rows.F + frames).ravel(), "right") - 1
@@ -181,8 +204,8 @@ def _beside(points: TrackPoints, rows: RowsByTrack, tracks: Ints, a: int, T: flo
     c = np.where((c >= 0) & (points.id[c] == own), c, -1)
     d = np.where((points.id[d] == own) & (d != c), d, -1)
     a_each = np.full(len(c), a)
-    pairs = _Pairs(*np.unique(np.stack([a_each, a_each + 1, c, d]), axis=1))
-    return pairs.take(_at_once(points, pairs, T))
+    pairs = _Pairs(a_each, a_each + 1, c, d)
+    return _Pairs(*np.unique(np.stack(pairs.take(_at_once(points, pairs, T))), axis=1))
 
 
 def _at_once(points: TrackPoints, pairs: _Pairs, T: float) -> Bools:
@@ -244,11 +267,11 @@ def _by_motion(points: TrackPoints, pairs: _Pairs, T: float, method: Simultaneou
 
 
 class _Companions(NamedTuple):
-    """What keeps its distance (2): the points, their rows by track, the tracks (N), L in mm, and frames of NEAR_S."""
+    """What keeps its distance (2): the points, their rows by track, the tracks, L in mm, and frames of NEAR_S."""
 
     points: TrackPoints
     rows: RowsByTrack
-    tracks: Ints
+    spans: _Spans
     spread: float
     near: int
 
@@ -256,12 +279,13 @@ class _Companions(NamedTuple):
     def of(cls, points: TrackPoints, T: float) -> _Companions:
         """Those of points by track and frame."""
         spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
-        return cls(points, RowsByTrack.of(points.frame, points.id), np.unique(points.id), spread, round(NEAR_S / T))
+        return cls(points, RowsByTrack.of(points.frame, points.id), _Spans.of(points), spread, round(NEAR_S / T))
 
     def score(self, a: int, b: int, apart: Ints) -> float:
         """s'(a, b) of (2), by tracks that are not among `apart`; NaN of fewer than three."""
         first, last = self.points.frame[[a, b]]
-        others = self.tracks[~np.isin(self.tracks, apart)]
+        others = self.spans.about(first - self.near, last + self.near)
+        others = others[~np.isin(others, apart)]
         before = self._distances(others, int(self.points.id[a]), np.arange(first - self.near, first + 1))
         after = self._distances(others, int(self.points.id[b]), np.arange(last, last + self.near + 1))
         lag, cov = last - first, np.trace(self.points.cov[[a, b]], axis1=1, axis2=2).sum() / 3

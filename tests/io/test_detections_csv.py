@@ -79,7 +79,7 @@ def test_invalid_detections_are_not_written(tmp_path):
         ("camera,frame,u_px,v_px\na,9,1,2\n", "line 2: frame is not one of 0 … 5"),
         ("camera,frame,u_px,v_px\nc,0,1,2\n", "camera 'c' is not one of a, b"),
         ("camera,frame,u_px,v_px,var_u_px2,var_v_px2\na,0,1,2,1,-1\n", "line 2: var_v_px2 is negative"),
-        ("camera,frame,u_px,v_px,merged\na,0,1,2,0\na,0,1,2,2\n", "line 3: merged is neither 0 nor 1"),
+        ("camera,frame,u_px,v_px,merged\na,0,1,2,0\na,0,1,2,2\n", "line 3: merged is neither 0 nor 1. Write 1 where"),
         ("camera,frame,u_px,v_px,merged\na,0,1,2,\n", "line 2: merged is neither 0 nor 1"),
         ("", "empty"),
         ('"' + "x" * 200000, "field larger"),

@@ -159,8 +159,10 @@ def check_rows(path: Path | str, line: Ints, column: dict[str, Floats], frame: I
         ((frame < 0) | (frame > last), f"frame is not one of 0 … {last}"),
         (~np.isfinite(column["u_px"] + column["v_px"]), "u_px or v_px is missing. Leave out what was not seen."),
         *((column[name] < 0, f"{name} is negative") for name in VARIANCES if name in column),
-        *((~np.isin(column[name], (0, 1)), f"{name} is neither 0 nor 1") for name in (MERGED,) if name in column),
     ]
+    if MERGED in column:
+        what = "merged is neither 0 nor 1. Write 1 where an image may be of more markers than one, and 0 elsewhere."
+        checks.append((~np.isin(column[MERGED], (0, 1)), what))
     for wrong, what in checks:
         if wrong.any():
             raise bad_line(path, int(line[wrong][0]), what)

@@ -9,7 +9,6 @@ from ..formatting import number
 
 REASONS = {
     "came_near": "came within {distance_mm} mm of each other, nearer than their positions were certain",
-    "lone_image": "went on by one image alone, into which another ran, or out of which one came",
     "stitched_with_rival": "were stitched over a gap, but another stitch was nearly as likely",
     "not_stitched_with_rival": "may be one marker with a gap, but another stitch was nearly as likely",
     "exchange_as_likely": "were lost at the same time, and their motion fits about as well if they were exchanged",

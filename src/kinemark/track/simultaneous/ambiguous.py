@@ -4,7 +4,6 @@
 | swap   | two tracks came so near that either could have had the other's images | nearer than gates (1), (3) |
 | swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.uncertain_sd` |
 | swap   | no image tells that two tracks go on as themselves | about as likely exchanged (`possible_exchanges`) |
-| swap   | one image alone tells that a track goes on | another ran into it, or came out of it (`lone_images`) |
 | merge  | a track used images of two markers | fewer than two images of its own |
 | ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
 | stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
@@ -30,9 +29,7 @@ from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import plain_value
 from ...numerics.returned_memory import return_memory
 from ...numerics.runs import equal_runs
-from .detection_index import Images
 from .learned_delays import track_simultaneously
-from .lone_images import by_lone_images
 from .passes import Associations
 from .possible_exchanges import possible_exchanges
 from .simultaneous_method import DEFAULT, Simultaneous
@@ -56,7 +53,6 @@ DecisionReason = Literal[
     "came_near",
     "found_again",
     "exchange_as_likely",
-    "lone_image",
     "shared_images",
     "little_evidence",
     "stitched_with_rival",
@@ -126,7 +122,6 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
     found = [
         *near,
         *_possible_exchanges(result.tracks, own, method),
-        *_lone_images(result.tracks, own, result.images),
         *merged,
         *_little_evidence(result),
         *_close_stitches(result, method),
@@ -213,12 +208,6 @@ def _possible_exchanges(tracks: Tracks, own: Bools, method: Simultaneous) -> lis
         AmbiguousDecision("swap", first, last, tuple(sorted(pair)), "exchange_as_likely", {"margin": margin})
         for pair, first, last, margin in zip(*(column.tolist() for column in found), strict=True)
     ]
-
-
-def _lone_images(tracks: Tracks, own: Bools, images: Images) -> list[AmbiguousDecision]:
-    """Tracks that go on by one image alone, into which another ran, or out of which one came."""
-    found = zip(*(column.tolist() for column in by_lone_images(tracks, own, images)), strict=True)
-    return [AmbiguousDecision("swap", first, last, (track,), "lone_image") for track, first, last in found]
 
 
 def _merged(tracks: Tracks, own: Bools, seen: Associations, merged: Bools) -> list[AmbiguousDecision]:

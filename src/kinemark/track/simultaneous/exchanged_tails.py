@@ -189,11 +189,12 @@ def _possible(points: TrackPoints, T: float) -> _Pairs:
     rows, spans = RowsByTrack.of(frame, id), _Spans.of(points)
     found = [_beside(points, rows, spans, a, T) for a in rough.tolist()]
     pairs = _Pairs(*(np.concatenate(column) for column in zip(*found, strict=True)))
-    return _nearer_exchanged(points, velocity, pairs)
+    pairs = _nearer_exchanged(points, velocity, pairs)
+    return _Pairs(*np.unique(np.stack(pairs), axis=1))
 
 
 def _beside(points: TrackPoints, rows: RowsByTrack, spans: _Spans, a: int, T: float) -> _Pairs:
-    """The link from row a with those of all tracks over its first frame, its middle and its last one."""
+    """The link from row a with those of all tracks over its first frame, its middle and its last one, some of them twice."""
     first, last = points.frame[[a, a + 1]].tolist()
     longest = int(np.ceil(LONGEST_S / T))
     tracks = spans.about(first - longest, last + longest)
@@ -205,7 +206,7 @@ def _beside(points: TrackPoints, rows: RowsByTrack, spans: _Spans, a: int, T: fl
     d = np.where((points.id[d] == own) & (d != c), d, -1)
     a_each = np.full(len(c), a)
     pairs = _Pairs(a_each, a_each + 1, c, d)
-    return _Pairs(*np.unique(np.stack(pairs.take(_at_once(points, pairs, T))), axis=1))
+    return pairs.take(_at_once(points, pairs, T))
 
 
 def _at_once(points: TrackPoints, pairs: _Pairs, T: float) -> Bools:

@@ -194,7 +194,7 @@ def _possible(points: TrackPoints, T: float) -> _Pairs:
 
 
 def _beside(points: TrackPoints, rows: RowsByTrack, spans: _Spans, a: int, T: float) -> _Pairs:
-    """The link from row a with those of tracks over its first frame, its middle and its last one, some of them twice."""
+    """The link from row a with those of tracks over its first, middle and last frame, some of them twice."""
     first, last = points.frame[[a, a + 1]].tolist()
     longest = int(np.ceil(LONGEST_S / T))
     tracks = spans.about(first - longest, last + longest)

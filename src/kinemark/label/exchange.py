@@ -200,7 +200,7 @@ def _with_anatomy(
     y: Single, moves: Sequence[Move], gains: NDArray[np.float64], anatomy: Anatomy
 ) -> NDArray[np.float64]:
     """(M) gains of moves, with what any body shows of its front where distances and quadruples tell nothing."""
-    there = np.isfinite(y[..., 0]).any(0)
+    there: Bools = np.asarray(np.isfinite(y[..., 0]).any(0))
     untold = np.flatnonzero(np.abs(gains) < UNTOLD).tolist()
     told = [k for k in untold if anatomy.tells([a for a in moves[k][0] if there[a]])]
     gains = gains.copy()

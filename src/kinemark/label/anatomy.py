@@ -8,7 +8,7 @@ there: a heel and the toe of its foot, a left marker and its right one, so that 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -61,7 +61,12 @@ class Anatomy(NamedTuple):
 
     def gain(self, y: Single, turn: Ints) -> float:
         """Nats a frame that labels y (K, L, 3) gain when each becomes turn (L)."""
-        return PROOF * (self.agreement(y[:, np.argsort(turn)]) - self.agreement(y))
+        return float(self.gains(y, [turn])[0])
+
+    def gains(self, y: Single, turns: Iterable[Ints]) -> Floats:
+        """(M) what each of several turns (L) gains, as `gain`."""
+        own = self.agreement(y)
+        return PROOF * np.array([self.agreement(y[:, np.argsort(turn)]) - own for turn in turns], float)
 
 
 def _feet(names: Sequence[str]) -> list[tuple[int, int]]:

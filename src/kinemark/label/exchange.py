@@ -200,10 +200,11 @@ def _with_anatomy(
     y: Single, moves: Sequence[Move], gains: NDArray[np.float64], anatomy: Anatomy
 ) -> NDArray[np.float64]:
     """(M) gains of moves, with what any body shows of its front where distances and quadruples tell nothing."""
-    there, gains = np.asarray(np.isfinite(y[..., 0]).any(0)), gains.copy()
-    for k in np.flatnonzero(np.abs(gains) < UNTOLD).tolist():
-        if anatomy.tells([a for a in moves[k][0] if there[a]]):
-            gains[k] += anatomy.gain(y, _turn(moves[k], y.shape[1]))
+    there: Bools = np.asarray(np.isfinite(y[..., 0]).any(0))
+    untold = np.flatnonzero(np.abs(gains) < UNTOLD).tolist()
+    told = [k for k in untold if anatomy.tells([a for a in moves[k][0] if there[a]])]
+    gains = gains.copy()
+    gains[told] += anatomy.gains(y, [_turn(moves[k], y.shape[1]) for k in told])
     return gains
 
 

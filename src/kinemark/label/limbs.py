@@ -85,7 +85,7 @@ def near_turns(y: Single, template: Template, pairs: PairScore, stated: Ints) ->
     for turn, (was, to) in zip(turns, moves, strict=True):
         turn[list(was)] = to
     anatomy = Anatomy.of(template.names)
-    told = np.array([anatomy.gain(y, turn) for turn in turns])
+    told = anatomy.gains(y, turns)
     gains = Exchanger.of(template, pairs).gains(y, moves) + told
     there = np.array([np.isfinite(y[:, list(was)]).any() for was, _ in moves])
     best = _best(gains, there & (gains > -NEARLY))[:MOST]

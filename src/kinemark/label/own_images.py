@@ -140,7 +140,7 @@ def _gains(y: Single, turns: Ints, template: Template, pairs: PairScore) -> Floa
     exchanger, anatomy, every = Exchanger.of(template, pairs), Anatomy.of(template.names), np.arange(len(template))
     moved = [np.flatnonzero(turn != every) for turn in turns]
     moves = [(tuple(own.tolist()), tuple(turn[own].tolist())) for own, turn in zip(moved, turns, strict=True)]
-    return exchanger.gains(y, moves) + np.array([anatomy.gain(y, turn) for turn in turns])
+    return exchanger.gains(y, moves) + anatomy.gains(y, turns)
 
 
 def _told_apart(d: Single, turn: Ints, template: Template) -> bool:

@@ -8,8 +8,8 @@ import pytest
 from kinemark.calibrate.bundle import Bundle, FreePoints, bundle, calibrate_sticks
 from kinemark.calibrate.bundle.stick_gaps import places_of
 from kinemark.data import KinemarkError, Rig
-from kinemark.geometry import project, rigid_align
-from kinemark.synth import look_at, ring
+from kinemark.geometry import project, project_all, rigid_align
+from kinemark.synth import look_at, ring, wand
 from support.waved import ALONG, MIDDLE, benchmark, sizes, waved
 
 
@@ -55,6 +55,26 @@ def test_any_laboratory_starts_from_image_sizes(seed):
     off = np.array([found.K[0, 0] - true.K[0, 0] for found, true in zip(fit.rig, rig, strict=True)])
     assert np.abs(off / sd).max() < 4.5
     assert benchmark.off_truth(fit.xyz, xyz.reshape(-1, 3)) < 1.5
+
+
+def exact_film():
+    """Three cameras, and their images (C, F, K, 2) px of a stick, without any noise."""
+    rig = ring(3, distortion=(-0.12, 0, 0, 0, 0))
+    xyz = wand((0.0, 500.0), duration_s=3, rate=25, seed=1, volume=rig.volume).xyz.transpose(1, 0, 2)
+    return rig, project_all(rig, xyz.reshape(-1, 3)).reshape(len(rig), -1, 2, 2)
+
+
+def test_exact_images_give_the_exact_cameras():
+    rig, uv = exact_film()
+    fit = calibrate_sticks(rig.names, sizes(rig), uv, along=[0.0, 500.0])
+    assert np.allclose([camera.K[0, 0] for camera in fit.rig], [camera.K[0, 0] for camera in rig], rtol=1e-9)
+
+
+def test_a_lost_frame_of_exact_images_is_refused_with_the_camera():
+    rig, uv = exact_film()
+    uv[1, 40:-1] = uv[1, 41:].copy()
+    with pytest.raises(KinemarkError, match=f"Camera {rig.names[1]} does not fit the others"):
+        calibrate_sticks(rig.names, sizes(rig), uv, along=[0.0, 500.0])
 
 
 def test_wrong_points_do_not_matter():

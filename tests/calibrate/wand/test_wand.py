@@ -366,7 +366,7 @@ def test_a_frame_that_a_camera_lost_is_told():
     (one,) = fit.lost
     assert (one.camera, one.images) == ("cam3", 1)
     assert 88 <= one.first <= one.last <= 92
-    assert "cam3 lost 1 images" in fit.rig.method
+    assert "cam3 lost 1 image before image" in fit.rig.method
 
 
 @pytest.mark.parametrize("lengths", [[500.0], [150.0, 350.0]], ids=str)

@@ -28,7 +28,9 @@ ROUNDS = 8  # at most, of reweighting and of leaving out; chosen: two or three d
 SETTLED = 0.95  # share of s that a round must leave to be the last; chosen (see benchmarks/bundle.py)
 ROUGH = 1e-4
 """Share of the cost by which a soft solution may still fall; chosen: it is only a start (see benchmarks/bundle.py)."""
-TINY = 1e-9  # px or standard deviations; keeps the scale of perfect images above zero; conventional
+TINY = 1e-6
+"""px or standard deviations; least scale, of perfect images; chosen: with 1e-9 what is usual of lenses is lost to
+rounding beside what such images tell, and `usual_terms` finds no positive definite matrix."""
 
 
 def unknowns(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:
@@ -58,7 +60,7 @@ def noise_scale(d: Floats, state: BundleState, freedoms: tuple[Freedom, ...], us
     """(1) of normalised residuals d (C, N)."""
     m = equations(state, used)
     nu = max(m - unknowns(state, freedoms, used), 1)
-    return plane_scale(d[used]) * float(np.sqrt(m / nu)) + TINY
+    return max(plane_scale(d[used]) * float(np.sqrt(m / nu)), TINY)
 
 
 def solve_robust(

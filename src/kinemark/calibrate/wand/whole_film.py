@@ -15,7 +15,7 @@ import numpy as np
 from ...data import Detections, KinemarkError, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ..bundle import BundleFit
-from ..bundle.lost_images import changes, images_ahead, in_place
+from ..bundle.lost_images import LostImages, changes, images_ahead, in_place
 from .identify import at_rows, read_wand, wanted
 
 ROUNDS = 2
@@ -62,11 +62,15 @@ def _in_place(
         ahead = told
     seen: Bools = np.asarray(np.isfinite(uv).all((2, 3)))
     lost = tuple(changes(detections.cameras, used, seen))
-    text = "; ".join(
-        f"{one.camera} {'lost' if one.images > 0 else 'took twice'} {abs(one.images)} images before its {one.last + 1}."
-        for one in lost
-    )
+    text = "; ".join(_words(one) for one in lost)
     return fit._replace(rig=replace(fit.rig, method=f"{fit.rig.method}; {text}"), lost=lost)
+
+
+def _words(one: LostImages) -> str:
+    """What is said of it in a rig's method."""
+    n, how = abs(one.images), "lost" if one.images > 0 else "took twice"
+    said = f"{one.camera} {how}" if one.alone else "one of the two cameras lost or took twice"
+    return f"{said} {n} image{'s' * (n > 1)} before image {one.last + 1} of {one.camera}"
 
 
 def _ahead(rig: Rig, detections: Detections, uv: Floats, late: Floats) -> Ints | None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...data import Finding
 from .template import Words, fill, shown
 
@@ -72,10 +70,13 @@ def _moved_meanwhile(found: Finding) -> str:
 
 def _lost_images(found: Finding) -> str:
     """Which camera lost images, or took some twice; of two cameras it may be either."""
-    images = int(np.asarray(found.values["images"]))
-    n, how = abs(images), "lost" if images > 0 else "took twice"
-    what = f"{n} image{'s' * (n > 1)}"
-    when = "about frame {first_frame}" if found.frames[0][0] == found.frames[0][1] else "between frames {frames}"
+    images = found.values["images"]
+    n = abs(images) if isinstance(images, int) else None
+    how = "took twice" if isinstance(images, int) and images < 0 else "lost"
+    what = f"{shown(n, 'count')} image{'s' * (n != 1)}"
+    when = "between frames {frames}" if found.frames else "at a time that is not known"
+    if found.frames and found.frames[0][0] == found.frames[0][1]:
+        when = "about frame {first_frame}"
     said = f"{{Cameras}} {how} {what}" if found.cameras else f"One of the two cameras lost or took twice {what}"
     return fill(f"{said} of the wand, {when}. The others were put in the frames that they show.", found)
 

@@ -143,7 +143,9 @@ def test_where_a_camera_was_knocked_is_kept_with_the_results(tmp_path):
 
 def test_a_click_in_a_picture_of_a_knocked_camera_is_moved_as_its_images_are():
     rig = ring(3)
-    cameras = TrialRig.given(rig)._replace(moved=(MovedCamera(1, 4, 8, np.array([[1, 0, 2.0], [0, 1, -1], [0, 0, 1]])),))
+    cameras = TrialRig.given(rig)._replace(
+        moved=(MovedCamera(1, 4, 8, np.array([[1, 0, 2.0], [0, 1, -1], [0, 0, 1]])),)
+    )
     seen = Detections.build(rig.names, 100.0, np.ones((3, 8), int), np.full((24, 2), 300.0))
     of = Footage(1, 100.0, seen, rig, timed=cameras.timed(seen))
     np.testing.assert_allclose(of.late(rig.names[1], 4, np.array([310.0, 300.0])), [2.0, -1.0], atol=0.1)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import Detections, Origin
+from kinemark.edit.values import Footage
 from kinemark.engine.editing.editing import Editing
 from kinemark.engine.editing.makers import footage_of
 from kinemark.engine.session import Session
@@ -138,3 +139,14 @@ def test_where_a_camera_was_knocked_is_kept_with_the_results(tmp_path):
         there, knocked = each.seen(seen).uv, (seen.camera == 1) & (seen.frame >= 4)
         np.testing.assert_allclose(there[knocked] - 300.0, np.tile([2.0, -1.0], (4, 1)), atol=0.1)  # by an ideal lens
         np.testing.assert_array_equal(there[~knocked], 300.0)
+
+
+def test_a_click_in_a_picture_of_a_knocked_camera_is_moved_as_its_images_are():
+    rig = ring(3)
+    cameras = TrialRig.given(rig)._replace(
+        moved=(MovedCamera(1, 4, 8, np.array([[1, 0, 2.0], [0, 1, -1], [0, 0, 1]])),)
+    )
+    seen = Detections.build(rig.names, 100.0, np.ones((3, 8), int), np.full((24, 2), 300.0))
+    of = Footage(1, 100.0, seen, rig, timed=cameras.timed(seen))
+    np.testing.assert_allclose(of.late(rig.names[1], 4, np.array([310.0, 300.0])), [2.0, -1.0], atol=0.1)
+    np.testing.assert_array_equal(of.late(rig.names[1], 3, np.array([310.0, 300.0])), 0.0)

@@ -53,6 +53,11 @@ def test_cameras_and_frames_follow_from_the_file(tmp_path):
     assert read.valid.all() and np.isnan(read.cov).all() and np.isnan(read.area).all() and not read.merged.any()
 
 
+def test_arguments_that_changed_places_are_refused(tmp_path):
+    with pytest.raises(TypeError, match=r"wanted write_detections_csv\(path, detections\)"):
+        write_detections_csv(detections(1), tmp_path / "d.csv")
+
+
 def test_invalid_detections_are_not_written(tmp_path):
     before = detections(2)
     validity = np.where(np.arange(len(before)) % 3 == 0, Validity.TOO_SMALL, Validity.VALID)

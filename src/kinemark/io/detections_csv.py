@@ -196,11 +196,13 @@ def write_detections_csv(path: Path | str, detections: Detections | NamedDetecti
     Covariances between u and v, widths, heights, peaks and what was found invalid have no place here; HDF5 keeps them.
 
     Raises:
+        TypeError: `detections` are none, as where both arguments changed places.
         KinemarkError: the file cannot be written.
     """
     named = detections if isinstance(detections, NamedDetections) else None
     found = named.detections if named else detections
-    assert isinstance(found, Detections)
+    if not isinstance(found, Detections):
+        raise TypeError(f"detections are a {type(found).__name__}, wanted write_detections_csv(path, detections)")
     kept = found.keep(found.valid)
     columns = {
         "camera": np.array(kept.cameras, object)[kept.camera].tolist(),

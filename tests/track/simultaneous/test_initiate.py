@@ -84,14 +84,15 @@ def points(xyz, rng, sd=0.3):
     )
 
 
+@pytest.mark.parametrize("T", [0.01, 0.02])
 @pytest.mark.parametrize("step", [0.0, 0.5, 1.0])
-def test_no_track_goes_along_the_markers_of_a_finger(step):
-    """They are 17 mm apart at 100 Hz, and go aside by `step` mm a frame: 1.7 m/s is no unusual speed of a person."""
+def test_no_track_goes_along_the_markers_of_a_finger(step, T):
+    """They are 17 mm apart, and go aside by `step` mm a frame: at 100 Hz 1.7 m/s is no unusual speed of a person."""
     rng, finger = np.random.default_rng(0), 17.0 * np.arange(6)[:, None] * np.array([1.0, 0, 0])
     xyz = np.concatenate([finger + np.array([0, 60.0 * n, 0]) for n in range(5)])
     for _ in range(20):
         first, middle, last = (points(xyz + np.array([0, 0, step * k]), rng) for k in range(3))
-        i, j, k = _triples(first, middle, last, 0.01, Simultaneous())
+        i, j, k = _triples(first, middle, last, T, Simultaneous())
         assert len(i) == len(xyz)
         assert (i == j).all()
         assert (j == k).all()

@@ -56,7 +56,7 @@ SHORT = 0.0101
 
 LONG = 0.03
 """s from frame to frame, from which v₀ = v; chosen: at 25 Hz one scene of benchmarks/tracking_scenes.py (2121) had 17
-swaps for 9 by (3), and none had fewer."""
+swaps for 9 by (3), and the plate of studies/infrared_footage.py 21 tracks for 20. Hands would have fewer swaps."""
 
 MEDIAN_OF_CHI, SLOWEST = 1.538, 1e-3
 """Median of the length of three normal numbers, by definition; and mm/s, the least v₀, chosen: it is 0 where all stands

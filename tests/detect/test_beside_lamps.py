@@ -56,3 +56,16 @@ def test_dark_markers_are_placed_as_bright_ones():
     assert bright.ground_subtracted == dark.ground_subtracted == ("cam1",)
     np.testing.assert_allclose(dark.uv, bright.uv, atol=1e-9)
     np.testing.assert_allclose(dark.cov, bright.cov, atol=1e-9)
+
+
+@pytest.mark.parametrize("gap", [9.5, 10.5, 12.0])
+def test_a_marker_is_not_moved_by_the_rim_of_its_neighbour(gap):
+    """Pairs before dark ground, beside a window. They were moved 0.1 px off it."""
+    turn = np.arange(FRAMES)[:, None] * 0.1
+    first = np.stack(
+        [70 + 45 * np.sin(turn + np.arange(4)), np.broadcast_to(40.0 + 45 * np.arange(4), (FRAMES, 4))], -1
+    )
+    film, places = filmed(5, paths=np.concatenate([first, first + [gap, 0.0]], 1))
+    off, _ = errors(film, places)
+    assert len(off) > 0.95 * 8 * FRAMES
+    assert np.sqrt((off**2).mean()) < 0.04

@@ -3,7 +3,8 @@
 A limb hides a lamp, and lets its own light be seen. So of what is behind a marker, B, some is left where the ground g
 was subtracted: B − g. At the rim a pixel of which the marker covers the share c has (1 − c)(B − g) of it, which draws
 the centroid to the brighter side. With q = (B − g) / C for the marker's contrast C, seen in `DIRECTIONS` n round it,
-and no more than `MOST`, as a rim is not darker than nothing, the marker lies at its centroid less
+and no more than `MOST`, as a rim is not darker than nothing, and none where another marker lies, the marker lies at
+its centroid less
 
     s = RIM ⟨q n⟩                                                       (1)
 
@@ -25,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.array_types import Floats, GreyLevels, Ints
+from ..data.array_types import Bools, Floats, GreyLevels, Ints
 from .ground import PARTS, Ground, negative
 from .separate import Suspects
 
@@ -34,6 +35,10 @@ TURN = 2 * np.pi * np.arange(16) / 16
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], -1)
 """(16, 2) of unit length; by definition of `TURN`."""
 BEYOND = 2.0, 3.0  # px outside of a marker's outline; chosen: the first lie outside of its blurred rim
+FARTHER = (
+    4.5,
+    6.0,
+)  # px outside of it, where another marker may lie whose rim is seen nearer; chosen: half a marker of 4 px
 MOST = 0.3  # of the marker's contrast; chosen by simulated walks before lamps, docs/theory/detect.md
 RIM = 4.0  # px, twice the width of a blurred rim; chosen by the same walks
 ALONG, ACROSS = 0.03, 0.01  # px of variance for a px of shift; chosen by the same walks
@@ -73,7 +78,10 @@ def moved(
     middle = _seen(images, rest, ground, frame, first, uv[:, None])
     rings = [_seen(images, rest, ground, frame, first, _round(uv, r + more, aspect)) for more in BEYOND]
     round_it = Seen(*(np.mean(column, axis=0) for column in zip(*rings, strict=True)))
-    shift = _shift(round_it.beyond, np.maximum(middle.beyond, 1.0), r, ground.times is None)  # (1)
+    contrast = np.maximum(middle.beyond, 1.0)
+    farther = [_seen(images, rest, ground, frame, first, _round(uv, r + more, aspect)) for more in FARTHER]
+    beside = np.where(_markers([ring.beyond for ring in rings + farther], contrast), 0.0, round_it.beyond)
+    shift = _shift(beside / contrast, r, ground.times is None)  # (1)
     far = np.maximum(np.linalg.norm(shift, axis=1), 1e-9)[:, None, None]
     cov = ALONG * _squares(shift) / far + ACROSS * far * np.eye(2)  # (3)
     marker = middle.light + middle.beyond / middle.times
@@ -85,11 +93,15 @@ def moved(
     return part._replace(blobs=blobs)
 
 
-def _shift(beyond: Floats, contrast: Floats, r: Floats, adds: bool) -> Floats:
+def _markers(rings: list[Floats], contrast: Floats) -> Bools:
+    """(G, 16) directions in which another marker lies, or next to which one does, as its rim is no light behind this."""
+    there = np.max(rings, axis=0) > contrast / 2
+    return there | np.roll(there, 1, 1) | np.roll(there, -1, 1)
+
+
+def _shift(q: Floats, r: Floats, adds: bool) -> Floats:
     """(G, 2) px by (1), and (2) where light adds to what is behind it."""
-    beside = np.where(beyond > contrast / 2, 0.0, beyond)  # that is another marker
-    q = np.clip(beside / contrast, -MOST, MOST)
-    return (RIM + (r / 2 if adds else 0.0)) * (q @ DIRECTIONS) / len(TURN)
+    return (RIM + (r / 2 if adds else 0.0)) * (np.clip(q, -MOST, MOST) @ DIRECTIONS) / len(TURN)
 
 
 def _least(part: Suspects, ground: Ground) -> float:

@@ -65,7 +65,7 @@ def test_a_marker_is_not_moved_by_the_rim_of_its_neighbour(gap):
     first = np.stack(
         [70 + 45 * np.sin(turn + np.arange(4)), np.broadcast_to(40.0 + 45 * np.arange(4), (FRAMES, 4))], -1
     )
-    film, places = filmed(5, paths=np.concatenate([first, first + [gap, 0.0]], 1))
+    film, places = filmed(5, paths=np.concatenate([first, first + np.array([gap, 0.0])], 1))
     off, _ = errors(film, places)
     assert len(off) > 0.95 * 8 * FRAMES
     assert np.sqrt((off**2).mean()) < 0.04

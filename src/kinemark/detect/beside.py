@@ -94,7 +94,7 @@ def moved(
 
 
 def _markers(rings: list[Floats], contrast: Floats) -> Bools:
-    """(G, 16) directions in which another marker lies, or next to which one does, as its rim is no light behind this."""
+    """(G, 16) directions in which another marker lies, or beside which one does: its rim is no light behind."""
     there = np.max(rings, axis=0) > contrast / 2
     return there | np.roll(there, 1, 1) | np.roll(there, -1, 1)
 

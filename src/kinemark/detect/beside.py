@@ -35,10 +35,7 @@ TURN = 2 * np.pi * np.arange(16) / 16
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], -1)
 """(16, 2) of unit length; by definition of `TURN`."""
 BEYOND = 2.0, 3.0  # px outside of a marker's outline; chosen: the first lie outside of its blurred rim
-FARTHER = (
-    4.5,
-    6.0,
-)  # px outside of it, where another marker may lie whose rim is seen nearer; chosen: half a marker of 4 px
+FARTHER = 4.5, 6.0  # px outside of it, where a marker lies whose rim is seen nearer; chosen: no gap between the rings
 MOST = 0.3  # of the marker's contrast; chosen by simulated walks before lamps, docs/theory/detect.md
 RIM = 4.0  # px, twice the width of a blurred rim; chosen by the same walks
 ALONG, ACROSS = 0.03, 0.01  # px of variance for a px of shift; chosen by the same walks

@@ -138,7 +138,7 @@ def _since(result: TrackingResult, c: int, offset: Floats, parts: Parts, k: int)
     show it, or the one before (12)."""
     edges = np.append(parts.first, result.tracks.cloud.n_frames)
     first, stop = int(edges[max(k - 1, 0)]), int(edges[k + 1])
-    beside = images_beside(result, c, first, stop)
+    beside = beside_points(result, c, first, stop)
     s = np.clip(beside.off @ offset / (offset @ offset), 0.0, 1.0)
     total = np.cumsum(np.bincount(beside.frame - first, s - 0.5, stop - first))
     return first + int(np.argmin(np.append(0.0, total[:-1])))
@@ -181,7 +181,7 @@ def parts_of_recording(result: TrackingResult, c: int) -> Parts:
     edges = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))
     off, share = np.full((len(edges) - 1, 2), np.nan), np.full(len(edges) - 1, np.nan)
     for k, (first, stop) in enumerate(pairwise(edges)):
-        beside = images_beside(result, c, first, stop)
+        beside = beside_points(result, c, first, stop)
         if len(beside.off) >= max(FEW, 2 * MIN_FOUND_SHARE * beside.inside):
             off[k] = np.median(beside.off, axis=0)
         if beside.inside >= FEW:
@@ -189,7 +189,7 @@ def parts_of_recording(result: TrackingResult, c: int) -> Parts:
     return Parts(off, share, edges[:-1])
 
 
-def images_beside(result: TrackingResult, c: int, first: int, stop: int) -> Beside:
+def beside_points(result: TrackingResult, c: int, first: int, stop: int) -> Beside:
     """What camera c has beside the points of the tracks in frames `first` to `stop` − 1."""
     cloud, images = result.tracks.cloud, result.images
     rows = slice(cloud.start[first], cloud.start[stop])

@@ -115,10 +115,9 @@ class TrackingResult(NamedTuple):
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
         times: of the cameras, by which all was tracked.
         unfitting: stretches in which a camera fits the others no more, and was left out.
-        lenses: what the images tell of lenses of which the rig states no term, by which all was tracked where they
-            were lost; None where none is missing.
-        rig: the cameras by which the points were solved: as given, but for lens terms that were lost and cameras that
-            were put right. put_right: these cameras, and how far their images lay beside.
+        lenses: by the images, where the rig has lost their terms, by which all was tracked; None where none is missing.
+        rig: by which the points were solved: as given, but for lost lens terms and cameras that were put right.
+        put_right: these cameras, and how far their images lay beside.
         doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
         shifted: of cameras that lay beside by little, in stretches of `unfitting` or of `moved`, what was found.
         moved: stretches in which a camera that was knocked has its images where it would have had them before.
